@@ -133,8 +133,17 @@ void ElasticContact::shear(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& 
     constexpr double nothing = 1e-9;  // of what friction could hold: rounding, not a load
     const double size = std::max(next_.abs().maxCoeff(), nothing * greatest);
     if ((next_ - guess_).abs().maxCoeff() <= near_enough(tolerance_ * size, off)) {
-      constexpr double rounding = 1e-12;
-      slides_ = (q.square().rowwise().sum() >= (1.0 - rounding) * limit.square() && limit > 0.0).cast<double>();
+      // What slides is to be on its disc to the bit, which the last forces, a little off the solution, need not be.
+      const auto mark = [&](const auto& force) {
+        constexpr double rounding = 1e-12;
+        return (force.square().rowwise().sum() >= (1.0 - rounding) * limit.square() && limit > 0.0).template cast<double>().eval();
+      };
+      slides_ = mark(next_);
+      if ((slides_ != mark(q)).any()) {
+        q = next_;
+        apply(next_, at_next_);
+        u = at_next_;
+      }
       gain() += q;
       gain_way() += u;
       return;

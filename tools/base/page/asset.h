@@ -19,7 +19,8 @@ const std::vector<Asset>& assets();
 // `files` has none of that name.
 std::string_view embedded(const std::vector<Asset>& files, std::string_view name);
 
-// The texts of all files whose names end in `extension`, in order, a line end after each.
+// The texts of all files whose names end in `extension`, in order, a line end after each. A script that is no library's (.min.js) has a scope of
+// its own, in which `sb` is what all of them share: `slipbench` of the page.
 std::string joined(const std::vector<Asset>& files, std::string_view extension);
 
 }  // namespace slipbench::page

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "tools/base/page/pack.h"
 #include "tools/base/record/encoder.h"
 
@@ -44,7 +46,7 @@ std::string policy_hash(const std::string& content) {
 }
 
 // Nothing but the page's own style and script is applied or run, whatever got into the page; the empty picture of its tab is
-// data. Dygraphs draws with style attributes.
+// data. Scripts colour marks by style attributes.
 std::string policy(const std::string& styles, const std::string& scripts) {
   std::string text = "default-src 'none'; style-src-elem " + policy_hash(on_own_lines(styles));
   if (!scripts.empty()) text += "; style-src-attr 'unsafe-inline'; script-src " + policy_hash(on_own_lines(scripts));
@@ -84,6 +86,8 @@ std::string row_html(const std::vector<std::string>& cells, std::string_view tag
   return html + "</tr>\n";
 }
 
+std::string note_html(const std::string& text) { return fmt::format("<p class=\"note\">{}</p>\n", escape_html(text)); }
+
 }  // namespace
 
 std::string_view embedded(const std::vector<Asset>& files, std::string_view name) {
@@ -97,7 +101,11 @@ std::string_view embedded(const std::vector<Asset>& files, std::string_view name
 std::string joined(const std::vector<Asset>& files, std::string_view extension) {
   std::string text;
   for (const Asset& file : files) {
-    if (file.name.ends_with(extension)) text.append(embedded(files, file.name)) += '\n';
+    if (!file.name.ends_with(extension)) continue;
+    const bool own_script = extension == ".js" && !file.name.ends_with(".min.js");
+    if (own_script) text += "(function(sb) {\n'use strict';\n";
+    text.append(embedded(files, file.name)) += '\n';
+    if (own_script) text += "})(window.slipbench = window.slipbench || {});\n";
   }
   return text;
 }
@@ -142,6 +150,20 @@ std::string table_html(const std::vector<std::string>& head, const std::vector<s
   std::string html = "<div class=\"scroll\"><table class=\"plain\">\n<thead>" + row_html(head, "th") + "</thead>\n<tbody>\n";
   for (const std::vector<std::string>& row : rows) html += row_html(row, "td");
   return html + "</tbody></table></div>\n";
+}
+
+std::string head_html(std::string_view generator, const std::string& title, const std::vector<std::string>& notes,
+                      const std::string& command) {
+  std::string html =
+      fmt::format("<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>{}</h1>\n", generator, escape_html(title));
+  for (const std::string& note : notes) html += note_html(note);
+  if (!command.empty()) html += fmt::format("<p class=\"note\"><code>{}</code></p>\n", escape_html(command));
+  return html + "</header>\n";
+}
+
+std::string section_html(const std::string& title, const std::string& note, const std::string& content) {
+  const std::string said = note.empty() ? "" : note_html(note);
+  return fmt::format("<section><h2>{}</h2>\n{}{}</section>\n", escape_html(title), said, content);
 }
 
 std::string list_html(const std::vector<std::string>& items) {

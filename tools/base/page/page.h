@@ -40,4 +40,10 @@ std::string table_html(const std::vector<std::string>& head, const std::vector<s
 // <ul> of texts.
 std::string list_html(const std::vector<std::string>& items);
 
+// What a page without scripts begins with: the command's name, its title, notes and, where there is one, the command as code.
+std::string head_html(std::string_view generator, const std::string& title, const std::vector<std::string>& notes,
+                      const std::string& command = "");
+// A section of HTML below its title and what there is to know of it, "" for nothing.
+std::string section_html(const std::string& title, const std::string& note, const std::string& content);
+
 }  // namespace slipbench::page

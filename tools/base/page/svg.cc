@@ -41,6 +41,37 @@ Axis decade_axis(std::span<const double> values, double begin, double end) {
   return axis;
 }
 
+double round_step(double range, double times) {
+  const double rough = range > 0.0 ? range / times : 1.0, decade = std::pow(10.0, std::floor(std::log10(rough)));
+  for (const double step : {1.0, 2.0, 5.0}) {
+    if (rough <= step * decade) return step * decade;
+  }
+  return 10.0 * decade;
+}
+
+Axis round_axis(std::span<const double> values, double times, double begin, double end) {
+  const auto [least, most] = std::ranges::minmax(values);
+  return linear_axis(values, round_step(most - least, times), begin, end);
+}
+
+Svg chart(const Frame& frame, const std::string& title, const Axis& across, const std::string& across_name, const Axis& up,
+          const std::string& up_name) {
+  const auto& [width, height, left, right, top, foot] = frame;
+  Svg svg(width, height);
+  svg.text("name", left, top - 13.0, title);
+  for (const double tick : across.ticks) {
+    svg.line("mesh", across.at(tick), top, across.at(tick), foot);
+    svg.text("small middle", across.at(tick), foot + 14.0, fmt::format("{:.6g}", tick));
+  }
+  for (const double tick : up.ticks) {
+    svg.line("mesh", left, up.at(tick), right, up.at(tick));
+    svg.text("small end", left - 6.0, up.at(tick) + 4.0, fmt::format("{:.6g}", tick));
+  }
+  svg.text("middle", 0.5 * (left + right), foot + 32.0, across_name);
+  svg.text_upwards("middle", 14.0, 0.5 * (top + foot), up_name);
+  return svg;
+}
+
 Svg::Svg(double width, double height) : width_(width), height_(height) {}
 
 void Svg::line(std::string_view kind, double x1, double y1, double x2, double y2) {

@@ -26,6 +26,11 @@ Axis linear_axis(std::span<const double> values, double step, double begin, doub
 // The shortest axis of whole decades that begins below all `values`, which are above 0, and ends at or above them; at least one decade.
 Axis decade_axis(std::span<const double> values, double begin, double end);
 
+// 1, 2 or 5 times a power of ten, the least that goes into `range` at most `times` times.
+double round_step(double range, double times);
+// The shortest axis in such steps that holds all `values`.
+Axis round_axis(std::span<const double> values, double times, double begin, double end);
+
 // Series that web/theme.css has colours for.
 inline constexpr std::size_t series_count = 8;
 
@@ -51,5 +56,14 @@ class Svg {
   double width_, height_;
   std::string marks_;
 };
+
+// Where the axes of a chart lie in its drawing [px].
+struct Frame {
+  double width, height, left, right, top, foot;
+};
+
+// A chart with its axes, on which nothing is drawn yet. A name may be empty.
+Svg chart(const Frame& frame, const std::string& title, const Axis& across, const std::string& across_name, const Axis& up,
+          const std::string& up_name = "");
 
 }  // namespace slipbench::page

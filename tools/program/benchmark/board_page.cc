@@ -12,8 +12,6 @@
 namespace slipbench::benchmark {
 namespace {
 
-using page::escape_html;
-
 constexpr std::string_view generator = "slipbench benchmark";
 
 constexpr page::PageKind page_kind{
@@ -29,11 +27,6 @@ std::string shown(const Json& value, double scale, const char* unit, int digits)
 
 std::string share_of(const Json& row, const char* key) {
   return shown(row.at("figures").at("figures").at(key).at("value"), percent, " %", 0);
-}
-
-std::string section(const std::string& title, const std::string& content, const std::string& note) {
-  return fmt::format("<section><h2>{}</h2>\n{}<p class=\"note\">{}</p>\n</section>\n", escape_html(title), content,
-                     escape_html(note));
 }
 
 // Scores with their intervals, the best on top.
@@ -86,9 +79,9 @@ std::string set_html(const Json& set) {
   if (!table.left_out.empty()) html += "<h3>Not on this board</h3>\n" + page::list_html(table.left_out);
   if (const std::string groups = groups_html(set); !groups.empty()) html += "<h3>Score by condition (trials)</h3>\n" + groups;
   const std::string from = set.contains("scene") ? set.at("scene").get<std::string>() : set.at("file").get<std::string>();
-  return section(
-      table.title, html,
-      fmt::format("{}; labels {}; data {}", from, set.at("labels").get<std::string>(), set.at("data_sha256").get<std::string>()));
+  const std::string note =
+      fmt::format("{}; labels {}; data {}", from, set.at("labels").get<std::string>(), set.at("data_sha256").get<std::string>());
+  return page::section_html(table.title, note, html);
 }
 
 constexpr const char* opening =
@@ -142,24 +135,24 @@ BoardTable board_table(const Json& set) {
 
 std::string board_page(const Json& result) {
   const Json& protocol = result.at("protocol");
-  std::string body = fmt::format(
-      "<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>Slip detectors on {}{}</h1>\n<p class=\"note\">{}</p></header>\n",
-      generator, escape_html(protocol.at("name").get<std::string>()), protocol.at("whole").get<bool>() ? "" : ", a part of it",
-      opening);
+  const std::string name = protocol.at("name").get<std::string>(),
+                    part = protocol.at("whole").get<bool>() ? "" : ", a part of it";
+  std::string body = page::head_html(generator, "Slip detectors on " + name + part, {opening});
   for (const Json& set : result.at("sets")) body += set_html(set);
-  if (result.contains("transfer")) body += section("transfer", "", result.at("transfer").get<std::string>());
+  if (result.contains("transfer")) body += page::section_html("transfer", result.at("transfer").get<std::string>(), "");
   const std::vector<std::vector<std::string>> constants{
       {"half_delay", fmt::format("{:g} ms", ms * protocol.at("half_delay_s").get<double>())},
       {"limit", fmt::format("{:g} false alarms a minute", protocol.at("alarms_per_minute").get<double>())},
       {"force_ratio", fmt::format("{:g}", protocol.at("force_ratio").get<double>())},
       {"protocol", protocol.at("sha256").get<std::string>()}};
-  body += section("How the score is made", page::table_html({"", ""}, constants), rule);
+  body += page::section_html("How the score is made", rule, page::table_html({"", ""}, constants));
   std::vector<std::vector<std::string>> machine;
   for (const auto& [key, value] : result.at("machine").items())
     machine.push_back({key, value.is_string() ? value.get<std::string>() : value.dump()});
-  body += section("Machine", page::table_html({"", ""}, machine),
-                  "A network's answers may differ in their last bits on another processor; all else is the same everywhere.");
-  return page::compose_page({generator, fmt::format("slip detectors on {}", protocol.at("name").get<std::string>())}, body);
+  body += page::section_html(
+      "Machine", "A network's answers may differ in their last bits on another processor; all else is the same everywhere.",
+      page::table_html({"", ""}, machine));
+  return page::compose_page({generator, "slip detectors on " + name}, body);
 }
 
 bool begins_as_board_page(std::string_view text) { return page::begins_as_page(text, generator); }

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -31,7 +31,8 @@ constexpr page::PageKind page_kind{"a calibration",
 constexpr TextKind scene_kind{"scene of slipbench calibrate", &begins_as_fitted_scene};
 
 // A drawing and where its axes lie in it [px].
-constexpr double width = 300.0, height = 190.0, left = 54.0, right = 290.0, top = 26.0, foot = 150.0;
+constexpr double left = 54.0, right = 290.0, top = 26.0, foot = 150.0;
+constexpr page::Frame frame{300.0, 190.0, left, right, top, foot};
 // A page of more recordings than these would be slow to open; the JSON beside it has all.
 constexpr std::size_t most_drawn = 12;
 
@@ -39,50 +40,25 @@ std::string number(const Json& value) { return fmt::format("{:.4g}", value.get<d
 std::string text(const Json& value) { return value.get<std::string>(); }
 
 FitKey key_of(const Json& parameter) {
-  FitKey key{
-      .path = text(parameter.at("key")), .min = parameter.at("min").get<double>(), .max = parameter.at("max").get<double>()};
-  key.logarithmic = parameter.at("draw") == "log_uniform";
-  for (const Quantity quantity : {Quantity::length, Quantity::time, Quantity::speed, Quantity::acceleration, Quantity::angle,
-                                  Quantity::angular_speed, Quantity::angular_acceleration, Quantity::frequency, Quantity::force,
-                                  Quantity::mass, Quantity::stiffness, Quantity::damping, Quantity::pressure}) {
-    if (parameter.at("unit") == si_symbol(quantity)) key.quantity = quantity;
-  }
-  return key;
+  const std::string unit = text(parameter.at("unit"));
+  return {.path = text(parameter.at("key")),
+          .min = parameter.at("min").get<double>(),
+          .max = parameter.at("max").get<double>(),
+          .logarithmic = parameter.at("draw") == "log_uniform",
+          .quantity = unit.empty() ? Quantity::none : quantity_of("1 " + unit)};
 }
 
 std::string path_of(const std::string& scene, const char* extension) {
   return std::filesystem::path(scene).replace_extension(extension).string();
 }
 
-std::string section(const std::string& title, const std::string& content, const std::string& note) {
-  return fmt::format("<section><h2>{}</h2>\n<p class=\"note\">{}</p>\n{}</section>\n", escape_html(title), escape_html(note),
-                     content);
-}
+Axis axis_for(const std::vector<double>& values, double begin, double end) { return page::round_axis(values, 4.0, begin, end); }
 
-Svg chart(const std::string& title, const Axis& across, const std::string& across_name, const Axis& up) {
-  Svg svg(width, height);
-  svg.text("name", left, 14.0, title);
-  for (const double tick : across.ticks) {
-    svg.line("mesh", across.at(tick), top, across.at(tick), foot);
-    svg.text("small middle", across.at(tick), foot + 13.0, fmt::format("{:.4g}", tick));
-  }
-  for (const double tick : up.ticks) {
-    svg.line("mesh", left, up.at(tick), right, up.at(tick));
-    svg.text("small end", left - 5.0, up.at(tick) + 4.0, fmt::format("{:.4g}", tick));
-  }
-  svg.text("small middle", 0.5 * (left + right), foot + 30.0, across_name);
-  return svg;
-}
-
-// 1, 2 or 5 times a power of ten, some four of which make up `range`.
-Axis axis_for(const std::vector<double>& values, double begin, double end) {
-  const auto [least, most] = std::ranges::minmax(values);
-  const double rough = most > least ? (most - least) / 4.0 : 1.0, decade = std::pow(10.0, std::floor(std::log10(rough)));
-  double step = 10.0 * decade;
-  for (const double times : {5.0, 2.0, 1.0}) {
-    if (rough <= times * decade) step = times * decade;
-  }
-  return page::linear_axis(values, step, begin, end);
+// An axis that holds the values of both.
+Axis axis_for_both(const std::vector<double>& real, const std::vector<double>& synthetic) {
+  std::vector<double> values = real;
+  values.insert(values.end(), synthetic.begin(), synthetic.end());
+  return axis_for(values, foot, top);
 }
 
 std::string parameters_html(const Json& result) {
@@ -135,7 +111,7 @@ std::string profiles_html(const Json& result) {
     const double low = profile.front().at(0).get<double>(), high = profile.back().at(0).get<double>();
     const Axis across{.low = low, .high = high, .begin = left, .end = right, .ticks = {}};
     const Axis up{.low = 0.0, .high = most, .begin = foot, .end = top, .ticks = {0.0, 10.0, 20.0, 30.0, 40.0}};
-    Svg svg = chart(key.path, across, key.text(low, 5) + " to " + key.text(high, 5), up);
+    Svg svg = page::chart(frame, key.path, across, key.text(low, 5) + " to " + key.text(high, 5), up);
     std::vector<std::array<double, 2>> way;
     for (const Json& point : profile)
       way.push_back({across.at(point.at(0).get<double>()), up.at(std::clamp(point.at(1).get<double>(), 0.0, most))});
@@ -166,14 +142,13 @@ std::string residuals_html(const Json& result) {
 std::string curve_drawing(const Json& recording, const Json& curve) {
   const double begin = recording.at("begin_s").get<double>(), step = recording.at("step_s").get<double>();
   const auto real = curve.at("real").get<std::vector<double>>(), synthetic = curve.at("synthetic").get<std::vector<double>>();
-  std::vector<double> values = real, times;
-  values.insert(values.end(), synthetic.begin(), synthetic.end());
+  std::vector<double> times;
   for (std::size_t k = 0; k < real.size(); ++k) times.push_back(begin + step * (static_cast<double>(k) + 0.5));
-  const Axis across = axis_for(times, left, right), up = axis_for(values, foot, top);
+  const Axis across = axis_for(times, left, right), up = axis_for_both(real, synthetic);
   const std::string of = curve.at("of").is_string() ? "mean" : fmt::format("unit {}", curve.at("of").get<std::size_t>());
   const std::string shown =
       fmt::format("{} {} [{}], {}", text(curve.at("channel")), text(curve.at("component")), text(curve.at("unit")), of);
-  Svg svg = chart(shown, across, "time [s]", up);
+  Svg svg = page::chart(frame, shown, across, "time [s]", up);
   const auto draw = [&](const char* kind, const std::vector<double>& line) {
     std::vector<std::array<double, 2>> way;
     for (std::size_t k = 0; k < line.size(); ++k) way.push_back({across.at(times[k]), up.at(line[k])});
@@ -182,17 +157,6 @@ std::string curve_drawing(const Json& recording, const Json& curve) {
   draw("s0", real);
   draw("s1", synthetic);
   return svg.element(shown + ", real and synthetic");
-}
-
-std::string curves_html(const Json& result) {
-  std::string html;
-  const Json& recordings = result.at("recordings");
-  for (std::size_t r = 0; r < std::min(most_drawn, recordings.size()); ++r) {
-    html += fmt::format("<h3>{}</h3>\n<div>", escape_html(text(recordings.at(r).at("name"))));
-    for (const Json& curve : recordings.at(r).at("curves")) html += curve_drawing(recordings.at(r), curve);
-    html += "</div>\n";
-  }
-  return html;
 }
 
 // A figure a row, a group a column: how far apart they are.
@@ -217,13 +181,12 @@ std::string group_residuals_html(const Json& result) {
 
 std::string group_drawing(const Json& one) {
   const auto real = one.at("real").get<std::vector<double>>(), synthetic = one.at("synthetic").get<std::vector<double>>();
-  std::vector<double> values = real, units;
-  values.insert(values.end(), synthetic.begin(), synthetic.end());
+  std::vector<double> units;
   for (std::size_t unit = 0; unit < real.size(); ++unit) units.push_back(static_cast<double>(unit));
-  const Axis across = axis_for(units, left, right), up = axis_for(values, foot, top);
+  const Axis across = axis_for(units, left, right), up = axis_for_both(real, synthetic);
   const std::string shown = fmt::format("{} {} {} [{}]", text(one.at("channel")), text(one.at("component")),
                                         text(one.at("statistic")), text(one.at("unit")));
-  Svg svg = chart(shown, across, "unit", up);
+  Svg svg = page::chart(frame, shown, across, "unit", up);
   for (std::size_t unit = 0; unit < real.size(); ++unit) {
     svg.dot("s0", across.at(units[unit]), up.at(real[unit]), 2.5);
     svg.dot("s1", across.at(units[unit]), up.at(synthetic[unit]), 2.5);
@@ -231,14 +194,19 @@ std::string group_drawing(const Json& one) {
   return svg.element(shown + ", real and synthetic");
 }
 
-std::string groups_html(const Json& result) {
+// The first of `all`, each below its name with what `draw` makes of its `parts`.
+std::string drawings(const Json& all, const char* parts, const std::function<std::string(const Json&, const Json&)>& draw) {
   std::string html;
-  const Json& groups = result.at("groups");
-  for (std::size_t g = 0; g < std::min(most_drawn, groups.size()); ++g) {
-    html += fmt::format("<h3>{}</h3>\n<div>", escape_html(text(groups.at(g).at("name"))));
-    for (const Json& one : groups.at(g).at("statistics")) html += group_drawing(one);
+  for (std::size_t k = 0; k < std::min(most_drawn, all.size()); ++k) {
+    html += fmt::format("<h3>{}</h3>\n<div>", escape_html(text(all.at(k).at("name"))));
+    for (const Json& part : all.at(k).at(parts)) html += draw(all.at(k), part);
     html += "</div>\n";
   }
+  return html;
+}
+
+std::string groups_html(const Json& groups) {
+  std::string html = drawings(groups, "statistics", [](const Json&, const Json& one) { return group_drawing(one); });
   if (groups.size() > most_drawn) html += fmt::format("<p>The first {} of {} groups are drawn.</p>\n", most_drawn, groups.size());
   return html;
 }
@@ -252,40 +220,43 @@ bool begins_as_fitted_scene(std::string_view text) { return text.starts_with(fit
 std::string calibration_page(const Json& result) {
   const std::string scene = text(result.at("scene"));
   const bool groups = result.contains("groups");
-  std::string body = fmt::format(
-      "<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>{}</h1>\n<p class=\"note\">{} recordings, seed {}; residuals are {:.3g} times the "
-      "{}</p>\n<p class=\"note\"><code>{}</code></p></header>\n",
-      generator, escape_html(scene), result.at("recordings").size(), result.at("seed").get<std::uint64_t>(),
-      result.at(groups ? "residual_over_scatter" : "residual_over_repeatability").get<double>(),
-      groups ? "scatter of recordings and devices" : "sensor's repeatability", escape_html(text(result.at("command"))));
-  body +=
-      section("Parameters", parameters_html(result),
-              "Not determined: the 95 % interval takes half of the bounds or more, or the fit is as good at one of them." +
-                  std::string(groups ? "" : " Stiffness is as read: the gains of a component have the mean 1 over its units."));
-  body += section(
-      "Profiles", profiles_html(result),
+  const std::string found = fmt::format("{} recordings, seed {}; residuals are {:.3g} times the {}",
+                                        result.at("recordings").size(), result.at("seed").get<std::uint64_t>(),
+                                        result.at(groups ? "residual_over_scatter" : "residual_over_repeatability").get<double>(),
+                                        groups ? "scatter of recordings and devices" : "sensor's repeatability");
+  std::string body = page::head_html(generator, scene, {found}, text(result.at("command")));
+  body += page::section_html(
+      "Parameters",
+      "Not determined: the 95 % interval takes half of the bounds or more, or the fit is as good at one of them." +
+          std::string(groups ? "" : " Stiffness is as read: the gains of a component have the mean 1 over its units."),
+      parameters_html(result));
+  body += page::section_html(
+      "Profiles",
       "How the squared residuals rise where a parameter is held elsewhere and the others follow. Dashed: 3.84, the end of a 95 % interval. "
-      "Dot: the fit.");
+      "Dot: the fit.",
+      profiles_html(result));
   if (groups) {
-    body += section(
-        "Residuals", group_residuals_html(result),
+    body += page::section_html(
+        "Residuals",
         "How far the means of a group are apart, in their scatter; RMS over the units. Head: recordings / trials, and how many draws the scene refused. Level: mean. Trend: second half "
-        "less first. Times: how far means over so long step from one to the next, by logarithm. Much above 1 is an error of the model.");
-    body += section("Real and synthetic", groups_html(result),
-                    "Means over a group, by unit. Blue: recorded; orange: the fitted scene.");
-    return page::compose_page({generator, std::filesystem::path(scene).filename().string() + " · slipbench calibrate"}, body);
+        "less first. Times: how far means over so long step from one to the next, by logarithm. Much above 1 is an error of the model.",
+        group_residuals_html(result));
+    body += page::section_html("Real and synthetic", "Means over a group, by unit. Blue: recorded; orange: the fitted scene.",
+                               groups_html(result.at("groups")));
+  } else {
+    const Json& recordings = result.at("recordings");
+    body += page::section_html(
+        "Residuals",
+        "Repeatability: what the scene's own electronics leave where the model is exact. A residual well above it is an error of the model.",
+        residuals_html(result));
+    body += page::section_html(
+        "Real and synthetic",
+        "Blue: recorded; orange: the fitted scene, with the gains and offsets that fit. Mean of all units, and the unit that fits worst." +
+            (recordings.size() > most_drawn
+                 ? fmt::format(" The first {} recordings; the JSON beside this page has all.", most_drawn)
+                 : ""),
+        drawings(recordings, "curves", curve_drawing));
   }
-  body += section(
-      "Residuals", residuals_html(result),
-      "Repeatability: what the scene's own electronics leave where the model is exact. A residual well above it is an error of the model.");
-  body += section(
-      "Real and synthetic", curves_html(result),
-      fmt::format(
-          "Blue: recorded; orange: the fitted scene, with the gains and offsets that fit. Mean of all units, and the unit that fits "
-          "worst.{}",
-          result.at("recordings").size() > most_drawn
-              ? fmt::format(" The first {} recordings; the JSON beside this page has all.", most_drawn)
-              : ""));
   return page::compose_page({generator, std::filesystem::path(scene).filename().string() + " · slipbench calibrate"}, body);
 }
 

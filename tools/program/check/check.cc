@@ -1,6 +1,7 @@
 #include "tools/program/check/check.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -47,12 +48,10 @@ std::string value_text(const ExpectationKind& kind, double value, double limit) 
 std::string limit_text(const ExpectationKind& kind, double limit) {
   const std::string text = kind.comparison == Comparison::equal ? value_text(kind, limit, limit)
                                                                 : format_quantity(limit, kind.about.parameters.front().quantity);
-  switch (kind.comparison) {
-    case Comparison::at_most: return "at most " + text;
-    case Comparison::at_least: return "at least " + text;
-    case Comparison::equal: return text;
-  }
-  throw std::logic_error("no such comparison");
+  return (kind.comparison == Comparison::at_most    ? "at most "
+          : kind.comparison == Comparison::at_least ? "at least "
+                                                    : "") +
+         text;
 }
 
 // A trial that ran, or one that could not.
@@ -218,13 +217,8 @@ void check_reliabilities(const TrialPlan& plan, const ExpectScene& expect) {
 }  // namespace
 
 std::string verdict_text(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::passed: return "passed";
-    case Verdict::failed: return "failed";
-    case Verdict::tests_nothing: return "tests nothing";
-    case Verdict::not_checked: return "not checked";
-  }
-  throw std::logic_error("no such verdict");
+  constexpr std::array<const char*, 4> words{"passed", "failed", "tests nothing", "not checked"};
+  return words.at(static_cast<std::size_t>(verdict));
 }
 
 bool expects_anything(const CheckOptions& options, const Catalogues& catalogues) {

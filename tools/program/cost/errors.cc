@@ -98,53 +98,49 @@ std::optional<MeasureError> slip_distance_error(const std::vector<Both>& sensors
   return values.error();
 }
 
+// Adds the root mean square of the difference of values, `width` a row, as a share of the reference's: of its own, or about the
+// mean of each.
+void add_difference(const Rows& rows, std::span<const float> run, std::span<const float> reference, std::size_t width,
+                    bool about_mean, MeasureValues& values) {
+  double squares = 0.0, of = 0.0;
+  for (std::size_t i = 0; i < width; ++i) {
+    double sum = 0.0;
+    for (const auto& row : rows) sum += static_cast<double>(reference[row.second * width + i]);
+    const double mean = about_mean ? sum / static_cast<double>(rows.size()) : 0.0;
+    for (const auto& [row, reference_row] : rows) {
+      const double is = static_cast<double>(run[row * width + i]);
+      const double was = static_cast<double>(reference[reference_row * width + i]);
+      squares += (is - was) * (is - was);
+      of += (was - mean) * (was - mean);
+    }
+  }
+  values.add_share(squares, of);
+}
+
 std::optional<MeasureError> force_error(const std::vector<Both>& sensors) {
   MeasureValues values;
   for (const Both& both : sensors) {
     if (!both.same_units()) continue;
-    const std::size_t width = 3 * both.run.labels.units();
-    double squares = 0.0, of = 0.0;
+    add_difference(both.rows(), both.run.labels.force, both.reference.labels.force, 3 * both.run.labels.units(), false, values);
+  }
+  return values.error();
+}
+
+// `states`: of the pad, or `by_unit` of each of its units; 0 is without contact.
+std::optional<MeasureError> state_error(const std::vector<Both>& sensors, std::vector<std::uint8_t> LabelRecord::*states,
+                                        bool by_unit) {
+  MeasureValues values;
+  for (const Both& both : sensors) {
+    if (by_unit && !both.same_units()) continue;
+    const std::size_t width = by_unit ? both.run.labels.units() : 1;
+    std::size_t differing = 0, of = 0;
     for (const auto& [row, reference_row] : both.rows()) {
       for (std::size_t i = 0; i < width; ++i) {
-        const double is = static_cast<double>(both.run.labels.force[row * width + i]);
-        const double was = static_cast<double>(both.reference.labels.force[reference_row * width + i]);
-        squares += (is - was) * (is - was);
-        of += was * was;
-      }
-    }
-    values.add_share(squares, of);
-  }
-  return values.error();
-}
-
-std::optional<MeasureError> label_error(const std::vector<Both>& sensors) {
-  MeasureValues values;
-  for (const Both& both : sensors) {
-    if (!both.same_units()) continue;
-    const std::size_t units = both.run.labels.units();
-    std::size_t differing = 0, of = 0;
-    for (const auto& [row, reference_row] : both.rows()) {
-      for (std::size_t unit = 0; unit < units; ++unit) {
-        const std::uint8_t is = both.run.labels.unit_state[row * units + unit];
-        const std::uint8_t was = both.reference.labels.unit_state[reference_row * units + unit];
-        of += is != detached_state || was != detached_state ? 1U : 0U;
+        const std::uint8_t is = (both.run.labels.*states)[row * width + i];
+        const std::uint8_t was = (both.reference.labels.*states)[reference_row * width + i];
+        of += is != 0 || was != 0 ? 1U : 0U;
         differing += is != was ? 1U : 0U;
       }
-    }
-    values.add_count(differing, of);
-  }
-  return values.error();
-}
-
-std::optional<MeasureError> pad_state_error(const std::vector<Both>& sensors) {
-  MeasureValues values;
-  for (const Both& both : sensors) {
-    constexpr auto none = static_cast<std::uint8_t>(PadState::no_contact);
-    std::size_t differing = 0, of = 0;
-    for (const auto& [row, reference_row] : both.rows()) {
-      const std::uint8_t is = both.run.labels.state_micro[row], was = both.reference.labels.state_micro[reference_row];
-      of += is != none || was != none ? 1U : 0U;
-      differing += is != was ? 1U : 0U;
     }
     values.add_count(differing, of);
   }
@@ -188,26 +184,11 @@ std::optional<MeasureError> detector_error(const TrialRecord& run, const TrialRe
   return values.error();
 }
 
-// Adds one channel of a sensor: sums of squares over all of its values.
 void add_channel(const Both& both, const SensorColumn& is, const SensorColumn& was, MeasureValues& values) {
-  const std::vector<double>& run_times = is.time ? *is.time : both.run.time;
   const std::vector<double>& reference_times = was.time ? *was.time : both.reference.time;
-  const Rows rows = common_rows(run_times, reference_times);
+  const Rows rows = common_rows(is.time ? *is.time : both.run.time, reference_times);
   if (rows.empty() || is.shape != was.shape) return;
-  const std::size_t width = was.values.size() / reference_times.size();
-  double squares = 0.0, of = 0.0;
-  for (std::size_t i = 0; i < width; ++i) {
-    double sum = 0.0;
-    for (const auto& row : rows) sum += static_cast<double>(was.values[row.second * width + i]);
-    const double mean = sum / static_cast<double>(rows.size());
-    for (const auto& [row, reference_row] : rows) {
-      const double now = static_cast<double>(is.values[row * width + i]);
-      const double then = static_cast<double>(was.values[reference_row * width + i]);
-      squares += (now - then) * (now - then);
-      of += (then - mean) * (then - mean);
-    }
-  }
-  values.add_share(squares, of);
+  add_difference(rows, is.values, was.values, was.values.size() / reference_times.size(), true, values);
 }
 
 std::optional<MeasureError> signal_error(const std::vector<Both>& sensors) {
@@ -259,37 +240,23 @@ Eigen::Vector3d place_on_pad(const TrialRecord& record, const HeldPair& pair, st
 }
 
 // Whether at time t, by the last sample up to it, the pad of sensor `holding` touches and no unit of any sensor slips.
-class HoldWatch {
- public:
-  HoldWatch(const TrialRecord& record, std::size_t holding)
-      : record_(record), holding_(holding), next_(record.sensors.size(), 0) {}
-
-  // In order of time.
-  bool holds_at(double time) {
-    bool holds = true;
-    for (std::size_t s = 0; s < record_.sensors.size(); ++s) {
-      const SensorRecord& sensor = record_.sensors[s];
-      while (next_[s] < sensor.time.size() && sensor.time[next_[s]] <= time + time_rounding) ++next_[s];
-      const std::size_t units = sensor.labels.units();
-      const std::size_t row = std::max<std::size_t>(next_[s], 1) - 1;
-      const auto states = std::span(sensor.labels.unit_state).subspan(row * units, units);
-      const bool rests =
-          std::ranges::all_of(states, [](std::uint8_t state) { return state == detached_state || state == sticking_state; });
-      const bool touches = std::ranges::any_of(states, [](std::uint8_t state) { return state != detached_state; });
-      holds = holds && next_[s] > 0 && rests && (s != holding_ || touches);
-    }
-    return holds;
+bool holds_at(const TrialRecord& record, std::size_t holding, double time) {
+  for (std::size_t s = 0; s < record.sensors.size(); ++s) {
+    const SensorRecord& sensor = record.sensors[s];
+    const auto next = std::ranges::upper_bound(sensor.time, time + time_rounding);
+    if (next == sensor.time.begin()) return false;
+    const std::size_t units = sensor.labels.units(), row = static_cast<std::size_t>(next - sensor.time.begin()) - 1;
+    const auto states = std::span(sensor.labels.unit_state).subspan(row * units, units);
+    const bool rests =
+        std::ranges::all_of(states, [](std::uint8_t state) { return state == detached_state || state == sticking_state; });
+    const bool touches = std::ranges::any_of(states, [](std::uint8_t state) { return state != detached_state; });
+    if (!rests || (s == holding && !touches)) return false;
   }
-
- private:
-  const TrialRecord& record_;
-  std::size_t holding_;
-  std::vector<std::size_t> next_;  // by sensor, the first sample after the time asked for
-};
+  return true;
+}
 
 // First and last of the longest stretch of `rows` in which the reference holds the body; equal: there is none.
 std::pair<std::size_t, std::size_t> longest_hold(const TrialRecord& reference, const Rows& rows, const HeldPair& pair) {
-  HoldWatch watch(reference, pair.sensor);
   std::pair<std::size_t, std::size_t> longest{0, 0};
   const auto length = [&](const auto& stretch) {
     return reference.body_time[rows[stretch.second].second] - reference.body_time[rows[stretch.first].second];
@@ -297,7 +264,7 @@ std::pair<std::size_t, std::size_t> longest_hold(const TrialRecord& reference, c
   const std::size_t none = rows.size();
   std::size_t first = none;  // of the stretch at hand
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!watch.holds_at(reference.body_time[rows[i].second])) {
+    if (!holds_at(reference, pair.sensor, reference.body_time[rows[i].second])) {
       first = none;
       continue;
     }
@@ -378,8 +345,8 @@ Errors compare(const Scene& scene, const TrialResult& run, const TrialResult& re
   at(errors, Measure::slip_distance) = slip_distance_error(sensors);
   at(errors, Measure::force) = force_error(sensors);
   at(errors, Measure::creep) = creep_error(scene, run.record, reference.record);
-  at(errors, Measure::label) = label_error(sensors);
-  at(errors, Measure::label_micro) = pad_state_error(sensors);
+  at(errors, Measure::label) = state_error(sensors, &LabelRecord::unit_state, true);
+  at(errors, Measure::label_micro) = state_error(sensors, &LabelRecord::state_micro, false);
   at(errors, Measure::outcome) = outcome_error(run.record, reference.record);
   at(errors, Measure::detector) = detector_error(run.record, reference.record);
   at(errors, Measure::signal) = signal_error(sensors);

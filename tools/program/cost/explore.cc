@@ -72,7 +72,27 @@ class Explorer {
   Explorer(const ExploreOptions& options, const Catalogues& catalogues)
       : options_(options), catalogues_(catalogues), start_(Clock::now()) {}
 
-  Exploration run();
+  Exploration run() {
+    const InterruptScope scope(options_.interrupt);
+    result_.scene_path = options_.scene_path;
+    result_.budget = options_.budget;
+    result_.trial = options_.trial;
+    run_own();
+    result_.seed = seed_;
+    run_reference();
+    end_if(options_.interrupt);
+    try {
+      try_all();
+      price_all();
+      time_all();
+    } catch (const Interrupted&) {  // in a run that then counts for nothing
+    }
+    sum_up();
+    mark_fronts(result_);
+    result_.interrupted = interrupted();
+    result_.elapsed = since(start_);
+    return std::move(result_);
+  }
 
  private:
   [[nodiscard]] bool interrupted() const { return options_.interrupt != nullptr && options_.interrupt->load(); }
@@ -81,20 +101,256 @@ class Explorer {
     if (options_.say) options_.say(what);
   }
 
-  [[nodiscard]] std::vector<Override> changes_of(const Setting& setting) const;
-  [[nodiscard]] std::string command_of(const Setting& setting) const;
-  [[nodiscard]] Scene scene_of(const Setting& setting) const;
-  TrialResult timed_run(Job& job, Recording recording) const;
+  [[nodiscard]] std::vector<Override> changes_of(const Setting& setting) const {
+    std::vector<Override> all = options_.overrides;
+    if (wishes_) all.push_back({"accuracy", "none"});  // its search is for one setting; here all are seen
+    all.insert(all.end(), setting.changes.begin(), setting.changes.end());
+    return all;
+  }
 
-  void run_own();
-  void run_reference();
-  [[nodiscard]] Errors errors_of(const TrialResult& run) const;
-  std::optional<TrialResult> try_setting(Row& row, Job& job);
-  void try_all();
-  void price_all();
-  void price(Price price, Scene without);
-  void time_all();
-  void sum_up();
+  [[nodiscard]] std::string command_of(const Setting& setting) const {
+    SweepOptions sweep;
+    sweep.verb = "run";
+    sweep.scene_path = options_.scene_path;
+    sweep.overrides = changes_of(setting);
+    sweep.seed = options_.seed;
+    if (options_.trial > 0) sweep.only = options_.trial;
+    return canonical_command(sweep);
+  }
+
+  // Throws InputError where the changes do not suit the scene.
+  [[nodiscard]] Scene scene_of(const Setting& setting) const {
+    SceneFile file = SceneFile::load(options_.scene_path);
+    for (const Override& change : changes_of(setting)) file.apply(change);
+    const TrialPlan plan(file, catalogues_, 0, seed_);
+    if (options_.trial >= plan.size()) {
+      throw InputError(
+          fmt::format("cost: --trial is {}; the scene's sweep has the trials 0 to {}", options_.trial, plan.size() - 1));
+    }
+    Scene scene = plan.trial(options_.trial).scene;
+    scene.seed = seed_;
+    try {
+      check_trial(scene, options_.trial);
+    } catch (const SceneValueError& error) {
+      throw InputError(plan.where(options_.trial, error.path()) + ": " + error.what());
+    }
+    return scene;
+  }
+
+  TrialResult timed_run(Job& job, Recording recording) const {
+    const double begin = cpu_clock(), on_clock = since(start_);
+    TrialResult result = run_trial(job.scene, options_.trial, recording, max_record_bytes, options_.interrupt);
+    const double seconds = cpu_clock() - begin;
+    if (recording == Recording::outcome) {
+      job.seconds.push_back(seconds);
+    } else {
+      job.first = seconds;
+    }
+    job.expected = since(start_) - on_clock;
+    return result;
+  }
+
+  void run_own() {
+    SceneFile file = SceneFile::load(options_.scene_path);
+    for (const Override& change : options_.overrides) file.apply(change);
+    seed_ = options_.seed.value_or(read_seed(file.root()));
+    wishes_ = file.root().find("accuracy") != nullptr;
+    Row row{.setting = {"own", "the scene", {}}, .own = true, .command = command_of({})};
+    Job job{scene_of({})};
+    say("the scene as it is");
+    own_ = timed_run(job, Recording::full);
+    if (budget_in_runs * job.expected > options_.budget) {
+      throw InputError(fmt::format("cost: --budget is {:.3g} s, and a trial of {} takes {:.2g} s; allowed: at least {:.3g} s",
+                                   options_.budget, options_.scene_path, job.expected, std::ceil(budget_in_runs * job.expected)));
+    }
+    own_ = timed_run(job, Recording::full);  // the first has filled caches
+    timed_run(job, Recording::outcome);
+    row.setting.label = short_text(own_.time_step);
+    result_.simulated = job.scene.duration;
+    result_.description = job.scene.description;
+    result_.wish_left_aside = wishes_;
+    result_.one_friction = one_friction(job.scene);
+    row.rate = fastest_rate(job.scene);
+    result_.rows.push_back(std::move(row));
+    jobs_.push_back(std::move(job));
+  }
+
+  void run_reference() {
+    const double own = jobs_.front().expected;
+    int divisor = reference_divisors.back();
+    for (const int candidate : reference_divisors) {
+      if (1.5 * candidate * own > reference_share * options_.budget) continue;
+      divisor = candidate;
+      break;
+    }
+    const double fine = own_.time_step / divisor;
+    say(fmt::format("the reference, {}", short_text(fine)));
+    const Setting setting = finer(fine), half = finer(2.0 * fine);
+    Job fine_job{scene_of(setting)};
+    reference_ = timed_run(fine_job, Recording::full);
+    Job half_job{scene_of(half)};
+    const TrialResult coarser = divisor == 2 ? own_ : timed_run(half_job, Recording::full);
+
+    Reference& reference = result_.reference;
+    reference.time_step = fine;
+    reference.command = command_of(setting);
+    reference.own_error = compare(fine_job.scene, coarser, reference_);
+    exact_ = closed_form(jobs_.front().scene, options_.trial);
+    reference.closed_onsets = exact_.has_value();
+    if (exact_) take_onsets({}, reference.own_error);
+    reference.converged = true;
+    for (const MeasureInfo& info : measure_table()) {
+      const std::optional<MeasureError>& error = at(reference.own_error, info.measure);
+      if (error && (error->different || error->worst > converged_error(info.measure))) reference.converged = false;
+    }
+    result_.rows.front().errors = errors_of(own_);
+  }
+
+  [[nodiscard]] Errors errors_of(const TrialResult& run) const {
+    const Scene& scene = jobs_.front().scene;
+    Errors errors = compare(scene, run, reference_);
+    if (exact_) take_onsets(compare(scene, run, *exact_), errors);
+    return errors;
+  }
+
+  // Runs a setting for the first time; empty where it does not run, which the row then says.
+  std::optional<TrialResult> try_setting(Row& row, Job& job) {
+    try {
+      job.scene = scene_of(row.setting);
+    } catch (const InputError& error) {
+      row.why = error.what();
+      row.status = warned(row.why) ? Status::warning : Status::refused;  // tips that settle before the first step may diverge
+      return std::nullopt;
+    }
+    // Time goes with the number of steps, by what the quickest of the series has shown: a stalled run is to speak for itself
+    // alone.
+    job.expected = job.scene.time_step && pace_ ? *pace_ / *job.scene.time_step : 0.0;
+    if (static_cast<double>(least_repeats) * job.expected > setting_share * options_.budget) {
+      row.status = Status::over_budget;
+      row.why = fmt::format("{:.2g} s a run, by the quickest of the series: more than a thirtieth of the budget", job.expected);
+      return std::nullopt;
+    }
+    try {
+      TrialResult run = timed_run(job, Recording::full);
+      pace_ = std::min(pace_.value_or(infinite), job.expected * run.time_step);
+      return run;
+    } catch (const InputError& error) {
+      row.why = error.what();
+      row.status = warned(row.why) ? Status::warning : Status::diverged;
+      return std::nullopt;
+    }
+  }
+
+  void try_all() {
+    const double begin = since(start_);
+    std::vector<std::pair<std::size_t, TrialResult>> apart;  // rows that are compared with the last of their series
+    for (Setting& setting : settings_to_try(jobs_.front().scene, {own_.time_step})) {
+      if (interrupted()) return;
+      const Series& series = series_of(setting);
+      if (setting.series != series_at_hand_) {
+        say(series.title);
+        series_at_hand_ = setting.series;
+        pace_.reset();
+      }
+      Row row{.setting = std::move(setting), .command = {}};
+      Job job;
+      row.command = command_of(row.setting);
+      std::optional<TrialResult> run;
+      if (since(start_) - begin > trying_share * options_.budget) {
+        row.status = Status::over_budget;
+        row.why = "the budget for trying settings was used up";
+      } else {
+        run = try_setting(row, job);
+      }
+      if (run && series.own_reference) {
+        apart.emplace_back(result_.rows.size(), std::move(*run));
+      } else if (run) {
+        row.errors = errors_of(*run);
+      }
+      row.rate = fastest_rate(job.scene);
+      result_.rows.push_back(std::move(row));
+      jobs_.push_back(std::move(job));
+    }
+    for (const auto& [index, run] : apart) {
+      if (index == apart.back().first) break;
+      result_.rows[index].errors = compare(jobs_[apart.back().first].scene, run, apart.back().second);
+    }
+  }
+
+  void price_all() {
+    const Scene scene = jobs_.front().scene;
+    for (std::size_t i = 0; i < scene.effects.size() && !interrupted(); ++i) {
+      say("without " + scene.effects[i].name);
+      Scene without = scene;
+      without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(i));
+      price({.name = scene.effects[i].name}, std::move(without));
+    }
+    for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
+      const SensorScene& sensor = scene.sensors[s];
+      for (std::size_t i = 0; i < sensor.electronics.size() && !interrupted(); ++i) {
+        say("without " + sensor.electronics[i].name);
+        Scene without = scene;
+        without.sensors[s].electronics.erase(without.sensors[s].electronics.begin() + static_cast<std::ptrdiff_t>(i));
+        price({.name = sensor.name + ": " + sensor.electronics[i].name, .electronics = true}, std::move(without));
+      }
+    }
+  }
+
+  void price(Price price, Scene without) {
+    Job job{std::move(without)};
+    try {
+      check_trial(job.scene, options_.trial);
+      price.changes = compare(jobs_.front().scene, timed_run(job, Recording::full), own_);
+    } catch (const InputError& error) {
+      price.why = error.what();
+    }
+    result_.prices.push_back(std::move(price));
+    price_jobs_.push_back(std::move(job));
+  }
+
+  // Rounds over all jobs, each starting one further on, until no run fits into what is left of the budget. The first goes from
+  // the cheapest to the dearest, so that what a short budget leaves out is the dearest.
+  void time_all() {
+    std::vector<Job*> jobs;
+    for (std::size_t i = 0; i < jobs_.size(); ++i) {
+      if (result_.rows[i].ok()) jobs.push_back(&jobs_[i]);
+    }
+    for (std::size_t i = 0; i < price_jobs_.size(); ++i) {
+      if (result_.prices[i].why.empty()) jobs.push_back(&price_jobs_[i]);
+    }
+    std::ranges::stable_sort(jobs, {}, &Job::expected);
+    say(fmt::format("timing {} settings in turn for {:.0f} s", jobs.size(), std::max(0.0, left())));
+    bool any = true;
+    for (std::size_t round = 0; any; ++round) {
+      any = false;
+      for (std::size_t k = 0; k < jobs.size(); ++k) {
+        if (interrupted()) return;
+        Job& job = *jobs[(k + round) % jobs.size()];
+        if (job.expected > left()) continue;
+        const double begin = since(start_);
+        do {
+          timed_run(job, Recording::outcome);
+        } while (since(start_) - begin + job.expected < std::min(turn, left()));
+        any = true;
+      }
+    }
+  }
+
+  void sum_up() {
+    for (std::size_t i = 0; i < jobs_.size(); ++i) {
+      if (result_.rows[i].ok()) result_.rows[i].cpu = cpu_time(jobs_[i]);
+    }
+    const CpuTime with = cpu_time(jobs_.front());
+    for (std::size_t i = 0; i < price_jobs_.size(); ++i) {
+      Price& price = result_.prices[i];
+      if (!price.why.empty()) continue;
+      const CpuTime without = cpu_time(price_jobs_[i]);
+      price.without = without;
+      price.share = 1.0 - without.median / with.median;
+      price.low = 1.0 - without.high / with.low;
+      price.high = 1.0 - without.low / with.high;
+    }
+  }
 
   const ExploreOptions& options_;
   const Catalogues& catalogues_;
@@ -112,289 +368,11 @@ class Explorer {
   std::optional<double> pace_;
 };
 
-std::vector<Override> Explorer::changes_of(const Setting& setting) const {
-  std::vector<Override> all = options_.overrides;
-  if (wishes_) all.push_back({"accuracy", "none"});  // its search is for one setting; here all are seen
-  all.insert(all.end(), setting.changes.begin(), setting.changes.end());
-  return all;
-}
-
-std::string Explorer::command_of(const Setting& setting) const {
-  SweepOptions sweep;
-  sweep.verb = "run";
-  sweep.scene_path = options_.scene_path;
-  sweep.overrides = changes_of(setting);
-  sweep.seed = options_.seed;
-  if (options_.trial > 0) sweep.only = options_.trial;
-  return canonical_command(sweep);
-}
-
-// Throws InputError where the changes do not suit the scene.
-Scene Explorer::scene_of(const Setting& setting) const {
-  SceneFile file = SceneFile::load(options_.scene_path);
-  for (const Override& change : changes_of(setting)) file.apply(change);
-  const TrialPlan plan(file, catalogues_, 0, seed_);
-  if (options_.trial >= plan.size()) {
-    throw InputError(
-        fmt::format("cost: --trial is {}; the scene's sweep has the trials 0 to {}", options_.trial, plan.size() - 1));
-  }
-  Scene scene = plan.trial(options_.trial).scene;
-  scene.seed = seed_;
-  try {
-    check_trial(scene, options_.trial);
-  } catch (const SceneValueError& error) {
-    throw InputError(plan.where(options_.trial, error.path()) + ": " + error.what());
-  }
-  return scene;
-}
-
-TrialResult Explorer::timed_run(Job& job, Recording recording) const {
-  const double begin = cpu_clock(), on_clock = since(start_);
-  TrialResult result = run_trial(job.scene, options_.trial, recording, max_record_bytes, options_.interrupt);
-  const double seconds = cpu_clock() - begin;
-  if (recording == Recording::outcome) {
-    job.seconds.push_back(seconds);
-  } else {
-    job.first = seconds;
-  }
-  job.expected = since(start_) - on_clock;
-  return result;
-}
-
-void Explorer::run_own() {
-  SceneFile file = SceneFile::load(options_.scene_path);
-  for (const Override& change : options_.overrides) file.apply(change);
-  seed_ = options_.seed.value_or(read_seed(file.root()));
-  wishes_ = file.root().find("accuracy") != nullptr;
-  Row row{.setting = {"own", "the scene", {}}, .own = true, .command = command_of({})};
-  Job job{scene_of({})};
-  say("the scene as it is");
-  own_ = timed_run(job, Recording::full);
-  if (budget_in_runs * job.expected > options_.budget) {
-    throw InputError(fmt::format("cost: --budget is {:.3g} s, and a trial of {} takes {:.2g} s; allowed: at least {:.3g} s",
-                                 options_.budget, options_.scene_path, job.expected, std::ceil(budget_in_runs * job.expected)));
-  }
-  own_ = timed_run(job, Recording::full);  // the first has filled caches
-  timed_run(job, Recording::outcome);
-  row.setting.label = short_text(own_.time_step);
-  result_.simulated = job.scene.duration;
-  result_.description = job.scene.description;
-  result_.wish_left_aside = wishes_;
-  result_.one_friction = one_friction(job.scene);
-  row.rate = fastest_rate(job.scene);
-  result_.rows.push_back(std::move(row));
-  jobs_.push_back(std::move(job));
-}
-
-void Explorer::run_reference() {
-  const double own = jobs_.front().expected;
-  int divisor = reference_divisors.back();
-  for (const int candidate : reference_divisors) {
-    if (1.5 * candidate * own > reference_share * options_.budget) continue;
-    divisor = candidate;
-    break;
-  }
-  const double fine = own_.time_step / divisor;
-  say(fmt::format("the reference, {}", short_text(fine)));
-  const Setting setting = finer(fine), half = finer(2.0 * fine);
-  Job fine_job{scene_of(setting)};
-  reference_ = timed_run(fine_job, Recording::full);
-  Job half_job{scene_of(half)};
-  const TrialResult coarser = divisor == 2 ? own_ : timed_run(half_job, Recording::full);
-
-  Reference& reference = result_.reference;
-  reference.time_step = fine;
-  reference.command = command_of(setting);
-  reference.own_error = compare(fine_job.scene, coarser, reference_);
-  exact_ = closed_form(jobs_.front().scene, options_.trial);
-  reference.closed_onsets = exact_.has_value();
-  if (exact_) take_onsets({}, reference.own_error);
-  reference.converged = true;
-  for (const MeasureInfo& info : measure_table()) {
-    const std::optional<MeasureError>& error = at(reference.own_error, info.measure);
-    if (error && (error->different || error->worst > converged_error(info.measure))) reference.converged = false;
-  }
-  result_.rows.front().errors = errors_of(own_);
-}
-
-Errors Explorer::errors_of(const TrialResult& run) const {
-  const Scene& scene = jobs_.front().scene;
-  Errors errors = compare(scene, run, reference_);
-  if (exact_) take_onsets(compare(scene, run, *exact_), errors);
-  return errors;
-}
-
-// Runs a setting for the first time; empty where it does not run, which the row then says.
-std::optional<TrialResult> Explorer::try_setting(Row& row, Job& job) {
-  try {
-    job.scene = scene_of(row.setting);
-  } catch (const InputError& error) {
-    row.why = error.what();
-    row.status = warned(row.why) ? Status::warning : Status::refused;  // tips that settle before the first step may diverge
-    return std::nullopt;
-  }
-  // Time goes with the number of steps, by what the quickest of the series has shown: a stalled run is to speak for itself alone.
-  job.expected = job.scene.time_step && pace_ ? *pace_ / *job.scene.time_step : 0.0;
-  if (static_cast<double>(least_repeats) * job.expected > setting_share * options_.budget) {
-    row.status = Status::over_budget;
-    row.why = fmt::format("{:.2g} s a run, by the quickest of the series: more than a thirtieth of the budget", job.expected);
-    return std::nullopt;
-  }
-  try {
-    TrialResult run = timed_run(job, Recording::full);
-    pace_ = std::min(pace_.value_or(infinite), job.expected * run.time_step);
-    return run;
-  } catch (const InputError& error) {
-    row.why = error.what();
-    row.status = warned(row.why) ? Status::warning : Status::diverged;
-    return std::nullopt;
-  }
-}
-
-void Explorer::try_all() {
-  const double begin = since(start_);
-  std::vector<std::pair<std::size_t, TrialResult>> apart;  // rows that are compared with the last of their series
-  for (Setting& setting : settings_to_try(jobs_.front().scene, {own_.time_step})) {
-    if (interrupted()) return;
-    const Series& series = series_of(setting);
-    if (setting.series != series_at_hand_) {
-      say(series.title);
-      series_at_hand_ = setting.series;
-      pace_.reset();
-    }
-    Row row{.setting = std::move(setting), .command = {}};
-    Job job;
-    row.command = command_of(row.setting);
-    std::optional<TrialResult> run;
-    if (since(start_) - begin > trying_share * options_.budget) {
-      row.status = Status::over_budget;
-      row.why = "the budget for trying settings was used up";
-    } else {
-      run = try_setting(row, job);
-    }
-    if (run && series.own_reference) {
-      apart.emplace_back(result_.rows.size(), std::move(*run));
-    } else if (run) {
-      row.errors = errors_of(*run);
-    }
-    row.rate = fastest_rate(job.scene);
-    result_.rows.push_back(std::move(row));
-    jobs_.push_back(std::move(job));
-  }
-  for (const auto& [index, run] : apart) {
-    if (index == apart.back().first) break;
-    result_.rows[index].errors = compare(jobs_[apart.back().first].scene, run, apart.back().second);
-  }
-}
-
-void Explorer::price(Price price, Scene without) {
-  Job job{std::move(without)};
-  try {
-    check_trial(job.scene, options_.trial);
-    price.changes = compare(jobs_.front().scene, timed_run(job, Recording::full), own_);
-  } catch (const InputError& error) {
-    price.why = error.what();
-  }
-  result_.prices.push_back(std::move(price));
-  price_jobs_.push_back(std::move(job));
-}
-
-void Explorer::price_all() {
-  const Scene scene = jobs_.front().scene;
-  for (std::size_t i = 0; i < scene.effects.size() && !interrupted(); ++i) {
-    say("without " + scene.effects[i].name);
-    Scene without = scene;
-    without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(i));
-    price({.name = scene.effects[i].name}, std::move(without));
-  }
-  for (std::size_t s = 0; s < scene.sensors.size(); ++s) {
-    const SensorScene& sensor = scene.sensors[s];
-    for (std::size_t i = 0; i < sensor.electronics.size() && !interrupted(); ++i) {
-      say("without " + sensor.electronics[i].name);
-      Scene without = scene;
-      without.sensors[s].electronics.erase(without.sensors[s].electronics.begin() + static_cast<std::ptrdiff_t>(i));
-      price({.name = sensor.name + ": " + sensor.electronics[i].name, .electronics = true}, std::move(without));
-    }
-  }
-}
-
-// Rounds over all jobs, each starting one further on, until no run fits into what is left of the budget. The first goes from the
-// cheapest to the dearest, so that what a short budget leaves out is the dearest.
-void Explorer::time_all() {
-  std::vector<Job*> jobs;
-  for (std::size_t i = 0; i < jobs_.size(); ++i) {
-    if (result_.rows[i].ok()) jobs.push_back(&jobs_[i]);
-  }
-  for (std::size_t i = 0; i < price_jobs_.size(); ++i) {
-    if (result_.prices[i].why.empty()) jobs.push_back(&price_jobs_[i]);
-  }
-  std::ranges::stable_sort(jobs, {}, &Job::expected);
-  say(fmt::format("timing {} settings in turn for {:.0f} s", jobs.size(), std::max(0.0, left())));
-  bool any = true;
-  for (std::size_t round = 0; any; ++round) {
-    any = false;
-    for (std::size_t k = 0; k < jobs.size(); ++k) {
-      if (interrupted()) return;
-      Job& job = *jobs[(k + round) % jobs.size()];
-      if (job.expected > left()) continue;
-      const double begin = since(start_);
-      do {
-        timed_run(job, Recording::outcome);
-      } while (since(start_) - begin + job.expected < std::min(turn, left()));
-      any = true;
-    }
-  }
-}
-
-void Explorer::sum_up() {
-  for (std::size_t i = 0; i < jobs_.size(); ++i) {
-    if (result_.rows[i].ok()) result_.rows[i].cpu = cpu_time(jobs_[i]);
-  }
-  const CpuTime with = cpu_time(jobs_.front());
-  for (std::size_t i = 0; i < price_jobs_.size(); ++i) {
-    Price& price = result_.prices[i];
-    if (!price.why.empty()) continue;
-    const CpuTime without = cpu_time(price_jobs_[i]);
-    price.without = without;
-    price.share = 1.0 - without.median / with.median;
-    price.low = 1.0 - without.high / with.low;
-    price.high = 1.0 - without.low / with.high;
-  }
-}
-
-Exploration Explorer::run() {
-  const InterruptScope scope(options_.interrupt);
-  result_.scene_path = options_.scene_path;
-  result_.budget = options_.budget;
-  result_.trial = options_.trial;
-  run_own();
-  result_.seed = seed_;
-  run_reference();
-  end_if(options_.interrupt);
-  try {
-    try_all();
-    price_all();
-    time_all();
-  } catch (const Interrupted&) {  // in a run that then counts for nothing
-  }
-  sum_up();
-  mark_fronts(result_);
-  result_.interrupted = interrupted();
-  result_.elapsed = since(start_);
-  return std::move(result_);
-}
-
 }  // namespace
 
 std::string_view status_name(Status status) {
-  switch (status) {
-    case Status::ok: return "ok";
-    case Status::refused: return "refused";
-    case Status::warning: return "warning";
-    case Status::diverged: return "diverged";
-    case Status::over_budget: return "over budget";
-  }
-  return "";
+  constexpr std::array<std::string_view, 5> names{"ok", "refused", "warning", "diverged", "over budget"};
+  return names.at(static_cast<std::size_t>(status));
 }
 
 double converged_error(Measure measure) { return measure == Measure::creep ? 1e-8 : 1e-3; }

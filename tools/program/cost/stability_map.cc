@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
+#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
@@ -171,14 +171,12 @@ std::vector<std::string> sentences() {
       "Implicit pads (field_solver: implicit) have no such limit and are not in the map."};
 }
 
+double allowed_share(const StabilityCombination& c) { return c.allowed / c.predicted; }
+
 std::vector<std::string> remarks(const StabilityMap& map) {
   std::vector<std::string> lines;
   if (map.combinations.empty()) return lines;
-  double least = 1.0, most = 0.0;
-  for (const StabilityCombination& c : map.combinations) {
-    least = std::min(least, c.allowed / c.predicted);
-    most = std::max(most, c.allowed / c.predicted);
-  }
+  const auto [least, most] = std::ranges::minmax(map.combinations | std::views::transform(allowed_share));
   lines.push_back(fmt::format("What scenes may take is {:.2f} to {:.2f} of the predicted limit.", least, most));
   const auto off = [](const StabilityCombination& c) { return std::abs(c.ratio() - 1.0); };
   const StabilityCombination& worst = *std::ranges::max_element(map.combinations, {}, off);
@@ -186,14 +184,6 @@ std::vector<std::string> remarks(const StabilityMap& map) {
                               worst.integrator, worst.mass, worst.stiffness_scale, worst.damping, worst.ratio()));
   return lines;
 }
-
-struct Range {
-  double least = std::numeric_limits<double>::infinity(), most = 0.0;
-  void take(double value) {
-    least = std::min(least, value);
-    most = std::max(most, value);
-  }
-};
 
 }  // namespace
 
@@ -254,15 +244,15 @@ std::string stability_text(const StabilityMap& map) {
     const auto last = std::find_if(first, map.combinations.end(), [&](const StabilityCombination& c) {
       return c.set_up != first->set_up || c.integrator != first->integrator;
     });
-    Range measured, ratio, allowed;
-    for (auto c = first; c != last; ++c) {
-      measured.take(c->measured);
-      ratio.take(c->ratio());
-      allowed.take(c->allowed / c->predicted);
-    }
+    const auto span_of = [&](const std::function<double(const StabilityCombination&)>& value) {
+      const auto [least, most] = std::ranges::minmax(std::ranges::subrange(first, last) | std::views::transform(value));
+      return std::pair{least, most};
+    };
+    const auto measured = span_of([](const auto&c) { return c.measured; }),
+               ratio = span_of([](const auto&c) { return c.ratio(); }), allowed = span_of(allowed_share);
     text += fmt::format("{:<42} {:<12} {:>4}  {:>7.1e}-{:.1e} s  {:>10.4f} to {:.4f}  {:>5.2f} to {:.2f}\n", first->set_up,
-                        first->integrator, last - first, measured.least, measured.most, ratio.least, ratio.most, allowed.least,
-                        allowed.most);
+                        first->integrator, last - first, measured.first, measured.second, ratio.first, ratio.second,
+                        allowed.first, allowed.second);
     first = last;
   }
   return text +

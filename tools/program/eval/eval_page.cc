@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <utility>
 
@@ -30,7 +28,8 @@ constexpr page::PageKind page_kind{
     "an evaluation", {"page of slipbench eval", &begins_as_eval_page}, {"result of slipbench eval", &begins_as_eval_json}};
 
 // A drawing and where its axes lie in it [px].
-constexpr double width = 420.0, height = 300.0, left = 62.0, right = 404.0, top = 30.0, foot = 248.0;
+constexpr double left = 62.0, right = 404.0, top = 30.0, foot = 248.0;
+constexpr page::Frame frame{420.0, 300.0, left, right, top, foot};
 constexpr double ms = 1e3;
 
 std::string shown(const Json& value, Figure::Unit unit) {
@@ -49,47 +48,17 @@ std::string interval_of(const Json& figure, Figure::Unit unit) {
   return figure.at("low").is_null() ? "–" : shown(figure.at("low"), unit) + " to " + shown(figure.at("high"), unit);
 }
 
-// 1, 2 or 5 times a power of ten, some five of which make up `range`.
-double step_of(double range) {
-  const double rough = range > 0.0 ? range / 5.0 : 1.0;
-  const double decade = std::pow(10.0, std::floor(std::log10(rough)));
-  for (const double step : {1.0, 2.0, 5.0}) {
-    if (rough <= step * decade) return step * decade;
-  }
-  return 10.0 * decade;
-}
-
-Axis axis_for(std::span<const double> values, double begin, double end) {
-  const auto [least, most] = std::ranges::minmax(values);
-  return page::linear_axis(values, step_of(most - least), begin, end);
-}
+Axis axis_for(std::span<const double> values, double begin, double end) { return page::round_axis(values, 5.0, begin, end); }
 
 Axis share_axis(double begin, double end) {
   return {.low = 0.0, .high = 1.0, .begin = begin, .end = end, .ticks = {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}};
 }
 
-// An empty chart with its axes.
-Svg chart(const std::string& title, const Axis& across, const std::string& across_name, const Axis& up,
-          const std::string& up_name) {
-  Svg svg(width, height);
-  svg.text("name", left, 16.0, title);
-  for (const double tick : across.ticks) {
-    svg.line("mesh", across.at(tick), top, across.at(tick), foot);
-    svg.text("small middle", across.at(tick), foot + 14.0, fmt::format("{:.6g}", tick));
-  }
-  for (const double tick : up.ticks) {
-    svg.line("mesh", left, up.at(tick), right, up.at(tick));
-    svg.text("small end", left - 6.0, up.at(tick) + 4.0, fmt::format("{:.6g}", tick));
-  }
-  svg.text("middle", 0.5 * (left + right), foot + 34.0, across_name);
-  svg.text_upwards("middle", 14.0, 0.5 * (top + foot), up_name);
-  return svg;
-}
-
 std::string roc_drawing(const Json& result) {
   const Axis across = share_axis(left, right), up = share_axis(foot, top);
   const std::string area = shown(result.at("all").at("figures").at("auc").at("value"), Figure::Unit::number);
-  Svg svg = chart("ROC, area " + area, across, "share of frames without slip called slip", up, "share of slip called so");
+  Svg svg =
+      page::chart(frame, "ROC, area " + area, across, "share of frames without slip called slip", up, "share of slip called so");
   svg.line("limit", left, foot, right, top);
   std::vector<std::array<double, 2>> way;
   for (const Json& point : result.at("roc")) way.push_back({across.at(point[1].get<double>()), up.at(point[2].get<double>())});
@@ -99,7 +68,7 @@ std::string roc_drawing(const Json& result) {
 
 std::string calibration_drawing(const Json& result) {
   const Axis across = share_axis(left, right), up = share_axis(foot, top);
-  Svg svg = chart("Calibration", across, "probability of slip said", up, "share that slips");
+  Svg svg = page::chart(frame, "Calibration", across, "probability of slip said", up, "share that slips");
   svg.line("limit", left, foot, right, top);
   std::vector<std::array<double, 2>> way;
   for (const Json& bin : result.at("calibration")) {
@@ -119,9 +88,9 @@ std::string histogram(const std::vector<double>& delays) {
     counts.at(std::min(place, bars - 1)) += 1.0;
   }
   const std::array<double, 2> ends{0.0, *std::ranges::max_element(counts)};
-  const Axis up = page::linear_axis(ends, std::max(1.0, step_of(ends[1])), foot, top);
-  Svg svg = chart(fmt::format("Delay of the {} trials seen", delays.size()), across, "delay from the true first slip [ms]", up,
-                  "trials");
+  const Axis up = page::linear_axis(ends, std::max(1.0, page::round_step(ends[1], 5.0)), foot, top);
+  Svg svg = page::chart(frame, fmt::format("Delay of the {} trials seen", delays.size()), across,
+                        "delay from the true first slip [ms]", up, "trials");
   const double bar = (right - left) / static_cast<double>(bars);
   for (std::size_t k = 0; k < bars; ++k) {
     const double high = up.at(counts[k]);
@@ -151,34 +120,30 @@ std::string scatter(const Json& result, const char* key, double scale, const std
   if (places.empty() || delays.empty() || std::ranges::min(places) == std::ranges::max(places)) return {};
   const Axis across = decades ? page::decade_axis(places, left, right) : axis_for(places, left, right);
   const Axis up = axis_for(delays, foot, top + 12.0);
-  Svg svg = chart("Delay against " + name.substr(0, name.find(" [")), across, name, up, "delay [ms]");
+  Svg svg = page::chart(frame, "Delay against " + name.substr(0, name.find(" [")), across, name, up, "delay [ms]");
   for (const Dot& dot : dots) svg.dot(dot.delay ? "s0" : "s1", across.at(dot.x), dot.delay ? up.at(*dot.delay) : top + 3.0, 2.5);
   if (dots.size() > delays.size())
     svg.text("small end", right, top - 4.0, fmt::format("{} missed: at the upper edge", dots.size() - delays.size()));
   return svg.element("Delay [ms] against the " + name);
 }
 
-std::string section(const std::string& title, const std::string& content, const std::string& note = "") {
-  return fmt::format("<section><h2>{}</h2>\n{}{}</section>\n", escape_html(title), content,
-                     note.empty() ? "" : fmt::format("<p class=\"note\">{}</p>\n", escape_html(note)));
-}
+// What counts first, in words.
+constexpr std::array<std::pair<std::string_view, const char*>, 6> first_figures{
+    {{"recall_of_slip", "recall of slip"},
+     {"balanced_slip_accuracy", "balanced accuracy"},
+     {"delay_median_s", "median delay"},
+     {"early", "early"},
+     {"missed", "missed"},
+     {"false_alarms_per_minute", "false alarms a minute"}}};
+
+Figure::Unit unit_of(std::string_view key) { return std::ranges::find(figures, key, &Figure::key)->unit; }
 
 std::string headline(const Json& all) {
   std::string html = "<div class=\"figures\">\n";
-  const auto add = [&html](const std::string& name, const std::string& value, const std::string& note) {
-    html += fmt::format("<div><div class=\"k\">{}</div><div class=\"v\">{}</div><div class=\"s\">{}</div></div>\n",
-                        escape_html(name), escape_html(value), escape_html(note));
-  };
-  constexpr std::array<std::pair<std::string_view, const char*>, 6> first{{{"recall_of_slip", "recall of slip"},
-                                                                           {"balanced_slip_accuracy", "balanced accuracy"},
-                                                                           {"delay_median_s", "median delay"},
-                                                                           {"early", "early"},
-                                                                           {"missed", "missed"},
-                                                                           {"false_alarms_per_minute", "false alarms a minute"}}};
-  for (const auto& [key, name] : first) {
-    const auto figure = std::ranges::find(figures, key, &Figure::key);
+  for (const auto& [key, name] : first_figures) {
     const Json& found = all.at("figures").at(std::string(key));
-    add(name, shown(found.at("value"), figure->unit), interval_of(found, figure->unit));
+    html += fmt::format("<div><div class=\"k\">{}</div><div class=\"v\">{}</div><div class=\"s\">{}</div></div>\n", name,
+                        shown(found.at("value"), unit_of(key)), interval_of(found, unit_of(key)));
   }
   return html + "</div>\n";
 }
@@ -228,21 +193,15 @@ std::string drawings(const Json& result) {
 }
 
 std::string groups_html(const Json& by) {
-  constexpr std::array<std::string_view, 6> columns{"recall_of_slip", "balanced_slip_accuracy", "delay_median_s", "early",
-                                                    "missed",         "false_alarms_per_minute"};
+  std::vector<std::string> head{by.at("by").get<std::string>(), "trials"};
+  for (const auto& [key, name] : first_figures) head.emplace_back(name);
   std::vector<std::vector<std::string>> rows;
   for (const Json& group : by.at("groups")) {
-    std::vector<std::string> row{group.at("name").get<std::string>(), fmt::format("{}", group.at("trials").get<std::size_t>())};
-    for (const std::string_view column : columns) {
-      const auto figure = std::ranges::find(figures, column, &Figure::key);
-      const Json& found = group.at("figures").at(std::string(column));
-      row.push_back(shown(found.at("value"), figure->unit));
-    }
-    rows.push_back(std::move(row));
+    rows.push_back({group.at("name").get<std::string>(), fmt::format("{}", group.at("trials").get<std::size_t>())});
+    for (const auto& [key, name] : first_figures)
+      rows.back().push_back(shown(group.at("figures").at(std::string(key)).at("value"), unit_of(key)));
   }
-  return page::table_html({by.at("by").get<std::string>(), "trials", "recall of slip", "balanced accuracy", "median delay",
-                           "early", "missed", "false alarms a minute"},
-                          rows);
+  return page::table_html(head, rows);
 }
 
 // A file name as the target of a link.
@@ -286,29 +245,29 @@ std::string eval_page(const Json& result, const std::string& html_path) {
   const Json& all = result.at("all");
   const std::string type = result.at("detector").at("type").get<std::string>(), dataset = result.at("dataset").get<std::string>();
   const auto count = [&all](const char* key) { return all.at(key).get<std::size_t>(); };
-  std::string body = fmt::format(
-      "<header class=\"plain\"><p class=\"eyebrow\">{}</p>\n<h1>{} on {}</h1>\n<p class=\"note\">sensor {} ({}), labels {}, {} trials, {} "
-      "samples</p>\n<p class=\"note\"><code>{}</code></p></header>\n",
-      generator, escape_html(type), escape_html(dataset), escape_html(result.at("sensor").at("name").get<std::string>()),
-      escape_html(result.at("sensor").at("type").get<std::string>()), escape_html(result.at("labels").get<std::string>()),
-      count("trials"), count("frames"), escape_html(result.at("command").get<std::string>()));
-  if (const std::string note = truth_note(result); !note.empty())
-    body += fmt::format("<p class=\"note\">{}</p>\n", escape_html(note));
-  body += headline(all);
+  const auto text = [](const Json& value) { return value.get<std::string>(); };
+  std::vector<std::string> notes{fmt::format("sensor {} ({}), labels {}, {} trials, {} samples",
+                                             text(result.at("sensor").at("name")), text(result.at("sensor").at("type")),
+                                             text(result.at("labels")), count("trials"), count("frames"))};
+  if (const std::string note = truth_note(result); !note.empty()) notes.push_back(note);
+  std::string body = page::head_html(generator, type + " on " + dataset, notes, text(result.at("command"))) + headline(all);
   const std::size_t left_out = result.at("left_out").size();
-  body += section(
-      "Figures", figures_html(all),
+  body += page::section_html(
+      "Figures",
       fmt::format(
           "Of {} trials that slip: seen {}, early {}, missed {}; of {} that do not: false alarms {}.{} The first alarm of a trial "
           "decides. Balanced accuracy of slip or not is 50 % for any constant answer.",
           count("slipping"), count("seen"), count("early"), count("missed"), count("trials") - count("slipping"),
-          count("false_alarms"), left_out > 0 ? fmt::format(" {} trials on which it was trained are left out.", left_out) : ""));
-  body += section("What was called what", called_html(all), "Each row is a true state; shares are of its samples.");
-  if (const std::string drawn = drawings(result); !drawn.empty()) body += section("Curves", "<div>" + drawn + "</div>\n");
-  for (const Json& by : result.at("by")) body += section("By " + by.at("by").get<std::string>(), groups_html(by));
+          count("false_alarms"), left_out > 0 ? fmt::format(" {} trials on which it was trained are left out.", left_out) : ""),
+      figures_html(all));
+  body += page::section_html("What was called what", "Each row is a true state; shares are of its samples.", called_html(all));
+  if (const std::string drawn = drawings(result); !drawn.empty())
+    body += page::section_html("Curves", "", "<div>" + drawn + "</div>\n");
+  for (const Json& by : result.at("by")) body += page::section_html("By " + text(by.at("by")), "", groups_html(by));
   if (!result.at("worst").empty()) {
-    body += section("Look first at", worst_html(result, html_path),
-                    truth_note(result).empty() ? "A link opens the dataset's report, once its command has made it." : "");
+    body += page::section_html(
+        "Look first at", truth_note(result).empty() ? "A link opens the dataset's report, once its command has made it." : "",
+        worst_html(result, html_path));
   }
   return page::compose_page({generator, type + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"},
                             body);

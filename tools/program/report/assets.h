@@ -1,4 +1,4 @@
-// The files of web/ and dygraphs, as bytes inside the program. Written by slipbench_embed().
+// The files of web/, as bytes inside the program. Written by slipbench_embed().
 #pragma once
 
 #include <vector>

@@ -20,11 +20,11 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
-#include "tools/base/page/json.h"
+#include "tools/base/page/page.h"
 #include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/report/assets.h"
 #include "tools/program/report/assumptions.h"
 #include "tools/program/report/report_grasp.h"
-#include "tools/program/report/report_page.h"
 #include "tools/program/report/report_parameters.h"
 #include "tools/program/report/report_summary.h"
 #include "tools/program/report/report_trial.h"
@@ -315,7 +315,18 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   return report::report_page(description.empty() ? page["file"].get<std::string>() : description, page, gathered.recordings);
 }
 
+constexpr std::string_view generator = "slipbench";
+
 }  // namespace
+
+std::string report::report_page(const std::string& title, const Json& data,
+                                const std::vector<std::pair<std::string, Json>>& recordings) {
+  std::vector<page::Asset> files = assets();
+  if (!data.contains("grasps")) std::erase_if(files, [](const page::Asset& file) { return file.name.starts_with("grasp_"); });
+  return page::compose_drawn_page({generator, title + " · slipbench report"}, files, data, recordings);
+}
+
+bool report::begins_as_report(std::string_view text) { return page::begins_as_page(text, generator); }
 
 void check_report_target(const std::string& html_path, const std::string& dataset_path) {
   check_text_target(html_path, {dataset_path}, {"report", &report::begins_as_report});

@@ -4,6 +4,11 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tools/base/page/json.h"
 
 namespace slipbench {
 
@@ -25,4 +30,15 @@ void check_report_target(const std::string& html_path, const std::string& datase
 // `options.trial`, or when the page cannot be written or would replace anything but a report.
 void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options = {});
 
+namespace report {
+
+// One HTML page that needs no other file. The scripts that draw a grasp are in it where `data` has "grasps". `recordings`: by
+// the ids of their elements, "recording-17".
+std::string report_page(const std::string& title, const Json& data,
+                        const std::vector<std::pair<std::string, Json>>& recordings = {});
+
+// Whether a file that begins so is such a page.
+bool begins_as_report(std::string_view text);
+
+}  // namespace report
 }  // namespace slipbench

@@ -15,20 +15,6 @@ namespace slipbench::report {
 
 namespace {
 
-constexpr std::array quantities = {Quantity::length,
-                                   Quantity::time,
-                                   Quantity::speed,
-                                   Quantity::acceleration,
-                                   Quantity::angle,
-                                   Quantity::angular_speed,
-                                   Quantity::angular_acceleration,
-                                   Quantity::frequency,
-                                   Quantity::force,
-                                   Quantity::mass,
-                                   Quantity::stiffness,
-                                   Quantity::damping,
-                                   Quantity::pressure};
-
 // Scene keys that are no entry's parameter.
 constexpr std::array<std::pair<std::string_view, Quantity>, 3> scene_keys = {{
     {"duration", Quantity::time},
@@ -103,21 +89,15 @@ std::string list_text(const std::string& path, const Json& list) {
   return "(" + text + ")";
 }
 
-// Text with a unit, or a bare number, as a number in SI with its symbol.
+// Text with a unit, or a bare number, as a number in SI with its symbol; empty: it is a name.
 std::optional<std::pair<double, std::string>> number_with_unit(const std::string& path, const std::string& text) {
   try {
-    return std::pair{parse_quantity(text, Quantity::none), unit_of_path(path)};
+    const Quantity quantity = quantity_of(text);
+    return std::pair{parse_quantity(text, quantity),
+                     quantity == Quantity::none ? unit_of_path(path) : std::string(si_symbol(quantity))};
   } catch (const std::invalid_argument&) {
-    // Not a bare number: one of the quantities below has its unit, or it is a name.
+    return std::nullopt;
   }
-  for (const Quantity quantity : quantities) {
-    try {
-      return std::pair{parse_quantity(text, quantity), std::string(si_symbol(quantity))};
-    } catch (const std::invalid_argument&) {
-      continue;
-    }
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -134,24 +114,23 @@ Json plain_value(const std::string& path, const Json& drawn) {
 }
 
 Json axes(const std::vector<Json>& trials) {
-  Json list = Json::array();
   std::vector<std::string> paths;
-  for (const auto& trial : trials) {
+  for (const Json& trial : trials) {
     for (const auto& [path, value] : trial.items()) {
-      if (std::find(paths.begin(), paths.end(), path) == paths.end()) paths.push_back(path);
+      if (std::ranges::find(paths, path) == paths.end()) paths.push_back(path);
     }
   }
+  Json list = Json::array();
   for (const std::string& path : paths) {
-    bool numeric = true;
-    bool varied = false;
-    std::string unit;
-    for (const auto& trial : trials) {
-      varied = varied || !trial.contains(path) || !trials.front().contains(path) || trial.at(path) != trials.front().at(path);
-      if (!trial.contains(path)) continue;
-      numeric = numeric && trial.at(path).contains("value");
-      if (unit.empty()) unit = trial.at(path).value("unit", "");
+    Json axis{{"path", path}, {"unit", ""}, {"numeric", true}, {"varied", false}};
+    for (const Json& trial : trials) {
+      const Json value = trial.value(path, Json());
+      if (value != trials.front().value(path, Json())) axis["varied"] = true;
+      if (value.is_null()) continue;
+      if (!value.contains("value")) axis["numeric"] = false;
+      if (axis["unit"] == "") axis["unit"] = value.value("unit", "");
     }
-    list.push_back({{"path", path}, {"unit", unit}, {"numeric", numeric}, {"varied", varied}});
+    list.push_back(std::move(axis));
   }
   return list;
 }

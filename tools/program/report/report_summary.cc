@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <string>
 
 #include "sim/core/contact_frame.h"
@@ -50,8 +52,7 @@ double gross_start(const SensorRecord& sensor) {
 }
 
 double disagreement(const std::vector<std::uint8_t>& truth, const std::vector<std::uint8_t>& other) {
-  std::size_t in_contact = 0;
-  std::size_t different = 0;
+  std::size_t in_contact = 0, different = 0;
   for (std::size_t row = 0; row < truth.size(); ++row) {
     if (truth[row] == 0 && other[row] == 0) continue;
     ++in_contact;
@@ -61,6 +62,10 @@ double disagreement(const std::vector<std::uint8_t>& truth, const std::vector<st
 }
 
 }  // namespace
+
+std::size_t row_size(const SensorColumn& channel) {
+  return std::accumulate(channel.shape.begin(), channel.shape.end(), std::size_t{1}, std::multiplies{});
+}
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
@@ -104,11 +109,7 @@ void check_labels(const SensorRecord& sensor, const std::string& place) {
     }
   }
   std::size_t values = 0;
-  for (const SensorColumn& channel : sensor.channels) {
-    std::size_t size = 1;
-    for (const std::size_t extent : channel.shape) size *= extent;
-    values += size;
-  }
+  for (const SensorColumn& channel : sensor.channels) values += row_size(channel);
   if (sensor.channel_names.size() != values) {
     throw InputError(place + ": sensors/" + sensor.name + " names " + std::to_string(sensor.channel_names.size()) +
                      " channels; its samples hold " + std::to_string(values) + " values");

@@ -15,6 +15,9 @@ inline constexpr float at_rest = 1e-6F;  // m/s or rad/s: below this a prescribe
 Json number_or_null(double value);
 Json numbers_or_null(const std::vector<double>& values);
 
+// Values of a channel in one sample.
+std::size_t row_size(const SensorColumn& channel);
+
 // First touch of each unit [s]; NaN: never.
 std::vector<double> touch_times(const LabelRecord& labels);
 

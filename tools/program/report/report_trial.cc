@@ -40,12 +40,6 @@ std::string component_name(const std::string& channel_name) {
   return underscore == std::string::npos ? channel_name : channel_name.substr(underscore + 1);
 }
 
-std::size_t row_size(const SensorColumn& channel) {
-  std::size_t size = 1;
-  for (const std::size_t extent : channel.shape) size *= extent;
-  return size;
-}
-
 // Every how many-th of the rows is kept so that `values` of them in all become at most `most`.
 std::size_t stride_for(std::size_t values, std::size_t most) { return values <= most ? 1 : (values + most - 1) / most; }
 

@@ -17,7 +17,7 @@
 #include "tools/base/page/svg.h"
 #include "tools/program/cost/assets.h"
 #include "tools/program/cost/cost_json.h"
-#include "tools/program/report/report_page.h"
+#include "tools/program/report/report.h"
 
 namespace slipbench::cost {
 namespace {
@@ -99,11 +99,11 @@ TEST(CostPage, LoadsNothing) {
 TEST(CostPage, HoldsItsFilesAndTheSharedOnes) {
   const std::string page = cost_page(exploration());
   for (const page::Asset& file : assets()) EXPECT_NE(page.find(file.text), std::string::npos) << file.name;
-  for (const char* name : {"page.css", "common.js", "d3.min.js", "d3_licence.txt"}) {
+  for (const char* name : {"page.css", "common.js", "chart.js", "d3.min.js", "d3_licence.txt"}) {
     EXPECT_NE(page.find(page::embedded(page::assets(), name)), std::string::npos) << name;
   }
   // What draws recordings is not needed here.
-  EXPECT_THAT(page, AllOf(Not(HasSubstr("Dygraph")), Not(HasSubstr("{{"))));
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("sb.Timeline")), Not(HasSubstr("{{"))));
 }
 
 // Every script of the folder is part of the page: none was left out of CMakeLists.txt.
@@ -158,8 +158,8 @@ TEST_F(CostFileTest, OtherFilesAreKept) {
 
 // Scripts may use what they define and what all pages share.
 TEST(CostScripts, UseOnlyWhatSomeScriptDefines) {
-  const std::set<std::string> shared = matches(web_files("tools/base/page/web", ".js").at("common.js"), R"(\bsb\.(\w+) = )");
-  std::set<std::string> defined = shared;
+  std::set<std::string> defined;
+  for (const auto& [name, text] : web_files("tools/base/page/web", ".js")) defined.merge(matches(text, R"(\bsb\.(\w+) = )"));
   const auto scripts = web_files("tools/program/cost/web", ".js");
   ASSERT_GE(scripts.size(), 6U);
   for (const auto& [name, text] : scripts) {
@@ -222,7 +222,7 @@ TEST(CostStyles, UseOnlyTheKitsColours) {
 
 // Two series differ in both colour and shape: as many colours as there are shapes.
 TEST(CostStyles, HaveAColourForEachShape) {
-  const std::string marks = web_files("tools/program/cost/web", ".js").at("marks.js");
+  const std::string marks = web_files("tools/base/page/web", ".js").at("chart.js");
   const std::string sizes =
       marks.substr(marks.find("const sizes = ["), marks.find(';', marks.find("const sizes = [")) - marks.find("const sizes = ["));
   const std::size_t shapes = static_cast<std::size_t>(std::count(sizes.begin(), sizes.end(), ',')) + 1;

@@ -52,17 +52,8 @@ FAULTS = r"""(async () => {
   const hidden = node => node.getAttribute('aria-hidden') === 'true';
   const about = node => node.getAttribute('aria-label') || node.querySelector('[aria-label]')?.getAttribute('aria-label') ||
       node.closest('.chart, section, div')?.textContent.trim().slice(0, 40) || node.outerHTML.slice(0, 80);
-  for (const node of document.querySelectorAll('canvas, svg')) {
-    if (!named(node) && !hidden(node)) faults.push('no name: ' + about(node));
-    if (hidden(node) && node.tagName === 'CANVAS' && !node.closest('.chart')?.querySelector('canvas[aria-label]')) faults.push('hidden alone: ' + about(node));
-  }
-  for (const canvas of document.querySelectorAll('canvas')) {
-    if (hidden(canvas) || !shown(canvas)) continue;
-    const {width, height} = canvas;
-    const data = width && height ? canvas.getContext('2d').getImageData(0, 0, width, height).data : [];
-    let drawn = 0;
-    for (let i = 3; i < data.length; i += 4) drawn += data[i] > 0;
-    if (drawn < 50) faults.push('empty: ' + about(canvas));
+  for (const svg of document.querySelectorAll('svg')) {
+    if (!named(svg) && !hidden(svg)) faults.push('no name: ' + about(svg));
   }
   for (const svg of document.querySelectorAll('svg')) {
     if (shown(svg) && svg.id !== 'hatch' && svg.clientWidth > 4 && !svg.querySelector('path, rect, line, circle, polyline')) faults.push('empty: ' + about(svg));
@@ -70,8 +61,7 @@ FAULTS = r"""(async () => {
   // Of the letters: the element of a label is wider.
   const box = text => { if (text instanceof SVGElement) return text.getBoundingClientRect(); const range = document.createRange(); range.selectNodeContents(text); return range.getBoundingClientRect(); };
   const overlap = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3;
-  const groups = [...document.querySelectorAll('svg')].map(svg => [...svg.querySelectorAll('text')]).concat(
-      [...document.querySelectorAll('.chart')].map(chart => [...chart.querySelectorAll('.dygraph-axis-label')]));
+  const groups = [...document.querySelectorAll('svg')].map(svg => [...svg.querySelectorAll('text')]);
   for (const texts of groups) {
     const boxes = texts.filter(text => shown(text) && text.textContent.trim()).map(text => [text, box(text)]);
     boxes.forEach(([one, a], i) => boxes.slice(i + 1).forEach(([other, b]) => {
@@ -151,7 +141,7 @@ class Pages:
         print(f"{page.name}{fragment}", flush=True)
 
     def check_saved(self, page):
-        """Files of a chart that is drawn on a canvas, and of one that is an SVG."""
+        """Files of a chart over time and of the pad."""
         self.browser.look(1400)
         self.open(page)
         for selector, name, figures in ((".grid .cell", "force-of-p", "t [s],FX [N],FY [N],FZ [N]"), (".pad-card", "pad", "t [s],pillar,")):

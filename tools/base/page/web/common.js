@@ -1,6 +1,4 @@
-// What all pages of the program share: numbers as text, nodes, copying, light and dark.
-(function(sb) {
-'use strict';
+// What all pages of the program share: numbers as text, nodes, choices, tables, copying.
 
 sb.missing = '–';
 // A number with `digits` significant digits, plain notation where that is readable.
@@ -16,22 +14,24 @@ sb.fixed = (value, decimals) => {
   const text = value.toFixed(decimals);
   return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
 };
-// DOM in one expression: element('p.note', {title: 'x'}, 'text', child). Text is never parsed as HTML.
-sb.element = (selector, attributes, ...children) => {
-  const [tag, ...classes] = selector.split('.');
-  const node = document.createElement(tag || 'div');
-  if (classes.length) node.className = classes.join(' ');
+// Nodes in one expression: element('p.note', {title: 'x'}, 'text', child). Text is never parsed as HTML; what is null,
+// undefined or false is left out.
+const made = create => (selector, attributes, ...children) => {
+  const [tag, ...classes] = selector.split('.').filter(part => part);
+  const node = create(tag);
+  if (classes.length) node.setAttribute('class', classes.join(' '));
   for (const [name, value] of Object.entries(attributes || {})) {
     if (name.startsWith('on'))
       node.addEventListener(name.slice(2), value);
     else if (value !== undefined && value !== null)
       node.setAttribute(name, value);
   }
-  for (const child of children.flat(Infinity)) {
-    if (child !== null && child !== undefined) node.append(child);
-  }
+  node.append(...children.flat(Infinity).filter(child => child !== null && child !== undefined && child !== false));
   return node;
 };
+const el = sb.element = made(tag => document.createElement(tag));
+// Likewise of SVG: mark('circle.own', {r: 4}).
+sb.mark = made(tag => document.createElementNS('http://www.w3.org/2000/svg', tag));
 sb.colour = name => getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
 
 // After the next frame has been shown; where none is, as in a tab behind others, soon.
@@ -55,17 +55,71 @@ sb.copy = async (button, text) => {
   }, 1500);
 };
 
-// Follows the reader's light or dark setting; printing is light. `changed`, if there, is told after each change.
-sb.followTheme = changed => {
-  const dark = window.matchMedia('(prefers-color-scheme: dark)');
-  const set = name => {
-    document.documentElement.dataset.theme = name;
-    if (changed) changed();
+// A choice; options: [[value, text], ...]. change(value) is told.
+sb.select = (attributes, options, value, change) => el(
+    'select', {...attributes, onchange: event => change(event.target.value)},
+    options.map(([key, text]) => el('option', {value: key, selected: key === value ? '' : null}, text)));
+sb.choose = (name, ...choice) => el('label', {}, name, sb.select({}, ...choice));
+// Buttons, of which the last one clicked is pressed.
+sb.segments = (name, options, value, change) => {
+  const press =
+      key => [...node.children].forEach((button, i) => button.setAttribute('aria-pressed', String(options[i][0] === key)));
+  const choose = key => {
+    press(key);
+    change(key);
   };
-  const follow = () => set(dark.matches ? 'dark' : 'light');
-  follow();
-  dark.addEventListener('change', follow);
-  window.addEventListener('beforeprint', () => set('light'));
-  window.addEventListener('afterprint', follow);
+  const node = el('div.segments', {role: 'group', 'aria-label': name},
+                  options.map(([key, text]) => el('button', {onclick: () => choose(key)}, text)));
+  press(value);
+  return node;
 };
-})(window.slipbench = window.slipbench || {});
+
+// A section below its title; note: texts, "" for none.
+sb.section = (title, note, ...content) =>
+    el('section', {}, el('h2', {}, title), note.length > 0 && el('p.note', {}, note), content);
+
+// Figures side by side: [name, value, note, class of the value].
+sb.figures = entries => el(
+    'div.figures', {},
+    entries.map(([name, value, note, kind]) => el('div', {}, el('div.k', {}, name), el('div.v.' + (kind || ''), {}, value),
+                                                  el('div.s', {}, note || ''))));
+// Names and values: [name, value]; what has no value is left out.
+sb.facts = (kind, entries) => el(
+    'dl.' + kind, {},
+    entries.filter(([, value]) => value !== null && value !== undefined)
+        .map(([name, value]) => el('div', {}, el('dt', {}, name), el('dd', {}, value))));
+
+// A table. columns: [{title, note, kind: 'text' stands left, 'text.long' may wrap, cell(row): what is shown, or the cell
+// itself, value(row): what its head sorts by: a number, a text, or null, which stands last}]. rowNode(row, cells): the <tr>.
+// `step`: so many rows at once, others when they are asked for. Returns {node, refresh, fill(count), order()}.
+sb.sortedTable = (columns, rows, rowNode = (row, cells) => el('tr', {}, cells), step = rows.length) => {
+  let order = rows, by = null, ascending = true;
+  const body = el('tbody');
+  const cellOf = (kind, shown) => shown instanceof HTMLTableCellElement ? shown : el('td.' + (kind || ''), {}, shown);
+  const rowOf = row => rowNode(row, columns.map(({kind, cell}) => cellOf(kind, cell(row))));
+  const fill = count => body.append(...order.slice(body.children.length, count).map(rowOf));
+  const compare = (a, b) => {
+    const [p, q] = [a, b].map(row => by.value(row) ?? null);
+    if (p === q) return 0;
+    if (p === null || q === null) return p === null ? 1 : -1;
+    return (typeof p === 'string' ? p.localeCompare(q) : p - q) * (ascending ? 1 : -1);
+  };
+  const refresh = () => {
+    order = by ? rows.slice().sort(compare) : rows;
+    body.replaceChildren();
+    fill(step);
+  };
+  const sort = column => {
+    ascending = by !== column || !ascending;
+    by = column;
+    heads.forEach(head => head.removeAttribute('aria-sort'));
+    heads[columns.indexOf(column)].setAttribute('aria-sort', ascending ? 'ascending' : 'descending');
+    refresh();
+  };
+  const heads = columns.map(column => el(
+      'th.' + (column.kind ? 'text' : ''), {scope: 'col'},
+      column.value ? el('button', {onclick: () => sort(column), title: column.note}, column.title) : column.title));
+  refresh();
+  return {node: el('table', {}, el('thead', {}, el('tr', {}, heads)), body), refresh, fill, order: () => order};
+};
+sb.table = (columns, rows, rowNode) => el('div.scroll', {}, sb.sortedTable(columns, rows, rowNode).node);

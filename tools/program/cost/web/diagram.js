@@ -1,7 +1,5 @@
 // The work-precision diagram: what an error costs in CPU time.
-(function(sb) {
-'use strict';
-const el = sb.element;
+const el = sb.element, mark = sb.mark, text = sb.text;
 const choice = sb.choice;
 const lane = 16;     // px, of a strip of marks
 const pad = 6;       // px, of a strip beside its lanes
@@ -28,10 +26,8 @@ function sorted() {
   const points = rows.filter(row => choice.placed(row));
   const none = row => choice.none(choice.error(row));
   return {
-    failures: rows.filter(row => choice.failed(row)),
-    unrun: rows.filter(row => choice.notRun(row)),
-    points: points.filter(row => !none(row)),
-    exact: points.filter(none)
+    failures: rows.filter(row => choice.failed(row)), unrun: rows.filter(row => choice.notRun(row)),
+    points: points.filter(row => !none(row)), exact: points.filter(none)
   };
 }
 
@@ -70,7 +66,7 @@ function layout(width, rows) {
   const narrow = width < 560;
   const box = {left: narrow ? 46 : 58, end: width - 14, top: narrow ? 60 : 44};
   const costs = choice.rows.filter(timed).map(row => row.cost);
-  const x = d3.scale.log().domain(sb.logDomain(costs.length ? costs : [1e-3])).range([box.left, box.end]);
+  const x = sb.scale(true, sb.logDomain(costs.length ? costs : [1e-3]), [box.left, box.end]);
 
   const height = narrow ? 300 : 380;
   const above = strips(rows, x, [box.left, box.end], height / 4);
@@ -92,115 +88,100 @@ function layout(width, rows) {
   const low = errors.length ? Math.min(...errors) : 1e-3;
   // A floor far below every error would only squeeze them together.
   if (floor > low / 10 && !choice.none(floor)) errors.push(floor);
-  const domain = sb.logDomain(errors.length ? errors : [low]);
-  const y = d3.scale.log().domain(domain).range([box.foot, box.plot]);
+  const y = sb.scale(true, sb.logDomain(errors.length ? errors : [low]), [box.foot, box.plot]);
 
   const marks = [
     ...above.flatMap(strip => strip.marks),
     ...rows.points.map(row => ({row, kind: 'point', x: x(row.cost), y: y(choice.error(row))})),
     ...rows.exact.map(
-        (row, i) => ({row, kind: 'point', exact: true, x: x(row.cost), y: box.foot + pad / 2 + (exact[i] % 3 + 0.5) * lane})),
+        (row, i) => ({row, kind: 'point', exact: true, x: x(row.cost), y: box.foot + pad / 2 + (exact[i] % 3 + 0.5) * lane}))
   ];
   marks.filter(mark => mark.kind === 'failure').forEach((mark, i) => mark.number = i + 1);
   for (const strip of above.filter(one => one.tight)) strip.marks.forEach(mark => mark.bare = true);
   return {width, narrow, box, x, y, marks, floor, strips: above};
 }
 
-function axes(svg, {narrow, box, x, y}) {
-  const measure = choice.measure;
-  const line = (kind, x1, y1, x2, y2) => svg.append('line').attr({class: kind, x1, y1, x2, y2});
-  const text = (kind, left, top, anchor, words) =>
-      svg.append('text').attr({class: kind, x: left, y: top, 'text-anchor': anchor}).text(words);
-  for (const tick of sb.logTicks(x.domain(), box.end - box.left, narrow ? 44 : 52)) {
-    line('mesh', x(tick), box.mesh, x(tick), box.bottom);
-    text('', x(tick), box.bottom + 16, 'middle', sb.tickText(tick));
-  }
+const path = (kind, d, index) => mark('path.' + kind, {d, style: index === undefined ? null : 'color:' + sb.hue(index)});
+const across = (kind, {left, end}, y) => path(kind, 'M' + left + ',' + y + 'H' + end);
+
+function axes({narrow, box, x, y}) {
+  const measure = choice.measure, middle = (box.left + box.end) / 2;
   const [fast, slow] = x.domain().map(cost => 1 / cost);
-  for (const tick of sb.logTicks([slow, fast], box.end - box.left, narrow ? 56 : 62)) {
-    line('tick', x(1 / tick), box.top - 5, x(1 / tick), box.top);
-    text('', x(1 / tick), box.top - 9, 'middle', sb.tickText(tick) + ' ×');
-  }
-  for (const tick of sb.logTicks(y.domain().map(error => error * measure.factor), box.foot - box.plot, 22)) {
-    const at = y(tick / measure.factor);
-    line('mesh', box.left, at, box.end, at);
-    text('', box.left - 7, at + 4, 'end', sb.tickText(tick));
-  }
-  text('title', (box.left + box.end) / 2, box.bottom + 36, 'middle', 'CPU seconds per simulated second');
-  text('title', narrow ? (box.left + box.end) / 2 : box.end, narrow ? 30 : 13, narrow ? 'middle' : 'end', 'times real time');
-  text('title', 0, 13, 'start', choice.statistic + ' error of ' + sb.titled(measure));
-  line('edge', box.left, box.bottom, box.end, box.bottom);
-  line('edge', box.left, box.top, box.end, box.top);
-  if (box.exact) {
-    line('edge', box.left, box.foot, box.end, box.foot);
-    text('', box.left + 6, box.bottom - 6, 'start', 'none: below ' + sb.tickText(sb.negligible) + ' ' + measure.unit);
-  }
+  const errorAt = tick => y(tick / measure.factor);
+  const below = tick => [
+    path('mesh', 'M' + x(tick) + ',' + box.mesh + 'V' + box.bottom), text(x(tick), box.bottom + 16, 'middle', sb.tickText(tick))
+  ];
+  const above = tick => [
+    path('tick', 'M' + x(1 / tick) + ',' + (box.top - 5) + 'v5'),
+    text(x(1 / tick), box.top - 9, 'middle', sb.tickText(tick) + ' ×')
+  ];
+  const beside = tick => [across('mesh', box, errorAt(tick)), text(box.left - 7, errorAt(tick) + 4, 'end', sb.tickText(tick))];
+  return [
+    sb.logTicks(x.domain(), box.end - box.left, narrow ? 44 : 52).map(below),
+    sb.logTicks([slow, fast], box.end - box.left, narrow ? 56 : 62).map(above),
+    sb.logTicks(y.domain().map(error => error * measure.factor), box.foot - box.plot, 22).map(beside),
+    text(middle, box.bottom + 36, 'middle', 'CPU seconds per simulated second', 'title'),
+    text(narrow ? middle : box.end, narrow ? 30 : 13, narrow ? 'middle' : 'end', 'times real time', 'title'),
+    text(0, 13, 'start', choice.statistic + ' error of ' + sb.titled(measure), 'title'), across('edge', box, box.bottom),
+    across('edge', box, box.top),
+    box.exact > 0 &&
+        [
+          across('edge', box, box.foot),
+          text(box.left + 6, box.bottom - 6, 'start', 'none: below ' + sb.tickText(sb.negligible) + ' ' + measure.unit)
+        ]
+  ];
 }
 
-function drawStrips(svg, {box, strips: above}) {
-  for (const {top, height, gap} of above) {
-    if (gap) svg.append('rect').attr({class: 'aside', x: box.left, y: top, width: box.end - box.left, height});
-    svg.append('line').attr({class: 'edge', x1: box.left, x2: box.end, y1: top + height, y2: top + height});
-  }
-  for (const [kind, words] of [['unrun', 'not run'], ['failure', 'failed']]) {
-    const held = above.filter(strip => strip.kind === kind);
-    if (!held.length) continue;
-    const middle = (held[0].top + held[held.length - 1].top + held[held.length - 1].height) / 2;
-    svg.append('text').attr({class: 'strip-name ' + kind, x: box.left - 6, y: middle + 4, 'text-anchor': 'end'}).text(words);
-  }
+function stripMarks({box, strips: above}) {
+  const name = (kind, words) => {
+    const held = above.filter(strip => strip.kind === kind), last = held[held.length - 1];
+    return last && text(box.left - 6, (held[0].top + last.top + last.height) / 2 + 4, 'end', words, 'strip-name.' + kind);
+  };
   const timeless = above.find(({kind, gap}) => kind === 'failure' && gap);
-  const last = timeless && d3.max(timeless.marks, mark => mark.x);
-  if (timeless && box.end - last > 70)
-    svg.append('text')
-        .attr({x: box.end - 6, y: timeless.top + timeless.height / 2 + 4, 'text-anchor': 'end'})
-        .text('no time');
+  const roomy = timeless && box.end - d3.max(timeless.marks, ({x}) => x) > 70;
+  return [
+    above.map(({top, height, gap}) => [
+      gap && mark('rect.aside', {x: box.left, y: top, width: box.end - box.left, height}), across('edge', box, top + height)
+    ]),
+    name('unrun', 'not run'), name('failure', 'failed'),
+    roomy && text(box.end - 6, timeless.top + timeless.height / 2 + 4, 'end', 'no time')
+  ];
 }
 
 // Errors below the reference's own mean nothing.
-function drawFloor(svg, {box, y, floor}) {
-  const [low] = y.domain();
-  if (!floor || floor <= low) return;
-  const top = y(floor);
-  svg.append('rect').attr({class: 'floor', x: box.left, y: top, width: box.end - box.left, height: box.foot - top});
-  svg.append('line').attr({class: 'floor-edge', x1: box.left, x2: box.end, y1: top, y2: top});
-  svg.append('text')
-      .attr({class: 'halo-text', x: box.left + 6, y: box.foot - top > 18 ? top + 14 : top - 5})
-      .text('below the reference’s own error');
+function floorMarks({box, y, floor}) {
+  if (!floor || floor <= y.domain()[0]) return null;
+  const top = y(floor), room = box.foot - top;
+  return [
+    mark('rect.floor', {x: box.left, y: top, width: box.end - box.left, height: room}), across('floor-edge', box, top),
+    text(box.left + 6, room > 18 ? top + 14 : top - 5, 'start', 'below the reference’s own error', 'halo-text')
+  ];
 }
 
 // The staircase under which no setting lies: from its cheapest point up, from its most exact one on.
-function drawFront(svg, {box, marks}) {
-  const front = marks.filter(mark => mark.kind === 'point' && (mark.row.pareto || []).includes(choice.measure.name))
-                    .sort((a, b) => a.x - b.x);
-  if (!front.length || choice.statistic !== 'worst') return;
+function front({box, marks}) {
+  const points = marks.filter(({kind, row}) => kind === 'point' && choice.onFront(row)).sort((a, b) => a.x - b.x);
+  if (!points.length || choice.statistic !== 'worst') return null;
   // What has no error at all needs its cheapest setting alone.
-  const end = front.findIndex(mark => mark.exact) + 1;
-  const path = front.slice(0, end || front.length).map(({x, y}, i) => (i ? 'H' + x : 'M' + x + ',' + box.plot) + 'V' + y).join('') + 'H' + box.end;
-  svg.append('path').attr({class: 'front', d: path});
+  const end = points.findIndex(point => point.exact) + 1;
+  const steps = points.slice(0, end || points.length).map(({x, y}, i) => (i ? 'H' + x : 'M' + x + ',' + box.plot) + 'V' + y);
+  return path('front', steps.join('') + 'H' + box.end);
 }
 
 // A thin line joins the best of each series: what no other of its settings undercuts in both.
-function drawSeries(svg, {marks}) {
-  choice.series.forEach((series, index) => {
-    const points =
-        marks.filter(mark => mark.kind === 'point' && mark.row.series === series.name).sort((a, b) => a.x - b.x || b.y - a.y);
-    const best = points.filter((point, i) => points.slice(0, i).every(cheaper => !cheaper.exact && cheaper.y < point.y));
-    if (best.length < 2) return;
-    svg.append('path').attr({class: 'way', d: 'M' + best.map(({x, y}) => x + ',' + y).join('L')}).style('color', sb.hue(index));
-  });
-}
+const ways = ({marks}) => choice.series.map((series, index) => {
+  const points =
+      marks.filter(({kind, row}) => kind === 'point' && row.series === series.name).sort((a, b) => a.x - b.x || b.y - a.y);
+  const best = points.filter((point, i) => points.slice(0, i).every(cheaper => !cheaper.exact && cheaper.y < point.y));
+  return best.length > 1 && path('way', 'M' + best.map(({x, y}) => x + ',' + y).join('L'), index);
+});
 
-function drawIntervals(svg, {x, marks}) {
-  for (const {row, y: at} of marks.filter(mark => mark.kind === 'point' && mark.row.cpu_s && !sb.fewRuns(mark.row.cpu_s))) {
-    const scale = row.cost / row.cpu_s.median;
-    const [low, high] = [x(row.cpu_s.low * scale), x(row.cpu_s.high * scale)];
-    svg.append('path')
-        .attr({
-          class: 'interval',
-          d: 'M' + low + ',' + (at - 3.5) + 'v7M' + high + ',' + (at - 3.5) + 'v7M' + low + ',' + at + 'H' + high
-        })
-        .style('color', sb.hue(choice.seriesIndex(row)));
-  }
-}
+const intervals = ({x, marks}) => marks.map(({kind, row, y: at}) => {
+  if (kind !== 'point' || !row.cpu_s || sb.fewRuns(row.cpu_s)) return null;
+  const [low, high] = [row.cpu_s.low, row.cpu_s.high].map(seconds => x(seconds * row.cost / row.cpu_s.median));
+  const end = place => 'M' + place + ',' + (at - 3.5) + 'v7';
+  return path('interval', end(low) + end(high) + 'M' + low + ',' + at + 'H' + high, choice.seriesIndex(row));
+});
 
 const spoken = row => [choice.seriesTitle(row) + ', ' + row.settings,
                        choice.placed(row) ? choice.statistic + ' error ' + choice.errorText(row) : choice.reason(row),
@@ -208,23 +189,33 @@ const spoken = row => [choice.seriesTitle(row) + ', ' + row.settings,
                           .join('; ');
 
 // Names at the points that matter, where there is room for them.
-function drawNames(svg, {box, marks}) {
+function names({box, marks}) {
   const taken = marks.map(({x, y}) => [x - 7, y - 7, x + 7, y + 7]);
   if (box.exact) taken.push([box.left, box.bottom - 16, box.left + 150, box.bottom]);
   const free = ([l, t, r, b]) => l >= box.left && r <= box.end && t >= box.plot && b <= box.bottom &&
       !taken.some(([left, top, right, bottom]) => l < right && r > left && t < bottom && b > top);
-  const weight = ({row}) => (row.own ? 0 : 1);
-  const named = marks.filter(({kind, row}) => kind === 'point' && (row.own || (row.pareto || []).includes(choice.measure.name)));
-  for (const {row, x, y} of named.sort((a, b) => weight(a) - weight(b))) {
+  const named = marks.filter(({kind, row}) => kind === 'point' && (row.own || choice.onFront(row)));
+  return named.sort((a, b) => Boolean(b.row.own) - Boolean(a.row.own)).map(({row, x, y}) => {
     const words = row.label + (row.own ? ', this scene' : '');
     const width = 6.4 * words.length, off = row.own ? 13 : 9;
     const place = [[off, -6], [off, 14], [-off - width, 14], [-off - width, -6], [-width / 2, 22], [-width / 2, -13]]
                       .map(([dx, dy]) => [x + dx, y + dy - 10, x + dx + width, y + dy + 2])
                       .find(free);
-    if (!place) continue;
-    taken.push(place);
-    svg.append('text').attr({class: 'halo-text name', x: place[0], y: place[3] - 2}).text(words);
-  }
+    if (place) taken.push(place);
+    return place && text(place[0], place[3] - 2, 'start', words, 'halo-text.name');
+  });
+}
+
+function markNode({row, kind, number, bare, x, y}) {
+  const index = choice.seriesIndex(row);
+  const attributes = {
+    transform: 'translate(' + [x, y] + ')', tabindex: -1, role: 'button', 'aria-label': spoken(row),
+    style: 'color:' + (kind === 'unrun' ? 'var(--soft)' : sb.hue(index))
+  };
+  return mark(
+      'g.point.' + kind, attributes, mark('circle.here', {r: radius + 4}), row.own && mark('circle.own', {r: radius + 4.5}),
+      kind !== 'failure' ? path('mark.' + kind, sb.markPath(index, kind === 'unrun' ? 4 : radius)) :
+                           [path('cross', sb.crossPath(4.5)), !bare && text(8, 4, 'start', number)]);
 }
 
 class Diagram {
@@ -245,79 +236,53 @@ class Diagram {
     const rows = sorted();
     this.place = layout(this.drawn, rows);
     const {box, marks} = this.place;
-    this.host.replaceChildren();
-    const svg = d3.select(this.host).append('svg').attr({
+    // From left to right, which is the order of the arrow keys.
+    this.order = marks.slice().sort((a, b) => a.x - b.x || a.y - b.y);
+    this.nodes = this.order.map(markNode);
+    const stripes = {id: 'floor-hatch', width: 7, height: 7, patternUnits: 'userSpaceOnUse', patternTransform: 'rotate(45)'};
+    const hatch = mark('pattern', stripes, mark('rect.floor-line', {width: 1.6, height: 7}));
+    const attributes = {
       viewBox: [0, 0, this.drawn, box.height].join(' '),
       role: 'group',
       'aria-label': 'Work-precision diagram: ' + choice.statistic + ' error, ' + choice.measure.title +
           ', against CPU time. Arrow keys go from mark to mark.'
-    });
-    svg.append('defs')
-        .append('pattern')
-        .attr({id: 'floor-hatch', width: 7, height: 7, patternUnits: 'userSpaceOnUse', patternTransform: 'rotate(45)'})
-        .append('rect')
-        .attr({class: 'floor-line', width: 1.6, height: 7});
-    drawFloor(svg, this.place);
-    drawStrips(svg, this.place);
-    axes(svg, this.place);
-    drawFront(svg, this.place);
-    drawSeries(svg, this.place);
-    drawIntervals(svg, this.place);
-    // From left to right, which is the order of the arrow keys.
-    this.order = marks.slice().sort((a, b) => a.x - b.x || a.y - b.y);
-    this.nodes = this.order.map(mark => this.drawMark(svg, mark));
-    drawNames(svg, this.place);
-    this.listen(svg.node());
+    };
+    const svg = mark(
+        'svg', attributes, mark('defs', {}, hatch),
+        [floorMarks, stripMarks, axes, front, ways, intervals].map(part => part(this.place)), this.nodes, names(this.place));
+    this.host.replaceChildren(svg);
+    this.listen(svg);
     this.note.replaceChildren(...this.remark(rows).map(line => el('p', {}, line)));
     this.listAside(marks);
     this.mark();
-    if (focused) this.focus(0);
-  }
-
-  drawMark(svg, {row, kind, number, bare, x, y}) {
-    const index = choice.seriesIndex(row);
-    const group = svg.append('g')
-                      .attr({
-                        class: 'point ' + kind,
-                        transform: 'translate(' + [x, y] + ')',
-                        tabindex: -1,
-                        role: 'button',
-                        'aria-label': spoken(row)
-                      })
-                      .style('color', kind === 'unrun' ? 'var(--soft)' : sb.hue(index));
-    group.append('circle').attr({class: 'here', r: radius + 4});
-    if (row.own) group.append('circle').attr({class: 'own', r: radius + 4.5});
-    if (kind === 'failure') {
-      group.append('path').attr({class: 'cross', d: sb.crossPath(4.5)});
-      if (!bare) group.append('text').attr({x: 8, y: 4}).text(number);
-    } else {
-      group.append('path').attr({class: 'mark ' + kind, d: sb.markPath(index, kind === 'unrun' ? 4 : radius)});
-    }
-    return group.node();
+    if (focused) this.nodes[0]?.focus();
   }
 
   // Pointing shows a row, a click or Enter selects it; arrow keys go on from mark to mark.
   listen(svg) {
     const nearest = event => {
-      const scale = this.drawn / svg.getBoundingClientRect().width;
-      const left = (event.clientX - svg.getBoundingClientRect().left) * scale;
-      const top = (event.clientY - svg.getBoundingClientRect().top) * scale;
-      const far = mark => Math.hypot(mark.x - left, mark.y - top);
-      const best = this.order.slice().sort((a, b) => far(a) - far(b))[0];
+      const seen = svg.getBoundingClientRect(), scale = this.drawn / seen.width;
+      const far = ({x, y}) => Math.hypot(x - (event.clientX - seen.left) * scale, y - (event.clientY - seen.top) * scale);
+      const [best] = this.order.slice().sort((a, b) => far(a) - far(b));
       return best && far(best) < reach ? best : null;
+    };
+    const leave = () => {
+      choice.point(null);
+      sb.hideTip();
     };
     svg.addEventListener('pointermove', event => {
       const mark = nearest(event);
       svg.style.cursor = mark ? 'pointer' : '';
-      choice.point(mark && mark.row);
-      if (mark)
-        sb.showTip(this.lines(mark), event.clientX, event.clientY);
-      else
-        sb.hideTip();
+      if (!mark) return leave();
+      choice.point(mark.row);
+      sb.showTip(this.lines(mark), event.clientX, event.clientY);
     });
-    svg.addEventListener('pointerleave', () => {
-      choice.point(null);
-      sb.hideTip();
+    svg.addEventListener('pointerleave', leave);
+    svg.addEventListener('focusout', leave);
+    svg.addEventListener('focusin', event => {
+      const mark = this.order[this.nodes.indexOf(event.target)], {right, top} = event.target.getBoundingClientRect();
+      choice.point(mark.row);
+      sb.showTip(this.lines(mark), right, top);
     });
     svg.addEventListener('click', event => {
       const mark = nearest(event);
@@ -327,7 +292,7 @@ class Diagram {
       const at = this.nodes.indexOf(document.activeElement);
       const steps = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1, Home: -this.nodes.length, End: this.nodes.length};
       if (event.key in steps)
-        this.focus(Math.min(this.nodes.length - 1, Math.max(0, at + steps[event.key])));
+        this.nodes[Math.min(this.nodes.length - 1, Math.max(0, at + steps[event.key]))]?.focus();
       else if (at >= 0 && (event.key === 'Enter' || event.key === ' '))
         choice.select(this.order[at].row);
       else if (event.key === 'Escape')
@@ -336,21 +301,6 @@ class Diagram {
         return;
       event.preventDefault();
     });
-    this.nodes.forEach((node, i) => {
-      node.addEventListener('focus', () => {
-        choice.point(this.order[i].row);
-        const {right, top} = node.getBoundingClientRect();
-        sb.showTip(this.lines(this.order[i]), right, top);
-      });
-      node.addEventListener('blur', () => {
-        choice.point(null);
-        sb.hideTip();
-      });
-    });
-  }
-
-  focus(index) {
-    if (this.nodes[index]) this.nodes[index].focus();
   }
 
   lines({row, number}) {
@@ -381,18 +331,18 @@ class Diagram {
   // What the measure is; what it is measured against; what is not drawn: a line each.
   remark(rows) {
     const measure = choice.measure;
-    const drawn = rows.points.length + rows.exact.length + rows.failures.length + rows.unrun.length;
+    const drawn = d3.sum(Object.values(rows), held => held.length);
     const shown = choice.rows.filter(row => !choice.hidden.has(row.series)).length;
-    const parts = ['Reference: ' + measure.reference + '.'];
-    if (measure.floor) {
-      const own = 'The reference’s own error is about ' + sb.measured(measure, measure.floor);
-      parts.push(
-          own +
-          (measure.floor > this.place.y.domain()[0] ? ': errors in the hatched band mean nothing.' : ', below this diagram.'));
-    }
-    if (choice.statistic !== 'worst') parts.push('The front is that of the worst error and is not drawn here.');
-    if (shown > drawn) parts.push((shown - drawn) + ' of ' + shown + ' runs have no value of this measure.');
-    return [measure.title[0].toUpperCase() + measure.title.slice(1) + ': ' + measure.definition + '.', parts.join(' ')];
+    const visible = measure.floor > this.place.y.domain()[0];
+    const parts = [
+      'Reference: ' + measure.reference + '.',
+      measure.floor && 'The reference’s own error is about ' + sb.measured(measure, measure.floor) +
+          (visible ? ': errors in the hatched band mean nothing.' : ', below this diagram.'),
+      choice.statistic !== 'worst' && 'The front is that of the worst error and is not drawn here.',
+      shown > drawn && (shown - drawn) + ' of ' + shown + ' runs have no value of this measure.'
+    ];
+    const title = measure.title[0].toUpperCase() + measure.title.slice(1);
+    return [title + ': ' + measure.definition + '.', parts.filter(part => part).join(' ')];
   }
 
   // What is not in the plot and why, those of one reason together.
@@ -418,65 +368,35 @@ class Diagram {
 // Which series are drawn: the legend is a row of switches.
 function legend() {
   const used = choice.series.filter(series => choice.rows.some(row => row.series === series.name));
-  const buttons = used.map(
-      series =>
-          el('button.key', {
-            'aria-pressed': 'true',
-            title: 'show or hide',
-            onclick: event => {
-              const hidden = new Set(choice.hidden);
-              if (!hidden.delete(series.name)) hidden.add(series.name);
-              event.currentTarget.setAttribute('aria-pressed', String(!hidden.has(series.name)));
-              choice.view({hidden});
-            }
-          },
-             sb.swatch(choice.series.indexOf(series)), series.title));
-  const sample = (kind, draw, words) => {
-    const item = el('span');
-    draw(d3.select(item).append('svg').attr({viewBox: '0 0 24 16', class: kind, 'aria-hidden': 'true'}));
-    item.append(words);
-    return item;
+  const toggle = (button, name) => {
+    const hidden = new Set(choice.hidden);
+    if (!hidden.delete(name)) hidden.add(name);
+    button.setAttribute('aria-pressed', String(!hidden.has(name)));
+    choice.view({hidden});
   };
+  const button = series => el(
+      'button.key', {'aria-pressed': 'true', title: 'show or hide', onclick: event => toggle(event.currentTarget, series.name)},
+      sb.swatch(choice.series.indexOf(series)), series.title);
+  const middle = {transform: 'translate(12,8)'};
+  const samples = [
+    [row => (row.pareto || []).length, mark('path.front', {d: 'M2,1V8H14V14H23'}), 'Pareto front'],
+    [row => row.own, mark('circle.own', {...middle, r: 6.5}), 'the scene’s own setting'],
+    [row => choice.failed(row), mark('path.cross', {...middle, d: sb.crossPath(4.5)}), 'failed'],
+    [row => choice.notRun(row), mark('path.mark.unrun', {...middle, d: sb.markPath(0, 4)}), 'not run'],
+    [() => true, mark('path.interval', {d: 'M2,4v8M22,4v8M2,8H22'}), 'spread of the CPU time']
+  ];
   return el(
-      'div.keys', {}, buttons,
-      choice.rows.some(row => (row.pareto || []).length) ?
-          sample('sample', svg => svg.append('path').attr({class: 'front', d: 'M2,1V8H14V14H23'}), 'Pareto front') :
-          null,
-      choice.rows.some(row => row.own) ?
-          sample('sample', svg => svg.append('circle').attr({class: 'own', cx: 12, cy: 8, r: 6.5}), 'the scene’s own setting') :
-          null,
-      choice.rows.some(row => choice.failed(row)) ?
-          sample(
-              'sample', svg => svg.append('path').attr({class: 'cross', transform: 'translate(12,8)', d: sb.crossPath(4.5)}),
-              'failed') :
-          null,
-      choice.rows.some(row => choice.notRun(row)) ?
-          sample(
-              'sample',
-              svg => svg.append('path').attr({class: 'mark unrun', transform: 'translate(12,8)', d: sb.markPath(0, 4)}), 'not run') :
-          null,
-      sample('sample', svg => svg.append('path').attr({class: 'interval', d: 'M2,4v8M22,4v8M2,8H22'}), 'spread of the CPU time'));
+      'div.keys', {}, used.map(button),
+      samples.filter(([there]) => choice.rows.some(there)).map(([, ...sample]) => sb.key('0 0 24 16', ...sample, 'sample')));
 }
 
 function controls() {
-  const options = choice.measures.map(measure => el('option', {value: measure.name}, sb.titled(measure)));
-  const segment = statistic =>
-      el('button', {
-        'aria-pressed': String(choice.statistic === statistic),
-        onclick: event => {
-          for (const button of event.currentTarget.parentNode.children)
-            button.setAttribute('aria-pressed', String(button === event.currentTarget));
-          choice.view({statistic});
-        }
-      },
-         statistic);
+  const measures = choice.measures.map(measure => [measure.name, sb.titled(measure)]);
+  const choose = name => choice.view({measure: choice.measures.find(measure => measure.name === name)});
   return el(
-      'div.controls', {},
-      el('label', {}, 'error of',
-         el('select',
-            {onchange: event => choice.view({measure: choice.measures.find(measure => measure.name === event.target.value)})},
-            options)),
-      el('span.segments', {role: 'group', 'aria-label': 'which error'}, segment('worst'), segment('median')));
+      'div.controls', {}, sb.choose('error of', measures, choice.measure.name, choose),
+      sb.segments(
+          'which error', [['worst', 'worst'], ['median', 'median']], choice.statistic, statistic => choice.view({statistic})));
 }
 
 // Everything about one row, beside the diagram.
@@ -485,31 +405,32 @@ function detail() {
   const draw = () => {
     const row = choice.shown;
     if (!row) return;
-    const item = (name, ...value) => el('div', {}, el('dt', {}, name), el('dd', {}, value));
     const cpu = row.cpu_s;
     const cheapest = choice.cheapestAsExact(row);
-    host.replaceChildren(
-        el('p.eyebrow', {}, sb.swatch(choice.seriesIndex(row), choice.kind(row)), choice.seriesTitle(row)),
-        el('h3', {}, row.settings), row.own ? el('p.tag', {}, 'the scene’s own setting') : '',
-        choice.kind(row) === 'point' ? '' : el(choice.notRun(row) ? 'p.note' : 'p.warning', {}, choice.reason(row)),
-        el('dl.facts', {}, row.rate_hz ? item('output', sb.rateText(row.rate_hz)) : null, item('CPU time', cpu ? sb.duration(cpu.median) : 'none measured'),
-           cpu && !sb.fewRuns(cpu) ? item('between', sb.duration(cpu.low) + ' and ' + sb.duration(cpu.high)) : null,
-           cpu ? item('runs', sb.fewRuns(cpu) || String(cpu.repeats)) : null,
-           !timed(row) ? null :
-                         [item('a simulated second', sb.duration(row.cost)), item('times real time', sb.timesReal(row.cost))]),
-        cheapest ? el('p.note', {}, 'As exact for 1/' + sb.figure(row.cost / cheapest.cost, 2) + ' of the time: ',
-                      el('button.link', {onclick: () => choice.select(cheapest)}, cheapest.settings)) :
-                   '',
-        el('table', {},
-           el('thead', {}, el('tr', {}, el('th.text', {}, 'error of'), el('th', {}, 'worst'), el('th', {}, 'median'))),
-           el('tbody', {},
-              choice.measures.map(
-                  measure =>
-                      el(measure === choice.measure ? 'tr.current' : 'tr', {}, el('td.text.long', {}, measure.title),
-                         ['worst', 'median'].map(statistic => el('td', {}, choice.errorText(row, measure, statistic))))))),
-        ...(row.command ? [el('div.command', {}, el('p.eyebrow', {}, 'again: ', sb.copyButton(row.command)),
-                              el('pre.mono', {}, row.command))] :
-                          []));
+    const statistic = name => ({title: name, cell: measure => choice.errorText(row, measure, name)});
+    const columns = [
+      {title: 'error of', kind: 'text.long', cell: measure => measure.title}, statistic('worst'), statistic('median')
+    ];
+    const shown = (measure, cells) => el(measure === choice.measure ? 'tr.current' : 'tr', {}, cells);
+    const parts = [
+      el('p.eyebrow', {}, sb.swatch(choice.seriesIndex(row), choice.kind(row)), choice.seriesTitle(row)),
+      el('h3', {}, row.settings), row.own && el('p.tag', {}, 'the scene’s own setting'),
+      choice.kind(row) !== 'point' && el(choice.notRun(row) ? 'p.note' : 'p.warning', {}, choice.reason(row)),
+      sb.facts('facts', [
+        ['output', row.rate_hz ? sb.rateText(row.rate_hz) : null],
+        ['CPU time', cpu ? sb.duration(cpu.median) : 'none measured'],
+        ['between', cpu && !sb.fewRuns(cpu) ? sb.duration(cpu.low) + ' and ' + sb.duration(cpu.high) : null],
+        ['runs', cpu && (sb.fewRuns(cpu) || String(cpu.repeats))],
+        ['a simulated second', timed(row) ? sb.duration(row.cost) : null],
+        ['times real time', timed(row) ? sb.timesReal(row.cost) : null]
+      ]),
+      cheapest && el('p.note', {}, 'As exact for 1/' + sb.figure(row.cost / cheapest.cost, 2) + ' of the time: ',
+                     el('button.link', {onclick: () => choice.select(cheapest)}, cheapest.settings)),
+      sb.sortedTable(columns, choice.measures, shown).node,
+      row.command && el('div.command', {}, el('p.eyebrow', {}, 'again: ', sb.copyButton(row.command)),
+                        el('pre.mono', {}, row.command))
+    ];
+    host.replaceChildren(...parts.filter(part => part));
   };
   choice.on('row', draw);
   choice.on('view', draw);
@@ -519,8 +440,8 @@ function detail() {
 
 sb.diagramSection = () => {
   const diagram = new Diagram();
-  return el(
-      'section', {}, el('h2', {}, 'What accuracy costs'), controls(), legend(),
-      el('div.explorer', {}, el('div', {}, diagram.host, diagram.note, diagram.failures, diagram.unrun), detail()), sb.pricesTable());
+  return sb.section(
+      'What accuracy costs', '', controls(), legend(),
+      el('div.explorer', {}, el('div', {}, diagram.host, diagram.note, diagram.failures, diagram.unrun), detail()),
+      sb.pricesTable());
 };
-})(window.slipbench);

@@ -1,23 +1,20 @@
 // Builds the page: header, sentences, sections, footer.
-(function(sb) {
-'use strict';
 const el = sb.element;
 const data = sb.data;
 const explored = 'slipbench_cost' in data;
 const stability = explored ? data.stability : data;
 
 function header() {
-  const item = (name, value) =>
-      value === undefined || value === null ? null : el('div', {}, el('dt', {}, name), el('dd', {}, value));
   const time = data.elapsed_s === undefined ?
       null :
       sb.duration(data.elapsed_s) + (data.budget_s ? ' of ' + sb.duration(data.budget_s) : '');
   return el(
       'header', {}, el('p.eyebrow', {}, explored ? 'slipbench cost' : 'slipbench cost --stability'),
-      el('h1', {}, explored ? data.description || data.scene : 'How long a step stays stable'),
-      el('dl.meta', {}, item('scene', data.scene), item('simulated', data.simulated_s ? sb.duration(data.simulated_s) : null),
-         item('seed', data.seed === undefined ? null : String(data.seed)), item('measured for', time)),
-      data.command ? el('p.commandline', {}, el('code', {}, data.command), ' ', sb.copyButton(data.command)) : null);
+      el('h1', {}, explored ? data.description || data.scene : 'How long a step stays stable'), sb.facts('meta', [
+        ['scene', data.scene], ['simulated', data.simulated_s ? sb.duration(data.simulated_s) : null], ['seed', data.seed],
+        ['measured for', time]
+      ]),
+      data.command && el('p.commandline', {}, el('code', {}, data.command), ' ', sb.copyButton(data.command)));
 }
 
 const sentences = () => el('ul.sentences', {}, (data.sentences || []).map(text => el('li', {}, text)));
@@ -30,39 +27,29 @@ function reference() {
   const reference = data.reference;
   return el(
       reference.converged ? 'p.note' : 'p.warning', {},
-      reference.converged ? null : el('b', {}, 'The reference is not converged. '), reference.text,
+      !reference.converged && el('b', {}, 'The reference is not converged. '), reference.text,
       ' (' + reference.kind + ': ' + reference.settings + ') ', sb.copyButton(reference.command));
 }
 
-const remarks = texts =>
-    texts.length ? el('section', {}, el('h2', {}, 'Remarks'), el('ul', {}, texts.map(text => el('li', {}, text)))) : null;
+const remarks = texts => texts.length ? sb.section('Remarks', '', el('ul', {}, texts.map(text => el('li', {}, text)))) : null;
 
 const words = {
-  cpu: 'CPU',
-  os: 'system',
-  build_type: 'build',
-  mujoco: 'MuJoCo',
-  load: 'load at the start'
+  cpu: 'CPU', os: 'system', build_type: 'build', mujoco: 'MuJoCo', load: 'load at the start'
 };
-const environment = entries =>
-    el('dl', {},
-       Object.entries(entries).map(
-           ([
-             name, value
-           ]) => [el('dt', {}, words[name] || name), el('dd', {}, value === null || value === '' ? sb.missing : String(value))]));
+const environment = entries => el('dl', {}, Object.entries(entries).map(([name, value]) => [
+  el('dt', {}, words[name] || name), el('dd', {}, value === null || value === '' ? sb.missing : String(value))
+]));
 
 function footer() {
   const beside = location.pathname.split('/').pop().replace(/\.html$/, '.json');
   return el(
       'footer', {}, el('h2', {}, 'Measured on'), environment(data.environment || {}),
-      beside.endsWith('.json') ?
-          el('p', {}, 'All figures, for programs: ', el('a', {href: beside}, decodeURIComponent(beside)), ' beside this page.') :
-          null,
+      beside.endsWith('.json') &&
+          el('p', {}, 'All figures, for programs: ', el('a', {href: beside}, decodeURIComponent(beside)), ' beside this page.'),
       el('details', {}, el('summary', {}, 'Licence of the library in this page'),
          el('pre', {}, document.getElementById('licences').textContent.trim())));
 }
 
-sb.followTheme();
 const page = document.getElementById('page');
 const parts = [header()];
 if (explored) {
@@ -78,4 +65,3 @@ if (explored) {
 if (stability) parts.push(sb.stabilitySection(stability));
 parts.push(remarks([...(data.remarks || []), ...(explored && stability && stability.remarks || [])]), footer());
 page.replaceChildren(...parts.filter(part => part));
-})(window.slipbench);

@@ -1,40 +1,15 @@
-// The data of the page, and what all its parts share: marks, logarithmic axes, figures as text, what is selected.
-(function(sb) {
-'use strict';
+// The data of the page, and what all its parts share: marks, figures as text, what is selected.
 const el = sb.element;
 
 sb.data = JSON.parse(document.getElementById('slipbench-data').textContent);
 
-// A shape for each colour, so that neither is needed to tell two series apart. Corners of polygons; the first is a circle.
-const polygon = (corners, turn, inner) => d3.range(inner ? 2 * corners : corners).map(i => {
-  const angle = turn + i * 2 * Math.PI / (inner ? 2 * corners : corners);
-  const radius = inner && i % 2 ? inner : 1;
-  return [radius * Math.sin(angle), -radius * Math.cos(angle)];
-});
-const shapes = [
-  null, polygon(4, Math.PI / 4), polygon(3, 0), polygon(4, 0), polygon(5, 0, 0.45), polygon(3, Math.PI), polygon(6, 0),
-  polygon(4, 0, 0.35)
-];
-const sizes = [1, 1.2, 1.3, 1.25, 1.45, 1.3, 1.1, 1.5];  // of equal weight to the eye
-sb.markPath = (index, radius) => {
-  const shape = shapes[index % shapes.length];
-  const r = radius * sizes[index % shapes.length];
-  if (!shape) return 'M' + r + ',0A' + [r, r, 0, 1, 1, -r, 0] + 'A' + [r, r, 0, 1, 1, r, 0] + 'Z';
-  return 'M' + shape.map(([x, y]) => (r * x).toFixed(2) + ',' + (r * y).toFixed(2)).join('L') + 'Z';
-};
-sb.crossPath = radius => 'M' + [-radius, -radius] + 'L' + [radius, radius] + 'M' + [-radius, radius] + 'L' + [radius, -radius];
-sb.hue = index => 'var(--s' + index % shapes.length + ')';
 // The mark of a series as legends and tables show it. `kind`: of choice.kind().
-sb.swatch = (index, kind) => {
-  const holder = el('span.swatch');
-  d3.select(holder)
-      .append('svg')
-      .attr({viewBox: '-8 -8 16 16', 'aria-hidden': 'true'})
-      .append('path')
-      .attr({class: 'mark ' + (kind || ''), d: sb.markPath(index, 5)})
-      .style('color', kind === 'unrun' ? 'var(--soft)' : sb.hue(index));
-  return holder;
-};
+sb.swatch = (index, kind) => el(
+    'span.swatch', {},
+    sb.mark('svg', {viewBox: '-8 -8 16 16', 'aria-hidden': 'true'}, sb.mark('path.mark.' + (kind || ''), {
+      d: sb.markPath(index, 5),
+      style: 'color:' + (kind === 'unrun' ? 'var(--soft)' : sb.hue(index))
+    })));
 
 const superscript = number => String(number).replace(/[-0-9]/g, c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c]);
 const grouped = text => text.replace(/^\d{4,}$/, digits => digits.replace(/\B(?=(\d{3})+$)/g, ','));
@@ -65,20 +40,11 @@ sb.negligible = 1e-6;
 sb.titled = measure => measure.title + (measure.unit ? ', ' + measure.unit : '');
 sb.measured = (measure, value) => (sb.figure(value * measure.factor, 2) + ' ' + measure.unit).trim();
 
-// Logarithmic axes: a domain that holds the values with some air, at least a decade wide; its ticks; their text.
+// Logarithmic axes: a domain that holds the values with some air, at least a decade wide; the text of a tick.
 sb.logDomain = values => {
   const [low, high] = d3.extent(values).map(Math.log10);
   const air = Math.max(0.12, (1 - (high - low)) / 2, 0.05 * (high - low));
-  return [Math.pow(10, low - air), Math.pow(10, high + air)];
-};
-sb.logTicks = ([low, high], room, needed) => {
-  const decade = room / Math.log10(high / low);
-  const factors = decade > 4 * needed ? [1, 2, 5] : [1];
-  const stride = Math.max(1, Math.ceil(needed / decade));
-  return d3.range(Math.floor(Math.log10(low)), Math.ceil(Math.log10(high)) + 1)
-      .filter(power => power % stride === 0)
-      .flatMap(power => factors.map(factor => +(factor + 'e' + power)))
-      .filter(tick => tick >= low && tick <= high);
+  return [10 ** (low - air), 10 ** (high + air)];
 };
 sb.tickText = value => {
   if (value >= 1e-3 && value < 1e7) return grouped(String(+value.toPrecision(1)));
@@ -87,63 +53,31 @@ sb.tickText = value => {
   return (factor === 1 ? '' : factor + '×') + '10' + superscript(power);
 };
 
-// Draws when a node has got a width, and again at each other one.
-sb.onWidth = (node, draw) => {
-  let drawn = 0;
-  const look = () => {
-    if (!node.clientWidth || node.clientWidth === drawn) return;
-    drawn = node.clientWidth;
-    draw();
+sb.copyButton = command => {
+  const copy = event => {
+    event.stopPropagation();
+    sb.copy(event.currentTarget, command);
   };
-  new ResizeObserver(() => requestAnimationFrame(look)).observe(node);
+  return el('button.link.copy', {title: command, 'aria-label': 'copy command: ' + command, onclick: copy}, 'copy');
 };
-
-// Lines at the pointer, of whatever is pointed at.
-const tip = el('div.tip');
-document.body.append(tip);
-sb.showTip = (lines, x, y) => {
-  tip.textContent = lines.join('\n');
-  tip.style.display = 'block';
-  tip.style.left = Math.max(4, Math.min(x + 14, window.innerWidth - tip.offsetWidth - 4)) + 'px';
-  tip.style.top = Math.max(4, y + 16 + tip.offsetHeight > window.innerHeight ? y - tip.offsetHeight - 10 : y + 16) + 'px';
-};
-sb.hideTip = () => {
-  tip.style.display = 'none';
-};
-
-sb.copyButton = command =>
-    el('button.link.copy', {
-      title: command,
-      'aria-label': 'copy command: ' + command,
-      onclick: event => {
-        event.stopPropagation();
-        sb.copy(event.currentTarget, command);
-      }
-    },
-       'copy');
+sb.percentText = share => sb.figure(100 * share, 2) + ' %';
 
 // What the reader has chosen. on(what, act): 'view' when what is drawn changes, 'row' when another row is shown.
 class Choice {
   constructor(data) {
-    this.measures = data.measures || [];
-    this.series = data.series || [];
-    this.rows = data.rows || [];
-    this.measure = this.measures[0] || null;
-    this.statistic = 'worst';
-    this.hidden = new Set();
-    this.selected = this.rows.find(row => row.own) || this.rows[0] || null;
+    const {measures = [], series = [], rows = []} = data;
+    Object.assign(this, {measures, series, rows, measure: measures[0] || null, statistic: 'worst', hidden: new Set()});
+    this.selected = rows.find(row => row.own) || rows[0] || null;
     this.pointed = null;
-    this.listeners = [];
+    this.listeners = {view: [], row: []};
   }
 
   on(what, act) {
-    this.listeners.push([what, act]);
+    this.listeners[what].push(act);
   }
 
   tell(what) {
-    for (const [kind, act] of this.listeners) {
-      if (kind === what) act();
-    }
+    for (const act of this.listeners[what]) act();
   }
 
   view(change) {
@@ -172,14 +106,17 @@ class Choice {
   }
 
   seriesTitle(row) {
-    const series = this.series.find(candidate => candidate.name === row.series);
-    return series ? series.title : row.series;
+    return this.series.find(series => series.name === row.series)?.title ?? row.series;
+  }
+
+  // Whether it is on the front of the chosen measure.
+  onFront(row, measure = this.measure) {
+    return (row.pareto || []).includes(measure.name);
   }
 
   // The error of a row, null where it has none.
   error(row, measure = this.measure, statistic = this.statistic) {
-    const held = measure && row.errors && row.errors[measure.name];
-    return held && held[statistic] !== undefined ? held[statistic] : null;
+    return (measure && row.errors?.[measure.name]?.[statistic]) ?? null;
   }
 
   differs(row, measure = this.measure) {
@@ -227,7 +164,7 @@ class Choice {
       return error !== null && this.none(error) ? 0 : error;
     };
     if (!this.placed(row) || worst(row) === null) return null;
-    const front = this.rows.filter(other => (other.pareto || []).includes(this.measure.name) && worst(other) <= worst(row));
+    const front = this.rows.filter(other => this.onFront(other) && worst(other) <= worst(row));
     const [best] = front.sort((a, b) => a.cost - b.cost);
     return best && best.cost < row.cost ? best : null;
   }
@@ -241,4 +178,3 @@ class Choice {
   }
 }
 sb.choice = new Choice(sb.data);
-})(window.slipbench);

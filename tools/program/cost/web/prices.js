@@ -1,6 +1,4 @@
 // What each error costs: the cheapest setting of each series that keeps within it.
-(function(sb) {
-'use strict';
 const el = sb.element;
 const choice = sb.choice;
 const most = 8;  // rows
@@ -31,43 +29,42 @@ sb.pricesTable = () => {
     const unrunOf = series => unrun.filter(row => row.series === series.name).length;
     const unknown = unused.filter(series => unrunOf(series));
     const wanted = bounds(points);
-    const cell = (limit, series) => {
+    const bestOf = (limit, series) => {
       // Rounding of a figure that is shown as 1 % must not push it out of "1 %".
       const within = row => choice.error(row) * choice.measure.factor <= limit * (1 + 1e-9);
-      const [best] = points.filter(row => row.series === series.name && within(row)).sort((a, b) => a.cost - b.cost);
-      return {series, best, cost: best ? best.cost : Infinity};
+      return points.filter(row => row.series === series.name && within(row)).sort((a, b) => a.cost - b.cost)[0];
+    };
+    const cell = (best, cheapest, others) => {
+      if (!best && others) return el('td', {}, el('span.pending', {}, 'not reached'), el('small', {}, others + ' not run'));
+      if (!best) return el('td', {}, el('span.unreached', {}, '× not reached'));
+      const more = best.cost === cheapest ? '' : ', ' + sb.figure(best.cost / cheapest, 2) + ' times the cheapest';
+      const link = el('button.link', {title: best.settings, onclick: () => choice.select(best)}, sb.timesReal(best.cost));
+      return el(more ? 'td' : 'td.cheapest', {}, link, el('small', {}, best.label, more));
     };
     const rows = wanted.map(limit => {
-      const cells = used.map(series => cell(limit, series));
-      const cheapest = Math.min(...cells.map(({cost}) => cost));
-      return el(
-          'tr', {}, el('th', {scope: 'row'}, '≤ ' + sb.tickText(limit) + ' ' + choice.measure.unit),
-          cells.map(
-              ({series, best, cost}) => !best ?
-                  unrunOf(series) ?
-                  el('td', {}, el('span.pending', {}, 'not reached'), el('small', {}, unrunOf(series) + ' not run')) :
-                  el('td', {}, el('span.unreached', {}, '× not reached')) :
-                  el(cost === cheapest ? 'td.cheapest' : 'td', {},
-                     el('button.link', {title: best.settings, onclick: () => choice.select(best)}, sb.timesReal(cost)),
-                     el('small', {}, best.label,
-                        cost === cheapest ? null : ', ' + sb.figure(cost / cheapest, 2) + ' times the cheapest'))));
+      const best = used.map(series => bestOf(limit, series));
+      return {limit, best, cheapest: d3.min(best, row => row && row.cost)};
     });
-    host.replaceChildren(...(!rows.length ? [] : [
-      el('h3.sub', {}, 'What each error costs'),
-      el('p.note', {},
-         'Times real time of the cheapest setting of each series whose ' + choice.statistic + ' error in ' +
-             choice.measure.title + ' keeps within a bound. Bold: the cheapest of all.',
-         unknown.length ? ' Not run for want of time: ' + unknown.map(series => series.title).join('; ') + '.' : ''),
-      el('div.scroll', {},
-         el('table.prices', {},
-            el('thead', {},
-               el('tr', {}, el('th', {scope: 'col'}, 'error'),
-                  used.map(series => el('th', {scope: 'col'}, sb.swatch(choice.series.indexOf(series)), series.title)))),
-            el('tbody', {}, rows)))
-    ]));
+    const columns = [
+      {title: 'error', cell: ({limit}) => el('th', {scope: 'row'}, '≤ ' + sb.tickText(limit) + ' ' + choice.measure.unit)},
+      ...used.map((series, i) => ({
+        title: [sb.swatch(choice.series.indexOf(series)), series.title],
+        cell: ({best, cheapest}) => cell(best[i], cheapest, unrunOf(series))
+      }))
+    ];
+    host.replaceChildren(
+        ...rows.length ?
+            [
+              el('h3.sub', {}, 'What each error costs'),
+              el('p.note', {},
+                 'Times real time of the cheapest setting of each series whose ' + choice.statistic + ' error in ' +
+                     choice.measure.title + ' keeps within a bound. Bold: the cheapest of all.',
+                 unknown.length > 0 && ' Not run for want of time: ' + unknown.map(series => series.title).join('; ') + '.'),
+              el('div.prices', {}, sb.table(columns, rows))
+            ] :
+            []);
   };
   choice.on('view', draw);
   draw();
   return host;
 };
-})(window.slipbench);

@@ -1,7 +1,5 @@
 // What a sensor emits as a whole: its channels over time, and spectra of them.
-(function(sb) {
-'use strict';
-const el = sb.element;
+const el = sb.element, mark = sb.mark;
 
 // Colours of magnitude 0 to 1: dark is little, bright is much, in grey prints as well.
 const ramp = d3.scale.linear()
@@ -11,22 +9,11 @@ const ramp = d3.scale.linear()
 const decades = 2.5;  // from the strongest value down to what is drawn as nothing
 
 // A spectrogram. spectrum: {bin_hz, window_s, time, columns: one a bin, unit}; each row stands for the window that ended at its time.
-class Spectrogram {
+class Spectrogram extends sb.TimeChart {
   constructor(parent, timeline, spectrum, height) {
     const title = 'Spectrogram of ' + spectrum.name;
-    Object.assign(this, {timeline, spectrum, height, title});
-    this.node = el('div.chart');
-    this.canvas = el('canvas', {style: 'display:block;width:100%;height:' + height + 'px', role: 'img', 'aria-label': title + ', Hz, over time'});
-    this.node.append(this.canvas);
-    parent.append(this.node);
-    this.node.classList.add('saved');
-    this.node.append(sb.saveButtons({title: () => title, drawing: () => this.drawing(), rows: () => this.savedRows()}));
-    this.picture = this.paint();
-    sb.attachTimeInput(this.node, timeline);
-    sb.attachCursor(this.node, timeline, this);
-    for (const what of ['window', 'theme']) timeline.on(what, () => this.draw(), this);
-    new ResizeObserver(() => this.draw()).observe(this.node);
-    this.draw();
+    super(parent, timeline, title, title + ', Hz, over time', height, 0);
+    Object.assign(this, {spectrum, picture: this.paint(spectrum)});
   }
 
   savedRows() {
@@ -35,20 +22,8 @@ class Spectrogram {
     return [['t [s]', ...head], ...Array.from(time, (t, row) => [t, ...columns.map(column => column[row])])];
   }
 
-  drawing() {
-    const width = this.node.clientWidth, [from, to] = this.timeline.window;
-    const drawing = new sb.Drawing(width, this.height + 20);
-    drawing.picture(0, 0, width, this.height, this.canvas);
-    for (const t of d3.scale.linear().domain([from, to]).ticks(8)) {
-      const x = sb.axisWidth + (t - from) / (to - from) * (width - sb.axisWidth - sb.rightGap);
-      drawing.text(x, this.height + 14, sb.significant(+t.toFixed(5), 6) + ' s', 'middle');
-    }
-    return drawing;
-  }
-
   // One pixel a bin and row, the highest bin on top.
-  paint() {
-    const {columns, time} = this.spectrum;
+  paint({columns, time}) {
     const largest = d3.max(columns, column => d3.max(column)) || 1;
     const canvas = el('canvas', {width: time.length, height: columns.length});
     const pen = canvas.getContext('2d');
@@ -61,107 +36,76 @@ class Spectrogram {
       }
     });
     pen.putImageData(image, 0, 0);
-    return canvas;
+    return canvas.toDataURL();
   }
 
-  draw() {
-    const {time, columns, bin_hz, window_s} = this.spectrum;
-    const width = this.node.clientWidth, ratio = Math.max(2, window.devicePixelRatio || 1);
-    this.canvas.width = width * ratio;
-    this.canvas.height = this.height * ratio;
-    const pen = this.canvas.getContext('2d');
-    pen.scale(ratio, ratio);
-    const left = sb.axisWidth, plot = width - left - sb.rightGap;
-    const [from, to] = this.timeline.window;
-    const x = t => left + (t - from) / (to - from) * plot;
-    pen.font = '11px system-ui, "DejaVu Sans", sans-serif';
-    pen.textAlign = 'right';
-    pen.textBaseline = 'middle';
-    pen.fillStyle = sb.colour('soft');
-    const top_hz = (columns.length - 0.5) * bin_hz;
-    for (const tick of d3.scale.linear().domain([0, top_hz]).ticks(4)) {
-      const middle = this.height * (1 - (tick + 0.5 * bin_hz) / (columns.length * bin_hz));
-      pen.fillText(sb.significant(tick, 4), left - 5, Math.min(this.height - 6, Math.max(6, middle)));  // all of it on the picture
-    }
-    pen.save();
-    pen.beginPath();
-    pen.rect(left, 0, plot, this.height);
-    pen.clip();
-    pen.fillStyle = sb.colour('panel');
-    pen.fillRect(left, 0, plot, this.height);
-    pen.imageSmoothingEnabled = false;
+  contents() {
+    const {height, picture: href, spectrum: {time, columns, bin_hz, window_s}} = this;
+    const first = time[0], last = time[time.length - 1];
     // A row is drawn around the middle of its window.
-    const hop = time.length > 1 ? (time[time.length - 1] - time[0]) / (time.length - 1) : window_s;
-    const middle = t => t - 0.5 * window_s;
-    const start = x(middle(time[0]) - 0.5 * hop), end = x(middle(time[time.length - 1]) + 0.5 * hop);
-    pen.drawImage(this.picture, start, 0, end - start, this.height);
-    pen.restore();
+    const hop = time.length > 1 ? (last - first) / (time.length - 1) : window_s;
+    const [x, end] = [first - 0.5 * hop, last + 0.5 * hop].map(t => this.x(t - 0.5 * window_s));
+    const ticks = d3.scale.linear().domain([0, (columns.length - 0.5) * bin_hz]).ticks(4);
+    const middle = tick => height * (1 - (tick + 0.5 * bin_hz) / (columns.length * bin_hz));
+    const within = y => Math.min(height - 2, Math.max(9, y + 4));  // all of it on the picture
+    return [
+      ticks.map(tick => sb.text(sb.plotLeft - 5, within(middle(tick)), 'end', sb.significant(tick, 4))), this.clipped([
+        mark('rect', {x: sb.plotLeft, width: this.plot, height, fill: 'var(--panel)'}),
+        mark('image', {x, y: 0, width: end - x, height, href, preserveAspectRatio: 'none', style: 'image-rendering:pixelated'})
+      ])
+    ];
   }
 }
 
 // Values of a channel in groups small enough for one chart: those whose names begin alike ("T4_W", "T4_N"), or all of them.
 function groupsOf(channel) {
   if (channel.names.length <= 4) return [{name: '', columns: d3.range(channel.names.length)}];
-  const groups = {};
-  channel.names.forEach((name, i) => (groups[name.split('_')[0]] = groups[name.split('_')[0]] || []).push(i));
-  return Object.entries(groups).map(([name, columns]) => ({name, columns}));
+  const groups = d3.nest().key(i => channel.names[i].split('_')[0]).entries(d3.range(channel.names.length));
+  return groups.map(({key, values}) => ({name: key, columns: values}));
 }
 
 // Charts of one channel, with a choice of the group where there are several.
 function channelCharts(channel, recording, timeline) {
-  const groups = groupsOf(channel);
-  const node = el('div'), host = el('div');
+  const groups = groupsOf(channel), middle = Math.floor(groups.length / 2);
+  const word = sb.channelWord(recording.type, channel.key), symbol = sb.symbol(channel.unit);
+  const host = el('div');
   let chart = null;
   const draw = group => {
-    if (chart) timeline.forget([chart]);
-    host.replaceChildren();
-    const names = group.columns.map(i => channel.names[i]);
-    host.append(sb.legendOf(names.map((name, i) => ({name, colour: sb.channelColours[i]}))));
+    timeline.forget([chart]);
+    const labels = group.columns.map(i => channel.names[i]);
+    host.replaceChildren(sb.legendOf(labels.map((name, i) => ({name, colour: sb.channelColours[i]}))));
     chart = new sb.LineChart(host, timeline, {
-      name: sb.channelWord(recording.type, channel.key).name + (group.name ? ' ' + group.name : ''),
-      rows: channel.time,
-      columns: group.columns.map(i => channel.columns[i]),
-      labels: names,
-      unit: channel.unit,
-      colours: sb.channelColours,
-      range: d3.extent(group.columns.flatMap(i => d3.extent(channel.columns[i]))),
-      solid: true,
-      step: true,
-      height: 120,
-      bands: recording.padRuns.strict,
-      strip: null
+      name: word.name + (group.name ? ' ' + group.name : ''), rows: channel.time,
+      columns: group.columns.map(i => channel.columns[i]), labels, unit: channel.unit, colours: sb.channelColours,
+      solid: true, step: true, height: 120, bands: recording.padRuns.strict
     });
   };
-  const word = sb.channelWord(recording.type, channel.key);
-  const unit = sb.symbol(channel.unit) ? ', ' + sb.symbol(channel.unit) : '';
-  const select = groups.length > 1 && el('select', {'aria-label': 'Values of ' + word.name, onchange: event => draw(groups[+event.target.value])},
-                                         groups.map((group, i) => el('option', {value: i}, group.name)));
-  node.append(
-      el('div.chart-title', {}, el('span', {}, el('b', {}, word.name + unit), ' ', word.note)),
-      ...select ? [el('div.controls', {}, el('label', {}, 'show', select))] : [], host);
-  const middle = Math.floor(groups.length / 2);
-  if (select) select.value = String(middle);
-  return {node, draw: () => draw(groups[middle])};
+  const select = () =>
+      sb.select({'aria-label': 'Values of ' + word.name}, groups.map(({name}, i) => [i, name]), middle, i => draw(groups[i]));
+  return {
+    node: el('div', {}, sb.chartTitle(word.name + (symbol ? ', ' + symbol : ''), word.note),
+             groups.length > 1 && el('div.controls', {}, el('label', {}, 'show', select())), host),
+    draw: () => draw(groups[middle])
+  };
 }
 
 sb.channelColours = ['fx', 'fy', 'slip', 'fz'];
-sb.legendOf = entries => el(
-    'div.legend', {}, entries.map(({name, colour}) => el('span', {}, el('b', {style: 'color:var(--' + colour + ')'}, '━━'), name)));
+sb.legendOf = entries => el('div.legend', {}, entries.map(
+    ({name, colour, dashed}) => el('span', {}, el('b', {style: 'color:var(--' + colour + ')'}, dashed ? '╍╍' : '━━'), name)));
+sb.chartTitle = (name, note) => el('div.chart-title', {}, el('span', {}, el('b', {}, name), ' ', note || ''));
 
 // The section of a sensor's channels; null where every channel is one of its units' curves.
 sb.channelSection = (recording, timeline) => {
   if (!recording.channels.length && !recording.spectra.length) return null;
-  const section = el('section', {}, el('h2', {}, 'What the sensor emits'));
+  const section = sb.section('What the sensor emits', '');
   const charts = recording.channels.map(channel => channelCharts(channel, recording, timeline));
   return {
     section,
     draw() {
       for (const spectrum of recording.spectra) {
-        section.append(el(
-            'div.chart-title', {},
-            el('span', {}, el('b', {}, 'Spectrogram of ' + spectrum.name + ', Hz'), ' ',
-               'windows of ' + sb.quantity(spectrum.window_s * 1e3, 'ms') + ', without their straight line, Hamming; ' + decades +
-                   ' decades below the strongest are dark')));
+        const note = 'windows of ' + sb.quantity(spectrum.window_s * 1e3, 'ms') + ', without their straight line, Hamming; ' +
+            decades + ' decades below the strongest are dark';
+        section.append(sb.chartTitle('Spectrogram of ' + spectrum.name + ', Hz', note));
         new Spectrogram(section, timeline, spectrum, 110);
       }
       for (const chart of charts) {
@@ -171,4 +115,3 @@ sb.channelSection = (recording, timeline) => {
     }
   };
 };
-})(window.slipbench);

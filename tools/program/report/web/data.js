@@ -1,6 +1,4 @@
 // The data inside the page: unpacked arrays with named access.
-(function(sb) {
-'use strict';
 
 async function inflate(base64) {
   const bytes = Uint8Array.from(atob(base64), c => c.charCodeAt(0));
@@ -9,7 +7,7 @@ async function inflate(base64) {
 }
 
 // Inverse of tools/base/page/pack.cc: columns as arrays.
-async function unpack(packed) {
+sb.unpack = async packed => {
   const bytes = await inflate(packed.data);
   const {rows, columns} = packed;
   const count = rows * columns;
@@ -29,9 +27,7 @@ async function unpack(packed) {
     }
   }
   return Array.from({length: columns}, (_, c) => values.subarray(c * rows, (c + 1) * rows));
-}
-
-sb.unpack = unpack;
+};
 
 // Runs of equal states: [{state, from, to}] in seconds, `to` being the time of the first sample of the next run.
 function runsOf(states, time) {
@@ -46,46 +42,30 @@ function runsOf(states, time) {
 }
 
 // Row at or just before t of ascending times; 0 where all are later.
-function rowAt(time, t) {
-  let low = 0, high = time.length - 1;
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (time[middle] <= t + 1e-9)
-      low = middle;
-    else
-      high = middle - 1;
-  }
-  return low;
-}
-sb.rowAt = rowAt;
+sb.rowAt = (time, t) => Math.max(0, d3.bisectRight(time, t + 1e-9) - 1);
 
 // One sensor of one trial.
 class Recording {
   static async load(trial, payload) {
-    const recording = new Recording();
-    Object.assign(recording, payload);
-    recording.trial = trial;
-    recording.units = payload.positions.length;
-    recording.time = (await unpack(payload.time))[0];
+    const {unpack} = sb;
+    const [time] = await unpack(payload.time);
+    const recording = Object.assign(new Recording(), payload, {trial, time, units: payload.positions.length});
     recording.curveTime = recording.time.filter((_, i) => i % payload.stride === 0);
     recording.curves = {};
     for (const curve of payload.curves) {
-      recording.curves[curve.origin + '/' + curve.key] = Object.assign({}, curve, {columns: await unpack(curve.data)});
+      recording.curves[curve.origin + '/' + curve.key] = {...curve, columns: await unpack(curve.data)};
     }
-    const rows = async held => Object.assign({}, held, {time: (await unpack(held.time))[0], columns: await unpack(held.data)});
+    const rows = async held => ({...held, time: (await unpack(held.time))[0], columns: await unpack(held.data)});
     recording.channels = await Promise.all(payload.channels.map(rows));
     recording.spectra = await Promise.all(payload.spectra.map(rows));
     recording.unitStates = await unpack(payload.states.unit);
     recording.unitRuns = recording.unitStates.map(states => runsOf(states, recording.time));
     recording.padStates = {};
     recording.padRuns = {};
-    for (const rule of sb.rules) {
-      recording.padStates[rule.key] = (await unpack(payload.states[rule.key]))[0];
-      recording.padRuns[rule.key] = runsOf(recording.padStates[rule.key], recording.time);
-    }
-    if (payload.states.seen) {
-      recording.padStates.seen = (await unpack(payload.states.seen))[0];
-      recording.padRuns.seen = runsOf(recording.padStates.seen, recording.time);
+    // By each rule, and as the detector saw it where there is one.
+    for (const key of [...sb.rules.map(rule => rule.key), 'seen'].filter(name => payload.states[name])) {
+      recording.padStates[key] = (await unpack(payload.states[key]))[0];
+      recording.padRuns[key] = runsOf(recording.padStates[key], time);
     }
     recording.addSlipSpeed();
     return recording;
@@ -106,7 +86,7 @@ class Recording {
 
   // Sample at or just before a time.
   sampleAt(t) {
-    return rowAt(this.time, t);
+    return sb.rowAt(this.time, t);
   }
 
   // A channel of the sensor by its key, {time, unit, columns, names}; undefined where there is none.
@@ -118,39 +98,24 @@ class Recording {
     return {time: this.curveTime, unit, columns, names: columns.map(name)};
   }
 
+  // Of the components from `from` to `to` the largest that they come to together.
   largest(key, from, to) {
-    const curve = this.curves[key];
-    let largest = 0;
-    for (let unit = 0; unit < this.units; ++unit) {
-      for (let row = 0; row < this.curveTime.length; ++row) {
-        let sum = 0;
-        for (let c = from; c < to; ++c) sum += curve.columns[unit * curve.components.length + c][row] ** 2;
-        if (sum > largest) largest = sum;
-      }
-    }
-    return Math.sqrt(largest);
+    const size = parts => d3.max(d3.range(this.curveTime.length), row => Math.hypot(...parts.map(column => column[row])));
+    return d3.max(d3.range(this.units), unit => size(this.columns(key, unit).slice(from, to))) || 0;
   }
 
   // Derived: speed of each unit, and mean and largest over the touching units.
   addSlipSpeed() {
     const velocity = this.curves['labels/slip_velocity'];
-    const rows = this.curveTime.length;
-    const columns = [];
-    const mean = new Float32Array(rows), top = new Float32Array(rows);
-    const touching = new Float32Array(rows);
-    for (let unit = 0; unit < this.units; ++unit) {
-      const x = velocity.columns[2 * unit], y = velocity.columns[2 * unit + 1];
-      const speed = new Float32Array(rows);
-      for (let row = 0; row < rows; ++row) {
-        speed[row] = Math.hypot(x[row], y[row]);
-        if (this.unitStates[unit][row * this.stride] === 0) continue;
-        touching[row] += 1;
-        mean[row] += speed[row];
-        if (speed[row] > top[row]) top[row] = speed[row];
-      }
-      columns.push(speed);
-    }
-    for (let row = 0; row < rows; ++row) mean[row] = touching[row] ? mean[row] / touching[row] : NaN;
+    const rows = d3.range(this.curveTime.length);
+    const columns = d3.range(this.units).map(unit => {
+      const [x, y] = velocity.columns.slice(2 * unit);
+      return Float32Array.from(rows, row => Math.hypot(x[row], y[row]));
+    });
+    const touching = row =>
+        columns.filter((_, unit) => this.unitStates[unit][row * this.stride] !== 0).map(column => column[row]);
+    const mean = Float32Array.from(rows, row => d3.mean(touching(row)) ?? NaN);
+    const top = Float32Array.from(rows, row => d3.max(touching(row)) ?? 0);
     this.curves['labels/slip_speed'] = {unit: 'm/s', components: ['speed'], per_unit: true, columns};
     this.curves['labels/pad_speed'] = {unit: 'm/s', components: ['largest', 'mean'], per_unit: false, columns: [top, mean]};
   }
@@ -177,4 +142,3 @@ sb.recording = async (index, sensor) => {
   loaded[key] = loaded[key] || Recording.load(index, sensors.find(({name}) => name === sensor));
   return loaded[key];
 };
-})(window.slipbench);

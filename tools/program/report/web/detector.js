@@ -1,24 +1,20 @@
 // The detector against the truth: of one trial, or of all trials with the same one.
-(function(sb) {
-'use strict';
 const el = sb.element;
 
 // The detector `truth` is an oracle: no sensor could be it.
 sb.detectorName = type => type === 'truth' ? 'truth (oracle)' : type;
 
 // Counts, a row a true state, and its recall.
-function confusionTable(counts) {
-  const head = ['truth', ...sb.states.pad.map(state => 'seen as ' + state.name), 'recall'];
-  return el(
-      'div.scroll', {},
-      el('table', {}, el('thead', {}, el('tr', {}, head.map((text, i) => el(i === 0 ? 'th.text' : 'th', {}, text)))),
-         el('tbody', {}, counts.map((row, truth) => {
-           return el(
-               'tr', {}, el('td.text', {}, el('b', {}, sb.states.pad[truth].name)),
-               row.map((count, seen) => el('td', {}, seen === truth ? el('b', {}, String(count)) : String(count))),
-               el('td', {}, truth === 0 ? '–' : sb.percent(sb.scores.recall(counts, truth))));
-         }))));
-}
+const confusionTable = counts => sb.table(
+    [
+      {title: 'truth', kind: 'text', cell: truth => el('b', {}, sb.states.pad[truth].name)},
+      ...sb.states.pad.map((state, seen) => ({
+        title: 'seen as ' + state.name,
+        cell: truth => seen === truth ? el('b', {}, String(counts[truth][seen])) : String(counts[truth][seen])
+      })),
+      {title: 'recall', cell: truth => truth === 0 ? '–' : sb.percent(sb.scores.recall(counts, truth))}
+    ],
+    d3.range(counts.length));
 
 // How the detector did in one trial: figure of the card, [name, value, note].
 sb.detectionFigure = detector => {
@@ -38,14 +34,9 @@ sb.detections = trials => {
   const [seen, early, missed] = ['seen', 'early', 'missed'].map(of);
   const delays = seen.map(trial => trial.detector.delay_s);
   return {
-    delay_s: delays.length ? d3.median(delays) : null,
-    worst_s: delays.length ? d3.max(delays) : null,
-    seen: seen.length,
-    early: early.length,
-    missed: missed.length,
-    slipping: seen.length + early.length + missed.length,
-    falseAlarms: of('false_alarm').length,
-    still: of('false_alarm').length + of('quiet').length
+    delay_s: d3.median(delays) ?? null, worst_s: d3.max(delays) ?? null, seen: seen.length, early: early.length,
+    missed: missed.length, slipping: seen.length + early.length + missed.length,
+    falseAlarms: of('false_alarm').length, still: of('false_alarm').length + of('quiet').length
   };
 };
 
@@ -67,22 +58,21 @@ function figuresTable(trials, counts) {
     ['accuracy', sb.percent(scores.accuracy(counts))],
     ['of the best constant answer', sb.percent(scores.constantAccuracy(counts))],
   ];
-  return el('div.scroll', {}, el('table', {}, el('thead', {}, el('tr', {}, columns.map(([name]) => el('th', {}, name)))),
-                                 el('tbody', {}, el('tr', {}, columns.map(([, value]) => el('td', {}, value))))));
+  return sb.table(columns.map(([title, value]) => ({title, cell: () => value})), [null]);
 }
 
 // `trials`: all with a detector of the same type.
 sb.detectorSection = trials => {
   const counts = sb.scores.pooled(trials);
   const {type, sensor} = trials[0].detector;
-  return el(
-      'section', {}, el('h2', {}, 'Detector ' + sb.detectorName(type) + ' against the truth'),
-      el('p.note', {},
-         'Delays are of the trials seen: those without an alarm before the slip. Early: with one. Shares are of the samples in contact; recall of ' +
-             'slip: of those that slip, how many are seen as incipient or gross; balanced accuracy: mean of the recalls.'),
+  return sb.section(
+      'Detector ' + sb.detectorName(type) + ' against the truth',
+      'Delays are of the trials seen: those without an alarm before the slip. Early: with one. Shares are of the samples in contact; recall of ' +
+          'slip: of those that slip, how many are seen as incipient or gross; balanced accuracy: mean of the recalls.',
       figuresTable(trials, counts),
       el('p.note', {},
-         'Samples of ' + sensor + ' by true state (strict) and by the class that the loop saw at that instant, latency included.'),
+         'Samples of ' + sensor +
+             ' by true state (strict) and by the class that the loop saw at that instant, latency included.'),
       confusionTable(counts));
 };
 
@@ -92,4 +82,3 @@ sb.detectorSections = trials => {
   const types = [...new Set(judged.map(trial => trial.detector.type))];
   return types.map(type => sb.detectorSection(judged.filter(trial => trial.detector.type === type)));
 };
-})(window.slipbench);

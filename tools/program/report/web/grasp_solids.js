@@ -1,7 +1,5 @@
-// Convex solids in perspective on a 2D canvas: far ones first. For a scene of a few dozen this needs no library and no graphics card,
+// Convex solids in perspective as SVG: far ones first. For a scene of a few dozen this needs no library and no graphics card,
 // prints, and follows the page's colours.
-(function(sb) {
-'use strict';
 
 // Vectors and quaternions (w, x, y, z) are plain arrays.
 const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -128,37 +126,19 @@ class Camera {
   }
 }
 
-const channels = colour => [1, 3, 5].map(i => parseInt(colour.slice(i, i + 2), 16));
-// `colour` ("#rrggbb") as a face with that much light shows it.
-function lit(colour, light, alpha) {
-  const [r, g, b] = channels(colour).map(c => Math.round(Math.min(255, c * light)));
-  return 'rgba(' + r + ',' + g + ',' + b + ',' + alpha + ')';
-}
-
 const sun = unit([-0.45, -0.6, 0.85]);
+const outline = points => 'M' + points.map(([x, y]) => x.toFixed(1) + ',' + y.toFixed(1)).join('L');
 
-function path(pen, points) {
-  pen.beginPath();
-  points.forEach(([x, y], i) => i ? pen.lineTo(x, y) : pen.moveTo(x, y));
+// The faces of a solid that look at the eye, each as light as the sun makes it: its colour, and over it some black or white.
+function facesOf({faces, look: {colour, alpha, dash, fine}}, camera) {
+  const edge = fine ? {stroke: '#000', 'stroke-opacity': 0.3} : {stroke: 'var(--ink)', 'stroke-opacity': dash ? 0.9 : 0.45};
+  const line = {...edge, 'stroke-width': dash ? 1.6 : 0.8, 'stroke-dasharray': dash, 'stroke-linejoin': 'round'};
+  return faces.filter(({normal, offset}) => dot(normal, camera.eye) > offset).map(({corners, normal}) => {
+    const d = outline(corners.map(camera.project)) + 'Z', light = 0.36 * Math.max(0, dot(normal, sun)) - 0.28;
+    const shade = {fill: light < 0 ? '#000' : '#fff', 'fill-opacity': Math.abs(light) * alpha};
+    const ground = {fill: 'var(--' + colour + ')', 'fill-opacity': alpha};
+    return [sb.mark('path', {d, ...ground}), sb.mark('path', {d, ...shade, ...line})];
+  });
 }
 
-function drawSolid(pen, camera, {faces, look}) {
-  const colour = sb.colour(look.colour);
-  const edge = sb.colour('ink');
-  pen.lineJoin = 'round';
-  for (const {corners, normal, offset} of faces) {
-    if (dot(normal, camera.eye) <= offset) continue;
-    path(pen, corners.map(camera.project));
-    pen.closePath();
-    pen.fillStyle = lit(colour, 0.72 + 0.36 * Math.max(0, dot(normal, sun)), look.alpha);
-    pen.fill();
-    pen.setLineDash(look.dash || []);
-    pen.lineWidth = look.dash ? 1.6 : 0.8;
-    pen.strokeStyle = look.fine ? 'rgba(0,0,0,.3)' : lit(edge, 1, look.dash ? 0.9 : 0.45);
-    pen.stroke();
-  }
-  pen.setLineDash([]);
-}
-
-sb.space = {subtract, product, placed, inFrame, block, bar, solid, drawingOrder, drawSolid, path, lit, Camera};
-})(window.slipbench);
+sb.space = {subtract, product, placed, inFrame, block, bar, solid, drawingOrder, facesOf, outline, Camera};

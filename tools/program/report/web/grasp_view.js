@@ -1,43 +1,19 @@
 // Gripper, box and table of a grasp in space, at the cursor.
-(function(sb) {
-'use strict';
-const el = sb.element;
-const {subtract, product, placed, inFrame, block, bar, solid, drawingOrder, drawSolid, path, lit, Camera} = sb.space;
+const el = sb.element, mark = sb.mark;
+const {subtract, product, placed, inFrame, block, bar, solid, drawingOrder, facesOf, outline, Camera} = sb.space;
 
 // m. What a dataset does not say of the gripper's looks.
-const finger = {
-  halfWidth: 0.0135,
-  below: 0.02,
-  above: 0.085,
-  thick: 0.011
-};
-const palm = {
-  from: 0.085,
-  to: 0.112,
-  halfLength: 0.085,
-  halfWidth: 0.03
-};
-const wrist = {
-  radius: 0.026,
-  height: 0.035
-};
-const table = {
-  half: 0.115,
-  thick: 0.006
-};
+const finger = {halfWidth: 0.0135, below: 0.02, above: 0.085, thick: 0.011};
+const palm = {from: 0.085, to: 0.112, halfLength: 0.085, halfWidth: 0.03};
+const wrist = {radius: 0.026, height: 0.035};
+const table = {half: 0.115, thick: 0.006};
 const layer = 0.004;  // of a silicone pad
 
 // The sensor's units as bars; a unit that lets go has the look of its state.
 class PadSolids {
   constructor(recording) {
     this.recording = recording;
-    const positions = recording.positions;
-    let pitch = 0.02;
-    for (const p of positions) {
-      for (const q of positions) {
-        if (p !== q) pitch = Math.min(pitch, Math.hypot(p[0] - q[0], p[1] - q[1]) || pitch);
-      }
-    }
+    const {positions} = recording, pitch = Math.min(0.02, sb.spacingOf(positions, 0.02));
     this.radius = 0.34 * pitch;
     this.length = Math.max(0.005, pitch);
     const edge = axis => d3.extent(positions, p => p[axis]);
@@ -49,10 +25,8 @@ class PadSolids {
   // `face(pose, x, y)`: where the box is above the pad's plane at that place [m], or 0. `sample`: null: states are not shown.
   solids(pose, face, sample) {
     const looks = {
-      detached: {colour: 'detached', alpha: 0.3, fine: true},
-      stick: {colour: 'stick', alpha: 1, fine: true},
-      partial: {colour: 'partial', alpha: 1, dash: [3, 2]},
-      slip: {colour: 'slip', alpha: 1, fine: true}
+      detached: {colour: 'detached', alpha: 0.3, fine: true}, stick: {colour: 'stick', alpha: 1, fine: true},
+      partial: {colour: 'partial', alpha: 1, dash: '3 2'}, slip: {colour: 'slip', alpha: 1, fine: true}
     };
     const {recording} = this;
     const bars = recording.positions.map(([x, y], i) => {
@@ -65,46 +39,29 @@ class PadSolids {
 
 class GraspView {
   constructor(parent, grasp, recording, timeline) {
-    this.grasp = grasp;
-    this.recording = recording;
     // The pads are those that carry; the sensor has one of them or follows it.
-    this.own = recording.place;
-    this.other = grasp.pads.find(name => name !== this.own);
-    this.timeline = timeline;
-    this.pad = new PadSolids(recording);
-    this.camera = new Camera();
-    this.close = false;
-    this.canvas = el('canvas', {
-      role: 'img',
-      'aria-label': 'Gripper, box and table at the cursor; drag to turn, double-click for the first view'
-    });
-    this.node = el('div.space', {}, this.canvas);
+    const own = recording.place, other = grasp.pads.find(name => name !== own);
+    Object.assign(
+        this, {grasp, recording, timeline, own, other, pad: new PadSolids(recording), camera: new Camera(), close: false});
+    this.svg = mark('svg');
+    this.node = el('div.space', {}, this.svg);
     parent.append(this.node);
-    this.node.classList.add('saved');
-    this.node.append(sb.saveButtons({title: () => 'Grasp', drawing: () => this.drawing(), rows: () => this.savedRows()}));
+    sb.saveCorner(this.node, 'Grasp', () => this.svg, () => this.savedRows());
     this.handlePointer();
     const first = grasp.poseAt(timeline.full[0]);
-    this.boxSize = grasp.size('box') || [0.06, 0.06, 0.1];
+    this.boxSize = grasp.bodies.box.size || [0.06, 0.06, 0.1];
     this.tableHeight = first.table.position[2];
     const across = subtract(first.second_pad.position, first[grasp.pads[0]].position);
     const yaw = 0.5 * Math.atan2(across[1], across[0]);
     this.handTurn = [Math.cos(yaw), 0, 0, Math.sin(yaw)];
     this.start = first.arm;
     // The whole picture holds the table and the hand at its highest.
-    const top = grasp.highest('arm') + palm.to + wrist.height;
+    const top = d3.max(grasp.bodies.arm.position[2]) + palm.to + wrist.height;
     const corners = h => [-1, 1].flatMap(x => [-1, 1].map(y => [x * h, y * h]));
     this.all = [
       ...corners(table.half).map(([x, y]) => [x, y, this.tableHeight]), ...corners(palm.halfLength).map(([x, y]) => [x, y, top])
     ];
-    timeline.on('theme', () => this.draw());
     new ResizeObserver(() => this.draw()).observe(this.node);
-  }
-
-  // The picture as it is on the page.
-  drawing() {
-    const drawing = new sb.Drawing(this.node.clientWidth, this.node.clientHeight);
-    drawing.picture(0, 0, drawing.width, drawing.height, this.canvas);
-    return drawing;
   }
 
   // Where the bodies are at every instant that is stored.
@@ -117,19 +74,20 @@ class GraspView {
 
   handlePointer() {
     let from = null;
-    this.canvas.style.touchAction = 'pan-y';
-    this.canvas.addEventListener('pointerdown', event => {
+    const {node} = this;
+    node.addEventListener('pointerdown', event => {
+      if (event.target.closest('button')) return;
       from = [event.clientX, event.clientY];
-      this.canvas.setPointerCapture(event.pointerId);
+      node.setPointerCapture(event.pointerId);
     });
-    this.canvas.addEventListener('pointermove', event => {
+    node.addEventListener('pointermove', event => {
       if (!from) return;
       this.camera.orbit(0.008 * (event.clientX - from[0]), 0.008 * (event.clientY - from[1]));
       from = [event.clientX, event.clientY];
       this.draw();
     });
-    for (const end of ['pointerup', 'pointercancel']) this.canvas.addEventListener(end, () => from = null);
-    this.canvas.addEventListener('dblclick', () => {
+    for (const end of ['pointerup', 'pointercancel']) node.addEventListener(end, () => from = null);
+    node.addEventListener('dblclick', () => {
       this.camera.reset();
       this.draw();
     });
@@ -156,7 +114,7 @@ class GraspView {
     const {pad, own, other} = this;
     const face = this.faceOf(poses.box);
     const half = this.boxSize.map(s => 0.5 * s);
-    const silicone = this.grasp.size(other);
+    const silicone = this.grasp.bodies[other].size;
     const sensorFinger = {colour: 'faint', alpha: 0.13}, body = {colour: 'faint', alpha: 1};
     const arm = poses.arm;
     const hand = {position: arm.position, turn: product(arm.turn, this.handTurn)};
@@ -179,75 +137,61 @@ class GraspView {
     return list;
   }
 
-  drawTable(pen) {
-    const {camera, tableHeight} = this;
-    const {half, thick} = table;
-    const at = {position: [0, 0, tableHeight], turn: [1, 0, 0, 0]};
-    drawSolid(pen, camera, solid(block([-half, -half, -thick], [half, half, 0]), at, {colour: 'line', alpha: 1}));
-    pen.strokeStyle = lit(sb.colour('faint'), 1, 0.45);
-    pen.lineWidth = 0.7;
-    for (let c = -0.1; c < 0.101; c += 0.05) {
-      for (const ends of [[[c, -half, tableHeight], [c, half, tableHeight]], [[-half, c, tableHeight], [half, c, tableHeight]]]) {
-        path(pen, ends.map(camera.project));
-        pen.stroke();
-      }
-    }
+  table() {
+    const {camera, tableHeight: z} = this, {half, thick} = table;
+    const slab = solid(
+        block([-half, -half, -thick], [half, half, 0]), {position: [0, 0, z], turn: [1, 0, 0, 0]}, {colour: 'line', alpha: 1});
+    const line = ends => mark(
+        'path', {d: outline(ends.map(camera.project)), stroke: 'var(--faint)', 'stroke-opacity': 0.45, 'stroke-width': 0.7});
+    const grid =
+        d3.range(-0.1, 0.101, 0.05).flatMap(c => [line([[c, -half, z], [c, half, z]]), line([[-half, c, z], [half, c, z]])]);
+    return [facesOf(slab, camera), grid];
   }
 
   // Straight down, so that the height over the table shows.
-  drawShadow(pen, box) {
-    const {tableHeight, camera} = this;
+  shadow(box) {
     const within = c => Math.min(table.half, Math.max(-table.half, c));
     const hull = d3.geom.hull(box.points.map(([x, y]) => [within(x), within(y)]));
-    path(pen, hull.map(([x, y]) => camera.project([x, y, tableHeight])));
-    pen.fillStyle = 'rgba(0,0,0,.22)';
-    pen.fill();
+    return mark(
+        'path', {d: outline(hull.map(([x, y]) => this.camera.project([x, y, this.tableHeight]))), fill: 'rgba(0,0,0,.22)'});
   }
 
   // Edges of the box where it would be if it had not slipped in the arm's frame since the lift began.
-  drawUnslipped(pen, poses, box) {
+  unslipped(poses, box) {
     const {grasp, camera} = this;
-    if (this.timeline.cursor < grasp.lift_s) return;
+    if (this.timeline.cursor < grasp.lift_s) return null;
     const held = grasp.poseAt(grasp.lift_s);
     const back = point => placed(poses.arm, inFrame(held.arm, point));
     const half = this.boxSize.map(s => 0.5 * s);
     const shape = block(half.map(h => -h), half);
     const corners = shape.points.map(point => camera.project(back(placed(held.box, point))));
     const now = box.points.map(camera.project);
-    if (corners.every(([x, y], i) => Math.hypot(x - now[i][0], y - now[i][1]) < 2)) return;
-    pen.strokeStyle = lit(sb.colour('accent'), 1, 0.9);
-    pen.lineWidth = 1.1;
-    pen.setLineDash([4, 3]);
-    for (const face of shape.faces) {
-      path(pen, face.map(i => corners[i]));
-      pen.closePath();
-      pen.stroke();
-    }
-    pen.setLineDash([]);
+    if (corners.every(([x, y], i) => Math.hypot(x - now[i][0], y - now[i][1]) < 2)) return null;
+    const d = shape.faces.map(face => outline(face.map(i => corners[i])) + 'Z').join('');
+    return mark(
+        'path',
+        {d, fill: 'none', stroke: 'var(--accent)', 'stroke-opacity': 0.9, 'stroke-width': 1.1, 'stroke-dasharray': '4 3'});
   }
 
   draw() {
-    const width = this.node.clientWidth, height = this.node.clientHeight;
+    const {camera, timeline, node: {clientWidth: width, clientHeight: height}} = this;
     if (!width || !height) return;
-    const ratio = Math.max(2, window.devicePixelRatio || 1);
-    this.canvas.width = width * ratio;
-    this.canvas.height = height * ratio;
-    const pen = this.canvas.getContext('2d');
-    pen.scale(ratio, ratio);
-    const {camera, timeline} = this;
     const poses = this.grasp.poseAt(timeline.cursor);
     const moved = subtract(poses.arm.position, this.start.position);
     if (this.close)
       camera.look(width, height, [moved[0], moved[1], moved[2] + 0.01], 0.075);
     else
       camera.fit(width, height, this.all);
-    this.drawTable(pen);
     const solids = this.solids(poses, this.recording.sampleAt(timeline.cursor));
-    this.drawShadow(pen, solids[0]);
-    for (const each of drawingOrder(solids, camera.eye)) drawSolid(pen, camera, each);
-    this.drawUnslipped(pen, poses, solids[0]);
+    const attributes = {
+      viewBox: [0, 0, width, height].join(' '), role: 'img',
+      'aria-label': 'Gripper, box and table at the cursor; drag to turn, double-click for the first view'
+    };
+    const svg = mark('svg', attributes, this.table(), this.shadow(solids[0]),
+                     drawingOrder(solids, camera.eye).map(one => facesOf(one, camera)), this.unslipped(poses, solids[0]));
+    this.svg.replaceWith(svg);
+    this.svg = svg;
   }
 }
 
 sb.GraspView = GraspView;
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // What the grasps of a sweep come to: shares with their intervals, medians, and by what they are told apart.
-(function(sb) {
-'use strict';
 const el = sb.element;
 const page = sb.page;
 
@@ -32,55 +30,39 @@ function lowerBound(k, n) {
 }
 const interval = (k, n) => [lowerBound(k, n), 1 - lowerBound(n - k, n)];
 
-const medianOf = values => values.length ? d3.median(values) : null;
 const known = (trials, value) => trials.map(value).filter(found => found !== null && found !== undefined);
 const ratioOf = ({grasp}) => grasp.ideal_force_N === null ? null : grasp.max_force_N / grasp.ideal_force_N;
 const gentle = 2;  // largest grip force over the ideal one
+const times = (value, factor) => value === null ? null : factor * value;
+const slips = ['seen', 'early', 'missed'];
 // What a set of trials comes to: the share of those that are `good` (null: unknown), or the median of `one`.
+const share = (key, name, good) => ({key, name, unit: '%', good});
+const median = (key, name, unit, one) => ({key, name: 'median ' + name, unit, one});
 const quantities = [
-  {key: 'held', name: 'share held', unit: '%', good: ({grasp}) => !grasp.dropped},
-  {
-    key: 'gentle',
-    name: 'share held, force ≤ ' + gentle + ' × ideal',
-    unit: '%',
-    good: trial => ratioOf(trial) === null ? null : !trial.grasp.dropped && ratioOf(trial) <= gentle
-  },
-  {key: 'slip', name: 'median slip of the held', unit: 'mm', one: ({grasp}) => grasp.slip_m === null ? null : 1e3 * grasp.slip_m},
-  {
-    key: 'turn',
-    name: 'median turn of the held',
-    unit: '°',
-    one: ({grasp}) => grasp.rotation_rad === null ? null : 180 / Math.PI * grasp.rotation_rad
-  },
-  {key: 'ratio', name: 'median of largest over ideal force', unit: '', one: ratioOf},
-  {
-    key: 'reaction',
-    name: 'median time to react',
-    unit: 'ms',
-    one: ({grasp}) => grasp.reaction_s === null ? null : 1e3 * grasp.reaction_s
-  },
-  {
-    key: 'delay',
-    name: 'median delay of the detector',
-    unit: 'ms',
-    one: ({detector}) => detector && detector.detection === 'seen' ? 1e3 * detector.delay_s : null
-  },
-  {
-    key: 'seen',
-    name: 'share of slips seen, without an early alarm',
-    unit: '%',
-    good: ({detector}) => detector && ['seen', 'early', 'missed'].includes(detector.detection) ? detector.detection === 'seen' : null
-  },
+  share('held', 'share held', ({grasp}) => !grasp.dropped),
+  share(
+      'gentle', 'share held, force ≤ ' + gentle + ' × ideal',
+      trial => ratioOf(trial) === null ? null : !trial.grasp.dropped && ratioOf(trial) <= gentle),
+  median('slip', 'slip of the held', 'mm', ({grasp}) => times(grasp.slip_m, 1e3)),
+  median('turn', 'turn of the held', '°', ({grasp}) => times(grasp.rotation_rad, 180 / Math.PI)),
+  median('ratio', 'of largest over ideal force', '', ratioOf),
+  median('reaction', 'time to react', 'ms', ({grasp}) => times(grasp.reaction_s, 1e3)),
+  median(
+      'delay', 'delay of the detector', 'ms', ({detector}) => detector?.detection === 'seen' ? 1e3 * detector.delay_s : null),
+  share(
+      'seen', 'share of slips seen, without an early alarm',
+      ({detector}) => slips.includes(detector?.detection) ? detector.detection === 'seen' : null)
 ];
 const held = trials => trials.filter(trial => !trial.grasp.dropped).length;
 const medians = quantities.filter(quantity => quantity.one);
+const medianHeads = ['slip, mm', 'turn, °', 'largest / ideal force', 'reaction, ms', 'delay, ms'];
 // A share's number of good trials and of all.
 const countOf = (quantity, trials) => {
   const judged = known(trials, quantity.good);
   return [judged.filter(good => good).length, judged.length];
 };
 const valueIn = (quantity, trials) => {
-  if (!quantity.good) return medianOf(known(trials, quantity.one));
+  if (!quantity.good) return d3.median(known(trials, quantity.one)) ?? null;
   const [good, all] = countOf(quantity, trials);
   return all ? 100 * good / all : null;
 };
@@ -88,7 +70,7 @@ const valueIn = (quantity, trials) => {
 const rangeIn = (quantity, trials) => {
   if (quantity.good) return interval(...countOf(quantity, trials)).map(share => 100 * share);
   const values = known(trials, quantity.one).sort(d3.ascending);
-  return [d3.quantile(values, 0.25), d3.quantile(values, 0.75)];
+  return [0.25, 0.75].map(share => d3.quantile(values, share));
 };
 const withUnit = (value, unit) => sb.significant(value, 3) + (value === null || !unit ? '' : unit === '°' ? '°' : ' ' + unit);
 const heldText = trials => {
@@ -142,12 +124,10 @@ class Swept {
     const {valueOf, wide, plain} = sb.sweptValues;
     const values = [...new Set(known(this.grasps, trial => valueOf(trial, axis.path)))].sort(d3.ascending);
     if (this.isGrid(values)) return values.map(value => ({low: value, high: value, text: plain(axis, value), at: value}));
-    const scale =
-        (wide(d3.extent(values), 8, axis.unit) ? d3.scale.log() : d3.scale.linear()).domain(d3.extent(values)).range([0, 6]);
+    const scale = sb.scale(wide(d3.extent(values), 8, axis.unit), d3.extent(values), [0, 6]);
     return d3.range(6).map(i => {
-      const [low, high] = [i === 0 ? values[0] : scale.invert(i), i === 5 ? values[values.length - 1] : scale.invert(i + 1)];
-      const at = scale.invert(i + 0.5);
-      return {low, high, text: plain(axis, low) + ' to ' + plain(axis, high), at};
+      const low = i === 0 ? values[0] : scale.invert(i), high = i === 5 ? values[values.length - 1] : scale.invert(i + 1);
+      return {low, high, text: plain(axis, low) + ' to ' + plain(axis, high), at: scale.invert(i + 0.5)};
     });
   }
 
@@ -171,20 +151,12 @@ class Swept {
     for (const trial of this.grasps) {
       const control = trial.controller === negative;
       const parts = this.parts.filter(part => !(control && part === 'detector')).map(part => this.part(trial, part));
-      const others = [...this.names, ...grids]
-                         .filter(axis => !(control && axis.path.startsWith('detector.')))
-                         .map(
-                             axis => sb.pathWord(axis.path) + ' ' +
-                                 (axis.path in trial.params ? sb.parameter(trial.params[axis.path], 3) : '–'));
+      const said = axis => axis.path in trial.params ? sb.parameter(trial.params[axis.path], 3) : '–';
+      const told = [...this.names, ...grids].filter(axis => !(control && axis.path.startsWith('detector.')));
+      const others = told.map(axis => sb.pathWord(axis.path) + ' ' + said(axis));
       const key = JSON.stringify([parts, others]);
-      if (!found.has(key)) {
-        found.set(key, {
-          name: [...(parts.length ? parts : [trial.controller || 'all']), ...others].join(', '),
-          others: others.join(', '),
-          control,
-          trials: []
-        });
-      }
+      const name = [...(parts.length ? parts : [trial.controller || 'all']), ...others].join(', ');
+      if (!found.has(key)) found.set(key, {name, others: others.join(', '), control, trials: []});
       found.get(key).trials.push(trial);
     }
     return [...found.values()];
@@ -230,38 +202,27 @@ sb.replayCommand = trial => {
 
 // How each series ended, in a table.
 function overview(swept) {
-  const head =
-      ['', 'held', 'share', '95 % interval', 'slip, mm', 'turn, °', 'largest / ideal force', 'reaction, ms', 'delay, ms', 'early', 'recall of slip', 'balanced accuracy'];
-  const rows = swept.series(swept.numbers).slice(0, 200).map(({name, trials, control}) => {
-    const [low, high] = interval(held(trials), trials.length);
-    return el(
-        'tr', {}, el('td.text', {}, el('b', {}, name), control ? ' · negative control' : ''),
-        el('td', {}, held(trials) + ' of ' + trials.length), el('td', {}, sb.fixed(100 * held(trials) / trials.length, 0) + ' %'),
-        el('td', {}, sb.fixed(100 * low, 1) + ' to ' + sb.fixed(100 * high, 1) + ' %'),
-        medians.map(quantity => el('td', {}, sb.significant(valueIn(quantity, trials), 3))),
-        [earlyText(trials), sb.percent(recallOf(trials)), sb.percent(balancedOf(trials))].map(text => el('td', {}, control ? '–' : text)));
-  });
-  return el(
-      'section', {}, el('h2', {}, 'How the grasps ended'),
-      el('p.note', {},
-         'Medians; slip and turn of the trials held, the force ratio of all. ' +
-             'Reaction and delay (of the detector) leave out trials with an early alarm: one before the slip. Intervals are exact (Clopper and Pearson).'),
-      el('div.scroll.tall', {},
-         el('table', {}, el('thead', {}, el('tr', {}, head.map((text, i) => el(i ? 'th' : 'th.text', {}, text)))),
-            el('tbody', {}, rows))));
+  const detected = (title, text) => ({title, cell: ({trials, control}) => control ? '–' : text(trials)});
+  const bounds = trials => interval(held(trials), trials.length).map(bound => sb.fixed(100 * bound, 1)).join(' to ') + ' %';
+  const columns = [
+    {title: '', kind: 'text', cell: ({name, control}) => [el('b', {}, name), control && ' · negative control']},
+    {title: 'held', cell: ({trials}) => held(trials) + ' of ' + trials.length},
+    {title: 'share', cell: ({trials}) => sb.fixed(100 * held(trials) / trials.length, 0) + ' %'},
+    {title: '95 % interval', cell: ({trials}) => bounds(trials)},
+    ...medians.map(
+        (quantity, i) => ({title: medianHeads[i], cell: ({trials}) => sb.significant(valueIn(quantity, trials), 3)})),
+    detected('early', earlyText), detected('recall of slip', trials => sb.percent(recallOf(trials))),
+    detected('balanced accuracy', trials => sb.percent(balancedOf(trials)))
+  ];
+  return sb.section(
+      'How the grasps ended',
+      'Medians; slip and turn of the trials held, the force ratio of all. ' +
+          'Reaction and delay (of the detector) leave out trials with an early alarm: one before the slip. Intervals are exact (Clopper and Pearson).',
+      el('div.scroll.tall', {}, sb.sortedTable(columns, swept.series(swept.numbers).slice(0, 200)).node));
 }
 
 sb.grasps = {
-  quantities,
-  medians,
-  held,
-  countOf,
-  valueIn,
-  rangeIn,
-  withUnit,
-  heldText,
-  balancedOf,
-  recallOf,
+  quantities, medians, medianHeads, held, countOf, valueIn, rangeIn, withUnit, heldText, balancedOf, recallOf,
   earlyText
 };
 
@@ -278,17 +239,15 @@ sb.graspParameters = () => {
   const rows = page.grasp_parameters;
   const assumed = rows.filter(row => row.assumed).length;
   const origin = {scene: 'scene', sweep: 'differs by trial', protocol: 'protocol', default: 'default'};
-  return el(
-      'section', {}, el('h2', {}, 'What the grasp was computed with'),
-      el('p.note', {}, assumed + ' of ' + rows.length + ' parameters are assumed: neither measured nor published.'),
-      el('details.parameters', {}, el('summary', {}, 'All parameters'),
-         el('div.scroll', {},
-            el('table', {},
-               el('thead', {}, el('tr', {}, ['parameter', 'value', 'said by', 'what it does', 'source'].map(text => el('th.text', {}, text)))),
-               el('tbody', {}, rows.map(row => el(
-                   'tr', {}, el('td.text', {}, el('b', {}, row.path)), el('td.text', {}, row.value || '–'),
-                   el('td.text', {}, origin[row.by]), el('td.text.long', {}, row.doc),
-                   el('td.text.long', {}, row.assumed ? el('span.assumed', {}, 'assumed') : null,
-                      row.source.replace(/^assumed[:;]? ?/, ' ')))))))));
+  const source = row => [row.assumed && el('span.assumed', {}, 'assumed'), row.source.replace(/^assumed[:;]? ?/, ' ')];
+  const columns = [
+    {title: 'parameter', kind: 'text', cell: row => el('b', {}, row.path)},
+    {title: 'value', kind: 'text', cell: row => row.value || '–'},
+    {title: 'said by', kind: 'text', cell: row => origin[row.by]},
+    {title: 'what it does', kind: 'text.long', cell: row => row.doc}, {title: 'source', kind: 'text.long', cell: source}
+  ];
+  return sb.section(
+      'What the grasp was computed with',
+      assumed + ' of ' + rows.length + ' parameters are assumed: neither measured nor published.',
+      el('details.parameters', {}, el('summary', {}, 'All parameters'), sb.table(columns, rows)));
 };
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // Builds the page: header, views, footer.
-(function(sb) {
-'use strict';
 const el = sb.element;
 const page = sb.page;
 let timeline = null;  // of the trial on the page
@@ -20,21 +18,19 @@ function digests() {
 }
 
 function header() {
-  const rows = [
-    ['file', page.file], ['trials', trialsText()], ['seed', page.seed], ['slipbench', page.version],
-    ['command', el('code', {}, page.command)]
-  ];
-  for (const [path, value] of Object.entries(page.overrides)) {
-    rows.push(['set', el('code', {}, path + ' = ' + (typeof value === 'string' ? value : JSON.stringify(value)))]);
-  }
+  const overrides = Object.entries(page.overrides).map(
+      ([path, value]) => ['set', el('code', {}, path + ' = ' + (typeof value === 'string' ? value : JSON.stringify(value)))]);
   return el(
       'header', {}, el('p.eyebrow', {}, 'slipbench report'), el('h1', {}, page.description || page.file),
-      page.complete ?
-          null :
+      !page.complete &&
           el('p.warning', {}, 'The run that wrote this file was interrupted: it holds the trials that were finished.'),
-      page.failed.length ? failures() : null,
-      (page.warnings || []).map(({text}) => el('p.warning', {}, 'Warning: ' + text)),
-      el('dl.meta', {}, rows.map(([name, value]) => el('div', {}, el('dt', {}, name), el('dd', {}, value)))),
+      page.failed.length > 0 && failures(), (page.warnings || []).map(({text}) => el('p.warning', {}, 'Warning: ' + text)),
+      sb.facts(
+          'meta',
+          [
+            ['file', page.file], ['trials', trialsText()], ['seed', page.seed], ['slipbench', page.version],
+            ['command', el('code', {}, page.command)], ...overrides
+          ]),
       el('details.scene', {}, el('summary', {}, 'Scene file'), el('pre.mono', {}, page.scene)));
 }
 
@@ -53,18 +49,15 @@ function footer() {
       el('p', {}, 'Curves are stored here with 16 bits of each quantity’s range; ', el('code', {}, page.file),
          ' has them in full.'),
       digests(),
-      el('details', {}, el('summary', {}, 'Licences of the libraries in this page'),
+      el('details', {}, el('summary', {}, 'Licence of the library in this page'),
          el('pre', {}, document.getElementById('licences').textContent.trim())));
 }
 
 // Parameters of one trial, as a line of words.
-function drawn(trial) {
-  const entries = Object.entries(trial.params);
-  const item = (name, value) => el('div', {}, el('dt', {}, name), el('dd', {}, value));
-  return el(
-      'dl.meta', {}, item('trial', String(trial.index)), item('seed', trial.seed), item('samples', String(trial.samples)),
-      entries.map(([path, value]) => item(sb.pathWord(path), sb.parameter(value, 4))));
-}
+const drawn = trial => sb.facts('meta', [
+  ['trial', String(trial.index)], ['seed', trial.seed], ['samples', String(trial.samples)],
+  ...Object.entries(trial.params).map(([path, value]) => [sb.pathWord(path), sb.parameter(value, 4)])
+]);
 
 // Whose converter was at an end of its range, and how often.
 function saturation(trials) {
@@ -88,26 +81,27 @@ function navigation() {
   // Many trials do not fit side by side.
   const many = embedded.length > 12;
   const place = embedded.findIndex(trial => trial.index === view.trial);
-  const beside = (text, title, at) => el(
-      'button', {title, disabled: embedded[at] ? null : '', onclick: () => show({trial: embedded[at].index})}, text);
+  const beside = (text, title, at) =>
+      el('button', {title, disabled: embedded[at] ? null : '', onclick: () => show({trial: embedded[at].index})}, text);
   const outcome = ({grasp}) => grasp ? (grasp.dropped ? ': dropped' : ': held') : '';
-  const picker = () => [
-    beside('‹', 'Trial before', place < 0 ? -1 : place - 1),
-    el('select', {'aria-label': 'Trial', onchange: event => show({trial: +event.target.value})},
-       place < 0 ? el('option', {value: '', selected: '', disabled: ''}, 'a trial …') : null,
-       embedded.map(trial => el('option', {value: trial.index, selected: trial.index === view.trial ? '' : null},
-                                'Trial ' + trial.index + outcome(trial)))),
-    beside('›', 'Trial after', place + 1)
-  ];
+  const unknown = place < 0 && el('option', {value: '', selected: '', disabled: ''}, 'a trial …');
+  const options = embedded.map(trial => [trial.index, 'Trial ' + trial.index + outcome(trial)]);
+  const picker = () => {
+    const select = sb.select({'aria-label': 'Trial'}, options, view.trial, index => show({trial: +index}));
+    if (unknown) select.prepend(unknown);
+    return [
+      beside('‹', 'Trial before', place < 0 ? -1 : place - 1), select, beside('›', 'Trial after', place + 1)
+    ];
+  };
   const sensors = view.trial === null ? [] : Object.keys(page.trials.find(trial => trial.index === view.trial).sensors);
   if (!several && sensors.length < 2) return null;
+  const names = sensors.map(name => [name, name]);
   return el(
-      'nav.views', {}, several ? [tab('All trials', null), many ? picker() : embedded.map(trial => tab('Trial ' + trial.index, trial.index))] : [],
+      'nav.views', {},
+      several && [tab('All trials', null), many ? picker() : embedded.map(trial => tab('Trial ' + trial.index, trial.index))],
       el('span.gap'),
-      sensors.length < 2 ?
-          null :
-          el('select', {'aria-label': 'Sensor', onchange: event => show({trial: view.trial, sensor: event.target.value})},
-             sensors.map(name => el('option', {value: name, selected: name === view.sensor ? '' : null}, name))));
+      sensors.length > 1 &&
+          sb.select({'aria-label': 'Sensor'}, names, view.sensor, sensor => show({trial: view.trial, sensor})));
 }
 
 // Shows the overview (trial null) or a trial.
@@ -140,7 +134,6 @@ function firstView() {
   return {trial: page.trials.length === 1 && sb.isEmbedded(page.trials[0].index) ? page.trials[0].index : null};
 }
 
-sb.followTheme(() => timeline && timeline.tell('theme'));
 document.addEventListener('keydown', event => {
   const typing =
       ['INPUT', 'SELECT', 'BUTTON', 'TEXTAREA', 'SUMMARY'].includes(event.target.tagName) && event.target.type !== 'range';
@@ -157,4 +150,3 @@ if (typeof DecompressionStream === 'undefined') {
     throw error;
   });
 }
-})(window.slipbench);

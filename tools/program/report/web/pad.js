@@ -1,17 +1,12 @@
 // The pad: units coloured by state, force and slip arrows, the slip centre.
-(function(sb) {
-'use strict';
+const mark = sb.mark;
 
-function spacingOf(positions) {
-  let nearest = Infinity;
-  for (let i = 0; i < positions.length; ++i) {
-    for (let k = 0; k < i; ++k) {
-      const distance = Math.hypot(positions[i][0] - positions[k][0], positions[i][1] - positions[k][1]);
-      if (distance > 0 && distance < nearest) nearest = distance;
-    }
-  }
-  return isFinite(nearest) ? nearest : 5e-3;
-}
+// Between the nearest neighbours [m]; of a single unit `alone`.
+sb.spacingOf = (positions, alone) => {
+  const distances = ([x, y], i) => positions.slice(0, i).map(other => Math.hypot(x - other[0], y - other[1]) || Infinity);
+  const nearest = d3.min(positions.flatMap(distances));
+  return isFinite(nearest) ? nearest : alone;
+};
 
 // A number of the form 1, 2 or 5 times a power of ten, at most `value`.
 function roundDown(value) {
@@ -21,12 +16,12 @@ function roundDown(value) {
   return power;
 }
 
-class Pad {
+sb.Pad = class {
   // onPick(unit): a unit was clicked.
   constructor(parent, recording, onPick) {
     this.recording = recording;
     const positions = recording.positions;
-    const spacing = spacingOf(positions);
+    const spacing = sb.spacingOf(positions, 5e-3);
     const extent = axis => {
       const [low, high] = d3.extent(positions, p => p[axis]);
       return high - low;
@@ -48,123 +43,77 @@ class Pad {
     this.roomy = pitch >= 55;  // px, for the name and the force of a unit side by side
     this.radius = (this.labels || (picture && picture.cells.length === recording.units) ? 0.27 : 0.4) * pitch;  // no unit hides its cell
 
-    const svg = d3.select(parent)
-                    .append('svg')
-                    .attr('viewBox', [left, top, right - left, bottom - top + 30].join(' '))
-                    .attr('role', 'img')
-                    .attr('aria-label', 'The pad at the cursor, ' + this.view.note);
-    this.arrowHeads(svg.append('defs'), Math.min(8, 0.4 * pitch));
-    this.drawFrame(svg);
+    const svg = mark('svg', {
+      viewBox: [left, top, right - left, bottom - top + 30].join(' '), role: 'img',
+      'aria-label': 'The pad at the cursor, ' + this.view.note
+    });
+    parent.append(svg);
+    svg.append(mark('defs', {}, this.arrowHeads(Math.min(8, 0.4 * pitch))), ...this.frame());
     this.picture = picture && new sb.PadPicture(svg, this, pitch);
-    const unit = svg.selectAll('g.unit')
-                     .data(d3.range(recording.units))
-                     .enter()
-                     .append('g')
-                     .attr('class', 'unit')
-                     .attr('transform', i => 'translate(' + xs[i] + ',' + ys[i] + ')')
-                     .style('cursor', 'pointer')
-                     .on('click', onPick);
-    unit.append('title');
-    this.discs = unit.append('circle').attr('r', this.radius);
-    this.rings = unit.append('circle')
-                     .attr('r', 0.84 * this.radius)
-                     .attr('fill', 'none')
-                     .style('stroke', 'var(--ground)')
-                     .attr('stroke-width', 1.5);
-    this.unitNodes = unit;
-    this.slips = svg.append('g')
-                     .selectAll('line')
-                     .data(d3.range(recording.units))
-                     .enter()
-                     .append('line')
-                     .style('stroke', 'var(--slip)')
-                     .attr('stroke-width', Math.min(2, 0.06 * pitch))
-                     .attr('stroke-dasharray', '4 2.5')
-                     .attr('marker-end', 'url(#head-slip)');
-    this.forces = svg.append('g')
-                      .selectAll('line')
-                      .data(d3.range(recording.units))
-                      .enter()
-                      .append('line')
-                      .style('stroke', 'var(--ink)')
-                      .attr('stroke-width', Math.min(2.4, 0.07 * pitch))
-                      .attr('marker-end', 'url(#head-force)');
-    this.centre = svg.append('g');
-    this.centre.append('circle').attr('r', 6).attr('fill', 'none').style('stroke', 'var(--ink)').attr('stroke-width', 1.6);
-    this.centre.append('path').attr('d', 'M-10,0H10M0,-10V10').style('stroke', 'var(--ink)').attr('stroke-width', 1.6);
-
-    if (this.labels) {
-      const label = svg.append('g')
-                        .selectAll('text')
-                        .data(d3.range(recording.units))
-                        .enter()
-                        .append('text')
-                        .attr('class', 'unit-label')
-                        .attr('y', i => ys[i] - this.radius - 6);
-      this.unitLabels = label;
-      label.append('tspan').style('font-weight', 600).text(i => sb.unitName(recording.type, i));
-      this.loads = label.append('tspan').attr('class', 'dim').attr('dx', 5);
+    const units = d3.range(recording.units);
+    this.units = units.map(i => {
+      const title = mark('title'), disc = mark('circle', {r: this.radius});
+      const ring = mark('circle', {r: 0.84 * this.radius, fill: 'none', stroke: 'var(--ground)', 'stroke-width': 1.5});
+      const place = {transform: 'translate(' + xs[i] + ',' + ys[i] + ')', style: 'cursor:pointer', onclick: () => onPick(i)};
+      svg.append(mark('g.unit', place, title, disc, ring));
+      return {title, disc, ring};
+    });
+    const arrows = (head, colour, width, dash) => units.map(i => {
+      const style = {stroke: colour, 'stroke-width': width, 'stroke-dasharray': dash, 'marker-end': 'url(#head-' + head + ')'};
+      const arrow = mark('line', {x1: xs[i], y1: ys[i], ...style});
+      svg.append(arrow);
+      return arrow;
+    });
+    this.slips = arrows('slip', 'var(--slip)', Math.min(2, 0.06 * pitch), '4 2.5');
+    this.forces = arrows('force', 'var(--ink)', Math.min(2.4, 0.07 * pitch));
+    this.centre = mark('g', {fill: 'none', stroke: 'var(--ink)', 'stroke-width': 1.6},
+                       mark('circle', {r: 6}), mark('path', {d: 'M-10,0H10M0,-10V10'}));
+    svg.append(this.centre);
+    for (const i of this.labels ? units : []) {
+      const load = mark('tspan.dim', {dx: 5}), name = mark('tspan', {style: 'font-weight:600'}, sb.unitName(recording.type, i));
+      const label = mark('text.unit-label', {y: ys[i] - this.radius - 6}, name, load);
+      svg.append(label);
+      Object.assign(this.units[i], {label, load});
     }
     this.forceLength = 0.5 * pitch / Math.max(1e-12, recording.largest('labels/force', 0, 2));
     const speed = recording.largest('labels/slip_velocity', 0, 2);
     this.slipLength = speed > 0 ? 0.4 * pitch / speed : 0;
-    this.drawKey(svg, speed);
-    sb.saveCorner(parent, svg.node(), 'Pad', () => this.savedRows());
+    svg.append(this.key(speed));
+    sb.saveCorner(parent, 'Pad', () => svg, () => this.savedRows());
   }
 
-  arrowHeads(defs, size) {
-    for (const [name, colour] of [['force', 'var(--ink)'], ['slip', 'var(--slip)']]) {
-      defs.append('marker')
-          .attr('id', 'head-' + name)
-          .attr('viewBox', '0 0 10 10')
-          .attr('refX', 7)
-          .attr('refY', 5)
-          .attr('markerWidth', size)
-          .attr('markerHeight', size)
-          .attr('markerUnits', 'userSpaceOnUse')
-          .attr('orient', 'auto')
-          .append('path')
-          .attr('d', 'M0,0.8L10,5L0,9.2z')
-          .style('fill', colour);
-    }
+  arrowHeads(size) {
+    const box = {
+      viewBox: '0 0 10 10', refX: 7, refY: 5, markerWidth: size, markerHeight: size, markerUnits: 'userSpaceOnUse',
+      orient: 'auto'
+    };
+    return [['force', 'var(--ink)'], ['slip', 'var(--slip)']].map(
+        ([name, fill]) => mark('marker', {id: 'head-' + name, ...box}, mark('path', {d: 'M0,0.8L10,5L0,9.2z', fill})));
   }
 
-  drawFrame(svg) {
+  frame() {
     const {left, right, top, bottom} = this.box;
-    svg.append('rect')
-        .attr('x', left + 1)
-        .attr('y', top + 1)
-        .attr('width', right - left - 2)
-        .attr('height', bottom - top - 2)
-        .attr('rx', 10)
-        .style('fill', 'var(--ground)')
-        .style('stroke', 'var(--line)');
-    const axes = svg.append('g').attr('transform', 'translate(' + (left + 12) + ',' + (bottom - 12) + ')');
-    axes.append('path').attr('d', 'M0,-18V0H18').attr('fill', 'none').style('stroke', 'var(--faint)');
-    axes.append('text').attr('class', 'dim').attr('x', -3).attr('y', -22).text('XY'[this.view.up]);
-    axes.append('text').attr('class', 'dim').attr('x', 22).attr('y', 4).text('XY'[this.view.right]);
+    const box = {x: left + 1, y: top + 1, width: right - left - 2, height: bottom - top - 2, rx: 10};
+    return [
+      mark('rect', {...box, fill: 'var(--ground)', stroke: 'var(--line)'}),
+      mark('g', {transform: 'translate(' + [left + 12, bottom - 12] + ')'},
+           mark('path', {d: 'M0,-18V0H18', fill: 'none', stroke: 'var(--faint)'}),
+           sb.text(-3, -22, 'start', 'XY'[this.view.up], 'dim'), sb.text(22, 4, 'start', 'XY'[this.view.right], 'dim'))
+    ];
   }
 
   // What the arrows' lengths mean.
-  drawKey(svg, speed) {
+  key(speed) {
     const {left, bottom} = this.box;
-    const force = roundDown(32 / this.forceLength);
-    const key = svg.append('g').attr('transform', 'translate(' + (left + 8) + ',' + (bottom + 18) + ')');
-    const entry = (x, length, colour, dash, marker, text) => {
-      key.append('line')
-          .attr('x1', x)
-          .attr('x2', x + length)
-          .style('stroke', colour)
-          .attr('stroke-width', 2.2)
-          .attr('stroke-dasharray', dash)
-          .attr('marker-end', 'url(#head-' + marker + ')');
-      key.append('text').attr('class', 'dim').attr('x', x + length + 6).attr('y', 4).text(text);
+    const entry = (x, scale, largest, unit, colour, dash, name) => {
+      const value = roundDown(largest / scale), length = value * scale;
+      const style = {stroke: colour, 'stroke-width': 2.2, 'stroke-dasharray': dash, 'marker-end': 'url(#head-' + name + ')'};
+      return [mark('line', {x1: x, x2: x + length, ...style}),
+              sb.text(x + length + 6, 4, 'start', name + ' ' + sb.quantity(value, unit), 'dim')];
     };
-    entry(0, force * this.forceLength, 'var(--ink)', null, 'force', 'force ' + sb.quantity(force, 'N'));
-    if (speed > 0) {
-      const slip = roundDown(26 / this.slipLength);
-      entry(118, slip * this.slipLength, 'var(--slip)', '4 2.5', 'slip', 'slip ' + sb.quantity(slip, 'm/s'));
-    }
+    return mark('g', {transform: 'translate(' + [left + 8, bottom + 18] + ')'},
+                entry(0, this.forceLength, 32, 'N', 'var(--ink)', null, 'force'),
+                speed > 0 && entry(118, this.slipLength, 26, 'm/s', 'var(--slip)', '4 2.5', 'slip'));
   }
 
   // The units at the cursor.
@@ -182,89 +131,51 @@ class Pad {
 
   update(sample) {
     this.sample = sample;
-    const recording = this.recording;
-    const key = i => sb.states.unit[recording.unitStates[i][sample]].key;
-    this.discs.style(
-                  'fill',
-                  i => key(i) === 'detached' ? 'none' :
-                      key(i) === 'partial'   ? 'url(#hatch)' :
-                                               'var(--' + key(i) + ')')
-        .style(
-            'fill-opacity',
-            i => key(i) === 'stick' ? 0.45 :
-                key(i) === 'slip'   ? 0.85 :
-                                      1)
-        .style('stroke', i => 'var(--' + key(i) + ')')
-        .attr('stroke-width', i => Math.min(0.08 * this.radius, key(i) === 'detached' ? 1.2 : 2))
-        .attr(
-            'stroke-dasharray',
-            i => key(i) === 'detached' ? '2 3' :
-                key(i) === 'partial'   ? '7 3' :
-                                         null);
-    this.rings.style('display', i => key(i) === 'slip' && this.labels ? null : 'none');
-    const load = i => key(i) === 'detached' ? '' : ', ' + sb.quantity(recording.at('labels/force', i, 2, sample), 'N');
-    this.unitNodes.select('title').text(i => sb.unitName(recording.type, i) + ': ' + key(i) + load(i));
-    if (this.labels) {
-      this.loads.text(i => key(i) === 'detached' || !this.roomy ? '' : sb.fixed(recording.at('labels/force', i, 2, sample), 2) + ' N');
-    }
+    const {recording} = this;
+    this.units.forEach((unit, i) => {
+      const {key} = sb.states.unit[recording.unitStates[i][sample]], apart = key === 'detached';
+      const force = recording.at('labels/force', i, 2, sample), name = sb.unitName(recording.type, i);
+      const look = {
+        fill: apart ? 'none' : sb.stateFill(key), 'fill-opacity': {stick: 0.45, slip: 0.85}[key] || 1,
+        stroke: 'var(--' + key + ')', 'stroke-width': Math.min(0.08 * this.radius, apart ? 1.2 : 2),
+        'stroke-dasharray': {detached: '2 3', partial: '7 3'}[key] || 'none'
+      };
+      for (const [property, value] of Object.entries(look)) unit.disc.style.setProperty(property, value);
+      unit.ring.style.display = key === 'slip' && this.labels ? '' : 'none';
+      unit.title.textContent = name + ': ' + key + (apart ? '' : ', ' + sb.quantity(force, 'N'));
+      const pull = this.point(this.forces[i], 'labels/force', this.forceLength, i);
+      const slip = this.point(this.slips[i], 'labels/slip_velocity', this.slipLength, i);
+      if (!this.labels) return;
+      unit.load.textContent = apart || !this.roomy ? '' : sb.fixed(force, 2) + ' N';
+      // Each label stands above its unit, beside the arrow that points up there. Arrows are too short to reach a neighbour's.
+      const upward = [pull, slip].find(([up]) => up > 0.5 * this.radius);
+      const side = upward ? (upward[1] >= 0 ? -1 : 1) : 0;
+      unit.label.setAttribute('x', this.x(recording.positions[i]) + 4 * side);
+      unit.label.setAttribute('text-anchor', ['end', 'middle', 'start'][side + 1]);
+    });
     if (this.picture) this.picture.update(recording.time[sample]);
-    this.placeArrows(this.forces, 'labels/force', this.forceLength, sample);
-    this.placeArrows(this.slips, 'labels/slip_velocity', this.slipLength, sample);
-    this.placeLabels(sample);
     const centre = [0, 1].map(c => recording.at('labels/slip_centre', 0, c, sample));
     const [x, y] = [this.x(centre), this.y(centre)];
     const inside = x > this.box.left && x < this.box.right && y > this.box.top && y < this.box.bottom;
-    this.centre.style('display', inside ? null : 'none').attr('transform', inside ? 'translate(' + x + ',' + y + ')' : null);
+    this.centre.style.display = inside ? '' : 'none';
+    if (inside) this.centre.setAttribute('transform', 'translate(' + x + ',' + y + ')');
   }
 
-  // A vector of a unit in px, upwards and to the right.
-  vector(curve, length, i, sample) {
-    return [this.view.up, this.view.right].map(c => (this.recording.at(curve, i, c, sample) || 0) * length);
+  // Draws the arrow of a unit. Returns it in px, upwards and to the right.
+  point(arrow, curve, length, i) {
+    const [up, right] = [this.view.up, this.view.right].map(c => (this.recording.at(curve, i, c, this.sample) || 0) * length);
+    arrow.setAttribute('x2', this.x(this.recording.positions[i]) + right);
+    arrow.setAttribute('y2', this.y(this.recording.positions[i]) - up);
+    arrow.style.display = Math.hypot(up, right) > 1.5 ? '' : 'none';
+    return [up, right];
   }
-
-  // Each label stands above its unit, beside the arrow that points up there. Arrows are too short to reach a neighbour's.
-  placeLabels(sample) {
-    if (!this.labels) return;
-    const side = i => {
-      const arrows = [['labels/force', this.forceLength], ['labels/slip_velocity', this.slipLength]].map(
-          ([curve, length]) => this.vector(curve, length, i, sample));
-      const upward = arrows.find(([up]) => up > 0.5 * this.radius);
-      return upward ? (upward[1] >= 0 ? -1 : 1) : 0;
-    };
-    const sides = d3.range(this.recording.units).map(side);
-    this.unitLabels.attr('x', i => this.x(this.recording.positions[i]) + 4 * sides[i])
-        .attr('text-anchor', i => ['end', 'middle', 'start'][sides[i] + 1]);
-  }
-
-  placeArrows(arrows, curve, length, sample) {
-    const recording = this.recording;
-    const vector = i => this.vector(curve, length, i, sample);
-    arrows.attr('x1', i => this.x(recording.positions[i]))
-        .attr('y1', i => this.y(recording.positions[i]))
-        .attr('x2', i => this.x(recording.positions[i]) + vector(i)[1])
-        .attr('y2', i => this.y(recording.positions[i]) - vector(i)[0])
-        .style('display', i => Math.hypot(...vector(i)) > 1.5 ? null : 'none');
-  }
-}
+};
 
 // The hatching of partial slip, once a page.
 sb.drawHatch = () => {
-  const pattern = d3.select(document.body)
-                      .append('svg')
-                      .attr('aria-hidden', 'true')
-                      .attr('width', 0)
-                      .attr('height', 0)
-                      .style('position', 'absolute')
-                      .append('defs')
-                      .append('pattern')
-                      .attr('id', 'hatch')
-                      .attr('width', 6)
-                      .attr('height', 6)
-                      .attr('patternUnits', 'userSpaceOnUse')
-                      .attr('patternTransform', 'rotate(45)');
-  pattern.append('rect').attr('width', 6).attr('height', 6).style('fill', 'var(--partial)').style('fill-opacity', 0.5);
-  pattern.append('rect').attr('width', 2.6).attr('height', 6).style('fill', 'var(--partial)');
+  const stripes = [[6, 0.5], [2.6, 1]].map(
+      ([width, opacity]) => mark('rect', {width, height: 6, fill: 'var(--partial)', 'fill-opacity': opacity}));
+  const attributes = {id: 'hatch', width: 6, height: 6, patternUnits: 'userSpaceOnUse', patternTransform: 'rotate(45)'};
+  const hidden = {'aria-hidden': 'true', width: 0, height: 0, style: 'position:absolute'};
+  document.body.append(mark('svg', hidden, mark('defs', {}, mark('pattern', attributes, stripes))));
 };
-
-sb.Pad = Pad;
-})(window.slipbench);

@@ -1,6 +1,4 @@
 // What a sensor reads, drawn behind the units of its pad.
-(function(sb) {
-'use strict';
 
 // The outlines of a cell's parts around its middle: the cell, or the triangles W, N, E and S.
 function outlines(parts, half) {
@@ -10,23 +8,22 @@ function outlines(parts, half) {
 }
 
 // The darker a part, the more it reads beyond what it reads at rest, against the most of the trial.
-class PadPicture {
+sb.PadPicture = class {
   // `pad`: sb.Pad, whose sensor type says what is drawn. `pitch`: px.
   constructor(svg, pad, pitch) {
     const {recording} = pad, {channel, cells, width, rest, falls, note} = sb.padPicture(recording);
     const {time, unit, columns, names} = recording.emitted(channel);
     Object.assign(this, {time, note});
-    const places = cells.map(
-        cell => [pad.x, pad.y].map(along => d3.mean(cell, i => along(recording.positions[i]))));
+    const places = cells.map(cell => [pad.x, pad.y].map(along => d3.mean(cell, i => along(recording.positions[i]))));
     const paths = outlines(columns.length / cells.length, 0.5 * width * pitch);
     this.parts = columns.map((column, i) => {
       const at_rest = rest === null ? column[0] : rest;
-      const path = svg.append('path')
-                       .attr('transform', 'translate(' + places[Math.floor(i / paths.length)] + ')')
-                       .attr('d', paths[i % paths.length])
-                       .style('stroke', 'var(--line)')
-                       .attr('stroke-width', Math.min(0.8, 0.05 * pitch));
-      const title = path.append('title');
+      const title = sb.mark('title'), place = places[Math.floor(i / paths.length)];
+      const path = sb.mark('path', {
+        transform: 'translate(' + place + ')', d: paths[i % paths.length], stroke: 'var(--line)',
+        'stroke-width': Math.min(0.8, 0.05 * pitch)
+      }, title);
+      svg.append(path);
       const text = value => names[i] + ': ' + sb.quantity(value, unit, 5) + ', ' + sb.quantity(value - at_rest, unit, 5) +
           (rest === null ? ' from its first reading' : ' from rest');
       return {path, title, text, column, change: row => (column[row] - at_rest) * (falls ? -1 : 1)};
@@ -37,11 +34,12 @@ class PadPicture {
   update(t) {
     const row = sb.rowAt(this.time, t);
     for (const {path, title, text, column, change} of this.parts) {
-      path.style('fill', change(row) < 0 ? 'var(--partial)' : 'var(--accent)').style('fill-opacity', 0.75 * Math.abs(change(row)) / this.largest);
-      title.text(text(column[row]));
+      path.style.fill = change(row) < 0 ? 'var(--partial)' : 'var(--accent)';
+      path.style.fillOpacity = 0.75 * Math.abs(change(row)) / this.largest;
+      title.textContent = text(column[row]);
     }
   }
-}
+};
 
 // What is drawn behind the units of a recording: its type's picture with a cell for each unit where it names none. Null: nothing is, or the
 // channel is not there or has neither one value a cell nor four.
@@ -50,8 +48,5 @@ sb.padPicture = recording => {
   const emitted = picture && recording.emitted(picture.channel);
   if (!emitted) return null;
   const cells = picture.cells.length ? picture.cells : d3.range(recording.units).map(unit => [unit]);
-  return [1, 4].includes(emitted.columns.length / cells.length) ? Object.assign({}, picture, {cells}) : null;
+  return [1, 4].includes(emitted.columns.length / cells.length) ? {...picture, cells} : null;
 };
-
-sb.PadPicture = PadPicture;
-})(window.slipbench);

@@ -1,87 +1,34 @@
 // Charts as files: a picture (SVG, PNG) of each, and its figures (CSV).
-(function(sb) {
-'use strict';
 const el = sb.element;
 
 const font = 'system-ui, -apple-system, "Segoe UI", "Helvetica Neue", Arial, "DejaVu Sans", sans-serif';
-const named = {'&': '&amp;', '<': '&lt;', '>': '&gt;', '\u0022': '&quot;'};
-const escaped = text => String(text).replace(/[&<>\u0022]/g, c => named[c]);
-// Places to 0.1 px.
-const px = value => +value.toFixed(1);
-// A mark as text; `content`: text, made safe. What has no value is left out.
-const mark = (name, attributes, content) => {
-  const known = Object.entries(attributes).filter(([, value]) => value !== null && value !== undefined);
-  const head = '<' + name + known.map(([key, value]) => ' ' + key + '="' + escaped(value) + '"').join('');
-  return content === undefined ? head + '/>' : head + '>' + escaped(content) + '</' + name + '>';
-};
-
-// An SVG made mark by mark, for what the page draws on a canvas.
-class Drawing {
-  constructor(width, height) {
-    Object.assign(this, {width, height, marks: []});
-    this.rect(0, 0, width, height, sb.colour('ground'));
-  }
-  rect(x, y, width, height, fill) {
-    this.marks.push(mark('rect', {x: px(x), y: px(y), width: px(width), height: px(height), fill}));
-  }
-  line(x1, y1, x2, y2, stroke, dash) {
-    this.marks.push(mark('path', {d: 'M' + [x1, y1].map(px) + 'L' + [x2, y2].map(px), stroke, 'stroke-dasharray': dash}));
-  }
-  // Points [x, y]; null: a gap. `steps`: a value stays until the next.
-  curve(points, stroke, dash, steps) {
-    let d = '', last = null;
-    for (const point of points) {
-      const [x, y] = (point || []).map(px);
-      if (point) d += !last ? 'M' + x + ',' + y : steps ? 'H' + x + 'V' + y : 'L' + x + ',' + y;
-      last = point;
-    }
-    this.marks.push(mark('path', {d, fill: 'none', stroke, 'stroke-width': 1.5, 'stroke-dasharray': dash}));
-  }
-  text(x, y, text, anchor, fill, size) {
-    this.marks.push(
-        mark('text', {x: px(x), y: px(y), 'text-anchor': anchor, fill: fill || sb.colour('soft'), 'font-size': size || 11}, text));
-  }
-  picture(x, y, width, height, canvas) {
-    this.marks.push(mark(
-        'image', {x: px(x), y: px(y), width: px(width), height: px(height), preserveAspectRatio: 'none', href: canvas.toDataURL()}));
-  }
-  file(title) {
-    const {width, height} = this;
-    const head = mark(
-        'svg', {xmlns: 'http://www.w3.org/2000/svg', width, height, viewBox: [0, 0, width, height].join(' '), 'font-family': font});
-    return head.replace('/>', '>') + [mark('title', {}, title), ...this.marks].join('\n') + '</svg>\n';
-  }
-}
 
 // What a style sheet says of a mark, and its file has to say itself.
 const styles = ['fill', 'fill-opacity', 'stroke', 'stroke-opacity', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'opacity', 'display',
-                'font-size', 'font-weight', 'text-anchor', 'paint-order'];
+                'font-size', 'font-weight', 'text-anchor', 'paint-order', 'image-rendering'];
 function withStyles(node) {
   const copy = node.cloneNode(true);
   const copies = [copy, ...copy.querySelectorAll('*')];
   [node, ...node.querySelectorAll('*')].forEach((original, i) => {
     const found = getComputedStyle(original);
     for (const name of styles) copies[i].style[name] = found.getPropertyValue(name);
-    for (const name of ['class', 'tabindex', 'role']) copies[i].removeAttribute(name);
+    for (const name of [...styles, 'class', 'tabindex', 'role']) copies[i].removeAttribute(name);
   });
   return copy;
 }
 
-// An SVG of the page as a file of its own, on the page's ground.
+// An SVG as a file of its own, on the page's ground. One that is not of the page is put on it meanwhile, for its styles.
 function fileOf(svg, title) {
+  const loose = !svg.isConnected;
+  if (loose) document.body.append(svg);
   const copy = withStyles(svg);
+  if (loose) svg.remove();
   const {x, y, width, height} = svg.viewBox.baseVal;
-  const set = (node, values) => {
-    for (const [name, value] of Object.entries(values)) node.setAttribute(name, value);
-    return node;
-  };
-  const make = name => document.createElementNS('http://www.w3.org/2000/svg', name);
-  set(copy, {xmlns: 'http://www.w3.org/2000/svg', width, height, 'font-family': font});
+  for (const [name, value] of Object.entries({xmlns: 'http://www.w3.org/2000/svg', width, height, 'font-family': font}))
+    copy.setAttribute(name, value);
   copy.removeAttribute('aria-label');
-  const heading = make('title');
-  heading.textContent = title;
-  copy.prepend(
-      heading, withStyles(document.getElementById('hatch').parentNode), set(make('rect'), {x, y, width, height, fill: sb.colour('ground')}));
+  copy.prepend(sb.mark('title', {}, title), withStyles(document.getElementById('hatch').parentNode),
+               sb.mark('rect', {x, y, width, height, fill: sb.colour('ground')}));
   return new XMLSerializer().serializeToString(copy);
 }
 
@@ -115,32 +62,21 @@ function download(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
-// Buttons that save a chart. title(): its name; drawing(): an SVG of the page or a Drawing, absent where there is only figures; rows(): arrays, the
-// head first.
-sb.saveButtons = ({title, drawing, rows}) => {
-  const file = () => {
-    const drawn = drawing();
-    return drawn instanceof Drawing ? drawn.file(title()) : fileOf(drawn, title());
-  };
+// Buttons that save a chart. drawing(): an SVG, null where there are only figures; rows(): arrays, the head first.
+sb.saveButtons = (title, drawing, rows) => {
   const kinds = {
-    PNG: drawing && (async () => pngOf(file())),
-    SVG: drawing && (() => new Blob([file()], {type: 'image/svg+xml'})),
+    PNG: () => pngOf(fileOf(drawing(), title)),
+    SVG: () => new Blob([fileOf(drawing(), title)], {type: 'image/svg+xml'}),
     CSV: () => new Blob([csvOf(rows())], {type: 'text/csv'})
   };
+  const save = async kind => download(await kinds[kind](), fileName(title) + '.' + kind.toLowerCase());
   return el(
-      'span.save', {role: 'group', 'aria-label': 'Save ' + title()},
-      Object.entries(kinds).filter(([, make]) => make).map(
-          ([kind, make]) => el('button.link', {
-            'aria-label': 'Save ' + title() + ' as ' + kind,
-            onclick: async () => download(await make(), fileName(title()) + '.' + kind.toLowerCase())
-          },
-                               kind)));
+      'span.save', {role: 'group', 'aria-label': 'Save ' + title},
+      Object.keys(kinds).filter(kind => drawing || kind === 'CSV').map(
+          kind => el('button.link', {'aria-label': 'Save ' + title + ' as ' + kind, onclick: () => save(kind)}, kind)));
 };
-// Those of an SVG, in the corner of the node that it fills.
-sb.saveCorner = (host, svg, title, rows) => {
+// Those in the corner of the node that a chart fills.
+sb.saveCorner = (host, ...chart) => {
   host.classList.add('saved');
-  host.append(sb.saveButtons({title: () => title, drawing: () => svg, rows}));
+  host.append(sb.saveButtons(...chart));
 };
-
-sb.Drawing = Drawing;
-})(window.slipbench);

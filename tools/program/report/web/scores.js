@@ -1,7 +1,5 @@
 // What counts of a detector's answers come to, as tools/base/statistics/confusion.h defines it. `counts`: [truth][class]; null: nothing to take
 // a share of.
-(function(sb) {
-'use strict';
 
 const contact = [1, 2, 3], slip = [2, 3];
 const share = (part, all) => all ? part / all : null;
@@ -20,4 +18,3 @@ sb.scores = {
   accuracy: counts => share(d3.sum(contact, truth => counts[truth][truth]), samples(counts, contact)),
   constantAccuracy: counts => share(d3.max(contact, truth => d3.sum(counts[truth])), samples(counts, contact)),
 };
-})(window.slipbench);

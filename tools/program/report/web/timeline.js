@@ -1,17 +1,10 @@
 // The time that all pictures of a trial share: the visible window, the cursor, and playing.
-(function(sb) {
-'use strict';
 
-class Timeline {
+sb.Timeline = class {
   constructor(time) {
-    this.time = time;
-    this.full = [time[0], time[time.length - 1]];
-    this.window = this.full.slice();
-    this.cursor = this.full[0];
-    this.rate = 0.25;
-    this.playing = false;
-    this.listeners = {window: [], cursor: [], playing: [], theme: []};
-    this.frame = 0;
+    const full = [time[0], time[time.length - 1]];
+    Object.assign(this, {time, full, window: full.slice(), cursor: full[0], rate: 0.25, playing: false, frame: 0});
+    this.listeners = {window: [], cursor: [], playing: []};
   }
 
   // `owner`: the chart that listens, so that it can be forgotten when it is taken off the page.
@@ -82,7 +75,4 @@ class Timeline {
     event.preventDefault();
     actions[event.key]();
   }
-}
-
-sb.Timeline = Timeline;
-})(window.slipbench);
+};

@@ -1,49 +1,35 @@
 // The page of one trial.
-(function(sb) {
-'use strict';
-const el = sb.element;
+const el = sb.element, mark = sb.mark;
 
 function keyFigures(trial, summary) {
   const after = value => value === null || trial.motion_start_s === null ?
       '' :
       sb.milliseconds(value - trial.motion_start_s) + ' after motion start';
-  const figure = (name, value, note) => el('div', {}, el('div.k', {}, name), el('div.v', {}, value), el('div.s', {}, note));
-  return el(
-      'div.figures', {}, figure('First touch', sb.seconds(summary.first_touch_s), ''),
-      figure('First micro-slip', sb.seconds(summary.first_micro_s), after(summary.first_micro_s)),
-      figure('First full slip', sb.seconds(summary.first_full_s), after(summary.first_full_s)),
-      figure('Gross slip', sb.seconds(summary.gross_s), after(summary.gross_s)),
-      figure('Incipient phase', sb.milliseconds(summary.incipient_s), 'first micro-slip to gross slip'),
-      figure('Longest slip', sb.quantity(summary.max_slip_m, 'm'), 'path slipped by one ' + sb.unitWord(summary.type)),
-      trial.detector ? figure(...sb.detectionFigure(trial.detector)) : null);
+  const instant = (name, key) => [name, sb.seconds(summary[key]), after(summary[key])];
+  return sb.figures([
+    ['First touch', sb.seconds(summary.first_touch_s)], instant('First micro-slip', 'first_micro_s'),
+    instant('First full slip', 'first_full_s'), instant('Gross slip', 'gross_s'),
+    ['Incipient phase', sb.milliseconds(summary.incipient_s), 'first micro-slip to gross slip'],
+    ['Longest slip', sb.quantity(summary.max_slip_m, 'm'), 'path slipped by one ' + sb.unitWord(summary.type)],
+    ...trial.detector ? [sb.detectionFigure(trial.detector)] : []
+  ]);
 }
 
 // Slider, play button and readings below the pad.
 function player(timeline) {
-  const slider = el('input', {
-    type: 'range',
-    min: 0,
-    max: timeline.time.length - 1,
-    step: 1,
-    'aria-label': 'Time',
-    oninput: event => {
-      timeline.play(false);
-      timeline.setCursor(timeline.time[+event.target.value]);
-    }
-  });
+  const seek = event => {
+    timeline.play(false);
+    timeline.setCursor(timeline.time[+event.target.value]);
+  };
+  const slider =
+      el('input', {type: 'range', min: 0, max: timeline.time.length - 1, step: 1, 'aria-label': 'Time', oninput: seek});
   const button = el('button.button', {onclick: () => timeline.play(!timeline.playing)}, 'Play');
   const shown = el('span.time');
-  const speed =
-      el('select', {
-        'aria-label': 'Playing speed',
-        onchange: event => {
-          timeline.rate = +event.target.value;
-          timeline.tell('playing');
-        }
-      },
-         [[1, 'real time'], [0.25, '¼ of real time'], [0.05, '1/20 of real time']].map(
-             ([value, text]) => el('option', {value}, text)));
-  speed.value = String(timeline.rate);
+  const rates = [[1, 'real time'], [0.25, '¼ of real time'], [0.05, '1/20 of real time']];
+  const speed = sb.select({'aria-label': 'Playing speed'}, rates, timeline.rate, value => {
+    timeline.rate = +value;
+    timeline.tell('playing');
+  });
   timeline.on('playing', () => {
     button.textContent = timeline.playing ? 'Pause' : 'Play';
     speed.value = String(timeline.rate);
@@ -53,44 +39,42 @@ function player(timeline) {
     shown.textContent = sb.fixed(timeline.time[sample], 3) + ' s';
   };
   return {
-    node:
-        el('div', {}, el('div.player', {}, button, slider, shown),
-           el('div.controls', {}, speed, el('span', {}, '← → one sample, with ⇧ twenty, space plays'))),
+    node: el('div', {}, el('div.player', {}, button, slider, shown),
+             el('div.controls', {}, speed, el('span', {}, '← → one sample, with ⇧ twenty, space plays'))),
     update
   };
 }
 
-function readout(recording) {
-  const fields = {};
-  const node = el('dl.readout', {}, [
-    ['strict', 'strict'], ['micro', 'micro'], ['paper', 'paper'], ...(recording.padStates.seen ? [['seen', 'seen']] : []), ['stuck', 'stuck fraction'], ['speed', 'slip speed'],
-    ['direction', 'slip direction'], ['angle', 'slip angle'], ['centre', 'slip centre'], ['normal', 'normal force'],
-    ['tangential', 'tangential force']
-  ].map(([key, name]) => {
-    fields[key] = el('dd');
-    return el('div', {}, el('dt', {}, name), fields[key]);
-  }));
-  const update = sample => {
-    const label = (key, component) => recording.at('labels/' + key, 0, component || 0, sample);
-    for (const rule of sb.rules) fields[rule.key].textContent = sb.states.pad[recording.padStates[rule.key][sample]].name;
-    if (fields.seen) fields.seen.textContent = sb.states.pad[recording.padStates.seen[sample]].name;
-    fields.stuck.textContent = sb.percent(isNaN(label('stuck_fraction')) ? null : label('stuck_fraction'));
-    fields.speed.textContent = sb.quantity(label('pad_speed', 1), 'm/s');
-    fields.direction.textContent = sb.quantity(label('slip_direction'), 'rad');
-    fields.angle.textContent = sb.quantity(label('slip_angle'), 'rad');
-    const centre = [label('slip_centre', 0), label('slip_centre', 1)];
-    // A pad of centimetres that turns about a point a metre off is dragged.
-    fields.centre.textContent = isNaN(centre[0])         ? '–' :
-        Math.hypot(...centre) > 1 ? 'none: translation' :
-                                    centre.map(value => sb.fixed(value * 1e3, 1)).join(', ') + ' mm';
-    const sum = [0, 0, 0];
-    for (let unit = 0; unit < recording.units; ++unit) {
-      for (let c = 0; c < 3; ++c) sum[c] += recording.at('labels/force', unit, c, sample) || 0;
+// Numbers at the cursor: [name, value(...)]. Returns {node, update(...)}.
+sb.readout = entries => {
+  const fields = entries.map(([name, value]) => ({name, value, field: el('dd')}));
+  return {
+    node: el('dl.readout', {}, fields.map(({name, field}) => el('div', {}, el('dt', {}, name), field))),
+    update(...at) {
+      for (const {value, field} of fields) field.textContent = value(...at);
     }
-    fields.normal.textContent = sb.quantity(sum[2], 'N');
-    fields.tangential.textContent = sb.quantity(Math.hypot(sum[0], sum[1]), 'N');
   };
-  return {node, update};
+};
+
+function readout(recording) {
+  const label = (key, sample, component = 0) => recording.at('labels/' + key, 0, component, sample);
+  const state = key => [key, sample => sb.states.pad[recording.padStates[key][sample]].name];
+  const force = (component, sample) =>
+      d3.sum(d3.range(recording.units), unit => recording.at('labels/force', unit, component, sample));
+  // A pad of centimetres that turns about a point a metre off is dragged.
+  const centre = ([x, y]) => isNaN(x) ? '–' :
+      Math.hypot(x, y) > 1 ? 'none: translation' :
+                             [x, y].map(value => sb.fixed(value * 1e3, 1)).join(', ') + ' mm';
+  return sb.readout([
+    ...[...sb.rules.map(rule => rule.key), 'seen'].filter(key => recording.padStates[key]).map(state),
+    ['stuck fraction', at => sb.percent(isNaN(label('stuck_fraction', at)) ? null : label('stuck_fraction', at))],
+    ['slip speed', at => sb.quantity(label('pad_speed', at, 1), 'm/s')],
+    ['slip direction', at => sb.quantity(label('slip_direction', at), 'rad')],
+    ['slip angle', at => sb.quantity(label('slip_angle', at), 'rad')],
+    ['slip centre', at => centre([0, 1].map(component => label('slip_centre', at, component)))],
+    ['normal force', at => sb.quantity(force(2, at), 'N')],
+    ['tangential force', at => sb.quantity(Math.hypot(force(0, at), force(1, at)), 'N')]
+  ]);
 }
 
 // Sensor-wide charts.
@@ -100,66 +84,48 @@ function wholeSensor(trial, recording, timeline) {
       el('button', {onclick: () => timeline.setWindow(Math.max(timeline.full[0], from), Math.min(timeline.full[1], to))}, text);
   const [first, last] = d3.extent(onsets_s);
   const gap = 0.25 * Math.max(last - first, 0.004);
-  const section =
-      el('section', {}, el('h2', {}, 'The sensor as a whole'),
-         el('p.note', {}, 'Hover to read, drag to zoom all charts together, double-click to see all of the trial.'),
-         onsets_s.length ? el('div.controls', {},
-                              el('div.segments', {role: 'group', 'aria-label': 'Zoom'}, zoom('whole trial', ...timeline.full),
-                                 zoom('onset of slip', first - gap, last + gap))) :
-                           null);
-  const title = (name, note) => el('div.chart-title', {}, el('span', {}, el('b', {}, name), ' ', note || ''));
-  const seen = recording.padRuns.seen;
-  section.append(
-      title('State by rule', seen ? 'seen: what the loop saw of the detector ' + sb.detectorName(trial.detector.type) : ''),
-      sb.stateLegend(sb.states.pad));
+  const seen = recording.padRuns.seen, word = sb.unitWord(recording.type), words = sb.unitWords(recording.type);
   const host = el('div');
-  section.append(host);
-  return {
-    section,
-    draw() {
-      const rows = sb.rules.map(rule => ({name: rule.name, runs: recording.padRuns[rule.key], kinds: sb.states.pad}));
-      new sb.StateRows(host, timeline, seen ? [{name: 'seen', runs: seen, kinds: sb.states.pad}, ...rows] : rows, 20, 'State by rule');
-      const word = sb.unitWord(recording.type);
-      section.append(title('State of each ' + word, ''), sb.stateLegend(sb.states.unit));
-      const order = shownUnits(recording);
-      const others = recording.units - order.length;
-      if (others) section.append(el('p.note', {}, others + ' of the ' + recording.units + ' ' + sb.unitWords(recording.type) + ' never touch and are not shown.'));
-      new sb.StateRows(
-          section, timeline,
-          order.map(unit => ({name: sb.unitName(recording.type, unit), runs: recording.unitRuns[unit], kinds: sb.states.unit})),
-          Math.max(2, Math.min(16, Math.floor(400 / Math.max(1, order.length)))), 'State of each ' + word);
-      const chart = (key, name, note, colours, range) => {
-        const curve = recording.curves[key];
-        section.append(title(name, note));
-        new sb.LineChart(section, timeline, {
-          name: name.split(',')[0],
-          rows: recording.curveTime,
-          columns: curve.columns,
-          labels: curve.components,
-          unit: curve.unit,
-          colours,
-          range,
-          solid: true,
-          height: 120,
-          bands: recording.padRuns.strict,
-          strip: null
-        });
-      };
-      chart(
-          'labels/pad_speed', 'Slip speed, mm/s', 'mean over touching ' + sb.unitWords(recording.type) + ' (dark) and the fastest (red)', ['slip', 'fz'],
-          null);
-      chart('labels/stuck_fraction', 'Stuck fraction', 'share of touching friction points that stick', ['stick'], [0, 1.05]);
-    }
+  const section = sb.section(
+      'The sensor as a whole', 'Hover to read, drag to zoom all charts together, double-click to see all of the trial.',
+      onsets_s.length > 0 &&
+          el('div.controls', {},
+             el('div.segments', {role: 'group', 'aria-label': 'Zoom'}, zoom('whole trial', ...timeline.full),
+                zoom('onset of slip', first - gap, last + gap))),
+      sb.chartTitle('State by rule', seen && 'seen: what the loop saw of the detector ' + sb.detectorName(trial.detector.type)),
+      sb.stateLegend(sb.states.pad), host);
+  const chart = (key, name, note, colours, range) => {
+    const {columns, components: labels, unit} = recording.curves[key];
+    section.append(sb.chartTitle(name, note));
+    new sb.LineChart(section, timeline, {
+      name: name.split(',')[0], rows: recording.curveTime, columns, labels, unit, colours, range, solid: true,
+      height: 120, bands: recording.padRuns.strict
+    });
   };
+  const draw = () => {
+    const rows = sb.rules.map(rule => ({name: rule.name, runs: recording.padRuns[rule.key], kinds: sb.states.pad}));
+    new sb.StateRows(
+        host, timeline, seen ? [{name: 'seen', runs: seen, kinds: sb.states.pad}, ...rows] : rows, 20, 'State by rule');
+    const order = shownUnits(recording), others = recording.units - order.length;
+    section.append(sb.chartTitle('State of each ' + word), sb.stateLegend(sb.states.unit));
+    if (others)
+      section.append(el('p.note', {}, others + ' of the ' + recording.units + ' ' + words + ' never touch and are not shown.'));
+    new sb.StateRows(
+        section, timeline,
+        order.map(unit => ({name: sb.unitName(recording.type, unit), runs: recording.unitRuns[unit], kinds: sb.states.unit})),
+        Math.max(2, Math.min(16, Math.floor(400 / Math.max(1, order.length)))), 'State of each ' + word);
+    chart(
+        'labels/pad_speed', 'Slip speed, mm/s', 'mean over touching ' + words + ' (dark) and the fastest (red)',
+        ['slip', 'fz']);
+    chart('labels/stuck_fraction', 'Stuck fraction', 'share of touching friction points that stick', ['stick'], [0, 1.05]);
+  };
+  return {section, draw};
 }
 
 // Units by first micro-slip, then by full slip; those that never slip last, in their own order.
 function onsetOrder(recording) {
-  const key = unit => [recording.micro_onset_s[unit], recording.onset_s[unit]].map(t => t === null ? Infinity : t);
-  return d3.range(recording.units).sort((a, b) => {
-    const [p, q] = [key(a), key(b)];
-    return (p[0] === q[0] ? 0 : p[0] - q[0]) || (p[1] === q[1] ? 0 : p[1] - q[1]) || a - b;
-  });
+  const by = onsets_s => (a, b) => d3.ascending(onsets_s[a] ?? Infinity, onsets_s[b] ?? Infinity);
+  return d3.range(recording.units).sort((a, b) => by(recording.micro_onset_s)(a, b) || by(recording.onset_s)(a, b) || a - b);
 }
 
 // Those that have a row of their own: of more than 40 the ones that touch.
@@ -173,7 +139,7 @@ function openingUnit(recording) {
   const first = onsetOrder(recording)[0];
   if (recording.micro_onset_s[first] !== null || recording.onset_s[first] !== null) return first;
   const touched = d3.range(recording.units).filter(unit => recording.touch_s[unit] !== null);
-  return touched.length ? touched.sort((a, b) => recording.touch_s[a] - recording.touch_s[b])[0] : 0;
+  return touched.sort((a, b) => recording.touch_s[a] - recording.touch_s[b])[0] || 0;
 }
 
 const labelNames = {
@@ -202,8 +168,7 @@ function gridOf(recording) {
 // Curves of each unit, laid out like the pad, or of one unit.
 class UnitCharts {
   constructor(recording, timeline) {
-    this.recording = recording;
-    this.timeline = timeline;
+    Object.assign(this, {recording, timeline, readings: [], legend: el('div'), host: el('div')});
     const per_unit =
         Object.keys(recording.curves).filter(key => recording.curves[key].per_unit && key !== 'labels/slip_velocity');
     // What the sensor emits first.
@@ -213,108 +178,58 @@ class UnitCharts {
     this.key = this.keys[0];
     this.grid = gridOf(recording);
     this.unit = this.grid ? null : openingUnit(recording);
-    const word = sb.unitWord(recording.type);
-    this.segments =
-        el('div.segments', {role: 'group', 'aria-label': 'Quantity'},
-           this.keys.map(
-               key =>
-                   el('button', {
-                     'data-key': key,
-                     onclick: () => {
-                       this.key = key;
-                       this.draw();
-                     }
-                   },
-                      this.name(key))));
+    const word = sb.unitWord(recording.type), words = sb.unitWords(recording.type);
+    const segments = sb.segments('Quantity', this.keys.map(key => [key, this.name(key)]), this.key, key => {
+      this.key = key;
+      this.draw();
+    });
+    const units = d3.range(recording.units).map(unit => [unit, sb.unitName(recording.type, unit)]);
+    const choices = this.grid ? [['', 'all, laid out like the pad'], ...units] : units;
     this.select =
-        el('select', {
-          'aria-label': 'Shown ' + sb.unitWords(recording.type),
-          onchange: event => {
-            this.show(event.target.value === '' ? null : +event.target.value);
-          }
-        },
-           this.grid ? el('option', {value: ''}, 'all, laid out like the pad') : null,
-           d3.range(recording.units).map(unit => el('option', {value: unit}, sb.unitName(recording.type, unit))));
-    this.select.value = this.unit === null ? '' : String(this.unit);
-    this.legend = el('div.legend');
-    this.host = el('div');
-    this.section = el(
-        'section', {}, el('h2', {}, 'Each ' + word),
-        el('p.note', {},
-           'Background: state of the sensor by the strict rule (blue non-slip, amber incipient, red gross). ' +
-                'The strip below the curves: state of the ' +
-               word + ' itself. All ' + sb.unitWords(recording.type) + ' share one scale.'),
-        el('div.controls', {}, this.segments, el('label', {}, 'show', this.select), this.legend), this.host);
-    this.readings = [];
+        sb.select({'aria-label': 'Shown ' + words}, choices, this.unit ?? '', value => this.show(value === '' ? null : +value));
+    this.section = sb.section(
+        'Each ' + word,
+        'Background: state of the sensor by the strict rule (blue non-slip, amber incipient, red gross). ' +
+            'The strip below the curves: state of the ' + word + ' itself. All ' + words + ' share one scale.',
+        el('div.controls', {}, segments, el('label', {}, 'show', this.select), this.legend), this.host);
     timeline.on('cursor', () => this.read());
   }
 
   show(unit) {
     this.unit = unit;
-    this.select.value = unit === null ? '' : String(unit);
+    this.select.value = unit ?? '';
     this.draw();
-  }
-
-  range(curve) {
-    let low = Infinity, high = -Infinity;
-    for (const column of curve.columns) {
-      for (const value of column) {
-        if (value < low) low = value;
-        if (value > high) high = value;
-      }
-    }
-    // Counts far from zero would be a flat line on an axis that begins there.
-    const near = !(low > 0.5 * high);
-    low = near ? Math.min(0, low) : low;
-    high = Math.max(near ? 0 : low, high);
-    const gap = 0.06 * (high - low || 1);
-    return [low === 0 ? low : low - gap, high + gap];
   }
 
   draw() {
     const {recording, timeline, key} = this;
-    const curve = recording.curves[key];
-    for (const button of this.segments.children) button.setAttribute('aria-pressed', String(button.dataset.key === key));
-    const colours = curve.components.length === 1 ? ['fz'] : curve.components.map((_, i) => componentColours[i % 3]);
-    this.legend.replaceChildren(
-        ...curve.components.length > 1 ?
-            curve.components.map(
-                (name, i) => el('span', {}, el('b', {style: 'color:var(--' + colours[i] + ')'}, i === 1 ? '╍╍' : '━━'), name)) :
-            []);
+    const curve = recording.curves[key], {components} = curve;
+    const colours = components.length === 1 ? ['fz'] : components.map((_, i) => componentColours[i % 3]);
+    const entries = components.map((name, i) => ({name, colour: colours[i], dashed: i === 1}));
+    this.legend.replaceChildren(components.length > 1 ? sb.legendOf(entries) : '');
     timeline.forget(this.charts || []);
     this.host.replaceChildren();
     this.readings = [];
     this.charts = [];
-    const range = this.range(curve);
+    const range = sb.rangeOf(curve.columns);
     const units = this.unit === null ? d3.range(recording.units) : [this.unit];
     const grid = el(
         'div.grid', {style: this.unit === null ? 'grid-template-columns:repeat(' + this.grid.columns + ',minmax(0,1fr))' : ''});
     this.host.append(grid);
     for (const unit of units) {
       const values = el('span.values');
+      const toggle = () => this.grid && this.show(this.unit === null ? unit : null);
       const name =
-          el('button.link',
-             {title: 'show this one alone, or all', onclick: () => this.grid && this.show(this.unit === null ? unit : null)},
-             sb.unitName(recording.type, unit));
-      const cell = el('div.cell', {}, el('header', {}, name, values));
-      if (this.unit === null) {
-        const place = this.grid.place(unit);
-        cell.style.gridRow = place.row;
-        cell.style.gridColumn = place.column;
-      }
+          el('button.link', {title: 'show this one alone, or all', onclick: toggle}, sb.unitName(recording.type, unit));
+      const place = this.unit === null && this.grid.place(unit);
+      const style = place ? 'grid-row:' + place.row + ';grid-column:' + place.column : null;
+      const cell = el('div.cell', {style}, el('header', {}, name, values));
       grid.append(cell);
       this.readings.push({unit, values, colours});
       this.charts.push(new sb.LineChart(cell, timeline, {
-        name: this.name(key) + ' of ' + sb.unitName(recording.type, unit),
-        rows: recording.curveTime,
-        columns: recording.columns(key, unit),
-        labels: curve.components,
-        unit: curve.unit,
-        colours,
-        range,
-        height: this.unit === null ? 150 : 340,
-        bands: recording.padRuns.strict,
-        strip: recording.unitRuns[unit]
+        name: this.name(key) + ' of ' + sb.unitName(recording.type, unit), rows: recording.curveTime,
+        columns: recording.columns(key, unit), labels: curve.components, unit: curve.unit, colours, range,
+        height: this.unit === null ? 150 : 340, bands: recording.padRuns.strict, strip: recording.unitRuns[unit]
       }));
     }
     this.read();
@@ -327,11 +242,9 @@ class UnitCharts {
     const sample = recording.sampleAt(timeline.cursor);
     const factor = sb.factor(curve.unit);
     for (const {unit, values, colours} of this.readings) {
+      const value = c => sb.fixed(recording.at(key, unit, c, sample) * factor, 2) + ' ';
       values.replaceChildren(
-          ...curve.components.map(
-              (_, c) =>
-                  el('b', {style: 'color:var(--' + colours[c] + ')'},
-                     sb.fixed(recording.at(key, unit, c, sample) * factor, 2) + ' ')),
+          ...curve.components.map((_, c) => el('b', {style: 'color:var(--' + colours[c] + ')'}, value(c))),
           sb.symbol(curve.unit));
     }
   }
@@ -340,82 +253,64 @@ class UnitCharts {
 // The order in which units let go, as a table with one bar a unit.
 function onsets(recording, timeline) {
   const word = sb.unitWord(recording.type);
-  const order = shownUnits(recording);
   const times = [...recording.micro_onset_s, ...recording.onset_s].filter(t => t !== null);
-  const section =
-      el('section', {}, el('h2', {}, 'Onset order'),
-         el('p.note', {},
-            times.length === 0 ? 'Nothing slips in this trial.' :
-                                 'From the first micro-slip of each ' + word +
-                    ' (hollow mark) to its full slip (filled mark). Margin: 1 − f_t / (μ_s f_n) at the cursor.'));
   const first = Math.min(...times), last = Math.max(...times);
-  const scale = d3.scale.linear().domain([first, Math.max(last, first + 1e-4)]).range([8, 152]);
-  const margins = [];
-  const body = el('tbody', {}, order.map((unit, place) => {
-    const [touch, micro, full] = [recording.touch_s[unit], recording.micro_onset_s[unit], recording.onset_s[unit]];
-    const cell = el('td.text');
-    const svg = d3.select(cell).append('svg').attr('width', 160).attr('height', 16).attr('role', 'img').attr(
-        'aria-label', 'First micro-slip ' + sb.seconds(micro) + ', full slip ' + sb.seconds(full));
-    svg.append('line').attr('x1', 8).attr('x2', 152).attr('y1', 8).attr('y2', 8).style('stroke', 'var(--grid)');
-    if (micro !== null) {
-      svg.append('line')
-          .attr('x1', scale(micro))
-          .attr('x2', full === null ? 152 : scale(full))
-          .attr('y1', 8)
-          .attr('y2', 8)
-          .style('stroke', 'var(--partial)')
-          .attr('stroke-width', 4);
-      svg.append('circle')
-          .attr('cx', scale(micro))
-          .attr('cy', 8)
-          .attr('r', 4)
-          .style('fill', 'var(--ground)')
-          .style('stroke', 'var(--partial)')
-          .attr('stroke-width', 2);
-    }
-    if (full !== null) svg.append('circle').attr('cx', scale(full)).attr('cy', 8).attr('r', 4.5).style('fill', 'var(--slip)');
-    const margin = el('td');
-    margins.push({unit, margin});
-    return el(
-        'tr', {}, el('td', {}, String(place + 1)), el('td.text', {}, sb.unitName(recording.type, unit)),
-        el('td', {}, sb.seconds(touch)), el('td', {}, sb.seconds(micro)), el('td', {}, sb.seconds(full)),
-        el('td', {}, micro === null ? '–' : '+' + sb.fixed((micro - first) * 1e3, 1)),
-        el('td', {}, micro === null || full === null ? '–' : sb.fixed((full - micro) * 1e3, 1)), cell, margin);
-  }));
-  const head = [
-    ['', ''], [word, 'text'], ['touch', ''], ['first micro-slip', ''], ['full slip', ''], ['after the first, ms', ''],
-    ['partial for, ms', ''], [times.length ? sb.fixed(first, 3) + ' s to ' + sb.fixed(last, 3) + ' s' : '', 'text'],
-    ['margin', '']
+  const scale = sb.scale(false, [first, Math.max(last, first + 1e-4)], [8, 152]);
+  const bar = ({micro, full}) => mark(
+      'svg', {
+        width: 160, height: 16, role: 'img',
+        'aria-label': 'First micro-slip ' + sb.seconds(micro) + ', full slip ' + sb.seconds(full)
+      },
+      mark('path', {d: 'M8,8H152', stroke: 'var(--grid)'}),
+      micro !== null &&
+          [
+            mark('path', {
+              d: 'M' + scale(micro) + ',8H' + (full === null ? 152 : scale(full)), stroke: 'var(--partial)',
+              'stroke-width': 4
+            }),
+            mark('circle', {cx: scale(micro), cy: 8, r: 4, fill: 'var(--ground)', stroke: 'var(--partial)', 'stroke-width': 2})
+          ],
+      full !== null && mark('circle', {cx: scale(full), cy: 8, r: 4.5, fill: 'var(--slip)'}));
+  const rows = shownUnits(recording).map((unit, i) => ({
+                                           place: String(i + 1), unit, touch: recording.touch_s[unit],
+                                           micro: recording.micro_onset_s[unit], full: recording.onset_s[unit],
+                                           margin: el('td')
+                                         }));
+  const columns = [
+    {title: '', cell: ({place}) => place}, {title: word, kind: 'text', cell: ({unit}) => sb.unitName(recording.type, unit)},
+    {title: 'touch', cell: ({touch}) => sb.seconds(touch)}, {title: 'first micro-slip', cell: ({micro}) => sb.seconds(micro)},
+    {title: 'full slip', cell: ({full}) => sb.seconds(full)},
+    {title: 'after the first, ms', cell: ({micro}) => micro === null ? '–' : '+' + sb.fixed((micro - first) * 1e3, 1)}, {
+      title: 'partial for, ms',
+      cell: ({micro, full}) => micro === null || full === null ? '–' : sb.fixed((full - micro) * 1e3, 1)
+    },
+    {title: times.length ? sb.fixed(first, 3) + ' s to ' + sb.fixed(last, 3) + ' s' : '', kind: 'text', cell: bar},
+    {title: 'margin', cell: ({margin}) => margin}
   ];
-  section.append(
-      el('div.scroll.tall', {},
-         el('table', {}, el('thead', {}, el('tr', {}, head.map(([text, kind]) => el('th.' + kind, {}, text)))), body)));
+  const section = sb.section(
+      'Onset order',
+      times.length === 0 ? 'Nothing slips in this trial.' :
+                           'From the first micro-slip of each ' + word +
+              ' (hollow mark) to its full slip (filled mark). Margin: 1 − f_t / (μ_s f_n) at the cursor.',
+      el('div.scroll.tall', {}, sb.sortedTable(columns, rows).node));
   const update = sample => {
-    for (const {unit, margin} of margins) margin.textContent = sb.fixed(recording.at('labels/margin', unit, 0, sample), 3);
+    for (const {unit, margin} of rows) margin.textContent = sb.fixed(recording.at('labels/margin', unit, 0, sample), 3);
   };
   return {section, update};
 }
 
 // Share of time in each state by each rule, and how far the rules differ.
 function rules(summary) {
-  const rows = sb.rules.map(rule => {
-    const differs = rule.key === 'strict' ? '–' : sb.percent(summary.disagreement[rule.key]);
-    return el(
-        'tr', {}, el('td.text', {}, el('b', {}, rule.name)), el('td.text', {}, rule.note),
-        summary.shares[rule.key].map(share => el('td', {}, sb.percent(share))), el('td', {}, differs));
-  });
-  return el(
-      'section', {}, el('h2', {}, 'Truth against other rules'),
-      el('p.note', {},
-         "The paper's rule labels this trial differently from the strict truth in " + sb.percent(summary.disagreement.paper) +
-             ' of the time in contact.'),
-      el('div.scroll', {},
-         el('table', {},
-            el('thead', {},
-               el('tr', {},
-                  [['rule', 'text'], ['', 'text'], ...sb.states.pad.map(state => [state.name, '']), ['differs from strict', '']]
-                      .map(([text, kind]) => el('th.' + kind, {}, text)))),
-            el('tbody', {}, rows))));
+  const columns = [
+    {title: 'rule', kind: 'text', cell: rule => el('b', {}, rule.name)}, {title: '', kind: 'text', cell: rule => rule.note},
+    ...sb.states.pad.map((state, i) => ({title: state.name, cell: rule => sb.percent(summary.shares[rule.key][i])})),
+    {title: 'differs from strict', cell: ({key}) => key === 'strict' ? '–' : sb.percent(summary.disagreement[key])}
+  ];
+  return sb.section(
+      'Truth against other rules',
+      'The paper\'s rule labels this trial differently from the strict truth in ' + sb.percent(summary.disagreement.paper) +
+          ' of the time in contact.',
+      sb.table(columns, sb.rules));
 }
 
 // The sensor to look at first: that of the detector, or else the first that touches.
@@ -429,7 +324,7 @@ sb.openingSensor = trial => {
 sb.showTrial = async (host, index, sensorName) => {
   const trial = sb.page.trials.find(candidate => candidate.index === index);
   const recording = await sb.recording(index, sensorName);
-  const summary = Object.assign({type: recording.type}, trial.sensors[recording.name]);
+  const summary = {type: recording.type, ...trial.sensors[recording.name]};
   const timeline = new sb.Timeline(recording.time);
   const held = trial.grasp ? await sb.graspOf(index) : null;
   const grasp = held && sb.graspSection(trial, held, recording, timeline, player);
@@ -455,29 +350,27 @@ sb.showTrial = async (host, index, sensorName) => {
   const thinned = recording.stride === 1 ?
       null :
       el('p.note', {}, 'Curves show one sample in ' + recording.stride + '. States and onsets are complete.');
+  const parts = [
+    thinned, whole.section, channels?.section, charts.section, onset.section, rules(summary),
+    recording.padRuns.seen && sb.detectorSection([trial]), grasp && sb.graspParameters()
+  ];
   host.replaceChildren(
-      ...(grasp ? [...grasp.nodes, el('h2', {}, 'The sensor ' + recording.name)] : []), keyFigures(trial, summary),
-      el('div.layout', {}, side, el('div', {}, thinned, whole.section, channels && channels.section, charts.section, onset.section, rules(summary),
-                                              recording.padRuns.seen ? sb.detectorSection([trial]) : null,
-                                              grasp ? sb.graspParameters() : null)));
+      ...grasp ? [...grasp.nodes, el('h2', {}, 'The sensor ' + recording.name)] : [], keyFigures(trial, summary),
+      el('div.layout', {}, side, el('div', {}, parts)));
   const update = () => {
     const sample = recording.sampleAt(timeline.cursor);
-    for (const part of [controls, readings, pad, onset, ...(grasp ? [grasp] : [])]) part.update(sample);
+    for (const part of [controls, readings, pad, onset, grasp]) part?.update(sample);
   };
   timeline.on('cursor', update);
   // Opens where there is most to see: when half of the units that let go have done so.
-  const onsets_s = recording.onset_s.filter(t => t !== null);
-  timeline.cursor = grasp    ? grasp.opens_s :
-      onsets_s.length        ? d3.median(onsets_s) :
-      summary.first_micro_s !== null ? summary.first_micro_s :
-                                       (timeline.full[0] + timeline.full[1]) / 2;
+  const middle = (timeline.full[0] + timeline.full[1]) / 2;
+  timeline.cursor = grasp?.opens_s ?? d3.median(recording.onset_s.filter(t => t !== null)) ?? summary.first_micro_s ?? middle;
   timeline.tell('cursor');
   // The reader sees the first picture while the others are drawn.
-  for (const draw of [() => grasp && grasp.draw(), () => whole.draw(), () => channels && channels.draw(), () => charts.draw()]) {
+  for (const part of [grasp, whole, channels, charts]) {
     await sb.painted();
     if (!host.isConnected) break;  // another trial has been opened meanwhile
-    draw();
+    part?.draw();
   }
   return timeline;
 };
-})(window.slipbench);

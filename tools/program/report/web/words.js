@@ -1,6 +1,4 @@
 // Names, units and definitions: every word of the page that is said more than once.
-(function(sb) {
-'use strict';
 
 sb.states = {
   // unit_state of the dataset
@@ -125,4 +123,3 @@ sb.definitions = [
   ['slip centre', 'The point of the pad about which the slip turns at that instant; the slip angle is its accumulated rotation.'],
   ['motion start', 'The first sample after the first touch at which a body moves sideways or turns; of a grasp the last one before the arm lifts.'],
 ];
-})(window.slipbench);
