@@ -3,6 +3,7 @@ others bring along, or without which a part is left out, could go missing from t
 """
 
 import os
+import platform
 import re
 import shutil
 import sys
@@ -16,6 +17,8 @@ del sys.argv[1:]
 INSTALLED = Path("/var/lib/dpkg/info")
 # Called by scripts and tests, which CMake does not look for.
 PROGRAMS = ("c++", "chromium", "cmake", "git", "ninja", "shellcheck", "valgrind")
+# What libtorch loads: any BLAS does, and that which Debian installs by itself is several times slower.
+BLAS = Path(f"/usr/lib/{platform.machine()}-linux-gnu/libblas.so.3")
 # Packages whose names hold a version, which Debian's own defaults bring.
 BY_DEFAULT = {r"g\+\+-\d+.*": "g++", r"libpython3\.\d+-dev": "python3-dev"}
 # What CMake's own module for HDF5 looks for beside the library.
@@ -42,7 +45,8 @@ def places():
     entries = re.findall(r"^([\w-]+):(?:FILEPATH|PATH)=(/.*)", (BUILD / "CMakeCache.txt").read_text(encoding="utf-8"), re.MULTILINE)
     found = {name: [path for key, path in entries if not NOT_OURS.fullmatch(key) and f"{key}_".lower().startswith(f"{name}_".lower())]
              for name in sought()}
-    found |= {name: [shutil.which(name) or name] for name in PROGRAMS} | {"Python.h": [f"{sysconfig.get_path('include')}/Python.h"]}
+    found |= {name: [shutil.which(name) or name] for name in PROGRAMS}
+    found |= {"Python.h": [f"{sysconfig.get_path('include')}/Python.h"], BLAS.name: [str(BLAS)]}
     return {name: [path for path in paths if Path(path).exists()] for name, paths in found.items()}
 
 
@@ -67,7 +71,7 @@ class PackagesTest(unittest.TestCase):
         missing = set()
         for name, found in places().items():
             for path in found:
-                # The second is that of a program which update-alternatives has put there.
+                # The second is that of what update-alternatives has put there.
                 packages = owner.get(path) or owner.get(os.path.realpath(path)) or set()
                 missing.update(f"{name}: {package}" for package in packages - known)
         self.assertEqual(sorted(missing), [])

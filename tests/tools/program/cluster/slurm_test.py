@@ -43,6 +43,7 @@ SchedulerParameters=batch_sched_delay=0,sched_interval=1
 NodeName={host} NodeAddr=127.0.0.1 CPUs=2
 PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
 """
+PROGRAMS = ("munged", "slurmctld", "slurmd")
 
 
 def free_port():
@@ -68,8 +69,11 @@ class Slurm:
         configuration.write_text(text, encoding="ascii")
         self.environment = {**os.environ, "SLURM_CONF": str(configuration)}
         self.processes = {}
-        self.start("munged", "--foreground", "--force", f"--key-file={key}", f"--socket={folder}/munge.socket", f"--pid-file={folder}/munged.pid",
-                   f"--log-file={folder}/munged.log", f"--seed-file={folder}/munged.seed")  # fmt: skip
+
+    def begin(self):
+        folder = self.folder
+        self.start("munged", "--foreground", "--force", f"--key-file={folder}/munge.key", f"--socket={folder}/munge.socket",
+                   f"--pid-file={folder}/munged.pid", f"--log-file={folder}/munged.log", f"--seed-file={folder}/munged.seed")  # fmt: skip
         wait_for("munged answers", lambda: (folder / "munge.socket").exists())
         self.start("slurmctld", "-D")
         wait_for("slurmctld answers", lambda: self.run("scontrol", "ping", check=False).returncode == 0)
@@ -135,6 +139,9 @@ def main(program, rounds):
     if os.geteuid() != 0:
         print("skipped: Slurm wants root")
         return 77
+    missing = [name for name in PROGRAMS if not shutil.which(name)]
+    if missing:
+        sys.exit(f"not installed: {', '.join(missing)}; get it with: tools/setup/setup.sh all")
     with tempfile.TemporaryDirectory() as folder:
         slurm_folder = Path(folder, "slurm")
         slurm_folder.mkdir()
@@ -142,11 +149,12 @@ def main(program, rounds):
         sweep = SweepFolder(program, folder)
         slurm = Slurm(slurm_folder)
         try:
+            slurm.begin()
             with ThreadPoolExecutor(1) as beside:
                 equal = [do_round(slurm, sweep, beside, f"round-{number}") for number in range(rounds)]
         except BaseException:
-            for name in ("slurmctld.log", "slurmd.log"):
-                print(f"--- {name}", Path(slurm_folder, name).read_text(encoding="utf-8")[-3000:], sep="\n")
+            for log in sorted(slurm_folder.glob("slurm*.log")):
+                print(f"--- {log.name}", log.read_text(encoding="utf-8")[-3000:], sep="\n")
             raise
         finally:
             slurm.close()
