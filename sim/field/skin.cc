@@ -1,7 +1,8 @@
 // A step of a field whose pad is one elastic body (SkinEffect). Between the undeformed tips and the forces stand three things that a field of
 // springs does not need:
-// - The surface is met where the loaded skin is: a tip that sticks meets it at its anchor, one that slips trails its root by the shift of the
-//   step before. So a stuck patch feels no change of gap while the pad moves along.
+// - The surface is met where the loaded skin is: a tip that touches at its anchor, as the step before has left it. So a stuck patch feels no
+//   change of gap while the pad moves along, and a tip that begins to slip or stops meets no other place for it. One that slips is met late by
+//   the slip of one step.
 // - A gap counts along the element's axis, gap/cos of the angle between axis and normal, as the skin gives. Force p along the axis is p/cos
 //   along the normal.
 // - Ways and forces in the tangent plane are told by the element's x and y, turned with its z onto the normal the shortest way.
@@ -95,8 +96,8 @@ SLIPBENCH_DISPATCHED static void place_loaded(const kernel::Columns& c, const Sk
   for (std::size_t i = 0; i < count; ++i) {
     const Vector3 stuck = to_pad(c[kernel::anchor_x][i] - px, c[kernel::anchor_y][i] - py, c[kernel::anchor_z][i] - pz);
     const double trailing_x = t[tip_in_frame][i] - s.shift_x[i], trailing_y = t[tip_in_frame + 1][i] - s.shift_y[i];
-    const bool sticks = c[kernel::mode_before][i] == 1.0;
-    const double x = sticks ? along(t, x_axis, i, stuck) : trailing_x, y = sticks ? along(t, y_axis, i, stuck) : trailing_y;
+    const bool touches = c[kernel::mode_before][i] != 0.0;
+    const double x = touches ? along(t, x_axis, i, stuck) : trailing_x, y = touches ? along(t, y_axis, i, stuck) : trailing_y;
     const Vector3 tip = from_frame(t, i, x, y, t[tip_in_frame + 2][i]);
     c[kernel::tip_x][i] = tip.x;
     c[kernel::tip_y][i] = tip.y;

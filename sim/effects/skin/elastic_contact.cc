@@ -134,12 +134,13 @@ void ElasticContact::shear(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& 
     const double size = std::max(next_.abs().maxCoeff(), nothing * greatest);
     if ((next_ - guess_).abs().maxCoeff() <= near_enough(tolerance_ * size, off)) {
       // What slides is to be on its disc to the bit, which the last forces, a little off the solution, need not be.
-      const auto mark = [&](const auto& force) {
+      const auto mark = [&](const auto& force, Eigen::ArrayXd& on_disc) {
         constexpr double rounding = 1e-12;
-        return (force.square().rowwise().sum() >= (1.0 - rounding) * limit.square() && limit > 0.0).template cast<double>().eval();
+        on_disc = (force.square().rowwise().sum() >= (1.0 - rounding) * limit.square() && limit > 0.0).template cast<double>();
       };
-      slides_ = mark(next_);
-      if ((slides_ != mark(q)).any()) {
+      mark(next_, slides_);
+      mark(q, residual_);
+      if ((slides_ != residual_).any()) {
         q = next_;
         apply(next_, at_next_);
         u = at_next_;
