@@ -1,15 +1,9 @@
 # Finds MuJoCo inside an unpacked mujoco-core wheel and defines mujoco::mujoco.
 # Looked for in SLIPBENCH_MUJOCO_ROOT (the wheel's `mujoco` folder), else in build/venv of the source tree.
 # Sets MuJoCo_FOUND, MuJoCo_VERSION, MuJoCo_ROOT_DIR, MuJoCo_LIBRARY, MuJoCo_LICENCES (files).
-set(SLIPBENCH_MUJOCO_ROOT "" CACHE PATH "The `mujoco` folder of an installed mujoco-core wheel")
-if(SLIPBENCH_MUJOCO_ROOT)
-  set(MuJoCo_ROOT_DIR ${SLIPBENCH_MUJOCO_ROOT})
-else()
-  file(GLOB MuJoCo_ROOT_DIR ${PROJECT_SOURCE_DIR}/build/venv/lib/python3*/site-packages/mujoco)
-endif()
+include(${CMAKE_CURRENT_LIST_DIR}/FindByName.cmake)
+find_in_wheel(MuJoCo SLIPBENCH_MUJOCO_ROOT mujoco)
 
-unset(MuJoCo_VERSION)
-unset(MuJoCo_LIBRARY)
 set(_mujoco_header ${MuJoCo_ROOT_DIR}/include/mujoco/mujoco.h)
 if(MuJoCo_ROOT_DIR AND EXISTS ${_mujoco_header})
   # mjVERSION_HEADER is major * 1e6 + minor * 1e3 + patch.
@@ -26,7 +20,6 @@ if(MuJoCo_ROOT_DIR AND EXISTS ${_mujoco_header})
   file(GLOB MuJoCo_LICENCES ${MuJoCo_ROOT_DIR}/../mujoco_core-*.dist-info/licenses/LICENSE* ${MuJoCo_ROOT_DIR}/LICENSE*)
 endif()
 
-include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(MuJoCo REQUIRED_VARS MuJoCo_LIBRARY MuJoCo_ROOT_DIR VERSION_VAR MuJoCo_VERSION)
 
 if(MuJoCo_FOUND AND NOT TARGET mujoco::mujoco)

@@ -3,15 +3,9 @@
 # Looked for in SLIPBENCH_OPENVINO_ROOT (the wheel's `openvino` folder), else in build/venv of the source tree.
 # Sets OpenVINO_FOUND, OpenVINO_VERSION, OpenVINO_LIBRARY, OpenVINO_LIBRARIES_AT_RUN (those that a network needs beside the system's; they find each
 # other in their folder), OpenVINO_LICENCES (folder).
-set(SLIPBENCH_OPENVINO_ROOT "" CACHE PATH "The `openvino` folder of an installed openvino wheel")
-if(SLIPBENCH_OPENVINO_ROOT)
-  set(OpenVINO_ROOT_DIR ${SLIPBENCH_OPENVINO_ROOT})
-else()
-  file(GLOB OpenVINO_ROOT_DIR ${PROJECT_SOURCE_DIR}/build/venv/lib/python3*/site-packages/openvino)
-endif()
+include(${CMAKE_CURRENT_LIST_DIR}/FindByName.cmake)
+find_in_wheel(OpenVINO SLIPBENCH_OPENVINO_ROOT openvino)
 
-unset(OpenVINO_VERSION)
-unset(OpenVINO_LIBRARY)
 set(_openvino_header ${OpenVINO_ROOT_DIR}/include/openvino/core/version.hpp)
 if(OpenVINO_ROOT_DIR AND EXISTS ${_openvino_header})
   file(READ ${_openvino_header} _openvino_text)
@@ -26,7 +20,6 @@ if(OpenVINO_ROOT_DIR AND EXISTS ${_openvino_header})
   set(OpenVINO_LICENCES ${OpenVINO_ROOT_DIR}/../openvino-${OpenVINO_VERSION}.dist-info/licenses)
 endif()
 
-include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(OpenVINO REQUIRED_VARS OpenVINO_LIBRARY OpenVINO_ROOT_DIR VERSION_VAR OpenVINO_VERSION)
 
 if(OpenVINO_FOUND AND NOT TARGET openvino::runtime)

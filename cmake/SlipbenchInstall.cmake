@@ -73,6 +73,7 @@ function(slipbench_install)
   install(FILES
     ${PROJECT_BINARY_DIR}/slipbenchConfig.cmake
     ${PROJECT_BINARY_DIR}/slipbenchConfigVersion.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/FindByName.cmake
     ${PROJECT_SOURCE_DIR}/cmake/Findlibdeflate.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindFFTW3.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindNLopt.cmake

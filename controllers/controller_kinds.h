@@ -1,4 +1,4 @@
-// Every controller's declaration; each is defined in the file of its name.
+// Every controller's declaration; each is defined in the file of its name, but for constant_force and hold_preset: preset_grip.cc.
 #pragma once
 
 #include <memory>
@@ -29,6 +29,11 @@ struct ControllerKind {
 };
 
 namespace controllers {
+
+template <class Made>
+std::unique_ptr<Controller> created(const Parameters& parameters, const GripSource& source) {
+  return std::make_unique<Made>(parameters, source);
+}
 
 ControllerKind constant_force();
 ControllerKind force_pid();

@@ -1,24 +1,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "controllers/controller_kinds.h"
 #include "controllers/grip.h"
 
 namespace slipbench::controllers {
 namespace {
 
-class ForcePid final : public Controller {
+class ForcePid final : public GripController {
  public:
   ForcePid(const Parameters& p, const GripSource& source)
-      : force_(source.channels, "force_pid"),
-        preset_(source.preset),
+      : GripController(p, source, "force_pid"),
         proportional_(p.number("proportional")),
         integral_time_(p.number("integral_time")),
         derivative_time_(p.number("derivative_time")),
         dead_band_(p.number("dead_band")),
         lead_(static_cast<double>(p.integer("lead"))),
-        force_per_count_(p.number("force_per_count")),
-        command_(registers_of(p)) {}
+        force_per_count_(p.number("force_per_count")) {}
 
   GripCommand update(const ControlInput& input) override {
     const double grip = force_.total(input.frame);
@@ -46,15 +43,12 @@ class ForcePid final : public Controller {
            derivative_time_ / period * (grip - 2.0 * last_ + before_last_);
   }
 
-  GripForce force_;
-  double preset_;           // N
-  double proportional_;     // 1
-  double integral_time_;    // s
-  double derivative_time_;  // s
-  double dead_band_;        // N
-  double lead_;             // counts
-  double force_per_count_;  // N
-  GripCommand command_;
+  double proportional_;                    // 1
+  double integral_time_;                   // s
+  double derivative_time_;                 // s
+  double dead_band_;                       // N
+  double lead_;                            // counts
+  double force_per_count_;                 // N
   double position_ = 0.0;                  // counts, not rounded
   double last_ = 0.0, before_last_ = 0.0;  // N, grip force of the last two updates
   double time_ = 0.0;                      // s, of the last status
@@ -72,27 +66,24 @@ ControllerKind force_pid() {
        "Let a count be worth c' and be seen d periods after the read that led to it. With Kp = Td = 0 the loop is stable for T/Ti c'/c < 2 sin(pi/(4d - 2)) and without overshoot up to (d-1)^(d-1)/d^d; for 60 ms at periods of 20 ms these are 0.62 and 0.15.\n"
        "The loop comes to rest because a dead band of c/2 or more holds a whole count.",
        "velocity form of PID with derivative and proportional action on the measured value: Astrom and Hagglund, PID Controllers (1995), chapter 3; bounds: roots of z^d - z^(d-1) + T/Ti c'/c",
-       with_registers({
-           number_spec("proportional", Quantity::none, "0.1", non_negative,
-                       "Kp: share of a change of the force that is taken back at once.", "assumed"),
-           number_spec("integral_time", Quantity::time, "0.15 s", positive_or_infinite,
-                       "Ti: time in which a constant error would be removed; inf: no integral action.",
-                       "assumed: T/Ti = 0.13, just below what overshoots when a count is worth force_per_count"),
-           number_spec("derivative_time", Quantity::time, "0 s", non_negative, "Td: how far ahead the force is extrapolated.",
-                       "assumed: a force in steps of a count has no use for it"),
-           number_spec(
-               "dead_band", Quantity::force, "0.8 N", non_negative,
-               "Error to which the controller does not react; below half a real count the fingers may never come to rest.",
-               "assumed: half of force_per_count"),
-           integer_spec(
-               "lead", "2", {1.0, double{max_register}},
-               "Largest difference in counts between the command and the measured position. It sets the pace in free air and limits what winds up while the motor is stopped.",
-               "assumed"),
-           force_per_count_spec(),
-       })},
-      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
-        return std::make_unique<ForcePid>(p, source);
-      }};
+       with_registers(
+           {number_spec("proportional", Quantity::none, "0.1", non_negative,
+                        "Kp: share of a change of the force that is taken back at once.", "assumed"),
+            number_spec("integral_time", Quantity::time, "0.15 s", positive_or_infinite,
+                        "Ti: time in which a constant error would be removed; inf: no integral action.",
+                        "assumed: T/Ti = 0.13, just below what overshoots when a count is worth force_per_count"),
+            number_spec("derivative_time", Quantity::time, "0 s", non_negative, "Td: how far ahead the force is extrapolated.",
+                        "assumed: a force in steps of a count has no use for it"),
+            number_spec(
+                "dead_band", Quantity::force, "0.8 N", non_negative,
+                "Error to which the controller does not react; below half a real count the fingers may never come to rest.",
+                "assumed: half of force_per_count"),
+            integer_spec(
+                "lead", "2", {1.0, double{max_register}},
+                "Largest difference in counts between the command and the measured position. It sets the pace in free air and limits what winds up while the motor is stopped.",
+                "assumed"),
+            force_per_count_spec()})},
+      created<ForcePid>};
 }
 
 }  // namespace slipbench::controllers

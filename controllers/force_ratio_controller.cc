@@ -1,21 +1,18 @@
 #include <algorithm>
 
-#include "controllers/controller_kinds.h"
 #include "controllers/grip.h"
 
 namespace slipbench::controllers {
 namespace {
 
-class ForceRatio final : public Controller {
+class ForceRatio final : public GripController {
  public:
   ForceRatio(const Parameters& p, const GripSource& source)
-      : force_(source.channels, "force_ratio"),
-        preset_(source.preset),
+      : GripController(p, source, "force_ratio"),
         allowed_(p.number("mu") * p.number("margin")),
         touch_(p.number("touch")),
         largest_(p.choice("ratio") == "largest"),
-        follower_(p),
-        command_(registers_of(p)) {}
+        follower_(p) {}
 
   GripCommand update(const ControlInput& input) override {
     const double grip = force_.total(input.frame);
@@ -40,13 +37,10 @@ class ForceRatio final : public Controller {
     return ratio;
   }
 
-  GripForce force_;
-  double preset_;
   double allowed_;  // the ratio of tangential to normal force that is kept
   double touch_;
   bool largest_;
   ForceFollower follower_;
-  GripCommand command_;
 };
 
 }  // namespace
@@ -58,21 +52,15 @@ ControllerKind force_ratio() {
        "position = measured position + ceil((target - F)/force_per_count) counts while F < target, otherwise the last command\n"
        "f_t, f_n: tangential and normal force of a pillar; F: sum of f_n. The position ends at 255 and stays there.",
        "Coulomb's law; grip force kept in proportion to the load: Westling and Johansson, Exp. Brain Res. 53 (1984) 277",
-       with_registers({
-           number_spec("mu", Quantity::none, "0.35", positive,
-                       "Friction coefficient that the controller assumes; a value that is too high drops the box.",
-                       "assumed: PTFE on silicone"),
-           number_spec("margin", Quantity::none, "0.8", positive_up_to(1.0), "Share of mu that the ratio may reach.", "assumed"),
-           choice_spec("ratio", "sum", {"sum", "largest"},
-                       "sum: ratio of the whole pad; largest: ratio of the pillar nearest to slipping.", "assumed"),
-           touch_spec(),
-           force_per_count_spec(),
-           ceiling_spec(),
-           loosen_spec(),
-       })},
-      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
-        return std::make_unique<ForceRatio>(p, source);
-      }};
+       with_registers(
+           {number_spec("mu", Quantity::none, "0.35", positive,
+                        "Friction coefficient that the controller assumes; a value that is too high drops the box.",
+                        "assumed: PTFE on silicone"),
+            number_spec("margin", Quantity::none, "0.8", positive_up_to(1.0), "Share of mu that the ratio may reach.", "assumed"),
+            choice_spec("ratio", "sum", {"sum", "largest"},
+                        "sum: ratio of the whole pad; largest: ratio of the pillar nearest to slipping.", "assumed"),
+            touch_spec(), force_per_count_spec(), ceiling_spec(), loosen_spec()})},
+      created<ForceRatio>};
 }
 
 }  // namespace slipbench::controllers

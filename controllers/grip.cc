@@ -78,9 +78,11 @@ int ForceFollower::toward(double grip, double target, int measured) {
   return position_;
 }
 
-void refuse_without_detector(const std::string& controller) {
-  throw SceneValueError("controller.type",
-                        controller + " needs what a detector says, and the scene has none; allowed: a detector");
+GripController::GripController(const Parameters& parameters, const GripSource& source, const std::string& name,
+                               bool waits_for_detector)
+    : force_(source.channels, name), preset_(source.preset), command_(registers_of(parameters)) {
+  if (waits_for_detector && !source.detected)
+    throw SceneValueError("controller.type", name + " needs what a detector says, and the scene has none; allowed: a detector");
 }
 
 ParameterSpec force_per_count_spec() {

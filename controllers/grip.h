@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "controllers/controller_kinds.h"
 #include "sim/core/gripper_registers.h"
 #include "sim/core/parameters.h"
 #include "sim/core/sensor_frame.h"
@@ -74,8 +75,18 @@ class ForceFollower {
   int position_ = -1;  // last command; before the first: none
 };
 
-// For a controller that waits for what a detector says, in a scene without one. Throws SceneValueError at controller.type.
-[[noreturn]] void refuse_without_detector(const std::string& controller);
+// A controller that takes the box with the scene's preset force.
+class GripController : public Controller {
+ protected:
+  // `name`: for messages. Throws as VectorChannel, and SceneValueError at controller.type where it waits for what a detector says in a scene
+  // without one.
+  GripController(const Parameters& parameters, const GripSource& source, const std::string& name,
+                 bool waits_for_detector = false);
+
+  GripForce force_;
+  double preset_;  // N
+  GripCommand command_;
+};
 
 // Declarations of parameters that several controllers have.
 ParameterSpec force_per_count_spec();  // "force_per_count"

@@ -1,5 +1,4 @@
 #include <cstddef>
-#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -92,9 +91,7 @@ ControllerKind plugin() {
       {"plugin", "Your own controller, from a shared library.",
        "The library computes the command from the estimate and the samples of all sensors. It exports slipbench_controller_abi and slipbench_make_controller (controllers/plugin_abi.h; example: controllers/example).",
        "the library's author", plugin_specs()},
-      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
-        return std::make_unique<PluginController>(p, source);
-      }};
+      created<PluginController>};
 }
 
 }  // namespace slipbench::controllers

@@ -201,50 +201,47 @@ ControllerKind reorient() {
        "release: the arm moves sideways at `forward`, and the fingers open by one count every `release_wait`, until normal force and torsional moment are below released_normal and released_moment. Then the fingers open to their stop and the arm stops.\n"
        "Magnitudes, force and moment are the detector's features fl_0_6, fr_0_6, fr_6_8, normal, moment. Heights are the commanded ones. Each phase begins with a wait of `settle`, while the window of the spectra still holds the phase before.",
        "nib paper (papers/nib-reconfigurable), section VI, Algorithms 2 and 3. The paper reads both fingers' pads; here one pad has a sensor and is read",
-       with_registers({
-           number_spec("tare_time", Quantity::time, "0.2 s", non_negative,
-                       "Time at the start during which the controller only tares.", "assumed"),
-           number_spec("contact", Quantity::none, "30", non_negative,
-                       "CONTACT_THRES, counts: growth of the sum from which on the pad is touched.",
-                       "assumed: 42 electrodes of four nibs at 24 counts a newton, for 1.2 N; the paper prints none"),
-           number_spec(
-               "adjust_speed", Quantity::speed, "5 mm/s", positive, "Speed of the arm while it adjusts.",
-               "published: 2 to 5 mm/s. The upper end: nibs that creep at 0.2 mm/s, as they do at 3 mm/s, show nothing above the noise. Chosen after losses with seed 1 had been read: 57 of 77 boxes stand, with 3 mm/s 50; 22 and 21 of 24 with seed 2"),
-           number_spec("midpoint", Quantity::length, "20 mm", positive,
-                       "MidPoint: height to which the arm rises while it adjusts.", not_printed),
-           number_spec("fl_slip", Quantity::none, "25", non_negative,
-                       "FL_SLIP_THRES, counts, as the detector scales its spectrum.",
-                       "assumed: above every window of a pad at rest, 10 +- 4 and at most 21 counts; the paper prints none"),
-           number_spec(
-               "settle", Quantity::time, "0.8 s", non_negative, "TIME_SETTLE.",
-               "assumed: a window of the spectra, 0.5 s, a hop, 0.1 s, and the gripper's 60 ms; the controller's own count has then left the window. Algorithm 3 prints no wait"),
-           number_spec("turn_speed", Quantity::speed, "10 mm/s", positive, "Speed of the arm while the box turns.", "published"),
-           number_spec(
-               "target", Quantity::length, "135 mm", positive, "TargetPoint: largest height to which the arm rises.",
-               "assumed: the distance from the edge to the grip. At 113 mm the grip of a box that has not slid in the hand is highest, but the box slides by 5 to 15 mm"),
-           number_spec("fr_slip", Quantity::none, "25", non_negative, "FR_SLIP_THRES, counts; below it the box does not turn.",
-                       "assumed: the bound of the noise, as of fl_slip; the paper prints none"),
-           number_spec(
-               "fr_quiet", Quantity::time, "1 s", non_negative,
-               "Time for which FR 0-6 Hz stays below fr_slip, all of it after the last count, before the grip is loosened.",
-               "assumed: two windows of the spectra, one after the other. The paper prints no such time; its section IV-B says that single spectra tell slip badly, since its vibration comes and goes. The spectra of a box that turns at 10 mm/s are below 25 counts for a quarter of the time, but seldom for 1 s without a break"),
-           number_spec(
-               "fr_upright", Quantity::none, "250", non_negative, "FR_UPRIGHT_THRES, counts; above it the box is upright.",
-               "assumed: reached in the last 15 degrees of a turn at constant grip. Before, there are 10 to 50 counts, 100 to 150 in single rearrangements. The paper prints none"),
-           number_spec("forward", Quantity::speed, "10 mm/s", any_value, "Sideways speed of the arm in the release.",
-                       "assumed: the paper says forward"),
-           number_spec("release_wait", Quantity::time, "0.2 s", non_negative, "Time between two counts of the release.",
-                       "assumed"),
-           number_spec(
-               "released_normal", Quantity::force, "0.56 N", positive, "Calibrated normal force below which the pad is free.",
-               "published: the RMS error of the calibrated force, Table I, uniform loads; the pad can tell nothing below it. A box of 318 g that leans on one finger presses with up to 0.37 N for as long as it leans"),
-           number_spec("released_moment", Quantity::none, "1.3e-3", positive,
-                       "Torsional moment below which the pad is free, N m.",
-                       "published: the RMS error of the calibrated moment, Table I, uniform loads"),
-       })},
-      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
-        return std::make_unique<Reorient>(p, source);
-      }};
+       with_registers(
+           {number_spec("tare_time", Quantity::time, "0.2 s", non_negative,
+                        "Time at the start during which the controller only tares.", "assumed"),
+            number_spec("contact", Quantity::none, "30", non_negative,
+                        "CONTACT_THRES, counts: growth of the sum from which on the pad is touched.",
+                        "assumed: 42 electrodes of four nibs at 24 counts a newton, for 1.2 N; the paper prints none"),
+            number_spec(
+                "adjust_speed", Quantity::speed, "5 mm/s", positive, "Speed of the arm while it adjusts.",
+                "published: 2 to 5 mm/s. The upper end: nibs that creep at 0.2 mm/s, as they do at 3 mm/s, show nothing above the noise. Chosen after losses with seed 1 had been read: 57 of 77 boxes stand, with 3 mm/s 50; 22 and 21 of 24 with seed 2"),
+            number_spec("midpoint", Quantity::length, "20 mm", positive,
+                        "MidPoint: height to which the arm rises while it adjusts.", not_printed),
+            number_spec("fl_slip", Quantity::none, "25", non_negative,
+                        "FL_SLIP_THRES, counts, as the detector scales its spectrum.",
+                        "assumed: above every window of a pad at rest, 10 +- 4 and at most 21 counts; the paper prints none"),
+            number_spec(
+                "settle", Quantity::time, "0.8 s", non_negative, "TIME_SETTLE.",
+                "assumed: a window of the spectra, 0.5 s, a hop, 0.1 s, and the gripper's 60 ms; the controller's own count has then left the window. Algorithm 3 prints no wait"),
+            number_spec("turn_speed", Quantity::speed, "10 mm/s", positive, "Speed of the arm while the box turns.", "published"),
+            number_spec(
+                "target", Quantity::length, "135 mm", positive, "TargetPoint: largest height to which the arm rises.",
+                "assumed: the distance from the edge to the grip. At 113 mm the grip of a box that has not slid in the hand is highest, but the box slides by 5 to 15 mm"),
+            number_spec("fr_slip", Quantity::none, "25", non_negative, "FR_SLIP_THRES, counts; below it the box does not turn.",
+                        "assumed: the bound of the noise, as of fl_slip; the paper prints none"),
+            number_spec(
+                "fr_quiet", Quantity::time, "1 s", non_negative,
+                "Time for which FR 0-6 Hz stays below fr_slip, all of it after the last count, before the grip is loosened.",
+                "assumed: two windows of the spectra, one after the other. The paper prints no such time; its section IV-B says that single spectra tell slip badly, since its vibration comes and goes. The spectra of a box that turns at 10 mm/s are below 25 counts for a quarter of the time, but seldom for 1 s without a break"),
+            number_spec(
+                "fr_upright", Quantity::none, "250", non_negative, "FR_UPRIGHT_THRES, counts; above it the box is upright.",
+                "assumed: reached in the last 15 degrees of a turn at constant grip. Before, there are 10 to 50 counts, 100 to 150 in single rearrangements. The paper prints none"),
+            number_spec("forward", Quantity::speed, "10 mm/s", any_value, "Sideways speed of the arm in the release.",
+                        "assumed: the paper says forward"),
+            number_spec("release_wait", Quantity::time, "0.2 s", non_negative, "Time between two counts of the release.",
+                        "assumed"),
+            number_spec(
+                "released_normal", Quantity::force, "0.56 N", positive, "Calibrated normal force below which the pad is free.",
+                "published: the RMS error of the calibrated force, Table I, uniform loads; the pad can tell nothing below it. A box of 318 g that leans on one finger presses with up to 0.37 N for as long as it leans"),
+            number_spec("released_moment", Quantity::none, "1.3e-3", positive,
+                        "Torsional moment below which the pad is free, N m.",
+                        "published: the RMS error of the calibrated moment, Table I, uniform loads")})},
+      created<Reorient>};
 }
 
 }  // namespace slipbench::controllers

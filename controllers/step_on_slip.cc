@@ -1,26 +1,21 @@
 #include <algorithm>
 #include <optional>
 
-#include "controllers/controller_kinds.h"
 #include "controllers/grip.h"
 #include "sim/core/error.h"
 
 namespace slipbench::controllers {
 namespace {
 
-class StepOnSlip final : public Controller {
+class StepOnSlip final : public GripController {
  public:
   StepOnSlip(const Parameters& p, const GripSource& source)
-      : force_(source.channels, "step_on_slip"),
-        preset_(source.preset),
+      : GripController(p, source, "step_on_slip", true),
         ceiling_(p.number("ceiling")),
         force_per_count_(p.number("force_per_count")),
         debounce_(p.integer("debounce")),
         overflow_(p.choice("overflow")),
-        idle_at_measured_(p.choice("idle") == "measured_position"),
-        command_(registers_of(p)) {
-    if (!source.detected) refuse_without_detector("step_on_slip");
-  }
+        idle_at_measured_(p.choice("idle") == "measured_position") {}
 
   GripCommand update(const ControlInput& input) override {
     const double grip = force_.total(input.frame);
@@ -47,12 +42,10 @@ class StepOnSlip final : public Controller {
                      ", one count more would wrap to 0 and open the fingers; allowed: overflow: hold, or wrap as published");
   }
 
-  GripForce force_;
-  double preset_, ceiling_, force_per_count_;
+  double ceiling_, force_per_count_;
   std::int64_t debounce_;
   std::string overflow_;
   bool idle_at_measured_;
-  GripCommand command_;
   std::int64_t slips_ = 0;       // consecutive updates with slip, no more than debounce_
   std::optional<int> position_;  // last command
 };
@@ -67,23 +60,19 @@ ControllerKind step_on_slip() {
        "position = measured position + 1 count; otherwise as `idle` says\n"
        "F: sum of the pillars' normal forces. The force stays below the ceiling if a count is worth at most force_per_count and the force is no older than the position.",
        "HD-computing slip paper, section IV-D and its published HDL (control_gripper.sv); debounce, ceiling and the other values of overflow are additions",
-       with_registers({
-           integer_spec("debounce", "1", {1.0, 1e6}, "Number of updates with slip in a row before slip counts; 1: at once.",
-                        "published: none"),
-           ceiling_spec(),
-           force_per_count_spec(),
-           choice_spec(
-               "overflow", "refuse", {"refuse", "hold", "wrap"},
-               "One count beyond 255: refuse: the run ends with an error; hold: the position stays; wrap: the byte wraps to 0 and the fingers open.",
-               "published: wrap; refused here, because it would come unasked"),
-           choice_spec(
-               "idle", "measured_position", {"measured_position", "last_command"},
-               "Command while nothing asks for a tighter grip. measured_position: an old position, which cancels a count still in transit; last_command: prevents this.",
-               "published HDL (control_gripper.sv): the measured position"),
-       })},
-      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
-        return std::make_unique<StepOnSlip>(p, source);
-      }};
+       with_registers(
+           {integer_spec("debounce", "1", {1.0, 1e6}, "Number of updates with slip in a row before slip counts; 1: at once.",
+                         "published: none"),
+            ceiling_spec(), force_per_count_spec(),
+            choice_spec(
+                "overflow", "refuse", {"refuse", "hold", "wrap"},
+                "One count beyond 255: refuse: the run ends with an error; hold: the position stays; wrap: the byte wraps to 0 and the fingers open.",
+                "published: wrap; refused here, because it would come unasked"),
+            choice_spec(
+                "idle", "measured_position", {"measured_position", "last_command"},
+                "Command while nothing asks for a tighter grip. measured_position: an old position, which cancels a count still in transit; last_command: prevents this.",
+                "published HDL (control_gripper.sv): the measured position")})},
+      created<StepOnSlip>};
 }
 
 }  // namespace slipbench::controllers

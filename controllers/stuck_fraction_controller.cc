@@ -1,22 +1,15 @@
 #include <cmath>
 
-#include "controllers/controller_kinds.h"
 #include "controllers/grip.h"
 #include "sim/core/error.h"
 
 namespace slipbench::controllers {
 namespace {
 
-class StuckFraction final : public Controller {
+class StuckFraction final : public GripController {
  public:
   StuckFraction(const Parameters& p, const GripSource& source)
-      : force_(source.channels, "stuck_fraction"),
-        preset_(source.preset),
-        gain_(p.number("gain")),
-        follower_(p),
-        command_(registers_of(p)) {
-    if (!source.detected) refuse_without_detector("stuck_fraction");
-  }
+      : GripController(p, source, "stuck_fraction", true), gain_(p.number("gain")), follower_(p) {}
 
   GripCommand update(const ControlInput& input) override {
     const double target = preset_ + gain_ * (1.0 - stuck(input.slip));
@@ -34,10 +27,8 @@ class StuckFraction final : public Controller {
     return slip.stuck_fraction;
   }
 
-  GripForce force_;
-  double preset_, gain_;
+  double gain_;
   ForceFollower follower_;
-  GripCommand command_;
 };
 
 }  // namespace
@@ -49,16 +40,10 @@ ControllerKind stuck_fraction() {
        "position = measured position + ceil((target - F)/force_per_count) counts while F < target, otherwise the last command\n"
        "F: sum of the pillars' normal forces. The position ends at 255 and stays there. A detector without a stuck fraction is refused.",
        "stick ratio as feedback: Ikeda et al., IROS 2004, and arXiv:2402.11879",
-       with_registers({
-           number_spec("gain", Quantity::force, "12 N", non_negative, "Grip force added to the preset when no pillar sticks.",
-                       "assumed"),
-           force_per_count_spec(),
-           ceiling_spec(),
-           loosen_spec(),
-       })},
-      [](const Parameters& p, const GripSource& source) -> std::unique_ptr<Controller> {
-        return std::make_unique<StuckFraction>(p, source);
-      }};
+       with_registers({number_spec("gain", Quantity::force, "12 N", non_negative,
+                                   "Grip force added to the preset when no pillar sticks.", "assumed"),
+                       force_per_count_spec(), ceiling_spec(), loosen_spec()})},
+      created<StuckFraction>};
 }
 
 }  // namespace slipbench::controllers

@@ -1,7 +1,6 @@
-#include "detectors/force_ratio.h"
+#include "detectors/detector_kinds.h"
 
 #include "detectors/channel.h"
-#include "detectors/unit_counts.h"
 
 namespace slipbench {
 namespace {
@@ -33,25 +32,20 @@ class ForceRatio final : public Detector {
 
 }  // namespace
 
-Entry force_ratio_entry() {
+DetectorKind force_ratio_detector() {
   return {
-      .name = "force_ratio",
-      .summary = "Threshold on each unit's ratio of tangential to normal force; no training.",
-      .law =
-          "a unit with f_n >= touch slips when f_t > ratio f_n\n"
-          "no contact: no unit touches; non-slip: no touching unit slips; incipient: some slip; gross: all slip\n"
-          "stuck fraction: share of the touching units that do not slip",
-      .source =
-          "Coulomb's law: a sticking unit has f_t <= mu_s f_n, a slipping one f_t = mu_k f_n. A ratio below mu_k warns early; with one above it, slip is seen only briefly",
-      .parameters = {
-          number_spec("ratio", Quantity::none, "0.4", positive, "Ratio f_t/f_n above which a unit counts as slipping.",
-                      "assumed: 0.8 of the friction coefficient 0.5 of stage.yaml"),
-          touch_spec(),
-      }};
-}
-
-std::unique_ptr<Detector> make_force_ratio(const Parameters& parameters, const FrameSource& source) {
-  return std::make_unique<ForceRatio>(parameters, source);
+      {.name = "force_ratio",
+       .summary = "Threshold on each unit's ratio of tangential to normal force; no training.",
+       .law = "a unit with f_n >= touch slips when f_t > ratio f_n\n"
+              "no contact: no unit touches; non-slip: no touching unit slips; incipient: some slip; gross: all slip\n"
+              "stuck fraction: share of the touching units that do not slip",
+       .source =
+           "Coulomb's law: a sticking unit has f_t <= mu_s f_n, a slipping one f_t = mu_k f_n. A ratio below mu_k warns early; with one above it, slip is seen only briefly",
+       .parameters = {number_spec("ratio", Quantity::none, "0.4", positive,
+                                  "Ratio f_t/f_n above which a unit counts as slipping.",
+                                  "assumed: 0.8 of the friction coefficient 0.5 of stage.yaml"),
+                      touch_spec()}},
+      created<ForceRatio>};
 }
 
 }  // namespace slipbench

@@ -1,4 +1,4 @@
-#include "detectors/plugin_detector.h"
+#include "detectors/detector_kinds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -122,15 +122,12 @@ class PluginDetector final : public Detector, private SampleListener {
 
 }  // namespace
 
-Entry plugin_detector_entry() {
+DetectorKind plugin_detector() {
   return {
-      "plugin", "Your own detector, from a shared library.",
-      "The library computes the class from the samples of all sensors. It exports slipbench_detector_abi and slipbench_make_detector (detectors/plugin_abi.h; example: detectors/example).",
-      "the library's author", plugin_specs()};
-}
-
-std::unique_ptr<Detector> make_plugin_detector(const Parameters& parameters, const FrameSource& source) {
-  return std::make_unique<PluginDetector>(parameters, source);
+      {"plugin", "Your own detector, from a shared library.",
+       "The library computes the class from the samples of all sensors. It exports slipbench_detector_abi and slipbench_make_detector (detectors/plugin_abi.h; example: detectors/example).",
+       "the library's author", plugin_specs()},
+      created<PluginDetector>};
 }
 
 }  // namespace slipbench

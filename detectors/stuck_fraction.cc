@@ -1,4 +1,4 @@
-#include "detectors/stuck_fraction.h"
+#include "detectors/detector_kinds.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,6 @@
 #include <vector>
 
 #include "detectors/channel.h"
-#include "detectors/unit_counts.h"
-#include "detectors/window.h"
 
 namespace slipbench {
 namespace {
@@ -78,36 +76,32 @@ class StuckFraction final : public Detector {
 
 }  // namespace
 
-Entry stuck_fraction_entry() {
+DetectorKind stuck_fraction_detector() {
   return {
-      .name = "stuck_fraction",
-      .summary = "Share of the touching pillars that stick, from the speeds of their tips; no training.",
-      .law =
-          "v_i = |change of the tangential displacement over window| / window, of the pillars with f_n >= touch; V = max v_i\n"
-          "V >= moving_speed: a pillar slips when v_i < stuck_share V; mu = sum f_t / sum f_n over the slipping pillars\n"
-          "V < moving_speed: a pillar slips when f_t >= friction_share mu f_n; until one has slipped, none does\n"
-          "f_t < least_friction f_n: a pillar sticks in any case\n"
-          "non-slip: no pillar slips; incipient: some slip; gross: all slip; stuck fraction: share of the touching pillars that do not slip\n"
-          "On a surface at constant speed v a slip is reported (1 - stuck_share) window after it began, that of the last pillar (1 - moving_speed/v) window after.\n"
-          "Limits: a pad that stops in a slide and stays loaded is taken for a sliding one. A pad whose pillars all let go at once is taken for one at rest.",
-      .source =
-          "A sticking tip goes with the surface: its displacement changes at the surface's speed over the pad. A sliding tip keeps the displacement at which friction gave way, f_t = mu_k f_n. Friction read from slipping pillars: HD-computing slip paper, section III. The figures: assumed",
-      .parameters = {
-          window_spec(),
-          number_spec("moving_speed", Quantity::speed, "0.5 mm/s", positive,
-                      "Speed of the fastest tip below which the speeds are not used; several times the noise of 1 um over 20 ms.",
-                      "assumed"),
-          number_spec("stuck_share", Quantity::none, "0.5", positive_up_to(1.0),
-                      "Share of the fastest tip's speed from which on a pillar sticks.", "assumed"),
-          number_spec("friction_share", Quantity::none, "0.9", positive_up_to(1.0),
-                      "Share of the friction seen last from which on a pillar slips while nothing moves.", "assumed"),
-          least_friction_spec(),
-          touch_spec(),
-      }};
-}
-
-std::unique_ptr<Detector> make_stuck_fraction(const Parameters& parameters, const FrameSource& source) {
-  return std::make_unique<StuckFraction>(parameters, source);
+      {.name = "stuck_fraction",
+       .summary = "Share of the touching pillars that stick, from the speeds of their tips; no training.",
+       .law =
+           "v_i = |change of the tangential displacement over window| / window, of the pillars with f_n >= touch; V = max v_i\n"
+           "V >= moving_speed: a pillar slips when v_i < stuck_share V; mu = sum f_t / sum f_n over the slipping pillars\n"
+           "V < moving_speed: a pillar slips when f_t >= friction_share mu f_n; until one has slipped, none does\n"
+           "f_t < least_friction f_n: a pillar sticks in any case\n"
+           "non-slip: no pillar slips; incipient: some slip; gross: all slip; stuck fraction: share of the touching pillars that do not slip\n"
+           "On a surface at constant speed v a slip is reported (1 - stuck_share) window after it began, that of the last pillar (1 - moving_speed/v) window after.\n"
+           "Limits: a pad that stops in a slide and stays loaded is taken for a sliding one. A pad whose pillars all let go at once is taken for one at rest.",
+       .source =
+           "A sticking tip goes with the surface: its displacement changes at the surface's speed over the pad. A sliding tip keeps the displacement at which friction gave way, f_t = mu_k f_n. Friction read from slipping pillars: HD-computing slip paper, section III. The figures: assumed",
+       .parameters =
+           {window_spec(),
+            number_spec(
+                "moving_speed", Quantity::speed, "0.5 mm/s", positive,
+                "Speed of the fastest tip below which the speeds are not used; several times the noise of 1 um over 20 ms.",
+                "assumed"),
+            number_spec("stuck_share", Quantity::none, "0.5", positive_up_to(1.0),
+                        "Share of the fastest tip's speed from which on a pillar sticks.", "assumed"),
+            number_spec("friction_share", Quantity::none, "0.9", positive_up_to(1.0),
+                        "Share of the friction seen last from which on a pillar slips while nothing moves.", "assumed"),
+            least_friction_spec(), touch_spec()}},
+      created<StuckFraction>};
 }
 
 }  // namespace slipbench

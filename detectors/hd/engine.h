@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "detectors/hd/features.h"
-#include "detectors/hd/hypervector.h"
 #include "detectors/hd/memories.h"
 #include "detectors/hd/model.h"
 #include "sim/core/pad_state.h"

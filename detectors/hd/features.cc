@@ -1,7 +1,6 @@
 #include "detectors/hd/features.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>

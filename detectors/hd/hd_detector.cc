@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "detectors/channel.h"
+#include "detectors/detector_kinds.h"
 #include "detectors/hd/engine.h"
-#include "detectors/hd/shipped_memories.h"
 #include "detectors/hd/words.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
@@ -110,18 +110,7 @@ std::unique_ptr<Detector> make_detector(Classify classify, double rate, const Fr
 
 }  // namespace hd
 
-Entry gst_hd_entry() {
-  return {
-      .name = "gst_hd",
-      .summary = "Hyperdimensional classifier of the PapillArray's displacements, in software and without latency.",
-      .law =
-          "level of a pillar: |(d_x, d_y)| / |d| in 21 steps; GST_t = prod_k rho^k GS_{t-k} over N frames\n"
-          "class: the prototype nearest to GST_t once bound with the context, which is the compression of the centre pillar\n"
-          "no contact: only the first N - 1 frames; later a pad that touches nothing gets one of the other three classes",
-      .source =
-          "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor, section III",
-      .parameters = hd::detector_parameters()};
-}
+namespace {
 
 std::unique_ptr<Detector> make_gst_hd(const Parameters& parameters, const FrameSource& source) {
   const hd::SavedModel saved = hd::detector_model(parameters);
@@ -130,6 +119,21 @@ std::unique_ptr<Detector> make_gst_hd(const Parameters& parameters, const FrameS
     return hd::Classified{engine->update(hd::quantise(displacement, quantiser)).state, 0.0};
   };
   return hd::make_detector(classify, parameters.number("rate"), source);
+}
+
+}  // namespace
+
+DetectorKind gst_hd_detector() {
+  return {
+      {.name = "gst_hd",
+       .summary = "Hyperdimensional classifier of the PapillArray's displacements, in software and without latency.",
+       .law = "level of a pillar: |(d_x, d_y)| / |d| in 21 steps; GST_t = prod_k rho^k GS_{t-k} over N frames\n"
+              "class: the prototype nearest to GST_t once bound with the context, which is the compression of the centre pillar\n"
+              "no contact: only the first N - 1 frames; later a pad that touches nothing gets one of the other three classes",
+       .source =
+           "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor, section III",
+       .parameters = hd::detector_parameters()},
+      make_gst_hd};
 }
 
 }  // namespace slipbench

@@ -1,4 +1,4 @@
-// The hyperdimensional classifier as a detector: frames of a PapillArray at the sensor's own rate in, states of the pad out.
+// The hyperdimensional classifier as a detector, on any engine: frames of a PapillArray at the sensor's own rate in, states of the pad out.
 #pragma once
 
 #include <functional>
@@ -10,15 +10,7 @@
 #include "sim/core/detector.h"
 #include "sim/core/parameters.h"
 
-namespace slipbench {
-
-// The catalogue's entry, and the detector: the software kernel, without latency.
-Entry gst_hd_entry();
-std::unique_ptr<Detector> make_gst_hd(const Parameters& parameters, const FrameSource& source);
-
-namespace hd {
-
-// What follows makes the same detector on another engine.
+namespace slipbench::hd {
 
 // What one classified frame comes to.
 struct Classified {
@@ -46,5 +38,4 @@ std::size_t stride_of(double rate, const FrameSource& source);
 // Throws SceneValueError where stride_of() does and where the source is no PapillArray.
 std::unique_ptr<Detector> make_detector(Classify classify, double rate, const FrameSource& source);
 
-}  // namespace hd
-}  // namespace slipbench
+}  // namespace slipbench::hd

@@ -1,14 +1,54 @@
-// The four memories of a classifier: three made by chance, one by training.
+// Binary hypervectors. A bit stands for one entry of a bipolar vector: 1 is +1, 0 is -1.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <string>
+#include <string_view>
 #include <vector>
 
-#include "detectors/hd/hypervector.h"
 #include "detectors/hd/model.h"
 
 namespace slipbench::hd {
 
+// D bits, packed: bit i is bit i % 64 of word i / 64; the bits of the last word beyond D are 0.
+class Hypervector {
+ public:
+  Hypervector() = default;
+  explicit Hypervector(std::size_t dimension) : dimension_(dimension), words_((dimension + 63) / 64) {}
+
+  [[nodiscard]] std::size_t dimension() const { return dimension_; }
+  [[nodiscard]] const std::vector<std::uint64_t>& words() const { return words_; }
+  std::vector<std::uint64_t>& words() { return words_; }
+
+  [[nodiscard]] bool bit(std::size_t i) const { return (words_[i / 64] >> (i % 64) & 1) != 0; }
+  void set(std::size_t i, bool value) {
+    const std::uint64_t mask = std::uint64_t{1} << (i % 64);
+    words_[i / 64] = value ? words_[i / 64] | mask : words_[i / 64] & ~mask;
+  }
+
+  bool operator==(const Hypervector&) const = default;
+
+ private:
+  std::size_t dimension_ = 0;
+  std::vector<std::uint64_t> words_;
+};
+
+// Binding, the product of bipolar vectors: XNOR. Its own inverse. Both of one dimension.
+Hypervector bind(const Hypervector& a, const Hypervector& b);
+
+// Permutation rho: bit i of the result is bit i + 1 of `a`, and the last is bit 0: a rotation to the right as hex is written.
+Hypervector rotate(const Hypervector& a);
+
+// Bits that differ. Both of one dimension.
+std::size_t hamming(const Hypervector& a, const Hypervector& b);
+
+// Hexadecimal, ceil(D / 4) digits, the most significant first: the first digit holds bits D-1, D-2, ... This is what $readmemh reads.
+std::string to_hex(const Hypervector& a);
+// The reverse. Throws InputError: what is wrong with the text (length, a character, a bit beyond D), without file and line.
+Hypervector from_hex(std::string_view text, std::size_t dimension);
+
+// The four memories of a classifier: three made by chance, one by training.
 struct Memories {
   std::vector<Hypervector> item;         // IM: pillars 0 to 8, then the graphs of corners, edges and centre
   std::vector<Hypervector> level;        // CIM: of the feature, 0 to 20

@@ -5,17 +5,15 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
-#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "detectors/hd/folder_output.h"
 #include "detectors/hd/words.h"
-#include "sim/core/error.h"
+#include "sim/core/process/own_library.h"
 #include "sim/core/process/regular_file.h"
 
 namespace slipbench::hd {
@@ -231,6 +229,22 @@ void save(const std::string& folder, const SavedModel& saved) {
                         {memory_files[2], hex_lines(saved.memories.context)},
                         {memory_files[3], hex_lines(saved.memories.item)},
                         {description_file, description_of(saved)}});
+}
+
+std::string shipped_memories(const std::string& name) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(own_path(SLIPBENCH_HD_MEMORIES)) / name;
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw InputError("the program's own memories " + quote(name) + " are not at " + folder.string() +
+                     "; allowed: a folder with AM.hex, CIM.hex, CM.hex and IM.hex");
+  }
+  return folder.string();
+}
+
+std::string memories_folder(const std::string& name) {
+  std::error_code error;
+  return name == default_memories && !std::filesystem::exists(name, error) ? shipped_memories(name) : name;
 }
 
 }  // namespace slipbench::hd

@@ -1,6 +1,5 @@
 #include "detectors/hd/training.h"
 
-#include <bit>
 #include <cassert>
 #include <stdexcept>
 

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "detectors/hd/hypervector.h"
 #include "detectors/hd/memories.h"
 #include "detectors/hd/model.h"
 #include "sim/core/pad_state.h"

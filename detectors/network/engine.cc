@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "detectors/network/engine_library.h"
 #include "sim/core/process/own_library.h"
 
 namespace slipbench::network {

@@ -39,4 +39,11 @@ double slip_probability(const Description& description, std::span<const float> o
 // the others.
 PadState state_of(const Description& description, std::span<const float> output);
 
+// What the library with OpenVINO exports.
+
+inline constexpr const char* load_symbol = "slipbench_load_engine";
+
+// load_engine(); the caller owns the engine.
+using LoadEngine = Engine*(const std::string& path);
+
 }  // namespace slipbench::network

@@ -4,9 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <optional>
-#include <utility>
 
-#include "detectors/spectral/real_fft.h"
 #include "detectors/spectral/spectral_features.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"

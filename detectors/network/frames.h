@@ -5,7 +5,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "detectors/network/description.h"
 #include "sim/core/sensor_frame.h"

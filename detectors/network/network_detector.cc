@@ -1,4 +1,4 @@
-#include "detectors/network/network_detector.h"
+#include "detectors/detector_kinds.h"
 
 #include <algorithm>
 #include <limits>
@@ -59,28 +59,6 @@ class NetworkDetector final : public Detector {
   SlipEstimate estimate_;
 };
 
-}  // namespace
-
-Entry network_entry() {
-  return {
-      .name = "network",
-      .summary =
-          "A neural network from an ONNX file, with what it eats and says in the file's metadata; recurrent states are carried.",
-      .law =
-          "frame: values of the sensor, median, window, mean off, spectrum, image, (x - offset) scale, as the file says\n"
-          "p: sum of the probabilities of the classes that slip, of the last `history` frames\n"
-          "p >= threshold: the most probable class that slips, else the most probable that does not\n"
-          "no contact: until the first frames are complete; later where the network has such a class",
-      .source = "the file; how to make one: detectors/network/README.md",
-      .parameters = {
-          path_spec("model", no_network, "The ONNX file.", "free"),
-          number_spec("latency", Quantity::time, "0 s", non_negative,
-                      "Time that a step of the network takes on the robot: the loop sees an estimate so much later.", "free"),
-          number_spec("threshold", Quantity::none, "0", fraction, "Probability p from which on the pad slips; 0: the file's.",
-                      "free"),
-      }};
-}
-
 std::unique_ptr<Detector> make_network(const Parameters& parameters, const FrameSource& source) {
   const std::string& model = parameters.path("model");
   if (model == no_network) throw SceneValueError("detector.model", "no network is named; allowed: the path of an ONNX file");
@@ -93,6 +71,27 @@ std::unique_ptr<Detector> make_network(const Parameters& parameters, const Frame
     const std::string what = error.what();
     throw SceneValueError("detector.model", what.starts_with(model) ? what : model + ": " + what);
   }
+}
+
+}  // namespace
+
+DetectorKind network_detector() {
+  return {
+      {.name = "network",
+       .summary =
+           "A neural network from an ONNX file, with what it eats and says in the file's metadata; recurrent states are carried.",
+       .law = "frame: values of the sensor, median, window, mean off, spectrum, image, (x - offset) scale, as the file says\n"
+              "p: sum of the probabilities of the classes that slip, of the last `history` frames\n"
+              "p >= threshold: the most probable class that slips, else the most probable that does not\n"
+              "no contact: until the first frames are complete; later where the network has such a class",
+       .source = "the file; how to make one: detectors/network/README.md",
+       .parameters = {path_spec("model", no_network, "The ONNX file.", "free"),
+                      number_spec("latency", Quantity::time, "0 s", non_negative,
+                                  "Time that a step of the network takes on the robot: the loop sees an estimate so much later.",
+                                  "free"),
+                      number_spec("threshold", Quantity::none, "0", fraction,
+                                  "Probability p from which on the pad slips; 0: the file's.", "free")}},
+      make_network};
 }
 
 }  // namespace slipbench

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
-#include <limits>
 #include <optional>
 
 #include <google/protobuf/stubs/logging.h>

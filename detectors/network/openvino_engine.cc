@@ -19,7 +19,7 @@
 #include <openvino/openvino.hpp>
 #include <openvino/runtime/intel_cpu/properties.hpp>
 
-#include "detectors/network/engine_library.h"
+#include "detectors/network/engine.h"
 #include "detectors/network/onnx_check.h"
 #include "sim/core/error.h"
 #include "sim/core/process/crash_guard.h"

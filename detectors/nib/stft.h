@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "detectors/spectral/real_fft.h"
+#include "detectors/spectral/spectral_features.h"
 
 namespace slipbench::nib {
 

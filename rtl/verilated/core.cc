@@ -2,7 +2,6 @@
 
 #include <stdexcept>
 
-#include "rtl/verilated/cores_library.h"
 #include "sim/core/error.h"
 #include "sim/core/process/own_library.h"
 

@@ -1,4 +1,4 @@
-#include "rtl/verilated/rtl_detector.h"
+#include "detectors/detector_kinds.h"
 
 #include <array>
 #include <cmath>
@@ -118,14 +118,7 @@ std::vector<ParameterSpec> rtl_parameters() {
 }  // namespace
 }  // namespace hd
 
-Entry gst_hd_rtl_entry() {
-  return {
-      .name = "gst_hd_rtl",
-      .summary = "The classifier of gst_hd as a register-level core, cycle by cycle, with its latency.",
-      .law = "classes: those of gst_hd with fixed_point\nlatency: cycles from the accepted sample to the class, over the clock",
-      .source = "rtl/hd: the synthesisable core, as Verilator translates it; the paper's own has 42 cycles at 100 MHz",
-      .parameters = hd::rtl_parameters()};
-}
+namespace {
 
 void check_waveform_trial(const Parameters& parameters, std::uint64_t trials) {
   const auto trial = static_cast<std::uint64_t>(parameters.integer("waveform_trial"));
@@ -142,6 +135,19 @@ std::unique_ptr<Detector> make_gst_hd_rtl(const Parameters& parameters, const Fr
     return hd::Classified{state, engine->cycles() * period};
   };
   return hd::make_detector(classify, parameters.number("rate"), source);
+}
+
+}  // namespace
+
+DetectorKind gst_hd_rtl_detector() {
+  return {
+      {.name = "gst_hd_rtl",
+       .summary = "The classifier of gst_hd as a register-level core, cycle by cycle, with its latency.",
+       .law = "classes: those of gst_hd with fixed_point\nlatency: cycles from the accepted sample to the class, over the clock",
+       .source = "rtl/hd: the synthesisable core, as Verilator translates it; the paper's own has 42 cycles at 100 MHz",
+       .parameters = hd::rtl_parameters()},
+      make_gst_hd_rtl,
+      check_waveform_trial};
 }
 
 }  // namespace slipbench

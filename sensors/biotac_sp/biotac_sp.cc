@@ -7,10 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "sensors/biotac_sp/electrodes.h"
-#include "sensors/biotac_sp/entry.h"
 #include "sensors/biotac_sp/skin.h"
-#include "sensors/biotac_sp/transduction.h"
 #include "sensors/electronics/band_pass.h"
 #include "sensors/electronics/electronics.h"
 #include "sim/core/error.h"

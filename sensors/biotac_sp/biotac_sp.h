@@ -1,6 +1,9 @@
 // The BioTac SP fingertip: 24 electrodes on a rigid core, under a conducting fluid and a curved elastomer skin.
 #pragma once
 
+#include <vector>
+
+#include "sim/core/parameters.h"
 #include "sim/core/sensor_kind.h"
 
 namespace slipbench {
@@ -16,3 +19,13 @@ namespace slipbench {
 SensorKind biotac_sp_sensor();
 
 }  // namespace slipbench
+
+namespace slipbench::biotac_sp {
+
+// What the catalogue says of the BioTac SP.
+
+Entry about();
+// The parts of its electronics. `gain` and `offset` are those of the electrodes' sensitivity and of their impedance at rest.
+std::vector<Entry> electronics_parts();
+
+}  // namespace slipbench::biotac_sp

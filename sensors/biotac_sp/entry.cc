@@ -1,6 +1,4 @@
-#include "sensors/biotac_sp/entry.h"
-
-#include <utility>
+#include "sensors/biotac_sp/biotac_sp.h"
 
 #include "sensors/electronics/electronics.h"
 #include "sim/core/parameters.h"

@@ -1,16 +1,37 @@
-// The skin of a BioTac SP: half an ellipsoid of compliant friction points over the core with the electrodes.
+// What is known of each of the 24 electrodes of a BioTac SP. Electrode E1 has the index 0.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "sensors/biotac_sp/electrodes.h"
+#include "sim/core/contact_frame.h"
 #include "sim/core/pad_layout.h"
 
 namespace slipbench::biotac_sp {
 
+inline constexpr std::size_t electrodes = 24;
+
+// Middle of each electrode on the rigid core [m], in the device's own axes: x along the finger, y away from the object, z across.
+const std::array<Eigen::Vector3d, electrodes>& electrode_places();
+
+// Reading of each that nothing touches [counts].
+const std::array<double, electrodes>& rest_readings();
+
+// Standard deviation of the noise of each against the mean of all.
+const std::array<double, electrodes>& relative_noise();
+
+// A position in the device's own axes in the pad frame P, whose origin is the skin's outermost point and whose +Z goes into the finger.
+// `bulge`: how far the skin reaches outwards, along -y, from the device's origin [m].
+inline Eigen::Vector3d in_pad_frame(const Eigen::Vector3d& place, double bulge) {
+  return {place.x(), -place.z(), place.y() + bulge};
+}
+
+// The skin of a BioTac SP: half an ellipsoid of compliant friction points over the core with the electrodes.
 struct Skin {
   PadLayout layout;                               // in P; unit e: what is nearer to electrode e than to any other
   std::vector<double> area;                       // m2, of each element
@@ -31,5 +52,55 @@ struct SkinFigures {
 // `sensor`: its place in the scene, "sensors.finger". Throws SceneValueError of its radii where an electrode would have no element: the skin is
 // another shape than the electrodes', or the mesh too coarse for it.
 Skin make_skin(const SkinFigures& figures, const std::string& sensor);
+
+// From the dent of the skin to the counts of an electrode, and to the pressure of the fluid.
+
+// How far each electrode feels the skin dented, w [m]:
+//   w_e = sum_i d_i (G_ei + S q_i . grad G_ei) - B sum_i d_i A_i / sum_i A_i
+//   G_ei = A_i ((1 - a) g(r_ei)/g_max + a h(r_ei)/h_max),  g = exp(-r^2/(2 l^2)),  h = exp(-r/L)
+// d_i: depth of element i in the object; q_i: how far its tip is dragged along the surface; A_i: its area; r_ei: distance from the skin over electrode e; g_max: largest
+// over e of sum_i A_i g(r_ei), h_max likewise, so that no electrode feels more than a dent of the whole skin; S: `stretch`; grad: along the
+// skin, a dent that is dragged along comes nearer or goes; B: `swell`, the fluid that a dent drives elsewhere lifts the skin there.
+struct Kernel {
+  double near;       // m, l
+  double far;        // m, L
+  double far_share;  // a
+  double swell;      // B
+  double stretch;    // S
+};
+
+class Dents {
+ public:
+  // `sensor`: its place in the scene, "sensors.finger". Throws SceneValueError of near or far where it is so short that an electrode feels nothing of
+  // the element nearest to it.
+  Dents(const Skin& skin, const Kernel& kernel, const std::string& sensor);
+
+  // w_e [m] of electrode e. `truth` with element_depth and element_shear; `touching`: the elements that are deeper than 0, which is
+  // all that costs time.
+  [[nodiscard]] double of(std::size_t e, const ContactFrame& truth, std::span<const Eigen::Index> touching) const {
+    const auto column = static_cast<Eigen::Index>(e);
+    const Eigen::Index n = depth_.rows();
+    const double* const felt = depth_.col(column).data();
+    const double* const drag = drag_.size() > 0 ? drag_.col(column).data() : nullptr;
+    const double* const q = truth.element_shear.data();
+    double w = 0.0;
+    for (const Eigen::Index i : touching) {
+      double share = felt[i];
+      if (drag != nullptr) share += q[i] * drag[i] + q[n + i] * drag[n + i] + q[2 * n + i] * drag[2 * n + i];
+      w += share * truth.element_depth[i];
+    }
+    return w;
+  }
+
+ private:
+  Eigen::MatrixXd depth_;  // [N,24] 1
+  Eigen::MatrixXd drag_;   // [3N,24] 1/m, empty where a drag is not felt
+};
+
+// The divider in which an electrode is measured: Z = (4095/E - 1) 10 kOhm, E in counts (SP manual, section 5).
+inline constexpr double load_resistor = 10.0;  // kOhm
+inline constexpr double last_code = 4095.0;    // of 12 bit
+inline double counts_of(double impedance) { return last_code / (1.0 + impedance / load_resistor); }
+inline double impedance_of(double counts) { return (last_code / counts - 1.0) * load_resistor; }
 
 }  // namespace slipbench::biotac_sp

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "sensors/electronics/part_kind.h"
 #include "sim/core/error.h"
@@ -14,9 +12,12 @@ namespace slipbench {
 namespace {
 
 const std::vector<PartKind>& part_kinds() {
-  static const std::vector<PartKind> kinds{scan_part(),        coupling_part(),     gain_part(),
-                                           offset_part(),      drift_part(),        noise_part(),
-                                           white_noise_part(), skewed_noise_part(), quantisation_part()};
+  static const std::vector<PartKind> kinds = [] {
+    std::vector<PartKind> all{scan_part()};
+    for (PartKind& part : drawn_once_parts()) all.push_back(std::move(part));
+    for (const auto part : {noise_part, white_noise_part, skewed_noise_part, quantisation_part}) all.push_back(part());
+    return all;
+  }();
   return kinds;
 }
 

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <memory>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -64,10 +63,6 @@ class Noise final : public ElectronicsStage {
   RandomStream stream_;
 };
 
-std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const SignalModel& model, RandomStream stream) {
-  return std::make_unique<Noise>(parameters, model, stream);
-}
-
 }  // namespace
 
 PartKind noise_part() {
@@ -85,7 +80,7 @@ PartKind noise_part() {
                                            "Frequency of the two equal poles; inf: white noise.",
                                            "fitted to the spectrum of 13 unloaded stretches of PapillArray recordings")}},
       .drawn_per = DrawnPer::trial,
-      .make = &make};
+      .make = made<Noise>};
 }
 
 }  // namespace slipbench

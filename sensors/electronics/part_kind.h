@@ -1,8 +1,9 @@
-// The catalogue's view of a part of the electronics. One function a part, each defined in the part's own file.
+// The catalogue's view of a part of the electronics. One function a part: those drawn once are defined in drawn_once.cc, the others in files of their own.
 #pragma once
 
 #include <memory>
 #include <string>
+#include <type_traits>
 
 #include "sensors/electronics/electronics.h"
 #include "sim/core/parameters.h"
@@ -23,11 +24,18 @@ struct PartKind {
   void (*check)(const Parameters& parameters, const SignalModel& model, const std::string& path) = nullptr;
 };
 
+// What makes a stage out of the parameters and the model, and out of the stream where it draws.
+template <class Stage>
+std::unique_ptr<ElectronicsStage> made(const Parameters& parameters, const SignalModel& model, RandomStream stream) {
+  if constexpr (std::is_constructible_v<Stage, const Parameters&, const SignalModel&, RandomStream>) {
+    return std::make_unique<Stage>(parameters, model, stream);
+  } else {
+    return std::make_unique<Stage>(parameters, model);
+  }
+}
+
 PartKind scan_part();
-PartKind coupling_part();
-PartKind gain_part();
-PartKind offset_part();
-PartKind drift_part();
+std::vector<PartKind> drawn_once_parts();  // coupling, gain, offset, drift
 PartKind noise_part();
 PartKind white_noise_part();
 PartKind skewed_noise_part();

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -71,10 +70,6 @@ class Quantisation final : public ElectronicsStage {
   std::uint64_t saturated_ = 0;
 };
 
-std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const SignalModel& model, RandomStream /*stream*/) {
-  return std::make_unique<Quantisation>(parameters, model);
-}
-
 }  // namespace
 
 PartKind quantisation_part() {
@@ -91,7 +86,7 @@ PartKind quantisation_part() {
                {// A float of 24 bits holds every level.
                 integer_spec("bits", "12", {1.0, 24.0}, "Bits of the converter.", "assumed")}},
       .drawn_per = DrawnPer::never,
-      .make = &make};
+      .make = made<Quantisation>};
 }
 
 }  // namespace slipbench

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,10 +44,6 @@ class Scan final : public ElectronicsStage {
   std::vector<double> memory_;  // [V] the sample before, then whether there was one
 };
 
-std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const SignalModel& model, RandomStream /*stream*/) {
-  return std::make_unique<Scan>(parameters, model);
-}
-
 void check_duration(const Parameters& parameters, const SignalModel& model, const std::string& path) {
   const double duration = parameters.number("duration");
   if (duration * model.rate <= 1.0) return;
@@ -68,7 +63,7 @@ PartKind scan_part() {
                 .parameters = {number_spec("duration", Quantity::time, "0 s", non_negative,
                                            "Time to read all values once, at most the time between two samples.", "assumed")}},
       .drawn_per = DrawnPer::never,
-      .make = &make,
+      .make = made<Scan>,
       .check = &check_duration};
 }
 

@@ -1,6 +1,5 @@
 #include <array>
 #include <cmath>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,10 +53,6 @@ class SkewedNoise final : public ElectronicsStage {
   RandomStream stream_;
 };
 
-std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const SignalModel& model, RandomStream stream) {
-  return std::make_unique<SkewedNoise>(parameters, model, stream);
-}
-
 void check_spike(const Parameters& parameters, const SignalModel& /*model*/, const std::string& path) {
   const std::vector<double>& spike = parameters.vector("spike");
   if (spike[0] <= spike[1]) return;
@@ -90,7 +85,7 @@ PartKind skewed_noise_part() {
                                                "Least and greatest depth of a spike, in sd of the normal part.",
                                                fitted + ": 10 to 36 counts")}},
           .drawn_per = DrawnPer::trial,
-          .make = &make,
+          .make = made<SkewedNoise>,
           .check = &check_spike};
 }
 

@@ -1,8 +1,6 @@
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <memory>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -96,10 +94,6 @@ class WhiteNoise final : public ElectronicsStage {
   RandomStream stream_;
 };
 
-std::unique_ptr<ElectronicsStage> make(const Parameters& parameters, const SignalModel& model, RandomStream stream) {
-  return std::make_unique<WhiteNoise>(parameters, model, stream);
-}
-
 }  // namespace
 
 PartKind white_noise_part() {
@@ -113,7 +107,7 @@ PartKind white_noise_part() {
            .source = "the definition of white noise",
            .parameters = {scale_parameter()}},
       .drawn_per = DrawnPer::trial,
-      .make = &make};
+      .make = made<WhiteNoise>};
 }
 
 }  // namespace slipbench

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <span>
-#include <utility>
 
-#include "sensors/electronics/electronics.h"
+#include "sensors/electronics/pad_sensor.h"
 #include "sensors/myrmex/foam_cell.h"
 #include "sim/core/parameters.h"
 #include "sim/core/sensor.h"
@@ -96,12 +94,10 @@ SLIPBENCH_DISPATCHED bool any_loaded_out(std::size_t taxels, const float* values
   return out != 0;
 }
 
-class Myrmex final : public Sensor {
+class Myrmex final : public PadSensor {
  public:
   Myrmex(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
-      : rate_(parameters.number("rate")),
-        layout_(make_layout(parameters)),
-        channels_{make_channel(parameters)},
+      : PadSensor(parameters.number("rate"), make_layout(parameters), {make_channel(parameters)}),
         cell_{parameters.number("hysteresis"), 2.0 * parameters.number("resistance") / parameters.number("reference"),
               parameters.number("contact_resistance") / parameters.number("reference")},
         electronics_(electronics, signal_model(rate_, layout_.units.size()), key),
@@ -109,13 +105,6 @@ class Myrmex final : public Sensor {
         values_(layout_.units.size()) {
     frame_.values = values_;
   }
-
-  Myrmex(const Myrmex&) = delete;  // the frame points into the object
-  Myrmex& operator=(const Myrmex&) = delete;
-
-  [[nodiscard]] const PadLayout& layout() const override { return layout_; }
-  [[nodiscard]] double rate() const override { return rate_; }
-  [[nodiscard]] const std::vector<Channel>& channels() const override { return channels_; }
 
   const SensorFrame& measure(const ContactFrame& truth) override {
     const std::size_t taxels = values_.size();
@@ -143,15 +132,11 @@ class Myrmex final : public Sensor {
   }
 
  private:
-  double rate_;
-  PadLayout layout_;
-  std::vector<Channel> channels_;
   FoamCell cell_;
   Electronics electronics_;
   std::uint64_t saturated_ = 0;
   std::vector<double> plays_;  // p_1 of all taxels, then p_2 [N]
   std::vector<float> values_;
-  SensorFrame frame_;
 };
 
 }  // namespace
@@ -210,17 +195,12 @@ std::vector<Entry> myrmex_electronics() {
        {"quantisation", "over 0 to 4095 counts", {{"bits", "12", "the paper, section 2"}}}});
 }
 
-std::unique_ptr<Sensor> make_myrmex(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
-                                    std::uint64_t trial, const std::string& sensor_name) {
-  return std::make_unique<myrmex::Myrmex>(parameters, electronics, ElectronicsKey{seed, trial, 0, sensor_name});
-}
-
 }  // namespace
 
 SensorKind myrmex_sensor() {
   return {.about = myrmex_entry(),
           .electronics = myrmex_electronics(),
-          .create = make_myrmex,
+          .create = created<myrmex::Myrmex>,
           .view = {.unit = "taxel",
                    .units = "taxels",
                    .letter = "T",

@@ -4,13 +4,10 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <memory>
 #include <utility>
 
+#include "sensors/electronics/pad_sensor.h"
 #include "sensors/nib_pad/electrodes.h"
-#include "sensors/nib_pad/entry.h"
-#include "sensors/nib_pad/nib_capacitor.h"
-#include "sensors/nib_pad/signal_model.h"
 #include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "sim/core/sensor.h"
@@ -62,8 +59,7 @@ NibCapacitor make_capacitor(const Parameters& parameters, const std::string& sen
           .linear = parameters.choice("capacitor") == "linear"};
 }
 
-// `scan`: time from one reading to the next [s]; 0: all at once.
-std::vector<Channel> make_channels(double rate, double scan) {
+std::vector<Channel> make_channels(double rate, bool multiplexed) {
   std::vector<std::string> si;
   for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
     for (const char* side : {"W", "N", "E", "S"}) si.push_back("T" + std::to_string(taxel) + "_" + side);
@@ -72,7 +68,8 @@ std::vector<Channel> make_channels(double rate, double scan) {
                                 {"fl", "counts", {2}, {"FL_N", "FL_S"}},
                                 {"fr", "counts", {2}, {"FR_+", "FR_-"}}};
   channels[0].every = taxels;
-  if (scan == 0.0) return channels;
+  if (!multiplexed) return channels;
+  const double scan = 1.0 / (rate * static_cast<double>(sample_scans));  // s, from one reading to the next
   // Means over the readings of an image, which ends with the frame's time, and over the two of a cluster.
   channels[0].age = 0.5 * static_cast<double>(taxels - 1) / rate + 0.5 * static_cast<double>(sides - 1) * scan;
   channels[1].age = (static_cast<double>(sample_scans - 1) - 0.5) * scan;
@@ -80,17 +77,17 @@ std::vector<Channel> make_channels(double rate, double scan) {
   return channels;
 }
 
-class NibPad final : public Sensor {
+class NibPad final : public PadSensor {
  public:
   NibPad(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
-      : rate_(parameters.number("rate")),
+      : PadSensor(parameters.number("rate"),
+                  make_layout(parameters, RandomStream(key.seed, key.device, "nib_pad." + key.sensor_name + ".height")),
+                  make_channels(parameters.number("rate"), parameters.choice("scan") == "multiplexed")),
         multiplexed_(parameters.choice("scan") == "multiplexed"),
         average_(static_cast<std::size_t>(parameters.integer("average"))),
         label_distance_(parameters.number("label_distance")),
         top_(std::ldexp(1.0, static_cast<int>(parameters.integer("bits"))) - 1.0),
         rest_(parameters.number("rest") * top_),
-        layout_(make_layout(parameters, RandomStream(key.seed, key.device, "nib_pad." + key.sensor_name + ".height"))),
-        channels_(make_channels(rate_, multiplexed_ ? 1.0 / (rate_ * static_cast<double>(sample_scans)) : 0.0)),
         capacitor_(make_capacitor(parameters, key.sensor_name)),
         electronics_(electronics, signal_model(rate_, per_count()), key),
         memory_(counters + 2 * value_count + average_ * si_size) {
@@ -103,13 +100,7 @@ class NibPad final : public Sensor {
     frame_.values = reported_;
   }
 
-  NibPad(const NibPad&) = delete;  // the frame points into the object
-  NibPad& operator=(const NibPad&) = delete;
-
-  [[nodiscard]] const PadLayout& layout() const override { return layout_; }
-  [[nodiscard]] double rate() const override { return rate_; }
   [[nodiscard]] std::size_t scans() const override { return multiplexed_ ? sample_scans : 1; }
-  [[nodiscard]] const std::vector<Channel>& channels() const override { return channels_; }
 
   const SensorFrame& measure(const ContactFrame& truth) override {
     assert(truth.force.cols() == Eigen::Index{nibs} && truth.displacement.cols() == Eigen::Index{nibs});
@@ -205,37 +196,27 @@ class NibPad final : public Sensor {
     if (last) memory_[images] += 1.0;
   }
 
-  double rate_;
   bool multiplexed_;
   std::size_t average_;
   double label_distance_;
   double top_;   // counts, full scale
   double rest_;  // counts, of a pad that nothing touches
-  PadLayout layout_;
-  std::vector<Channel> channels_;
   NibCapacitor capacitor_;
   Electronics electronics_;
   std::vector<double> memory_;
   std::array<std::vector<Electrode>, value_count> electrodes_;
   std::array<double, value_count> gain_{};  // counts/pF
   std::array<float, value_count> reported_{};
-  SensorFrame frame_;
   bool beyond_ = false;  // a value of this sample lies beyond the converter's range
   std::uint64_t saturated_ = 0;
 };
-
-std::unique_ptr<Sensor> make(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
-                             std::uint64_t trial, const std::string& sensor_name) {
-  const std::uint64_t device = parameters.choice("device") == "fixed" ? 0 : trial;
-  return std::make_unique<NibPad>(parameters, electronics, ElectronicsKey{seed, trial, device, sensor_name});
-}
 
 }  // namespace
 }  // namespace nib_pad
 
 SensorKind nib_pad_sensor() {
   using namespace nib_pad;
-  return {.about = about(), .electronics = electronics_parts(), .create = make, .view = view()};
+  return {.about = about(), .electronics = electronics_parts(), .create = created<NibPad>, .view = view()};
 }
 
 }  // namespace slipbench

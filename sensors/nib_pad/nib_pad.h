@@ -1,7 +1,12 @@
 // The capacitive nib pad: 6x6 silicone nibs over electrodes that a multiplexer clusters anew at each reading.
 #pragma once
 
+#include <vector>
+
+#include "sensors/electronics/electronics.h"
+#include "sim/core/parameters.h"
 #include "sim/core/sensor_kind.h"
+#include "sim/core/sensor_view.h"
 
 namespace slipbench {
 
@@ -15,3 +20,22 @@ namespace slipbench {
 SensorKind nib_pad_sensor();
 
 }  // namespace slipbench
+
+namespace slipbench::nib_pad {
+
+// What the catalogue says of the nib pad.
+
+Entry about();
+SensorView view();
+
+// How large the disturbances of a nib pad's electronics are.
+
+// Of the values si {9,4}, fl {2}, fr {2}, in counts at 13 bit times `count` above the reading at rest, `rate` [Hz] samples a
+// second. Every value is a reading of its own and so a source of its own.
+SignalModel signal_model(double rate, double count);
+
+// The parts that its electronics have, with these figures. Rounding to counts is not one of them: it is what the device does,
+// parameter `bits`.
+std::vector<Entry> electronics_parts();
+
+}  // namespace slipbench::nib_pad

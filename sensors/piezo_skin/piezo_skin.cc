@@ -2,13 +2,11 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
-#include <utility>
 
 #include "sensors/electronics/band_pass.h"
-#include "sensors/electronics/electronics.h"
+#include "sensors/electronics/pad_sensor.h"
 #include "sim/core/error.h"
 #include "sim/core/parameters.h"
 #include "sim/core/sensor.h"
@@ -69,29 +67,20 @@ SignalModel signal_model(double rate, double gain) {
   return model;
 }
 
-class PiezoSkin final : public Sensor {
+class PiezoSkin final : public PadSensor {
  public:
   PiezoSkin(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
-      : rate_(parameters.number("rate")),
+      : PadSensor(parameters.number("rate"), make_layout(parameters), {{"signal", "counts", {1}, {"signal"}}}),
         gain_(parameters.number("gain")),
         shear_x_(parameters.vector("shear")[0]),
         shear_y_(parameters.vector("shear")[1]),
         label_step_(parameters.number("label_step")),
         label_stride_(static_cast<double>(label_stride(parameters, key.sensor_name))),
-        layout_(make_layout(parameters)),
-        channels_{{"signal", "counts", {1}, {"signal"}}},
         amplifier_(parameters.number("corner"), parameters.number("anti_alias"), rate_,
                    std::span(memory_).first<BandPass::memory_size>()),
         electronics_(electronics, signal_model(rate_, gain_), key) {
     frame_.values = values_;
   }
-
-  PiezoSkin(const PiezoSkin&) = delete;  // the frame and the amplifier point into the object
-  PiezoSkin& operator=(const PiezoSkin&) = delete;
-
-  [[nodiscard]] const PadLayout& layout() const override { return layout_; }
-  [[nodiscard]] double rate() const override { return rate_; }
-  [[nodiscard]] const std::vector<Channel>& channels() const override { return channels_; }
 
   const SensorFrame& measure(const ContactFrame& truth) override {
     const double charge = truth.force(2, 0) + shear_x_ * truth.force(0, 0) + shear_y_ * truth.force(1, 0);
@@ -133,15 +122,12 @@ class PiezoSkin final : public Sensor {
     until_position() = label_stride_;
   }
 
-  double rate_, gain_, shear_x_, shear_y_;
+  double gain_, shear_x_, shear_y_;
   double label_step_, label_stride_;
-  PadLayout layout_;
-  std::vector<Channel> channels_;
   std::array<double, places> memory_{};
   BandPass amplifier_;
   Electronics electronics_;
   std::array<float, 1> values_{};
-  SensorFrame frame_;
 };
 
 }  // namespace
@@ -210,17 +196,12 @@ std::vector<Entry> piezo_skin_electronics() {
         {{"bits", "16", "assumed: with 12 either the steps are coarser than the noise or pressing reaches the ends"}}}});
 }
 
-std::unique_ptr<Sensor> make_piezo_skin(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
-                                        std::uint64_t trial, const std::string& sensor_name) {
-  return std::make_unique<piezo::PiezoSkin>(parameters, electronics, ElectronicsKey{seed, trial, 0, sensor_name});
-}
-
 }  // namespace
 
 SensorKind piezo_skin_sensor() {
   return {.about = piezo_skin_entry(),
           .electronics = piezo_skin_electronics(),
-          .create = make_piezo_skin,
+          .create = created<piezo::PiezoSkin>,
           .view = {.unit = "patch",
                    .units = "patches",
                    .letter = "S",

@@ -1,6 +1,5 @@
 #include "sim/grasp/grasp.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -98,6 +97,158 @@ double ideal_grip_force(const Scene& scene, double friction_scale, double gravit
   const double mu = scene.friction.static_coefficient * friction_scale;
   const double mass = scene.grasp->box.number("mass") + scene.grasp->box.number("weight");
   return mu > 0.0 ? 0.5 * mass * gravity / mu : std::numeric_limits<double>::infinity();
+}
+
+namespace {
+
+constexpr Range byte{0.0, 255.0};
+
+constexpr const char* robotiq =
+    "Robotiq's profile k2F85 (robotiq/grippers): bench-measured counts and stroke, ranges of the manual";
+constexpr const char* published_loop = "the published loop: read, write 10 ms later, every 20 ms";
+
+Entry grip_entry() {
+  return {
+      .name = "grip",
+      .summary =
+          "A gripper modelled on the Robotiq 2F-85: two fingers on springs, one with a sensor's pad, the other with a second pad.",
+      .law =
+          "opening = (closed_at - position) count; speed and force linear in their registers; trapezoids of `acceleration`\n"
+          "finger: m x'' = k (drive - x) + 2 zeta sqrt(k m) (drive' - x') + pad; y, z and the turns likewise, with the hand in the drive's place\n"
+          "The drive is self-locking: no force moves it. A closing drive stops where k (drive - x) reaches the force register's force.",
+      .source = "SENSORS: Robotiq 2F-85; stiffness and latency of a real one are not published",
+      .parameters = {
+          choice_spec(
+              "protocol", "as_recorded", {"as_printed", "as_recorded"},
+              "Protocol that sets the defaults of grip.preset, motion.speed and motion.acceleration, and the length of a trial.",
+              "as_recorded: 4 N, 43 mm/s, 400 mm/s2, 5 s, from the gripper's code and the motion capture files; as_printed: 1 N, 5 mm/s, 50 mm/s2, 23 s, from the paper"),
+          number_spec(
+              "preset", Quantity::force, "4 N", non_negative,
+              "Force on the sensor below which a controller tightens before anything has slipped; with protocol as_printed: 1 N.",
+              "the published gripper's code; the paper prints 1 N"),
+          number_spec("clearance", Quantity::length, "1 mm", positive,
+                      "Smallest gap between either pad and the box at the start; the fingers begin at a whole count.", "assumed"),
+          number_spec("height", Quantity::length, "70 mm", positive, "Height of the pads' middle over the table at the start.",
+                      "assumed"),
+          number_spec("yaw", Quantity::angle, "0 deg", {-0.5, 0.5}, "Turn of the hand against the box about the vertical.",
+                      "assumed"),
+          number_spec("pitch", Quantity::angle, "0 deg", {-0.5, 0.5}, "Turn of the hand against the box about the pads' width.",
+                      "assumed"),
+
+          vector_spec(3, "stiffness", Quantity::stiffness, "[8 N/mm, 15 N/mm, 15 N/mm]", positive,
+                      "Stiffness of one finger: along its closing direction, sideways, up.",
+                      "assumed; along the closing direction the published steps of force allow 3 to 15 N/mm"),
+          number_spec("turning_stiffness", Quantity::none, "100", positive,
+                      "Stiffness of one finger against pitching and any other turn, N m/rad.",
+                      "assumed: fingers below 30 pump the grip force up"),
+          number_spec("pivot", Quantity::length, "20 mm", any_value,
+                      "Height over the pad of a finger's mass, and of the point about which the finger turns.", "assumed"),
+          number_spec("damping_ratio", Quantity::none, "0.3", {0.0, 10.0}, "Damping ratio of the finger's springs.", "assumed"),
+          number_spec("finger_mass", Quantity::mass, "80 g", positive, "Mass of one finger.", "assumed"),
+          number_spec("finger_inertia", Quantity::none, "1.2e-4", positive,
+                      "Inertia of one finger about its middle, kg m2, the same about all axes.", "assumed: 80 g on 130 mm"),
+
+          choice_spec("second_pad", "silicone", {"same", "silicone"},
+                      "Pad of the other finger: flat silicone, or the same elements as the sensor's.", "published: silicone"),
+          vector_spec(2, "pad_size", Quantity::length, "[22 mm, 37.5 mm]", positive, "Size of the silicone pad: width, height.",
+                      "fingertip of the 2F-85 (mujoco_menagerie)"),
+          vector_spec(2, "pad_stiffness", Quantity::stiffness, "[400 N/mm, 200 N/mm]", positive,
+                      "Stiffness of the whole silicone pad: normal, tangential.", "assumed"),
+          number_spec("pad_damping", Quantity::time, "0.3 ms", non_negative,
+                      "Time constant of the dashpot beside each spring of the second pad.", "assumed"),
+
+          number_spec("count", Quantity::length, "0.374 mm", positive,
+                      "Change of the opening for one count of the position register.", robotiq),
+          integer_spec("open_at", "3", byte, "Count of the open stop.", robotiq),
+          integer_spec("closed_at", "230", byte, "Count of the closed stop, at which the pads' origins meet.", robotiq),
+          number_spec("slowest", Quantity::speed, "20 mm/s", positive, "Speed of the opening at speed register 0.", robotiq),
+          number_spec("fastest", Quantity::speed, "150 mm/s", positive, "Speed of the opening at speed register 255.", robotiq),
+          number_spec("acceleration", Quantity::acceleration, "0.5 m/s2", positive, "Acceleration of the opening.", "assumed"),
+          number_spec("weakest", Quantity::force, "20 N", positive,
+                      "Force of a finger at which the motor stops at force register 0.", robotiq),
+          number_spec("strongest", Quantity::force, "235 N", positive,
+                      "Force of a finger at which the motor stops at force register 255.", robotiq),
+          number_spec("period", Quantity::time, "20 ms", positive, "Time between two reads of the gripper's status.",
+                      published_loop),
+          number_spec("write_after", Quantity::time, "10 ms", non_negative, "Time from a read to the write that follows it.",
+                      published_loop),
+          number_spec("latency", Quantity::time, "20 ms", non_negative, "Time from a write until the fingers begin to move.",
+                      "assumed; 0 to 60 ms are conceivable"),
+          number_spec("phase", Quantity::time, "0 ms", non_negative, "Time of the first read.", "assumed"),
+          integer_spec("dead_band", "0", byte, "Largest change of position, in counts, for which a command is ignored.",
+                       "assumed: 0; a driver of another make ignores small changes"),
+          flag_spec("wrap", "false", "Whether a number beyond a byte wraps to its low byte; otherwise it is refused.",
+                    "free; the published loop's 8-bit adder wraps"),
+      }};
+}
+
+Entry box_entry() {
+  return {
+      .name = "box",
+      .summary = "The box that a grasp lifts. It stands on a table; the pads meet two of its sides.",
+      .law = "",
+      .source = "neither the paper nor its data gives mass and size of the published boxes",
+      .parameters = {
+          number_spec("mass", Quantity::mass, "200 g", positive, "Mass of the box.",
+                      "assumed: 0.2 kg a light box, 0.5 kg a heavy one"),
+          vector_spec(3, "size", Quantity::length, "[60 mm, 60 mm, 100 mm]", positive,
+                      "Extent along the closing direction, sideways, up.", "assumed"),
+          vector_spec(3, "centre_of_mass", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
+                      "Centre of mass, from the box's middle.", "assumed"),
+          vector_spec(2, "position", Quantity::length, "[0 mm, 0 mm]", any_value,
+                      "Position of the box's middle from the middle between the fingers: along the closing direction, sideways.",
+                      "assumed"),
+          number_spec("weight", Quantity::mass, "0 g", non_negative, "Mass of a weight put into the box, beside the box's own.",
+                      "free"),
+          vector_spec(3, "weight_place", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
+                      "Place of the weight, a point, from the box's middle.", "free"),
+          number_spec("table_friction", Quantity::none, "0.5", {0.0, 100.0}, "Friction coefficient between box and table.",
+                      "assumed"),
+          number_spec("table_stiffness", Quantity::stiffness, "100 N/mm", positive,
+                      "Stiffness of the table under the four corners of the box together.",
+                      "assumed: a box of 0.2 kg sinks in by 0.02 mm"),
+      }};
+}
+
+Entry scatter_entry() {
+  return {
+      .name = "scatter",
+      .summary = "What differs from trial to trial of a grasp. A scene without the key has none.",
+      .law = "",
+      .source = "assumed: spreads of a hand-placed box",
+      .parameters = {
+          vector_spec(3, "position", Quantity::length, "[0.5 mm, 1.5 mm, 2 mm]", non_negative,
+                      "Standard deviation of the box's position between the fingers: along the closing direction, sideways, up.",
+                      "assumed"),
+          number_spec("yaw", Quantity::angle, "1 deg", {0.0, 0.2}, "Standard deviation of grip.yaw.", "assumed"),
+          number_spec("pitch", Quantity::angle, "1 deg", {0.0, 0.2}, "Standard deviation of grip.pitch.", "assumed"),
+          number_spec("centre_of_mass", Quantity::length, "2 mm", non_negative,
+                      "Standard deviation of each coordinate of the centre of mass.", "assumed"),
+          number_spec(
+              "width", Quantity::length, "0.374 mm", non_negative,
+              "Largest growth of the box's width, drawn evenly from 0. The default is one count, so no grip force is preferred.",
+              "assumed"),
+          number_spec("friction", Quantity::none, "0.1", {0.0, 2.0}, "Standard deviation of the logarithm of the pads' friction.",
+                      "assumed"),
+          flag_spec("phase", "true", "Whether the loop's phase is drawn from its whole period.", "assumed"),
+      }};
+}
+
+}  // namespace
+
+const std::vector<Entry>& grasp_catalogue() {
+  static const std::vector<Entry> entries{box_entry(), grip_entry(), scatter_entry()};
+  return entries;
+}
+
+const std::vector<Protocol>& protocol_catalogue() {
+  static const std::vector<Protocol> protocols{
+      {"as_printed",
+       {{"duration", "23 s"}, {"grip.preset", "1 N"}, {"motion.speed", "5 mm/s"}, {"motion.acceleration", "50 mm/s2"}}},
+      {"as_recorded",
+       {{"duration", "5 s"}, {"grip.preset", "4 N"}, {"motion.speed", "43 mm/s"}, {"motion.acceleration", "400 mm/s2"}}},
+  };
+  return protocols;
 }
 
 }  // namespace slipbench

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "sim/core/pad_layout.h"
+#include "sim/core/parameters.h"
+#include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
 
 namespace slipbench {
@@ -34,5 +37,13 @@ PadLayout box_corners(const Parameters& box, const Eigen::Vector3d& box_size);
 // The least force of either pad that can hold the box with its weight, m g/(2 mu_s) [N]: both pads carry mu_s times their force. `friction_scale`: of the
 // trial (Grasp). Infinite without friction.
 double ideal_grip_force(const Scene& scene, double friction_scale, double gravity);
+
+// What a scene may say of a grasp: the keys `grip`, `box` and `scatter`, and the named protocols.
+
+// The three entries, by the name of their key.
+const std::vector<Entry>& grasp_catalogue();
+
+// The protocols that grip.protocol may name. What a protocol gives are defaults: a scene's own values replace them.
+const std::vector<Protocol>& protocol_catalogue();
 
 }  // namespace slipbench

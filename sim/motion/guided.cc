@@ -54,7 +54,7 @@ MotionKind guided_motion() {
         number_spec("latency", Quantity::time, "8 ms", non_negative,
                     "Time from a write of the loop until the arm begins to obey.",
                     "assumed: one period of the 125 Hz at which a UR5-CB2 takes commands")}},
-      [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Guided>(p); }};
+      created<Guided>};
 }
 
 }  // namespace slipbench

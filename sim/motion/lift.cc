@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "sim/core/parameters.h"
 #include "sim/motion/profile.h"
@@ -102,9 +101,6 @@ LiftTimes lift_times(const Parameters& parameters) {
   return {start, std::max(start, height.end())};
 }
 
-MotionKind lift_motion() {
-  return {lift_entry(),
-          [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Lift>(p); }};
-}
+MotionKind lift_motion() { return {lift_entry(), created<Lift>}; }
 
 }  // namespace slipbench

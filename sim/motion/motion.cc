@@ -2,10 +2,6 @@
 
 #include "sim/motion/guided.h"
 #include "sim/motion/lift.h"
-#include "sim/motion/press.h"
-#include "sim/motion/rub.h"
-#include "sim/motion/stage.h"
-#include "sim/motion/wander.h"
 
 namespace slipbench {
 

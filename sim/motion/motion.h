@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "sim/core/parameters.h"
@@ -38,6 +39,26 @@ struct MotionKind {
   // Throws SceneValueError when the parameters contradict each other.
   std::unique_ptr<Motion> (*create)(const Parameters& parameters, const MotionKey& key);
 };
+
+// What makes a motion out of its parameters, and out of the key where it draws.
+template <class Made>
+std::unique_ptr<Motion> created(const Parameters& parameters, const MotionKey& key) {
+  if constexpr (std::is_constructible_v<Made, const Parameters&, const MotionKey&>) {
+    return std::make_unique<Made>(parameters, key);
+  } else {
+    return std::make_unique<Made>(parameters);
+  }
+}
+
+// A hexapod stage: the pad approaches, presses, dwells, slides and/or turns, may stop, reverse, and lift off.
+MotionKind stage_motion();
+// The pad approaches, presses, holds and slowly retreats, along the vertical alone, while something else moves what it touches.
+MotionKind press_motion();
+// A finger that is pressed on a spot of its round skin and rubs, slides or turns there by fits and starts. The pad's skin is taken as the lower
+// half of an ellipsoid.
+MotionKind rub_motion();
+// A hand: the pad stands still over the surface, comes down and wanders at random in all six coordinates.
+MotionKind wander_motion();
 
 // All kinds, one line each.
 const std::vector<MotionKind>& motion_catalogue();

@@ -1,8 +1,7 @@
-#include "sim/motion/press.h"
+#include "sim/motion/motion.h"
 
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -84,9 +83,6 @@ class Press final : public Motion {
 
 }  // namespace
 
-MotionKind press_motion() {
-  return {press_entry(),
-          [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Press>(p); }};
-}
+MotionKind press_motion() { return {press_entry(), created<Press>}; }
 
 }  // namespace slipbench

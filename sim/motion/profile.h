@@ -1,7 +1,6 @@
 // One coordinate of a prescribed motion: pieces of constant acceleration, evaluated exactly.
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 namespace slipbench {

@@ -1,11 +1,10 @@
-#include "sim/motion/rub.h"
+#include "sim/motion/motion.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <string>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -351,10 +350,6 @@ class Rub final : public Motion {
 }  // namespace
 }  // namespace rub
 
-MotionKind rub_motion() {
-  return {rub::rub_entry(), [](const Parameters& p, const MotionKey& key) -> std::unique_ptr<Motion> {
-            return std::make_unique<rub::Rub>(p, key);
-          }};
-}
+MotionKind rub_motion() { return {rub::rub_entry(), created<rub::Rub>}; }
 
 }  // namespace slipbench

@@ -1,4 +1,4 @@
-#include "sim/motion/stage.h"
+#include "sim/motion/motion.h"
 
 #include <cmath>
 #include <tuple>
@@ -192,9 +192,6 @@ class Stage final : public Motion {
 
 }  // namespace
 
-MotionKind stage_motion() {
-  return {stage_entry(),
-          [](const Parameters& p, const MotionKey&) -> std::unique_ptr<Motion> { return std::make_unique<Stage>(p); }};
-}
+MotionKind stage_motion() { return {stage_entry(), created<Stage>}; }
 
 }  // namespace slipbench

@@ -1,10 +1,9 @@
-#include "sim/motion/wander.h"
+#include "sim/motion/motion.h"
 
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <string>
 #include <vector>
 
 #include "sim/core/random.h"
@@ -139,9 +138,6 @@ class Wander final : public Motion {
 
 }  // namespace
 
-MotionKind wander_motion() {
-  return {wander_entry(),
-          [](const Parameters& p, const MotionKey& key) -> std::unique_ptr<Motion> { return std::make_unique<Wander>(p, key); }};
-}
+MotionKind wander_motion() { return {wander_entry(), created<Wander>}; }
 
 }  // namespace slipbench

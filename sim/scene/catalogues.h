@@ -46,4 +46,9 @@ struct Catalogues {
   std::vector<ExpectationEntry> expectations;  // expect
 };
 
+// The materials that a surface may be made of.
+
+// Friction of the pads' silicone on each material, dry unless the name says otherwise.
+std::vector<Material> material_table();
+
 }  // namespace slipbench

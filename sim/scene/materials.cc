@@ -1,4 +1,4 @@
-#include "sim/scene/materials.h"
+#include "sim/scene/catalogues.h"
 
 namespace slipbench {
 

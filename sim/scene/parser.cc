@@ -7,12 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
-#include <utility>
 
 #include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
 #include "sim/scene/sweep.h"
-#include "sim/scene/swept_value.h"
+#include "sim/scene/yaml_tree.h"
 
 namespace slipbench {
 namespace {

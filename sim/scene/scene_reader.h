@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/entry_reader.h"

@@ -67,4 +67,11 @@ void assign(YamlNode& place, const YamlNode& value);
 // As assign, but a map is merged into a map, key by key.
 void merge(YamlNode& place, const YamlNode& value);
 
+// Values inside a sweep, by their path.
+
+// "sweep.PATH" split into the keys and numbers that lead to what it names in the scene file `root`. A value that an entry of the sweep has is named by the
+// entry and what follows: "sweep.motion.0.site.1" of an axis of maps, "sweep.motion.compression.median" of a draw. Anything else is an entry of its own:
+// "sweep.motion.speed". Throws InputError for an empty part.
+std::vector<std::string> swept_parts(const YamlNode& root, const std::string& path);
+
 }  // namespace slipbench

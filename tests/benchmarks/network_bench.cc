@@ -9,9 +9,9 @@
 #include <benchmark/benchmark.h>
 #include <onnx/onnx_pb.h>
 
+#include "detectors/detector_kinds.h"
 #include "detectors/network/description.h"
 #include "detectors/network/frames.h"
-#include "detectors/network/network_detector.h"
 
 namespace slipbench::network {
 namespace {
@@ -146,9 +146,9 @@ std::vector<float> signal() {
 void frame(benchmark::State& state) {
   const std::string path = std::filesystem::temp_directory_path() / "network_bench.onnx";
   std::ofstream(path, std::ios::binary) << fft_gru();
-  Parameters parameters = defaults_of(network_entry().parameters);
+  Parameters parameters = defaults_of(network_detector().about.parameters);
   parameters.set("model", path);
-  const std::unique_ptr<Detector> detector = make_network(parameters, piezo_skin());
+  const std::unique_ptr<Detector> detector = network_detector().create(parameters, piezo_skin());
   std::filesystem::remove(path);
   const std::vector<float> values = signal();
   std::size_t n = 0;

@@ -1,4 +1,4 @@
-#include "detectors/force_ratio.h"
+#include "detectors/detector_kinds.h"
 
 #include <array>
 #include <cmath>
@@ -11,9 +11,9 @@ namespace slipbench {
 namespace {
 
 std::unique_ptr<Detector> detector(double ratio, const FrameSource& source) {
-  Parameters parameters = defaults_of(force_ratio_entry().parameters);
+  Parameters parameters = defaults_of(force_ratio_detector().about.parameters);
   parameters.set("ratio", ratio);
-  return make_force_ratio(parameters, source);
+  return force_ratio_detector().create(parameters, source);
 }
 
 PadState state_of(Detector& detector, const std::vector<float>& values) { return detector.update({0.0, values}).state; }

@@ -1,4 +1,4 @@
-#include "detectors/plugin_detector.h"
+#include "detectors/detector_kinds.h"
 
 #include <array>
 #include <cstdlib>
@@ -29,7 +29,7 @@ std::unique_ptr<Detector> load(const std::string& path, const ParameterMap& para
   Parameters given;
   given.set("library", path);
   given.set("parameters", parameters);
-  return make_plugin_detector(given, two_sensors());
+  return plugin_detector().create(given, two_sensors());
 }
 
 // What comes of a trial of four samples, if not "accepted".

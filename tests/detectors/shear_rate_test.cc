@@ -1,4 +1,4 @@
-#include "detectors/shear_rate.h"
+#include "detectors/detector_kinds.h"
 
 #include <utility>
 #include <vector>
@@ -13,10 +13,10 @@ namespace {
 
 // A window of 20 frames. 0.525 lies between what two frames tell, so that rounding decides nothing.
 std::unique_ptr<Detector> detector(const FrameSource& source, double release = 0.9) {
-  Parameters parameters = defaults_of(shear_rate_entry().parameters);
+  Parameters parameters = defaults_of(shear_rate_detector().about.parameters);
   parameters.set("following", 0.525);
   parameters.set("release", release);
-  return make_shear_rate(parameters, source);
+  return shear_rate_detector().create(parameters, source);
 }
 
 constexpr double per_tick = 5e-6;  // m, of a surface at 5 mm/s

@@ -1,4 +1,4 @@
-#include "detectors/stuck_fraction.h"
+#include "detectors/detector_kinds.h"
 
 #include <cmath>
 #include <string>
@@ -11,10 +11,10 @@ namespace {
 
 // A window of 20 frames. The shares and speeds lie between what two frames tell, so that rounding decides nothing.
 std::unique_ptr<Detector> detector(const FrameSource& source) {
-  Parameters parameters = defaults_of(stuck_fraction_entry().parameters);
+  Parameters parameters = defaults_of(stuck_fraction_detector().about.parameters);
   parameters.set("stuck_share", 0.525);
   parameters.set("moving_speed", 0.4e-3);
-  return make_stuck_fraction(parameters, source);
+  return stuck_fraction_detector().create(parameters, source);
 }
 
 constexpr double per_tick = 5e-6;  // m, of a surface at 5 mm/s

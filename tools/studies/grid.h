@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -22,6 +23,8 @@
 #include "tools/base/workers/child_process.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"
+#include "tools/program/train/network/validation.h"
+#include "tools/program/train/train_network.h"
 #include "tools/studies/kept_networks.h"
 #include "tools/studies/study_catalogue.h"
 
@@ -159,6 +162,31 @@ std::vector<std::vector<Outcome>> run_grid(const std::vector<GridCell>& cells, c
   for (std::size_t k = 0; k < all.size(); ++k) by_cell[grid.cell_of(k)].push_back(std::move(all[k]));
   return by_cell;
 }
+
+// A network to be judged on one fold of what it is to learn from.
+struct FoldTask {
+  std::size_t of;  // whose it is
+  std::shared_ptr<const std::vector<train::FoldExample>> examples;
+  std::vector<std::size_t> fold_of;
+  std::size_t fold;
+  train::Validation validation;
+  std::string name;
+};
+
+// Throws Interrupted once the user has asked for an end, while an InterruptGuard stands.
+inline void end_if_interrupted() {
+  if (InterruptGuard::flag()) throw Interrupted();
+}
+
+// Runs a scene's sweep under options.seed into the dataset `path`; `draws`: of each of its cells, 0: as many as it says. options.say hears how
+// many of `what` are done; null: nothing. Throws InputError and Interrupted.
+void make_dataset(const std::string& path, const char* scene, const std::vector<Override>& overrides, std::size_t draws,
+                  const char* what, const ReproduceOptions& options);
+
+// Teaches a recipe's network on a dataset by `labels`, as options.seed has it, and writes it to `output`. options.say hears the steps of `name`.
+// Throws InputError and Interrupted.
+train::NetworkSummary teach(const std::string& name, const train::Recipe& recipe, train::LabelRule labels,
+                            const std::string& dataset, const std::string& output, const ReproduceOptions& options);
 
 // Refuses a name of `--only` that none of `names` is. Throws InputError with the nearest.
 void check_only(const std::vector<std::string>& only, const std::vector<std::string>& names);

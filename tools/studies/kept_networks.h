@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "tools/base/files/file_lock.h"
+#include "tools/base/files/output_file.h"
 
 namespace slipbench::reproduce {
 

@@ -17,7 +17,6 @@
 #include "tools/base/record/encoder.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/cli/arguments.h"
-#include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/studies/kept_networks.h"
 
@@ -47,8 +46,7 @@ int list_reproductions(bool json) {
   if (json) {
     nlohmann::ordered_json entries = nlohmann::ordered_json::array();
     for (const Reproduction& one : all) entries.push_back({{"name", one.name}, {"summary", one.summary}});
-    fmt::print("{}\n", nlohmann::ordered_json{{"reproductions", entries}}.dump());
-    return exit_good;
+    return print_json({{"reproductions", entries}});
   }
   for (const Reproduction& one : all) fmt::print("{:<34}  {}\n", one.name, one.summary);
   return exit_good;
@@ -170,10 +168,7 @@ int ReproduceCommand::run() {
   std::vector<std::string> files;
   if (!output.empty()) files = write_result(output, reproduction.name, result);
   if (kept) kept->remove();
-  if (json) {
-    fmt::print("{}\n", result_json(reproduction.name, result).dump());
-    return exit_good;
-  }
+  if (json) return print_json(result_json(reproduction.name, result));
   const Style style = style_for(stdout);
   fmt::print("{}", result_text(result, style, terminal_width(stdout)));
   for (const std::string& file : files) fmt::print("{} {}\n", style.good("written:"), file);

@@ -1,4 +1,4 @@
-// What can be reproduced: one file and one line each.
+// What can be reproduced: a function and a line each.
 #pragma once
 
 #include <cstddef>

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "detectors/detector_kinds.h"
 #include "tests/detectors/frames.h"
 #include "tests/detectors/hd/published.h"
 #include "tests/expect.h"
@@ -53,7 +54,7 @@ TEST(HdDetector, TakesEveryKthFrame) {
 
 // The window of 15 frames at 100 Hz is full with the frame at 140 ms.
 TEST(HdDetector, IsSilentUntilItsWindowIsFull) {
-  const auto detector = make_gst_hd(published_parameters(), papillarray);
+  const auto detector = gst_hd_detector().create(published_parameters(), papillarray);
   for (std::size_t i = 0; i < 300; ++i) {
     const Values values = pressed(0.0);
     const SlipEstimate& estimate = detector->update({1e-3 * static_cast<double>(i), values});
@@ -108,7 +109,7 @@ TEST(HdDetector, SaysWhereItLookedForMemories) {
 
 // What no displacement can be reaches no engine.
 TEST(HdDetector, RefusesWhatIsNotFinite) {
-  const auto detector = make_gst_hd(published_parameters(), papillarray);
+  const auto detector = gst_hd_detector().create(published_parameters(), papillarray);
   Values values = pressed(0.0);
   values[3 * pillar_count + 5] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW(detector->update({0.0, values}), InputError);

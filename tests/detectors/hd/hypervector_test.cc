@@ -1,5 +1,5 @@
 // The algebra of hypervectors: binding, permutation, distance, hexadecimal.
-#include "detectors/hd/hypervector.h"
+#include "detectors/hd/memories.h"
 
 #include "sim/core/random.h"
 #include "tests/expect.h"

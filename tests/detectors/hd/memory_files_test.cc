@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "detectors/hd/folder_output.h"
-#include "detectors/hd/shipped_memories.h"
 #include "tests/detectors/hd/published.h"
 #include "tests/detectors/hd/random_frames.h"
 #include "tests/expect.h"

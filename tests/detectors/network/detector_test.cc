@@ -12,8 +12,8 @@
 
 #include <unistd.h>
 
+#include "detectors/detector_kinds.h"
 #include "detectors/network/engine.h"
-#include "detectors/network/network_detector.h"
 #include "tests/detectors/network/networks.h"
 #include "tests/expect.h"
 
@@ -28,7 +28,7 @@ FrameSource papillarray(double rate = 1000.0) {
 }
 
 Parameters parameters(const std::string& model, double threshold = 0.0, double latency = 0.0) {
-  Parameters values = defaults_of(network_entry().parameters);
+  Parameters values = defaults_of(network_detector().about.parameters);
   values.set("model", model);
   values.set("threshold", threshold);
   values.set("latency", latency);
@@ -57,14 +57,14 @@ std::size_t libraries_of_openvino() {
 // ctest runs each test in a process of its own; by hand this one is the first.
 TEST(NetworkDetector, LoadsItsLibraryWithTheFirstNetwork) {
   ASSERT_EQ(libraries_of_openvino(), 0u);
-  EXPECT_THROW(make_network(parameters("none"), papillarray()), SceneValueError);
+  EXPECT_THROW(network_detector().create(parameters("none"), papillarray()), SceneValueError);
   EXPECT_EQ(libraries_of_openvino(), 0u);
-  make_network(parameters(shipped("mlp13.onnx")), papillarray());
+  network_detector().create(parameters(shipped("mlp13.onnx")), papillarray());
   EXPECT_GT(libraries_of_openvino(), 0u);
 }
 
 TEST(NetworkDetector, SaysWhatItsNetworkSaysOfTheLastFrames) {
-  const auto detector = make_network(parameters(shipped("mlp13.onnx")), papillarray());
+  const auto detector = network_detector().create(parameters(shipped("mlp13.onnx")), papillarray());
   ASSERT_EQ(detector->features().size(), 1u);
   EXPECT_EQ(detector->features()[0].name, "slip_probability");
   // A frame of one sample every 5, (x - 0.5) 2 of it, the last two of them.
@@ -98,7 +98,7 @@ TEST(NetworkDetector, SaysWhatItsNetworkSaysOfTheLastFrames) {
 
 TEST(NetworkDetector, CarriesItsStateAndBeginsATrialWithoutOne) {
   for (int trial = 0; trial < 2; ++trial) {
-    const auto detector = make_network(parameters(shipped("gru21.onnx")), papillarray());
+    const auto detector = network_detector().create(parameters(shipped("gru21.onnx")), papillarray());
     Gru gru;
     for (int n = 0; n < 40; ++n) {
       const std::vector<float> values = sample(n);
@@ -114,7 +114,7 @@ TEST(NetworkDetector, TheScenesThresholdAndLatencyCount) {
   const std::vector<float> values = sample(3);
   const double p = Gru().step(std::span(values).first<3>())[1];
   for (const double threshold : {p - 0.01, p + 0.01}) {
-    const auto detector = make_network(parameters(shipped("gru21.onnx"), threshold, 0.004), papillarray());
+    const auto detector = network_detector().create(parameters(shipped("gru21.onnx"), threshold, 0.004), papillarray());
     const SlipEstimate& said = detector->update({.time = 0.0, .values = values});
     EXPECT_EQ(said.state, threshold < p ? PadState::gross : PadState::non_slip);
     EXPECT_EQ(said.latency, 0.004);
@@ -123,7 +123,7 @@ TEST(NetworkDetector, TheScenesThresholdAndLatencyCount) {
 
 std::string refusal(const Parameters& values, const FrameSource& source) {
   try {
-    make_network(values, source);
+    network_detector().create(values, source);
   } catch (const SceneValueError& error) {
     return error.path() + " | " + error.what();
   }

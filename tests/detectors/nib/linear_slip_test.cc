@@ -1,5 +1,5 @@
 // Algorithm 1, replayed by hand, and the detector around it.
-#include "detectors/nib/linear_slip.h"
+#include "detectors/nib/slip_detectors.h"
 
 #include <array>
 #include <memory>
@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "detectors/detector_kinds.h"
 #include "tests/detectors/nib/nib_frames.h"
 
 namespace slipbench::nib {
@@ -40,12 +41,12 @@ TEST(FlagCounter, CountsAsAlgorithmOneDoes) {
 }
 
 std::unique_ptr<Detector> detector(const char* ratio) {
-  Parameters parameters = defaults_of(nib_linear_slip_entry().parameters);
+  Parameters parameters = defaults_of(nib_linear_slip_detector().about.parameters);
   parameters.set("ratio", std::string(ratio));
   parameters.set("threshold", 40.0);
   parameters.set("normal_gain", 2.0);
   parameters.set("shear_gain", 6.0);
-  return make_nib_linear_slip(parameters, nib_source());
+  return nib_linear_slip_detector().create(parameters, nib_source());
 }
 
 // The frame in which slip is first told of a pad that vibrates with `amplitude` counts and is loaded when the tare has ended, at frame 91.

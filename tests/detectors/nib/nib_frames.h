@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "detectors/nib/shear_field.h"
+#include "detectors/nib/features.h"
 #include "sim/core/detector.h"
 
 namespace slipbench::nib {

@@ -1,5 +1,5 @@
 // Normal load, shear and curl of made-up images against closed forms.
-#include "detectors/nib/shear_field.h"
+#include "detectors/nib/features.h"
 
 #include <cmath>
 #include <functional>

@@ -1,8 +1,9 @@
 // No slip, linear, rotational: what the features say, and the state that the detector makes of it.
-#include "detectors/nib/slip_kind.h"
+#include "detectors/nib/slip_detectors.h"
 
 #include <gtest/gtest.h>
 
+#include "detectors/detector_kinds.h"
 #include "tests/detectors/nib/nib_frames.h"
 
 namespace slipbench::nib {
@@ -21,7 +22,7 @@ TEST(SlipKind, IsReadOffThreeFeatures) {
 // 4 counts at 4 Hz are a mean of 75 in their mode, above the bound of 40; seen when the first window is full.
 TEST(SlipKind, IsSlipForTheLoopWhateverItsKind) {
   for (const bool linear : {true, false}) {
-    const auto detector = make_nib_slip_kind(defaults_of(nib_slip_kind_entry().parameters), nib_source());
+    const auto detector = nib_slip_kind_detector().create(defaults_of(nib_slip_kind_detector().about.parameters), nib_source());
     NibFrames frames;
     frames.vibrate(linear ? 4.0 : 0.0, linear ? 0.0 : 4.0);
     PadState state{};

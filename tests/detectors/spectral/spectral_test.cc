@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include "detectors/spectral/band_energy.h"
+#include "detectors/detector_kinds.h"
 #include "detectors/spectral/spectral_features.h"
 #include "sim/core/random.h"
 #include "tests/expect.h"
@@ -82,7 +82,7 @@ FrameSource skin() { return source_at(rate, {{"other", "", {3}, {}}, {"signal", 
 
 // Parameters of band_energy, with a threshold of 2.
 Parameters with(std::initializer_list<std::pair<const char*, double>> values) {
-  Parameters parameters = defaults_of(band_energy_entry().parameters);
+  Parameters parameters = defaults_of(band_energy_detector().about.parameters);
   parameters.set("threshold", 2.0);
   for (const auto& [name, value] : values) parameters.set(name, value);
   return parameters;
@@ -99,7 +99,7 @@ PadState after(Detector& detector, double rms, double frequency = 200.0) {
 }
 
 TEST(BandEnergy, SlipsFromTheThresholdUntilTheRelease) {
-  const auto detector = make_band_energy(with({{"release", 0.7}}), skin());
+  const auto detector = band_energy_detector().create(with({{"release", 0.7}}), skin());
   EXPECT_EQ(after(*detector, 1.99), PadState::non_slip);
   EXPECT_EQ(after(*detector, 2.01), PadState::gross);
   EXPECT_EQ(after(*detector, 1.41), PadState::gross) << "above 0.7 times 2";
@@ -108,21 +108,21 @@ TEST(BandEnergy, SlipsFromTheThresholdUntilTheRelease) {
 }
 
 TEST(BandEnergy, HearsItsBandOnly) {
-  const auto detector = make_band_energy(with({{"low", 100.0}, {"high", 300.0}}), skin());
+  const auto detector = band_energy_detector().create(with({{"low", 100.0}, {"high", 300.0}}), skin());
   EXPECT_EQ(after(*detector, 10.0, 50.0), PadState::non_slip);
   EXPECT_EQ(after(*detector, 10.0, 350.0), PadState::non_slip);
   EXPECT_EQ(after(*detector, 10.0, 300.0), PadState::gross);
 }
 
 TEST(BandEnergy, SaysNothingBeforeTheFirstWindow) {
-  const auto detector = make_band_energy(with({}), skin());
+  const auto detector = band_energy_detector().create(with({}), skin());
   const std::vector<float> values{0.0F, 0.0F, 0.0F, 100.0F};
   for (int n = 0; n < 199; ++n) ASSERT_EQ(detector->update({n / rate, values}).state, PadState::no_contact);
   EXPECT_EQ(detector->update({199 / rate, values}).state, PadState::non_slip) << "a constant has no power in the band";
 }
 
 std::string refusal(const Parameters& parameters, const FrameSource& source) {
-  return refusal_of<SceneValueError>([&] { make_band_energy(parameters, source); });
+  return refusal_of<SceneValueError>([&] { band_energy_detector().create(parameters, source); });
 }
 
 TEST(BandEnergy, RefusesWhatTheSensorCannotGive) {

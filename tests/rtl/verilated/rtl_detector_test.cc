@@ -1,4 +1,4 @@
-#include "rtl/verilated/rtl_detector.h"
+#include "detectors/detector_kinds.h"
 
 #include <array>
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 const FrameSource papillarray = vector_source({"force", "displacement"}, pillar_count, 1000.0);
 
 Parameters published_parameters() {
-  Parameters parameters = defaults_of(gst_hd_rtl_entry().parameters);
+  Parameters parameters = defaults_of(gst_hd_rtl_detector().about.parameters);
   parameters.set("memories", published_folder);
   return parameters;
 }
@@ -40,7 +40,7 @@ class RtlDetector : public testing::TestWithParam<const char*> {};
 
 TEST_P(RtlDetector, SaysWhatTheSoftwareSaysAfterTheCoresCycles) {
   const Parameters software = [] {
-    Parameters parameters = defaults_of(gst_hd_entry().parameters);
+    Parameters parameters = defaults_of(gst_hd_detector().about.parameters);
     parameters.set("memories", published_folder);
     return parameters;
   }();
@@ -52,8 +52,8 @@ TEST_P(RtlDetector, SaysWhatTheSoftwareSaysAfterTheCoresCycles) {
   const unsigned cycles = core_latency(name == "fastest"  ? Unrolling::fastest
                                        : name == "middle" ? Unrolling::middle
                                                           : Unrolling::smallest);
-  const auto expected = make_gst_hd(software, papillarray);
-  const auto actual = make_gst_hd_rtl(hardware, papillarray);
+  const auto expected = gst_hd_detector().create(software, papillarray);
+  const auto actual = gst_hd_rtl_detector().create(hardware, papillarray);
   std::array<std::size_t, 4> seen{};
   for (std::size_t i = 0; i < 4000; ++i) {
     const auto values = frame_at(i);
@@ -73,17 +73,18 @@ TEST(RtlDetector, LatencyCanBeLeftOut) {
   Parameters parameters = published_parameters();
   parameters.set("latency", std::string("zero"));
   const auto values = frame_at(0);
-  EXPECT_EQ(make_gst_hd_rtl(parameters, papillarray)->update({0.0, values}).latency, 0.0);
+  EXPECT_EQ(gst_hd_rtl_detector().create(parameters, papillarray)->update({0.0, values}).latency, 0.0);
 }
 
 TEST(RtlDetector, RefusesWhatTheCoreIsNotBuiltFor) {
   Parameters parameters = published_parameters();
   parameters.set("quantiser", std::string("exact"));
-  EXPECT_THAT(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, papillarray); }),
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, papillarray); }),
               HasSubstr("detector.quantiser: exact is not what the core computes; allowed: fixed_point"));
   parameters = published_parameters();
   parameters.set("compat", std::string("published_core"));
-  EXPECT_THAT(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, papillarray); }), HasSubstr("detector: "));
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, papillarray); }),
+              HasSubstr("detector: "));
 }
 
 // At 100 Hz the frames at 0.20, 0.21, ... 0.30 s: eleven.
@@ -97,7 +98,7 @@ TEST(RtlDetector, WritesTheWaveformOfItsTrialAlone) {
   const auto run = [&](std::uint64_t trial, std::size_t frames) {
     FrameSource source = papillarray;
     source.trial = trial;
-    const auto detector = make_gst_hd_rtl(parameters, source);
+    const auto detector = gst_hd_rtl_detector().create(parameters, source);
     for (std::size_t i = 0; i < frames; ++i) {
       const auto values = frame_at(i);
       detector->update({1e-3 * static_cast<double>(i), values});
@@ -133,21 +134,23 @@ TEST(RtlDetector, RefusesAWaveformBehindTheTrialsEnd) {
   FrameSource source = papillarray;
   source.duration = 0.4;
   parameters.set("waveform_from", 0.39);
-  EXPECT_EQ(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, source); }), "accepted");
+  EXPECT_EQ(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, source); }), "accepted");
   parameters.set("waveform_from", 0.391);
-  EXPECT_THAT(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, source); }),
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, source); }),
               HasSubstr("detector.waveform_from: 391 ms: no classified frame comes from there on; the trial takes 0.4 s"));
   source.trial = 1;
-  EXPECT_EQ(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, source); }), "accepted") << "another trial";
+  EXPECT_EQ(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, source); }), "accepted")
+      << "another trial";
 }
 
 TEST(RtlDetector, RefusesAWaveformOfATrialThatIsNotRun) {
   Parameters parameters = published_parameters();
   parameters.set("waveform_trial", std::int64_t{3});
-  EXPECT_EQ(refusal_of<SceneValueError>([&] { check_waveform_trial(parameters, 3); }), "accepted") << "there is no waveform";
+  EXPECT_EQ(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().check_run(parameters, 3); }), "accepted")
+      << "there is no waveform";
   parameters.set("waveform", std::string("core.fst"));
-  EXPECT_EQ(refusal_of<SceneValueError>([&] { check_waveform_trial(parameters, 4); }), "accepted");
-  EXPECT_THAT(refusal_of<SceneValueError>([&] { check_waveform_trial(parameters, 3); }),
+  EXPECT_EQ(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().check_run(parameters, 4); }), "accepted");
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().check_run(parameters, 3); }),
               HasSubstr("detector.waveform_trial: 3 is not run; allowed: 0 to 2"));
 }
 
@@ -158,9 +161,9 @@ TEST(RtlDetector, RefusesAClockThatDoesNotKeepUp) {
     Parameters parameters = published_parameters();
     parameters.set("unrolling", std::string(unrolling));
     parameters.set("clock", clock);
-    EXPECT_EQ(refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, papillarray); }), "accepted");
+    EXPECT_EQ(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, papillarray); }), "accepted");
     parameters.set("clock", 0.99 * clock);
-    const std::string message = refusal_of<SceneValueError>([&] { make_gst_hd_rtl(parameters, papillarray); });
+    const std::string message = refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, papillarray); });
     EXPECT_THAT(message, HasSubstr("detector.clock: "));
     EXPECT_THAT(message, HasSubstr(std::string("allowed: at least ") + least));
   }

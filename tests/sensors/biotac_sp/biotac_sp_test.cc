@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "sensors/biotac_sp/transduction.h"
+#include "sensors/biotac_sp/skin.h"
 #include "tests/expect.h"
 #include "tests/sensors/biotac_sp/rig.h"
 

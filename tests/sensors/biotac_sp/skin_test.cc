@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "sensors/biotac_sp/transduction.h"
 #include "tests/expect.h"
 #include "tests/sensors/biotac_sp/rig.h"
 

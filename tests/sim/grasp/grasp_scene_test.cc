@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "sim/grasp/grasp.h"
-#include "sim/grasp/grasp_catalogue.h"
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
 #include "tools/program/catalogue/program_catalogues.h"

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/grasp/grasp_catalogue.h"
+#include "sim/grasp/grasp.h"
 #include "sim/grasp/gripper.h"
 #include "tests/expect.h"
 

@@ -1,5 +1,5 @@
 // The press: where the pad is, how fast, when; and what it refuses.
-#include "sim/motion/press.h"
+#include "sim/motion/motion.h"
 
 #include <cmath>
 #include <memory>

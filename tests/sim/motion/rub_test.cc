@@ -1,5 +1,5 @@
 // The rubbing finger: the spot asked for touches, rates are the poses' own, and the processes have the moments that the law says.
-#include "sim/motion/rub.h"
+#include "sim/motion/motion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // The hand of a calibration: within its limits, spread over them, and as fast as it says.
-#include "sim/motion/wander.h"
+#include "sim/motion/motion.h"
 
 #include <algorithm>
 #include <array>

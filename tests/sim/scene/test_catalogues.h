@@ -2,7 +2,6 @@
 #pragma once
 
 #include "sim/scene/catalogues.h"
-#include "sim/scene/materials.h"
 
 namespace slipbench {
 

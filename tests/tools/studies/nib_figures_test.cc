@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "tests/expect.h"
-#include "tools/studies/nib_reconfigurable/nib_table2_run.h"
-#include "tools/studies/nib_reconfigurable/nib_table3_run.h"
+#include "tools/studies/nib_reconfigurable/nib_table2.h"
+#include "tools/studies/nib_reconfigurable/nib_table3.h"
 
 namespace slipbench::reproduce::nib_figures_test {
 namespace {

@@ -9,7 +9,6 @@
 #include "sim/scene/parser.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
-#include "tools/studies/nib_reconfigurable/nib_laws.h"
 
 namespace slipbench::reproduce::nib_signature_test {
 namespace {

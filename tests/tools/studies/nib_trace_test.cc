@@ -1,5 +1,5 @@
 // A recorded trial, put together again as the detector saw it.
-#include "tools/studies/nib_reconfigurable/nib_trace.h"
+#include "tools/studies/nib_reconfigurable/nib_signature.h"
 
 #include <stdexcept>
 

@@ -1,5 +1,5 @@
 // Delays of frames that were called by hand.
-#include "tools/studies/piezo_fft_gru/piezo_alarms.h"
+#include "tools/studies/piezo_fft_gru/piezo_delay.h"
 
 #include <cmath>
 

@@ -1,18 +1,19 @@
 #include "tools/base/dataset/guarded.h"
 
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
-
-#include <poll.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -118,6 +119,48 @@ std::string guarded(const std::string& subject, const ReadingLimits& limits, con
     case ChildEnd::Kind::result: break;
   }
   return end->text;
+}
+
+void ContentCheck::add(std::size_t trial) {
+  const std::size_t file = reader_->file_of(trial);
+  const Digest found = reader_->stored_digest(trial);
+  const std::string written = reader_->trial_sha256(trial);
+  if (reader_->schema(file) > 1 && hexadecimal(found) != written) {
+    throw InputError(fmt::format("{}: /data/demo_{}: is damaged: its content has the SHA-256 {}, its attribute sha256 says {}",
+                                 reader_->files()[file], trial, hexadecimal(found), written));
+  }
+  digests_[file].emplace_back(trial, found);
+}
+
+void ContentCheck::finish(std::size_t file) const {
+  const std::string& written = reader_->content_sha256()[file];
+  if (reader_->schema(file) == 1) {
+    std::fprintf(stderr,
+                 "slipbench: %s: schema 1: its digest covers arrays alone, so attributes such as onset_time_s go unchecked\n",
+                 printable(reader_->files()[file]).c_str());
+  }
+  if (written.empty()) return;
+  const std::string found = reader_->stored_sha256(file, digests_[file]);
+  if (found == written) return;
+  throw InputError(fmt::format("{}: is damaged: its content has the SHA-256 {}, content_sha256 says {}", reader_->files()[file],
+                               found, written));
+}
+
+void ContentCheck::finish() const {
+  for (std::size_t file = 0; file < digests_.size(); ++file) finish(file);
+}
+
+void check_content(const DatasetReader& reader, std::size_t file) {
+  ContentCheck check(reader);
+  for (const std::size_t trial : reader.trials()) {
+    if (reader.file_of(trial) == file) check.add(trial);
+  }
+  check.finish(file);
+}
+
+std::string trial_identity(const DatasetReader& reader, std::size_t trial) {
+  const std::string written = reader.trial_sha256(trial);
+  return written.empty() ? hexadecimal(reader.stored_digest(trial)) : written;
 }
 
 }  // namespace slipbench

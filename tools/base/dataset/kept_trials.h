@@ -8,7 +8,7 @@
 
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/files/file_lock.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/record/trial_record.h"
 
 namespace slipbench {

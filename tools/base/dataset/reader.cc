@@ -9,8 +9,7 @@
 
 #include "sim/core/error.h"
 #include "tools/base/hdf5/hdf5_place.h"
-#include "tools/base/hdf5/heap_check.h"
-#include "tools/base/record/content_walk.h"
+#include "tools/base/record/content_digest.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/layout.h"
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/record/content_walk.h"
+#include "tools/base/record/content_digest.h"
 
 namespace slipbench {
 namespace {

@@ -1,7 +1,6 @@
 #include "tools/base/dataset/stored_trials.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdint>
 #include <string_view>
@@ -11,7 +10,7 @@
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/shard.h"
-#include "tools/base/record/content_walk.h"
+#include "tools/base/record/content_digest.h"
 #include "tools/base/record/layout.h"
 
 namespace slipbench {

@@ -1,15 +1,17 @@
 #include "tools/base/files/output_file.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
-
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -96,6 +98,43 @@ void write_text_file(const std::string& path, const std::string& text) {
   const bool closed = std::fclose(file) == 0;
   if (!written) fail(reason);
   if (!closed || std::rename(temporary.c_str(), path.c_str()) != 0) fail(errno);
+}
+
+namespace fs = std::filesystem;
+
+ScratchFolder::ScratchFolder() {
+  std::error_code error;
+  const fs::path parent = fs::temp_directory_path(error);
+  path_ = ((error ? fs::path("/tmp") : parent) / "slipbench-XXXXXX").string();
+  if (::mkdtemp(path_.data()) == nullptr)
+    throw InputError(fmt::format("cannot make a folder {}: {}", path_, std::generic_category().message(errno)));
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+Descriptor::~Descriptor() {
+  if (value_ >= 0) ::close(value_);
+}
+
+Descriptor lock_file(const std::string& path) {
+  const auto refuse = [&](const char* reason) { throw InputError("cannot write " + path + ": " + reason); };
+  // A link that has come since the name was checked is not followed.
+  Descriptor descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666));
+  if (descriptor.get() < 0) refuse(std::strerror(errno));
+  if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) != 0) {
+    refuse(errno == EWOULDBLOCK ? "another run is writing it" : std::strerror(errno));
+  }
+  // Between the two calls the run that had the lock may have given the file its final name, under which it is not this run's.
+  struct stat locked {
+  }, named{};
+  if (::fstat(descriptor.get(), &locked) != 0) refuse(std::strerror(errno));
+  if (::stat(path.c_str(), &named) != 0 || locked.st_ino != named.st_ino || locked.st_dev != named.st_dev) {
+    refuse("another run is writing it");
+  }
+  return descriptor;
 }
 
 }  // namespace slipbench

@@ -1,8 +1,9 @@
-// What may be written to, and files that appear whole.
+// Files and folders of ours: written whole, for the time being, or locked.
 #pragma once
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace slipbench {
@@ -30,5 +31,45 @@ void rename_file(const std::string& from, const std::string& to);
 // Writes `text` to PATH.partial, syncs it and renames it. Throws InputError when that is not possible; then nothing is left
 // behind. Call check_text_target before.
 void write_text_file(const std::string& path, const std::string& text);
+
+// A folder for what a command needs only while it runs.
+
+// Empty at first, in the system's folder for temporary files; removed with its object. Throws InputError where it cannot be made.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+  // The path of `name` in it.
+  [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
+
+ private:
+  std::string path_;
+};
+
+// Files that one run at a time writes.
+
+// An open descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int value = -1) : value_(value) {}
+  ~Descriptor();
+  Descriptor(Descriptor&& other) noexcept : value_(std::exchange(other.value_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(value_, other.value_);
+    return *this;
+  }
+  [[nodiscard]] int get() const { return value_; }
+
+ private:
+  int value_;
+};
+
+// Opens the file for reading and writing, makes it where there is none, and locks it against other runs for as long as the
+// descriptor lives. Throws InputError, "cannot write PATH: another run is writing it" or with the system's reason.
+Descriptor lock_file(const std::string& path);
 
 }  // namespace slipbench

@@ -1,9 +1,146 @@
 #include "tools/base/record/content_digest.h"
 
+#include <algorithm>
+#include <array>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 namespace slipbench {
+namespace {
+
+using hdf5::check;
+using hdf5::Handle;
+using hdf5::Place;
+
+// The kinds of numbers that a dataset has, as numpy writes them; empty: none of them.
+std::string_view kind_of(const Handle& type) {
+  struct Kind {
+    hid_t type;
+    std::string_view name;
+  };
+  const std::array kinds{Kind{H5T_IEEE_F64LE, "<f8"}, Kind{H5T_IEEE_F32LE, "<f4"}, Kind{H5T_STD_U64LE, "<u8"},
+                         Kind{H5T_STD_U32LE, "<u4"}, Kind{H5T_STD_U8LE, "|u1"}};
+  const auto found = std::ranges::find_if(kinds, [&](const Kind& kind) { return H5Tequal(type.get(), kind.type) > 0; });
+  return found == kinds.end() ? std::string_view() : found->name;
+}
+
+struct Values {
+  std::string_view kind;  // empty: texts
+  std::vector<std::size_t> extents;
+  std::vector<std::uint8_t> bytes;
+  std::vector<std::string> texts;
+};
+
+Values array_values(const Place& place, const Handle& array) {
+  const Handle type(H5Dget_type(array.get()), &H5Tclose);
+  Values values{kind_of(type), hdf5::array_extents(place, array), {}, {}};
+  if (H5Tget_class(type.get()) == H5T_STRING) {
+    values.texts = hdf5::texts_of(place, array);
+    return values;
+  }
+  if (values.kind.empty()) place.fail("is of a type that no dataset has");
+  const std::size_t size = H5Tget_size(type.get());
+  values.bytes.resize(size * hdf5::count_of(place, values.extents, size, hdf5::best_compression));
+  if (!values.bytes.empty() && H5Dread(array.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.bytes.data()) < 0) {
+    place.fail("cannot be read: " + hdf5::last_error());
+  }
+  return values;
+}
+
+Values attribute_values(const Place& place, const Handle& object, const std::string& name) {
+  const hdf5::Attribute attribute = hdf5::open_attribute(place, object, name);
+  Values values{kind_of(attribute.type), attribute.shape, {}, {}};
+  if (H5Tget_class(attribute.type.get()) == H5T_STRING) {
+    values.texts = hdf5::texts_of(place, attribute, name);
+    return values;
+  }
+  if (values.kind.empty()) place.fail("attribute " + name + " is of a type that no dataset has");
+  const std::size_t size = H5Tget_size(attribute.type.get());
+  values.bytes.resize(size * hdf5::count_of(place, attribute.shape, size, 1));
+  if (!values.bytes.empty() && H5Aread(attribute.handle.get(), attribute.type.get(), values.bytes.data()) < 0) {
+    place.fail("attribute " + name + " cannot be read: " + hdf5::last_error());
+  }
+  return values;
+}
+
+void add(ContentDigest& digest, const std::string& key, const Values& values) {
+  if (values.kind.empty()) {
+    digest.add_texts(key, values.extents, values.texts);
+  } else {
+    digest.add_numbers(key, values.kind, values.extents, values.bytes.data(), values.bytes.size());
+  }
+}
+
+// Calls visit(place, object, path) for `object`, a group or array that is open at `place`, and all below it; `path` is that inside the first.
+template <class Visit>
+void visit_from(const Place& place, const Handle& object, const std::string& path, const Visit& visit) {
+  H5O_info_t info{};  // goes through its lists of chunks and members as others do who ask for all that there is to know
+  if (H5Oget_info2(object.get(), &info, H5O_INFO_ALL) < 0) place.fail("is damaged: " + hdf5::last_error());
+  visit(place, object, path);
+  if (H5Iget_type(object.get()) != H5I_GROUP) return;
+  if (static_cast<std::size_t>(std::ranges::count(path, '/')) >= hdf5::deepest) place.fail("lies too deep in the file");
+  for (const std::string& name : hdf5::members_of(place, object)) {
+    const Place member = place.below(name);
+    visit_from(member, hdf5::open_member(member, object, name), path.empty() ? name : path + "/" + name, visit);
+  }
+}
+
+template <class Visit>
+void visit_all(const Place& place, const std::string& path, const Visit& visit) {
+  visit_from(place, hdf5::open_object(place), path, visit);
+}
+
+// Adds the entries of an object: an array's values, and all attributes but `except`, which only the first object has.
+void add_object(ContentDigest& digest, const Place& place, const Handle& object, const std::string& path, const char* except) {
+  if (H5Iget_type(object.get()) != H5I_GROUP) add(digest, path, array_values(place, object));
+  for (const std::string& name : hdf5::attributes_of(place, object)) {
+    if (path.empty() && name == except) continue;
+    add(digest, path + "@" + name, attribute_values(place, object, name));
+  }
+}
+
+}  // namespace
+
+Digest stored_trial_digest(const Place& demo) {
+  ContentDigest digest;
+  visit_all(demo, "", [&](const Place& place, const Handle& object, const std::string& path) {
+    add_object(digest, place, object, path, trial_sha256_name);
+  });
+  return digest.finish();
+}
+
+Digest stored_arrays_digest(const Place& demo) {
+  std::vector<std::string> paths;
+  visit_all(demo, "", [&](const Place&, const Handle& object, const std::string& path) {
+    if (H5Iget_type(object.get()) != H5I_GROUP) paths.push_back(path);
+  });
+  std::ranges::sort(paths);
+  Sha256 hash;
+  for (const std::string& path : paths) {
+    const Place place = demo.below(path);
+    const Values values = array_values(place, hdf5::open_object(place));
+    hash.update(path.c_str(), path.size() + 1);  // with its final zero byte
+    hash.update(values.bytes.data(), values.bytes.size());
+  }
+  return hash.finish();
+}
+
+Digest stored_file_digest(const Place& root, const std::vector<std::pair<std::size_t, Digest>>& trials) {
+  ContentDigest digest;
+  add_object(digest, root, hdf5::open_object(root), "", file_sha256_name);
+  for (const std::string& name : hdf5::members_of(root)) {
+    const Place place = root.below(name);
+    if (name == "data") {
+      add_object(digest, place, hdf5::open_object(place), name, "");
+      continue;
+    }
+    visit_all(place, name,
+              [&](const Place& at, const Handle& object, const std::string& path) { add_object(digest, at, object, path, ""); });
+  }
+  for (const auto& [trial, sum] : trials) digest.add_trial(fmt::format("data/demo_{}", trial), sum);
+  return digest.finish();
+}
 
 void ContentDigest::begin(const std::string& key, std::string_view type, const std::vector<std::size_t>& extents) {
   std::string head = key;

@@ -4,10 +4,8 @@
 #include <array>
 #include <cstring>
 #include <fstream>
-#include <stdexcept>
 #include <string_view>
 
-#include <fmt/format.h>
 #include <libdeflate.h>
 
 #include "sim/core/error.h"
@@ -15,7 +13,6 @@
 #include "sim/core/process/regular_file.h"
 #include "tools/base/record/arrays.h"
 #include "tools/base/record/content_digest.h"
-#include "tools/base/record/content_walk.h"
 #include "tools/base/record/layout.h"
 
 namespace slipbench {

@@ -1,7 +1,6 @@
 // One trial in memory, column by column, as it stands in a dataset under /data/demo_<k>.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>

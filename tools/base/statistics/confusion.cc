@@ -1,7 +1,6 @@
 #include "tools/base/statistics/confusion.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <vector>

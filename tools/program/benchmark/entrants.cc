@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "detectors/hd/shipped_memories.h"
+#include "detectors/hd/memory_files.h"
 #include "detectors/network/engine.h"
 #include "sim/core/detector.h"
 #include "sim/core/error.h"

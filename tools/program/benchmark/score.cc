@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "tools/base/statistics/bootstrap.h"
+#include "tools/base/statistics/descriptive.h"
 
 namespace slipbench::benchmark {
 namespace {

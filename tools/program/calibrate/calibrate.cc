@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,8 +10,6 @@
 #include "sim/core/random.h"
 #include "tools/program/calibrate/disturbances.h"
 #include "tools/program/calibrate/electronics_fit.h"
-#include "tools/program/calibrate/fitted_scene.h"
-#include "tools/program/calibrate/groups.h"
 #include "tools/program/calibrate/model.h"
 #include "tools/program/calibrate/recordings.h"
 #include "tools/program/calibrate/search.h"

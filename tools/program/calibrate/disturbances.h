@@ -1,7 +1,6 @@
 // What a sensor's electronics do to its readings, and how much of the difference between two recordings they explain.
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>

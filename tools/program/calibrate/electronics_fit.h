@@ -1,7 +1,6 @@
 // Keys of a sensor's electronics (the scale of its noise, of its gains, ...), by how much they disturb.
 #pragma once
 
-#include <atomic>
 #include <vector>
 
 #include <Eigen/Core>

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "sim/core/quantity.h"
+#include "sim/scene/parser.h"
+#include "tools/base/page/json.h"
 
 namespace slipbench::calibrate {
 
@@ -28,5 +30,11 @@ struct FitKey {
 // Reads "KEY: {min: .., max: .., draw: uniform or log_uniform, each: true or false}", a YAML map of one key or several; draw and each may be left
 // out. Throws InputError: what was found, what is allowed.
 std::vector<FitKey> parse_fit_keys(const std::string& text);
+
+// The scene file with what was fitted in it.
+
+// YAML: at its head what was fitted and how well it is known, then `file` with the values of `result` (calibrate.h) in it. A key of every
+// recording is drawn by the sweep, with the centre and scatter that were found.
+std::string fitted_scene(const SceneFile& file, const std::vector<FitKey>& keys, const Json& result);
 
 }  // namespace slipbench::calibrate

@@ -11,7 +11,7 @@
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/scene/sweep.h"
-#include "sim/scene/swept_value.h"
+#include "sim/scene/yaml_tree.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::calibrate {

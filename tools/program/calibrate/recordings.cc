@@ -9,7 +9,7 @@
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/workers/packed.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/import/import.h"
 
 namespace slipbench::calibrate {

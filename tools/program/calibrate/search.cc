@@ -4,9 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
-#include <functional>
 #include <optional>
-#include <utility>
 
 #include <Eigen/Cholesky>
 #include <nlopt.hpp>

@@ -1,45 +1,21 @@
 #include "tools/program/catalogue/detector_catalogue.h"
 
+#include "detectors/detector_kinds.h"
 #include "detectors/flip.h"
-#include "detectors/force_ratio.h"
 #include "detectors/hd/hd_detector.h"
-#include "detectors/network/network_detector.h"
-#include "detectors/nib/linear_slip.h"
-#include "detectors/nib/slip_kind.h"
-#include "detectors/plugin_detector.h"
-#include "detectors/shear_rate.h"
-#include "detectors/spectral/band_energy.h"
-#include "detectors/stuck_fraction.h"
-#include "rtl/verilated/rtl_detector.h"
-#include "sim/core/detector.h"
+#include "detectors/nib/slip_detectors.h"
+#include "rtl/verilated/rtl_engine.h"
 #include "sim/core/error.h"
-#include "tools/program/catalogue/oracle.h"
 #include "tools/program/catalogue/registry.h"
 
 namespace slipbench {
 namespace {
 
-// A detector that a scene may name.
-struct DetectorKind {
-  Entry about;
-  std::unique_ptr<Detector> (*create)(const Parameters& parameters, const FrameSource& source);  // none: the oracle
-  void (*check_run)(const Parameters& parameters, std::uint64_t trials) = nullptr;  // none: it asks nothing of the run
-};
-
-// All detectors, one line each.
 const std::vector<DetectorKind>& detector_catalogue() {
   static const std::vector<DetectorKind> kinds{
-      {force_ratio_entry(), make_force_ratio},
-      {stuck_fraction_entry(), make_stuck_fraction},
-      {shear_rate_entry(), make_shear_rate},
-      {band_energy_entry(), make_band_energy},
-      {gst_hd_entry(), make_gst_hd},
-      {gst_hd_rtl_entry(), make_gst_hd_rtl, check_waveform_trial},
-      {nib_linear_slip_entry(), make_nib_linear_slip},
-      {nib_slip_kind_entry(), make_nib_slip_kind},
-      {network_entry(), make_network},
-      {plugin_detector_entry(), make_plugin_detector},
-      {oracle_entry(), nullptr},
+      force_ratio_detector(), stuck_fraction_detector(), shear_rate_detector(),      band_energy_detector(),
+      gst_hd_detector(),      gst_hd_rtl_detector(),     nib_linear_slip_detector(), nib_slip_kind_detector(),
+      network_detector(),     plugin_detector(),         {oracle_entry(), nullptr},
   };
   return kinds;
 }
@@ -93,6 +69,75 @@ void check_run(const DetectorScene& scene, std::uint64_t trials) {
   for (const DetectorKind& kind : detector_catalogue()) {
     if (kind.about.name == scene.type && kind.check_run != nullptr) kind.check_run(scene.parameters, trials);
   }
+}
+
+namespace {
+
+class Oracle final : public Detector {
+ public:
+  Oracle(double latency, const Simulation& simulation, std::size_t pad) : latency_(latency), simulation_(simulation), pad_(pad) {}
+
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    const ContactFrame& truth = simulation_.contact(pad_);
+    return estimate_ = {frame.time, latency_, truth.state, truth.stuck_fraction};
+  }
+
+ private:
+  double latency_;
+  const Simulation& simulation_;
+  std::size_t pad_;
+  SlipEstimate estimate_;
+};
+
+}  // namespace
+
+Entry oracle_entry() {
+  return {
+      .name = std::string(oracle_type),
+      .summary = "ORACLE, no detector: the true class of the pad, to tell a detector's faults from a controller's.",
+      .law =
+          "at each sample of the sensor: the true class by the rule strict (a pillar slips when all of it slips), and the true stuck fraction of the pad's elements",
+      .source = "the simulation's own contact, which no detector sees",
+      .parameters = {
+          number_spec("latency", Quantity::time, "0 s", non_negative, "Time from the sample until the class is there.", "free")}};
+}
+
+std::unique_ptr<Detector> make_oracle(const Parameters& parameters, const Simulation& simulation, std::size_t pad) {
+  return std::make_unique<Oracle>(parameters.number("latency"), simulation, pad);
+}
+
+namespace {
+
+struct EngineKind {
+  const char* name;
+  std::unique_ptr<hd::Engine> (*create)(const hd::Model& model, const hd::Memories& memories);
+};
+
+// The core that is fastest to simulate; all unrollings decide alike.
+std::unique_ptr<hd::Engine> make_rtl(const hd::Model& model, const hd::Memories& memories) {
+  return hd::make_rtl_engine(model, memories, {.unrolling = hd::Unrolling::smallest});
+}
+
+// All engines, one line each.
+constexpr EngineKind engine_catalogue[] = {
+    {"kernel", hd::make_kernel},
+    {"reference", hd::make_reference},
+    {"rtl", make_rtl},
+};
+
+}  // namespace
+
+std::vector<std::string> hd_engine_names() {
+  std::vector<std::string> names;
+  for (const EngineKind& kind : engine_catalogue) names.emplace_back(kind.name);
+  return names;
+}
+
+std::unique_ptr<hd::Engine> make_hd_engine(std::string_view name, const hd::Model& model, const hd::Memories& memories) {
+  for (const EngineKind& kind : engine_catalogue) {
+    if (kind.name == name) return kind.create(model, memories);
+  }
+  throw InputError("unknown engine " + quote(name) + allowed_names(name, hd_engine_names()));
 }
 
 }  // namespace slipbench

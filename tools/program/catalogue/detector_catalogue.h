@@ -1,11 +1,15 @@
 // Where the program's detectors are composed: the one place that names them all.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "detectors/hd/engine.h"
 #include "sim/core/detector.h"
 #include "sim/core/parameters.h"
 #include "sim/scene/scene.h"
@@ -32,5 +36,22 @@ std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameS
 
 // Throws SceneValueError where `scene` names a trial that is not among the first `trials`, at least one.
 void check_run(const DetectorScene& scene, std::uint64_t trials);
+
+// The oracle: the true state of a pad in a detector's place. With it a loop shows the faults of its controller alone.
+
+// The catalogue's entry, whose name is oracle_type.
+Entry oracle_entry();
+
+// At each frame of the sensor of pad `pad` the pad's true class, by the rule strict, and stuck fraction. `parameters`: those of oracle_entry(),
+// all present. `simulation` must outlive it.
+std::unique_ptr<Detector> make_oracle(const Parameters& parameters, const Simulation& simulation, std::size_t pad);
+
+// Where the engines of the hyperdimensional classifier are composed: in C++, and those that are hardware.
+
+// "kernel", "reference", "rtl".
+std::vector<std::string> hd_engine_names();
+
+// The engine of that name. Throws InputError for a name that the catalogue does not have, and what the engine itself refuses.
+std::unique_ptr<hd::Engine> make_hd_engine(std::string_view name, const hd::Model& model, const hd::Memories& memories);
 
 }  // namespace slipbench

@@ -14,7 +14,7 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "tools/base/workers/interrupt.h"
-#include "tools/program/catalogue/expectation_catalogue.h"
+#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/report/report.h"
 
 namespace slipbench {

@@ -12,8 +12,8 @@
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
 #include "tools/base/statistics/binomial.h"
-#include "tools/program/sweep/detector_score.h"
 #include "tools/program/sweep/run_sweep.h"
+#include "tools/program/sweep/sweep_json.h"
 #include "tools/program/sweep/warnings.h"
 
 namespace slipbench {

@@ -12,7 +12,6 @@
 
 #include "sim/core/parameters.h"
 #include "tools/program/cli/command.h"
-#include "tools/program/cli/suggestion.h"
 #include "tools/program/cli/terminal.h"
 
 namespace slipbench {

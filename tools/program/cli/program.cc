@@ -14,7 +14,8 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "tools/program/cli/command.h"
+#include "sim/core/process/own_library.h"
+#include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/doctor/build_info.h"
 
@@ -23,15 +24,10 @@ namespace {
 
 int print_version(bool json) {
   const BuildInfo& info = build_info();
-  if (json) {
-    fmt::print(
-        "{}\n",
-        nlohmann::ordered_json{
-            {"version", info.version}, {"commit", info.commit}, {"compiler", info.compiler}, {"build_type", info.build_type}}
-            .dump());
-  } else {
-    fmt::print("slipbench {} (commit {}, {}, {})\n", info.version, info.commit, info.compiler, info.build_type);
-  }
+  if (json)
+    return print_json(nlohmann::ordered_json{
+        {"version", info.version}, {"commit", info.commit}, {"compiler", info.compiler}, {"build_type", info.build_type}});
+  fmt::print("slipbench {} (commit {}, {}, {})\n", info.version, info.commit, info.compiler, info.build_type);
   return exit_good;
 }
 
@@ -92,6 +88,24 @@ int run_program(const Commands& commands, const std::vector<std::string>& words)
     print_error("internal error, please report it: ", error.what());
     return exit_bad_input;
   }
+}
+
+void CommandElsewhere::declare(Arguments& arguments) {
+  arguments.about(name_, summary_, "\n");
+  arguments.pass_on(words_);
+}
+
+int CommandElsewhere::run() {
+  const std::string program = own_path(program_);
+  std::vector<std::string> words{program, name_};
+  if (json) words.emplace_back("--json");
+  words.insert(words.end(), words_.begin(), words_.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  execv(program.c_str(), pointers.data());
+  throw InputError(fmt::format("{}: cannot start {}: {}; it belongs beside slipbench, and its CMake target is {}", name_, program,
+                               std::strerror(errno), program_));
 }
 
 }  // namespace slipbench

@@ -8,6 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/error.h"
+#include "tools/program/cli/command.h"
+
 namespace slipbench {
 namespace {
 
@@ -73,6 +76,30 @@ std::string wrap_text(std::string_view text, std::size_t width, std::size_t inde
     result += '\n';
   }
   return result;
+}
+
+std::string Table::text(const Style& style) const {
+  std::vector<std::size_t> widths(rows_.front().size(), 0);
+  for (const auto& row : rows_) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  std::string result;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    std::string line = fmt::format("  {:<{}}", rows_[r][0], widths[0]);
+    for (std::size_t i = 1; i < rows_[r].size(); ++i) line += fmt::format("  {:>{}}", rows_[r][i], widths[i]);
+    result += (r == 0 ? style.dim(line) : line) + '\n';
+  }
+  return result;
+}
+
+std::string suggestion(const std::string& word, const std::vector<std::string>& candidates) {
+  const std::string nearest = nearest_name(word, candidates);
+  return nearest.empty() ? ";" : fmt::format("; did you mean '{}'?", nearest);
+}
+
+int print_json(const nlohmann::ordered_json& result) {
+  fmt::print("{}\n", result.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  return exit_good;
 }
 
 }  // namespace slipbench

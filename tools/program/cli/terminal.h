@@ -1,10 +1,13 @@
-// What the program may do with the stream it writes to: colours, line width, redrawing.
+// What a person at a terminal reads: colours, widths, tables, suggestions.
 #pragma once
 
 #include <cstddef>
 #include <cstdio>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
 
 namespace slipbench {
 
@@ -39,5 +42,30 @@ std::size_t terminal_width(std::FILE* stream);
 // Text broken at spaces so that no line is longer than `width`, unless one word is. Line ends of the text are kept. Every line
 // starts with `indent` spaces and ends with '\n'.
 std::string wrap_text(std::string_view text, std::size_t width, std::size_t indent);
+
+// Tables as the commands print them.
+
+// A table with right-aligned columns, the first one left-aligned.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> head) : rows_{std::move(head)} {}
+
+  // `row` has as many cells as the head.
+  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+
+  // Its lines, indented by two spaces; the head is dim.
+  [[nodiscard]] std::string text(const Style& style) const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+// Help after a word that was not understood.
+
+// What follows "unknown x 'word'" in a message: "; did you mean 'name'?" when a candidate is near, else ";".
+std::string suggestion(const std::string& word, const std::vector<std::string>& candidates);
+
+// The result of `--json`: an object on a line of stdout; bytes that are no UTF-8 are replaced. Returns exit_good.
+int print_json(const nlohmann::ordered_json& result);
 
 }  // namespace slipbench

@@ -2,14 +2,20 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/core/error.h"
+#include "sim/core/process/own_library.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
+#include "tools/program/doctor/doctor.h"
+#include "tools/program/plugin/plugin_builds.h"
 #include "tools/program/text/describe.h"
 #include "tools/program/text/recipe_text.h"
 
@@ -35,8 +41,7 @@ int ListCommand::run() {
   if (json) {
     nlohmann::ordered_json lists = list_json(items, kinds);
     if (recipes) lists["recipes"] = recipe_list_json();
-    fmt::print("{}\n", lists.dump());
-    return exit_good;
+    return print_json(lists);
   }
   const Style style = style_for(stdout);
   const std::size_t width = terminal_width(stdout);
@@ -67,13 +72,46 @@ int DescribeCommand::run() {
     nlohmann::ordered_json entries = nlohmann::ordered_json::array();
     for (const CatalogueItem& item : found) entries.push_back(describe_json(item, catalogues));
     if (is_recipe) entries.push_back(recipe_json(*recipe));
-    fmt::print("{}\n", nlohmann::ordered_json{{"name", name}, {"entries", entries}}.dump());
-    return exit_good;
+    return print_json({{"name", name}, {"entries", entries}});
   }
   const Style style = style_for(stdout);
   for (std::size_t i = 0; i < found.size(); ++i)
     fmt::print("{}{}", i == 0 ? "" : "\n", describe_text(found[i], catalogues, style, terminal_width(stdout)));
   if (is_recipe) fmt::print("{}", recipe_text(*recipe, style, terminal_width(stdout)));
+  return exit_good;
+}
+
+void DoctorCommand::declare(Arguments& arguments) {
+  arguments.about("doctor", "Check the installation", R"(
+Exit status 0 when everything required is there, 1 otherwise, with the command that installs it.)");
+}
+
+int DoctorCommand::run() { return doctor_main(json); }
+
+void PluginPathCommand::declare(Arguments& arguments) {
+  arguments.about("plugin-path", "Print where the MuJoCo plugin is", R"(
+For `mj_loadPluginLibrary`: the library looks which MuJoCo loads it, and takes the build for that version. With --mujoco: the build for one version.
+scenes/mujoco/README.md shows what the plugin is for.)");
+  arguments.text("--mujoco VERSION", mujoco, "The build for this version of MuJoCo, such as 3.3.7");
+}
+
+int PluginPathCommand::run() {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path front = own_path(SLIPBENCH_PLUGIN);
+  if (!fs::exists(front, error)) {
+    throw InputError(fmt::format(
+        "there is no MuJoCo plugin {}: `./slipbench plugin-path` builds it where there is MuJoCo; `slipbench doctor` says how to get that",
+        front.string()));
+  }
+  const std::string build = mujoco.empty() ? front.filename().string() : plugin_build(mujoco);
+  if (build.empty()) {
+    throw InputError(fmt::format("--mujoco {}: there is no build of the plugin for MuJoCo {}; allowed: {}", mujoco, mujoco,
+                                 plugin_versions_text(mujoco)));
+  }
+  const fs::path path = fs::canonical(front.parent_path() / build);
+  if (json) return print_json({{"plugin", path.string()}});
+  fmt::print("{}\n", path.string());
   return exit_good;
 }
 

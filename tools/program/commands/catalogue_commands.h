@@ -1,4 +1,4 @@
-// `list` and `describe`: what a scene may name.
+// The commands that say what there is: to name in a scene, and on this machine.
 #pragma once
 
 #include <string>
@@ -7,6 +7,7 @@
 
 namespace slipbench {
 
+// `list` and `describe`: what a scene may name.
 class ListCommand final : public Command {
  public:
   void declare(Arguments& arguments) override;
@@ -21,6 +22,22 @@ class DescribeCommand final : public Command {
   int run() override;
 
   std::string name;
+};
+
+// `doctor` and `plugin-path`: what is installed, and where.
+class DoctorCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+};
+
+class PluginPathCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+ private:
+  std::string mujoco;  // version
 };
 
 }  // namespace slipbench

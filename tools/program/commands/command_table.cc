@@ -3,23 +3,11 @@
 #include <memory>
 #include <utility>
 
-#include "tools/program/cli/command_elsewhere.h"
+#include "tools/program/cli/program.h"
 #include "tools/program/commands/catalogue_commands.h"
 #include "tools/program/commands/dataset_commands.h"
-#include "tools/program/commands/detectors/benchmark_command.h"
-#include "tools/program/commands/detectors/calibrate_command.h"
-#include "tools/program/commands/detectors/eval_command.h"
-#include "tools/program/commands/detectors/hd_commands.h"
-#include "tools/program/commands/detectors/train_command.h"
-#include "tools/program/commands/import_command.h"
-#include "tools/program/commands/installation_commands.h"
-#include "tools/program/commands/simulation/check_command.h"
-#include "tools/program/commands/simulation/cluster_command.h"
-#include "tools/program/commands/simulation/cost_command.h"
-#include "tools/program/commands/simulation/merge_command.h"
+#include "tools/program/commands/detectors/detector_commands.h"
 #include "tools/program/commands/simulation/simulation_commands.h"
-#include "tools/program/commands/simulation/view_command.h"
-#include "tools/program/commands/verify_command.h"
 
 namespace slipbench {
 

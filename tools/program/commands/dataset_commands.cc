@@ -6,17 +6,20 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/core/error.h"
+#include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/workers/interrupt.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/export/python_formats.h"
+#include "tools/program/verify/verify.h"
 
 namespace slipbench {
 namespace {
@@ -69,11 +72,8 @@ int ReportCommand::run() {
   const std::string page = output.empty() ? std::filesystem::path(dataset).replace_extension(".html").string() : output;
   write_report(dataset, page, options);
   say_failed(dataset);
-  if (json) {
-    fmt::print("{}\n", nlohmann::ordered_json{{"report", page}}.dump());
-  } else {
-    fmt::print("{} {}\n{} open it in a browser\n", style_for(stdout).good("written:"), page, style_for(stdout).dim("next:"));
-  }
+  if (json) return print_json({{"report", page}});
+  fmt::print("{} {}\n{} open it in a browser\n", style_for(stdout).good("written:"), page, style_for(stdout).dim("next:"));
   return exit_good;
 }
 
@@ -128,16 +128,149 @@ int ExportCommand::run() {
   }
   const std::vector<std::string> files = export_dataset(dataset, output, options, progress_of(json));
   say_failed(dataset);
-  if (json) {
-    fmt::print("{}\n", nlohmann::ordered_json{{"files", files}}.dump());
+  if (json) return print_json({{"files", files}});
+  std::uintmax_t bytes = 0;
+  for (const std::string& file : files) bytes += std::filesystem::file_size(file);
+  const std::string what = files.size() == 1 ? files.front() : fmt::format("{} files", files.size());
+  fmt::print("{} {}, {}{}\n", style_for(stdout).good("written:"), what, size_text(bytes),
+             files.size() == 1 ? "" : ", in " + output);
+  return exit_good;
+}
+
+void ImportCommand::declare(Arguments& arguments) {
+  arguments.about("import", "Read recordings of real sensors into a dataset",
+                  fmt::format(R"(
+The dataset has the readings, and in place of the truth a sentence that says so. What the recordings say of slip is their state_paper.
+
+Formats:
+{}
+Examples:
+  slipbench import logs --format papillarray-csv -o recorded.h5
+  slipbench import training --format training-csv -o published.h5 --seed 3)",
+                              import_formats_text()));
+  arguments.texts("SOURCE ...", options.sources, "Files, and folders whose .csv files are all meant").required();
+  arguments
+      .read("--format NAME", fmt::format("{}, see below", fmt::join(import_format_names(), " or ")),
+            [this](const std::string& name) { options.format = &import_format(name); })
+      .required();
+  arguments.file("-o,--output FILE.h5", options.output, "Dataset to write (default: none, the sources are only checked)");
+  arguments.number("--seed N", options.seed, "Of the split into training, validation and test (default: 1)", 0);
+}
+
+int ImportCommand::run() {
+  ImportSummary summary;
+  try {
+    const InterruptGuard guard("stopping; nothing is kept");
+    const InterruptScope scope(&InterruptGuard::flag());
+    summary = import_recordings(options);
+  } catch (const Interrupted&) {
+    say(stderr, "slipbench: interrupted; nothing is written\n");
+    return exit_interrupted;
+  }
+  if (json)
+    return print_json({{"sources", summary.sources},
+                       {"trials", summary.trials},
+                       {"samples", summary.samples},
+                       {"repeated_rows", summary.repeated_rows},
+                       {"objects", summary.objects},
+                       {"files", summary.files}});
+  const Style style = style_for(stdout);
+  fmt::print("{} recordings of {} files, {} samples{}\n", summary.trials, summary.sources, summary.samples,
+             summary.objects.empty() ? "" : fmt::format(", {} objects", summary.objects.size()));
+  if (summary.repeated_rows > 0)
+    fmt::print("{} rows left out that say the one before again, word for word\n", summary.repeated_rows);
+  for (const std::string& file : summary.files) fmt::print("{} {}\n", style.good("written:"), file);
+  if (summary.files.empty()) {
+    say(stderr, "slipbench: nothing is written\n");
   } else {
-    std::uintmax_t bytes = 0;
-    for (const std::string& file : files) bytes += std::filesystem::file_size(file);
-    const std::string what = files.size() == 1 ? files.front() : fmt::format("{} files", files.size());
-    fmt::print("{} {}, {}{}\n", style_for(stdout).good("written:"), what, size_text(bytes),
-               files.size() == 1 ? "" : ", in " + output);
+    fmt::print("{} slipbench verify {}\n", style.dim("next:"), summary.files.front());
   }
   return exit_good;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The text of a dataset's value, as a terminal may get it: it comes from a file.
+std::string text_of(const Json& value) { return printable(value.get<std::string>()); }
+
+// "trial 3, labels/pad/force, sample 17: ".
+std::string place_of(const Json& failure) {
+  std::string place;
+  const auto add = [&place](const std::string& part) { place += (place.empty() ? "" : ", ") + part; };
+  if (!failure["trial"].is_null()) add(fmt::format("trial {}", failure["trial"].get<std::size_t>()));
+  if (!failure["array"].is_null()) add(text_of(failure["array"]));
+  if (!failure["sample"].is_null()) add(fmt::format("sample {}", failure["sample"].get<std::size_t>()));
+  return place.empty() ? "" : place + ": ";
+}
+
+std::string report_of(const Json& dataset, const Style& style) {
+  const bool holds = dataset["holds"].get<bool>();
+  std::string text = fmt::format("{} {}: {} trials in {} files{}\n", holds ? style.good("holds:") : style.error("does not hold:"),
+                                 text_of(dataset["file"]), dataset["trials"].get<std::size_t>(), dataset["files"].size(),
+                                 dataset["complete"].get<bool>() ? "" : ", of a run that did not come to its end");
+  for (const Json& check : dataset["checks"]) {
+    const std::string name = check["check"].get<std::string>();
+    const auto failed = check["failed"].get<std::size_t>();
+    text += fmt::format("  {:<8} {:>12} {}{}\n", name, check["checked"].get<std::size_t>(), check["of"].get<std::string>(),
+                        failed == 0 ? "" : ", " + style.error(fmt::format("{} failed", failed)));
+    for (const Json& failure : dataset["failures"]) {
+      if (failure["check"] == name) text += fmt::format("    {}{}\n", place_of(failure), text_of(failure["what"]));
+    }
+    for (const Json& reason : check["left_out"]) text += fmt::format("    {} {}\n", style.dim("left out:"), text_of(reason));
+  }
+  return text;
+}
+
+std::string sweep_report(const Json& sweep, const Style& style) {
+  std::string text =
+      fmt::format("{} the {} shards together", sweep["holds"].get<bool>() ? style.good("holds:") : style.error("does not hold:"),
+                  sweep["shards"].get<std::size_t>());
+  if (!sweep["trials"].is_null()) text += fmt::format(": {} trials", sweep["trials"].get<std::size_t>());
+  if (!sweep["duplicates"].is_null() && sweep["duplicates"] != 0) {
+    text += fmt::format(", {} of them twice with the same digest, which is harmless", sweep["duplicates"].get<std::size_t>());
+  }
+  text += "\n";
+  for (const Json& failure : sweep["failures"]) text += fmt::format("  {}\n", text_of(failure));
+  return text;
+}
+
+}  // namespace
+
+void VerifyCommand::declare(Arguments& arguments) {
+  arguments.about("verify", "Hold datasets against themselves", R"(
+Checks digests, order and masks of trials, times, that values are finite, events against onset times and states, and Coulomb's law in the
+labels. Shards of a sweep (sweep --shard k/n) are held against each other too: one sweep, no gaps, no trial twice with different digests. Says what was checked, what was left out and why, and what does not hold, with trial, array and sample.
+Exit status 1: something does not hold; 2: a file cannot be read.
+
+Examples:
+  slipbench verify hexapod.h5
+  slipbench verify shard-1.h5 shard-2.h5
+  slipbench verify hexapod.h5 --json)");
+  arguments.texts("FILE ...", datasets, "Datasets (HDF5), by their first files").required();
+}
+
+int VerifyCommand::run() {
+  const Verified verified = verify_datasets(datasets);
+  const Style style = style_for(stdout);
+  if (json) {
+    Json object{{"holds", verified.holds && verified.readable}, {"datasets", verified.datasets}};
+    if (!verified.sweep.is_null()) object["sweep"] = verified.sweep;
+    print_json(object);
+  }
+  for (const Json& dataset : verified.datasets) {
+    if (dataset.contains("error")) {
+      say(stderr,
+          fmt::format("{} {}\n", style_for(stderr).error("slipbench:"), printable(dataset["error"].get<std::string>(), true)));
+    } else if (!json) {
+      fmt::print("{}", dataset.contains("part_of") ? fmt::format("verified with its first file: {}\n", text_of(dataset["file"]))
+                                                   : report_of(dataset, style));
+    }
+  }
+  if (!json && !verified.sweep.is_null()) fmt::print("{}", sweep_report(verified.sweep, style));
+  if (!verified.readable) return exit_bad_input;
+  return verified.holds ? exit_good : exit_check_failed;
 }
 
 }  // namespace slipbench

@@ -1,14 +1,17 @@
-// `report` and `export`: a dataset in other forms.
+// The commands that read and write datasets.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tools/program/cli/command.h"
 #include "tools/program/export/export.h"
+#include "tools/program/import/import.h"
 #include "tools/program/report/report.h"
 
 namespace slipbench {
 
+// `report` and `export`: a dataset in other forms.
 class ReportCommand final : public Command {
  public:
   void declare(Arguments& arguments) override;
@@ -27,6 +30,24 @@ class ExportCommand final : public Command {
   std::string dataset;
   std::string output;  // folder
   ExportOptions options;
+};
+
+// `import`: recordings of real sensors as a dataset.
+class ImportCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  ImportOptions options;
+};
+
+// `verify`: is a dataset what it says?
+class VerifyCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::vector<std::string> datasets;
 };
 
 }  // namespace slipbench

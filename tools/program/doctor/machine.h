@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include <nlohmann/json.hpp>
+
 namespace slipbench {
 
 // Name of the processor as the kernel gives it, or "unknown".
@@ -22,5 +24,11 @@ std::string find_program(std::string_view name);
 
 // Versions of those of the named Debian packages that are installed. Empty where dpkg is not there.
 std::map<std::string, std::string, std::less<>> installed_packages(std::span<const std::string> names);
+
+// What a measured time or count depends on, to stand beside every figure that is published.
+
+// {"cpu", "cores", "avx2", "os", "compiler", "flags", "build_type", "version", "commit", "mujoco", "load"}: cores are hardware threads, load
+// is the mean number of running processes over the last minute (null where the system does not say), mujoco is null without MuJoCo.
+nlohmann::ordered_json environment_json();
 
 }  // namespace slipbench

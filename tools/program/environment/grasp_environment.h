@@ -1,7 +1,6 @@
 // A grasp whose commands come from outside: a policy in the controller's place.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>

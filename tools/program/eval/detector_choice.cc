@@ -5,8 +5,8 @@
 #include <memory>
 #include <utility>
 
-#include "detectors/hd/shipped_memories.h"
-#include "detectors/network/network_detector.h"
+#include "detectors/detector_kinds.h"
+#include "detectors/hd/memory_files.h"
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "tools/program/catalogue/detector_catalogue.h"

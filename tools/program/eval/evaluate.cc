@@ -14,7 +14,6 @@
 
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
-#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/encoder.h"

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "tools/base/statistics/binomial.h"
-#include "tools/base/statistics/bootstrap.h"
 #include "tools/base/statistics/descriptive.h"
 
 namespace slipbench::eval {

@@ -11,8 +11,8 @@
 
 #include "tools/base/page/json.h"
 #include "tools/base/record/trial_record.h"
-#include "tools/base/statistics/auc.h"
 #include "tools/base/statistics/confusion.h"
+#include "tools/base/statistics/roc.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/eval/truth.h"
 

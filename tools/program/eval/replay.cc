@@ -10,7 +10,7 @@
 
 #include "sim/core/error.h"
 #include "tools/program/catalogue/detector_catalogue.h"
-#include "tools/program/run/delayed_detector.h"
+#include "tools/program/run/sampling.h"
 
 namespace slipbench::eval {
 namespace {

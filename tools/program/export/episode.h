@@ -1,8 +1,6 @@
 // A trial as a sequence of observations and actions at one rate.
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 

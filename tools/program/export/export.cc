@@ -12,22 +12,15 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/arrays.h"
 #include "tools/program/export/export_plan.h"
-#include "tools/program/export/grasp_csv.h"
-#include "tools/program/export/npz.h"
+#include "tools/program/export/formats.h"
 #include "tools/program/export/output_folder.h"
-#include "tools/program/export/papillarray_csv.h"
-#include "tools/program/export/robomimic.h"
-#include "tools/program/export/slip_csv.h"
-#include "tools/program/export/table_csv.h"
 #include "tools/program/samples/commanded_motion.h"
 #include "tools/program/samples/myrmex_images.h"
 #include "tools/program/samples/papillarray_samples.h"
-#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {

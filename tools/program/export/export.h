@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/program/samples/slip_rule.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-#include "tools/program/export/npz.h"
+#include "tools/program/export/formats.h"
 
 #include <cstdint>
 #include <memory>

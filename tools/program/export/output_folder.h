@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/base/files/output_file.h"
@@ -35,5 +36,13 @@ class OutputFolder {
   bool compress_;
   std::vector<std::string> made_;
 };
+
+// Text files in the container of gzip.
+
+// As `gzip` writes it, without a name or a time: the same text gives the same bytes.
+std::string gzip(std::string_view text);
+
+// The text of a file of gzip that begins so, up to 64 kB of it; empty: it is none.
+std::string beginning_of_gzip(std::string_view bytes);
 
 }  // namespace slipbench

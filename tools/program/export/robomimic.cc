@@ -1,4 +1,4 @@
-#include "tools/program/export/robomimic.h"
+#include "tools/program/export/formats.h"
 
 #include <algorithm>
 #include <cerrno>

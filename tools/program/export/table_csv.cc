@@ -1,4 +1,4 @@
-#include "tools/program/export/table_csv.h"
+#include "tools/program/export/formats.h"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,6 @@
 // sources which know nothing of this work in every release of mujoco_layouts.h.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "tools/program/plugin/mujoco_layouts.h"

@@ -7,15 +7,14 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/grasp/grasp_catalogue.h"
+#include "sim/grasp/grasp.h"
 #include "sim/motion/motion.h"
-#include "sim/scene/materials.h"
+#include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
 #include "sim/scene/scene_values.h"
 #include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench::report {
-
 namespace {
 
 // As a scene writes it, on one line.

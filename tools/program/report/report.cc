@@ -16,7 +16,6 @@
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
-#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
@@ -31,7 +30,6 @@
 #include "tools/program/sweep/warnings.h"
 
 namespace slipbench {
-
 namespace {
 
 // A page in all [bytes]: it can be sent by mail, and a browser opens it at once. Its rows and curves share what its scripts leave.

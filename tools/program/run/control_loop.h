@@ -11,7 +11,6 @@
 
 #include "sim/core/controller.h"
 #include "sim/grasp/held_box.h"
-#include "tools/program/run/delayed_detector.h"
 #include "tools/program/run/sampling.h"
 
 namespace slipbench {

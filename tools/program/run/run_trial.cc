@@ -5,7 +5,6 @@
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"

@@ -1,12 +1,10 @@
 // Images of a Myrmex array as its public tools and its paper's training read them.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "tools/base/record/trial_record.h"
 

@@ -9,7 +9,7 @@
 
 #include "sim/core/pad_state.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/program/samples/slip_rule.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 

@@ -24,9 +24,7 @@
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/run/recorder.h"
-#include "tools/program/run/run_trial.h"
 #include "tools/program/run/split.h"
-#include "tools/program/sweep/named_files.h"
 #include "tools/program/sweep/sweep_shard.h"
 
 namespace slipbench {

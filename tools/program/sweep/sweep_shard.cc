@@ -1,14 +1,17 @@
 #include "tools/program/sweep/sweep_shard.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
@@ -57,6 +60,41 @@ std::vector<std::size_t> trials_of_shard(const TrialPlan& plan, std::size_t tria
   for (std::size_t i = number - 1; i < order.size(); i += count) mine.push_back(order[i]);
   std::ranges::sort(mine);
   return mine;
+}
+
+namespace {
+
+void add_paths(const std::vector<Entry>& entries, const std::string& name, const Parameters& parameters,
+               std::set<std::string>& paths) {
+  const auto entry = std::ranges::find(entries, name, &Entry::name);
+  if (entry == entries.end()) return;
+  for (const ParameterSpec& spec : entry->parameters) {
+    if (spec.type != ParameterType::path) continue;
+    if (const std::string& path = parameters.path(spec.name); path != spec.default_text) paths.insert(path);
+  }
+}
+
+}  // namespace
+
+void add_named_files(const Scene& scene, const Catalogues& catalogues, std::set<std::string>& paths) {
+  if (!scene.model.empty()) paths.insert(scene.model);
+  for (const SensorScene& sensor : scene.sensors) add_paths(catalogues.sensors, sensor.type, sensor.parameters, paths);
+  if (scene.detector) add_paths(catalogues.detectors, scene.detector->type, scene.detector->parameters, paths);
+  if (scene.controller) add_paths(catalogues.controllers, scene.controller->name, scene.controller->parameters, paths);
+}
+
+std::map<std::string, std::string> digests_of(const std::set<std::string>& paths) {
+  std::map<std::string, std::string> digests;
+  for (const std::string& path : paths) {
+    if (!std::filesystem::is_directory(path)) {
+      digests[path] = file_sha256(path);
+      continue;
+    }
+    for (const auto& entry : std::filesystem::directory_iterator(path)) {
+      if (entry.is_regular_file()) digests[entry.path().string()] = file_sha256(entry.path().string());
+    }
+  }
+  return digests;
 }
 
 }  // namespace slipbench

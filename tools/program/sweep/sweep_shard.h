@@ -3,9 +3,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <set>
+#include <string>
 #include <vector>
 
+#include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
+#include "sim/scene/scene.h"
 
 namespace slipbench {
 
@@ -15,5 +20,14 @@ namespace slipbench {
 // fidelity nor the sensors, and in a sweep of more than 10,000 cells. Throws InputError where there are fewer trials than shards.
 std::vector<std::size_t> trials_of_shard(const TrialPlan& plan, std::size_t trials, std::uint64_t seed, std::size_t number,
                                          std::size_t count);
+
+// The files that decide what a scene's trials give, beside the scene itself.
+
+// Adds the paths that the scene names: its model, and parameters of type path that are not at their default. A model's own
+// includes and meshes are not among them.
+void add_named_files(const Scene& scene, const Catalogues& catalogues, std::set<std::string>& paths);
+
+// SHA-256 as 64 hexadecimal digits, by path; a folder stands for the files in it. Throws InputError for what cannot be read.
+std::map<std::string, std::string> digests_of(const std::set<std::string>& paths);
 
 }  // namespace slipbench

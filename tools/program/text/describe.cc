@@ -10,7 +10,6 @@
 #include "sim/core/error.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_values.h"
-#include "tools/program/cli/suggestion.h"
 
 namespace slipbench {
 namespace {

@@ -1,6 +1,8 @@
 #include "tools/program/text/eval_text.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -8,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/program/cli/table.h"
 #include "tools/program/eval/evaluate.h"
 #include "tools/program/eval/metrics.h"
 
@@ -127,6 +128,134 @@ std::string eval_text(const Json& result, const Style& style) {
     for (const Json& worst : result.at("worst")) {
       text += fmt::format("  trial {}: {}\n", worst.at("trial").get<std::size_t>(), worst.at("why").get<std::string>());
     }
+  }
+  return text;
+}
+
+namespace {
+
+using cost::Exploration;
+using cost::Price;
+using cost::Row;
+
+// Those of a line: what a terminal has room for. The page and --json have all.
+constexpr std::array shown{Measure::onset, Measure::force, Measure::label, Measure::creep, Measure::outcome, Measure::detector};
+
+// Settings that are named of those that one reason has kept from running.
+constexpr std::size_t most_named = 3;
+
+std::vector<Measure> measures_of(const Exploration& exploration) {
+  std::vector<Measure> measures;
+  for (const Measure measure : shown) {
+    if (at(exploration.own().errors, measure)) measures.push_back(measure);
+  }
+  return measures;
+}
+
+std::string number_text(double number) { return number < 100.0 ? fmt::format("{:.2g}", number) : cost::ratio_text(number); }
+
+std::string error_text(const Errors& errors, Measure measure) {
+  const std::optional<MeasureError>& error = at(errors, measure);
+  if (!error) return "";
+  if (error->different) return "other";
+  return error->worst == 0.0 ? "0" : number_text(info_of(measure).factor * error->worst);
+}
+
+std::string head_of(Measure measure) { return fmt::format("{} [{}]", info_of(measure).name, info_of(measure).unit); }
+
+void add_row(const Exploration& exploration, const Row& row, const std::vector<Measure>& measures, Table& table) {
+  std::vector<std::string> cells{"  " + row.setting.label};
+  if (row.ok()) {
+    cells.push_back(cost::ratio_text(1.0 / exploration.cost(row)));
+    cells.push_back(cost::ratio_text(1e3 * row.cpu->median));
+    const double spread = 50.0 * (row.cpu->high - row.cpu->low) / row.cpu->median;
+    cells.push_back(std::isnan(spread) ? "" : fmt::format("{:.0f} %", spread));
+  } else {
+    cells.insert(cells.end(), {std::string(cost::status_name(row.status)), "", ""});
+  }
+  for (const Measure measure : measures) cells.push_back(row.ok() ? error_text(row.errors, measure) : "");
+  table.add(std::move(cells));
+}
+
+std::string settings_text(const Exploration& exploration, const Style& style) {
+  const std::vector<Measure> measures = measures_of(exploration);
+  std::vector<std::string> head{"setting", "x real time", "CPU ms", "+-"};
+  for (const Measure measure : measures) head.push_back(head_of(measure));
+  Table table(head);
+  for (const cost::Series& series : cost::all_series()) {
+    bool first = true;
+    for (const Row& row : exploration.rows) {
+      if (row.setting.series != series.name) continue;
+      if (first)
+        table.add([&] {
+          std::vector<std::string> line(head.size());
+          line.front() = series.title;
+          return line;
+        }());
+      first = false;
+      add_row(exploration, row, measures, table);
+    }
+  }
+  return table.text(style);
+}
+
+// Each reason once, with the first few that did not run for it.
+std::string failures_text(const Exploration& exploration, std::size_t width) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> reasons;
+  for (const Row& row : exploration.rows) {
+    if (row.ok()) continue;
+    auto reason = std::ranges::find(reasons, row.why, &std::pair<std::string, std::vector<std::string>>::first);
+    if (reason == reasons.end()) reason = reasons.insert(reasons.end(), {row.why, {}});
+    reason->second.push_back(fmt::format("{} {}", row.setting.series, row.setting.label));
+  }
+  std::string text;
+  for (auto& [why, rows] : reasons) {
+    if (rows.size() > most_named) {
+      const std::string more = fmt::format("{} more", rows.size() - most_named);
+      rows.resize(most_named);
+      rows.push_back(more);
+    }
+    text += wrap_text(fmt::format("{}: {}", fmt::join(rows, "; "), why), width, 2);
+  }
+  return text;
+}
+
+std::string prices_text(const Exploration& exploration, const Style& style) {
+  const std::vector<Measure> measures = [&] {
+    std::vector<Measure> all = measures_of(exploration);
+    all.push_back(Measure::signal);
+    return all;
+  }();
+  std::vector<std::string> head{"without", "CPU saved", "quartiles"};
+  for (const Measure measure : measures) head.push_back(head_of(measure));
+  Table table(head);
+  for (const Price& price : exploration.prices) {
+    std::vector<std::string> cells{price.name};
+    if (price.why.empty()) {
+      cells.push_back(fmt::format("{:.1f} %", 100.0 * price.share));
+      cells.push_back(std::isnan(price.low) ? "" : fmt::format("{:.1f} to {:.1f}", 100.0 * price.low, 100.0 * price.high));
+    } else {
+      cells.insert(cells.end(), {"does not run", ""});
+    }
+    for (const Measure measure : measures) cells.push_back(price.why.empty() ? error_text(price.changes, measure) : "");
+    table.add(std::move(cells));
+  }
+  return table.text(style);
+}
+
+}  // namespace
+
+std::string cost_text(const Exploration& exploration, const Style& style, std::size_t width) {
+  std::string text =
+      fmt::format("{}\n", style.heading(exploration.description.empty() ? exploration.scene_path : exploration.description));
+  for (const std::string& sentence : cost::sentences(exploration)) text += wrap_text(sentence, width, 2);
+  text += fmt::format("\n{}", settings_text(exploration, style));
+  if (const std::string failures = failures_text(exploration, width); !failures.empty()) {
+    text += fmt::format("\n{}\n{}", style.heading("did not run"), failures);
+  }
+  if (!exploration.prices.empty()) {
+    text += fmt::format("\n{}\n{}", style.heading("what each effect and part of the electronics costs and changes"),
+                        prices_text(exploration, style));
   }
   return text;
 }

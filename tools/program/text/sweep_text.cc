@@ -20,7 +20,6 @@
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/cli/progress.h"
-#include "tools/program/cli/table.h"
 
 namespace slipbench {
 namespace {

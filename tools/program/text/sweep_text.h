@@ -10,8 +10,8 @@
 #include "sim/scene/scene.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/sweep/detector_score.h"
 #include "tools/program/sweep/run_sweep.h"
+#include "tools/program/sweep/sweep_json.h"
 
 namespace slipbench {
 

@@ -1,4 +1,4 @@
-// Who trains and who is tested: a bootstrap within conditions.
+// Draws of what is learnt and judged, and how late slip is told.
 #pragma once
 
 #include <cstddef>
@@ -6,9 +6,12 @@
 #include <span>
 #include <vector>
 
+#include "sim/core/pad_state.h"
 #include "tools/program/train/sequences.h"
 
 namespace slipbench {
+
+// Who trains and who is tested: a bootstrap within conditions.
 
 // Draws made of a dataset: number 0 is for choosing parameters, the others make the figures (paper, section IV.A).
 inline constexpr std::size_t draw_count = 6;
@@ -30,5 +33,23 @@ struct BootstrapDraw {
 // Conditional bootstrap: of each condition as many items are drawn as it has, with replacement, by RandomStream(seed, draw,
 // "bootstrap"). `conditions`: one an item. Of n items of a condition (1 - 1/n)^n are left for the test on average: 35 % of 10.
 BootstrapDraw bootstrap(std::span<const std::size_t> conditions, std::uint64_t seed, std::size_t draw);
+
+// When slip was noticed.
+
+// Over sequences; `early`, `missed` and the like are those of Detection (tools/base/record/trial_record.h): the first frame that is called slip
+// decides.
+struct Delays {
+  std::vector<double>
+      delay;              // s, of the sequences seen: from the true onset to the first frame called slip, which is at or after it
+  std::size_t early = 0;  // of those that slip: a frame before the onset was called slip
+  std::size_t missed = 0;        // of those that slip: no frame was
+  std::size_t false_alarms = 0;  // of those that do not: a frame was
+  std::size_t slipping = 0;      // sequences that slip: delay.size() + early + missed
+  std::size_t sequences = 0;     // all
+
+  // Adds a sequence: times of its judged frames [s], ascending, and what each was called. `onset` [s]; NaN: it never slips.
+  void add(std::span<const double> time, std::span<const PadState> called, double onset);
+  void add(const Delays& other);
+};
 
 }  // namespace slipbench

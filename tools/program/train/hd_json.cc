@@ -1,9 +1,7 @@
 #include "tools/program/train/hd_json.h"
 
 #include <cmath>
-
-#include "detectors/hd/words.h"
-#include "tools/program/train/hd_words.h"
+#include <stdexcept>
 
 namespace slipbench {
 namespace {
@@ -111,6 +109,16 @@ Json train_json(const HdSummary& summary, const HdTraining& options) {
           {"frames", summary.samples},
           {"by_sequence", draws_json(summary.by_sequence)},
           {"by_frame", draws_json(summary.by_frame)}};
+}
+
+std::string model_name(const hd::Model& model) {
+  const std::string prefix = model.context_driven ? "CL-" : "";
+  switch (model.encoding) {
+    case hd::Encoding::spatial: return prefix + "sHDC";
+    case hd::Encoding::spatial_temporal: return prefix + "stHDC";
+    case hd::Encoding::graph_spatial_temporal: return prefix + "gstHDC";
+  }
+  throw std::logic_error("encoding without a name");
 }
 
 }  // namespace slipbench

@@ -1,12 +1,15 @@
 // Tests as numbers for programs.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "detectors/hd/model.h"
+#include "detectors/hd/words.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/train/train_hd.h"
 
@@ -31,5 +34,15 @@ nlohmann::ordered_json evaluation_json(const Evaluation& evaluation);
 nlohmann::ordered_json draws_json(std::span<const Evaluation> draws);
 
 nlohmann::ordered_json train_json(const HdSummary& summary, const HdTraining& options);
+
+// The names of the paper for what makes a classifier.
+
+// Encoders on the command line, as the paper abbreviates them.
+inline constexpr std::array encoder_words{hd::Word<hd::Encoding>{"shdc", hd::Encoding::spatial},
+                                          hd::Word<hd::Encoding>{"sthdc", hd::Encoding::spatial_temporal},
+                                          hd::Word<hd::Encoding>{"gsthdc", hd::Encoding::graph_spatial_temporal}};
+
+// "CL-gstHDC".
+std::string model_name(const hd::Model& model);
 
 }  // namespace slipbench

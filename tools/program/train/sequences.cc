@@ -7,10 +7,9 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/workers/packed.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/samples/papillarray_samples.h"
 
 namespace slipbench {

@@ -10,7 +10,7 @@
 
 #include "sim/core/pad_state.h"
 #include "tools/program/samples/commanded_motion.h"
-#include "tools/program/samples/slip_rule.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 

@@ -9,12 +9,10 @@
 #include <vector>
 
 #include "detectors/hd/features.h"
-#include "detectors/hd/hypervector.h"
 #include "detectors/hd/memories.h"
 #include "detectors/hd/memory_files.h"
 #include "detectors/hd/model.h"
 #include "tools/base/statistics/confusion.h"
-#include "tools/program/train/delays.h"
 #include "tools/program/train/draws.h"
 #include "tools/program/train/sequences.h"
 

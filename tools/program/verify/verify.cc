@@ -17,8 +17,6 @@
 #include "tools/base/record/layout.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"
-#include "tools/program/verify/cone_law.h"
-#include "tools/program/verify/label_checks.h"
 #include "tools/program/verify/verification.h"
 
 namespace slipbench {

@@ -22,7 +22,7 @@
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/files/scratch_folder.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/page/asset.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/export/export.h"

@@ -7,9 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/statistics/auc.h"
+#include "tools/base/statistics/roc.h"
 #include "tools/program/train/recipes/recipe.h"
-#include "tools/studies/grid.h"
 
 namespace slipbench::reproduce::biotac {
 namespace {
@@ -94,16 +93,16 @@ std::string cell(const MeanSd& share) {
 
 Json json_of(const Scores& scores) {
   Json json;
-  const auto add = [&](const char* name, const MeanSd& share) {
+  for (const auto& [name, figure] : {std::pair{"accuracy", &Scores::accuracy},
+                                     {"balanced_accuracy", &Scores::balanced},
+                                     {"precision", &Scores::precision},
+                                     {"recall", &Scores::recall},
+                                     {"f1", &Scores::f1},
+                                     {"auc", &Scores::auc}}) {
+    const MeanSd& share = scores.*figure;
     json[name] = std::isnan(share.mean) ? Json() : Json(share.mean);
     json[std::string(name) + "_sd"] = std::isnan(share.sd) ? Json() : Json(share.sd);
-  };
-  add("accuracy", scores.accuracy);
-  add("balanced_accuracy", scores.balanced);
-  add("precision", scores.precision);
-  add("recall", scores.recall);
-  add("f1", scores.f1);
-  add("auc", scores.auc);
+  }
   return json;
 }
 
@@ -142,7 +141,7 @@ void Lessons::run() {
   const std::vector<std::vector<Answer>> said = run_in_processes<Answer>(
       tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
       [this](std::size_t k) {
-        const Task& task = tasks_[k];
+        const FoldTask& task = tasks_[k];
         return answers_of(*task.examples, train::logits_in_fold(*task.examples, task.fold_of, task.fold, task.validation),
                           train::history_of(task.validation.shape));
       });

@@ -4,14 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tools/base/statistics/descriptive.h"
 #include "tools/studies/biotac/biotac_recordings.h"
+#include "tools/studies/grid.h"
 
 namespace slipbench::reproduce::biotac {
 
@@ -77,17 +76,8 @@ class Lessons {
   [[nodiscard]] const std::vector<Answer>& answers(std::size_t lesson) const { return answers_[lesson]; }
 
  private:
-  struct Task {
-    std::size_t of;  // lesson
-    std::shared_ptr<const std::vector<train::FoldExample>> examples;
-    std::vector<std::size_t> fold_of;
-    std::size_t fold;
-    train::Validation validation;
-    std::string name;
-  };
-
   const ReproduceOptions& options_;
-  std::vector<Task> tasks_;
+  std::vector<FoldTask> tasks_;  // of a lesson each
   std::vector<std::vector<Answer>> answers_;
 };
 

@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+from scipy import ndimage, signal
 
 RATE = 100.0  # Hz
 CLASSES = ("n", "e", "s", "w", "cw", "aw", "t")
@@ -67,17 +68,12 @@ def read_folder(folder):
 
 def detrended(x):
     """Columns without their mean and straight line."""
-    t = np.arange(len(x)) - (len(x) - 1) / 2
-    x = x - x.mean(0)
-    return x - np.outer(t, (t @ x) / (t @ t))
+    return signal.detrend(x, axis=0)
 
 
 def smoothed(x, sd=SMOOTHING):
     """Columns under a Gaussian of `sd` rows cut at 4 sd, mirrored at the ends."""
-    reach = int(4 * sd + 0.5)
-    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sd) ** 2)
-    padded = np.pad(x, ((reach, reach), (0, 0)), "symmetric")
-    return np.stack([np.convolve(column, kernel / kernel.sum(), "valid") for column in padded.T], axis=1)
+    return ndimage.gaussian_filter1d(x, sd, axis=0)
 
 
 def most_active(counts):
@@ -85,18 +81,9 @@ def most_active(counts):
     return int(detrended(counts).std(0).argmax())
 
 
-def spectrum(x):
-    """Welch's one-sided density [counts^2/Hz] of a series: Hann windows of 256 rows that overlap by half. Frequencies [Hz], density."""
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(SEGMENT) / SEGMENT)
-    starts = range(0, len(x) - SEGMENT + 1, SEGMENT // 2)
-    power = np.mean([np.abs(np.fft.rfft(window * x[a:a + SEGMENT])) ** 2 for a in starts], axis=0)
-    density = power / (window @ window) / RATE
-    density[1:-1] *= 2
-    return np.fft.rfftfreq(SEGMENT, 1 / RATE), density
-
-
 def active_spectrum(recording):
-    return spectrum(detrended(recording.counts)[:, most_active(recording.counts)])
+    """Welch's one-sided density [counts^2/Hz]: Hann windows of 256 rows that overlap by half. Frequencies [Hz], density."""
+    return signal.welch(detrended(recording.counts)[:, most_active(recording.counts)], RATE, nperseg=SEGMENT, detrend=False)
 
 
 def band_rms(recording):

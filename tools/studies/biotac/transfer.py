@@ -9,6 +9,10 @@ import argparse
 import sys
 
 import numpy as np
+from sklearn.linear_model import LogisticRegression
+from sklearn.metrics import balanced_accuracy_score, roc_auc_score
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
 
 import recordings as rec
 from recordings import CLASSES, BadInput
@@ -36,63 +40,12 @@ def level_and_dynamics(window):
 FEATURES = {"sorted spreads": sorted_spreads, "dynamics": dynamics, "level and dynamics": level_and_dynamics}
 
 
-class LogisticRegression:
-    """Softmax of a linear function, with a penalty on the squared weights; classes weigh the same. Newton's method, from zero."""
-
-    def __init__(self, x, y, classes):
-        self.mean, self.sd = x.mean(0), x.std(0) + 1e-12
-        x = self._with_one(x)
-        (count, size), target = x.shape, np.eye(classes)[y]
-        weight = (count / classes / target.sum(0))[y]
-        ridge = np.repeat(np.r_[np.full(size - 1, PENALTY), 1e-6], classes)  # the last: of the constant
-        self.weights = np.zeros((size, classes))
-
-        def loss(weights):
-            scores = x @ weights
-            scores = scores - scores.max(1, keepdims=True)
-            return (weight @ (np.log(np.exp(scores).sum(1)) - (scores * target).sum(1))) + 0.5 * ridge @ weights.ravel() ** 2
-
-        for _ in range(100):
-            p = self._softmax(x @ self.weights)
-            gradient = (x.T @ (weight[:, None] * (p - target))).ravel() + ridge * self.weights.ravel()
-            hessian = np.empty((size, classes, size, classes))
-            for a in range(classes):
-                for b in range(a, classes):
-                    block = x.T @ ((weight * p[:, a] * ((a == b) - p[:, b]))[:, None] * x)
-                    hessian[:, a, :, b] = hessian[:, b, :, a] = block
-            flat = hessian.reshape(size * classes, -1)
-            step = np.linalg.solve(flat + np.diag(ridge), gradient).reshape(size, classes)
-            length, before = 1.0, loss(self.weights)
-            while length > 1e-6 and loss(self.weights - length * step) > before:
-                length /= 2
-            self.weights = self.weights - length * step
-            if length * np.abs(step).max() < 1e-8:
-                break
-
-    def _with_one(self, x):
-        return np.hstack([(x - self.mean) / self.sd, np.ones((len(x), 1))])
-
-    @staticmethod
-    def _softmax(scores):
-        e = np.exp(scores - scores.max(1, keepdims=True))
-        return e / e.sum(1, keepdims=True)
-
-    def probabilities(self, x):
-        return self._softmax(self._with_one(x) @ self.weights)
-
-
-def auc(scores, positive):
-    """Chance that a positive scores higher than a negative; ties count half."""
-    order = np.concatenate([scores[positive], scores[~positive]])
-    values, where, counts = np.unique(order, return_inverse=True, return_counts=True)
-    rank = (np.cumsum(counts) - (counts - 1) / 2)[where]
-    n, m = positive.sum(), (~positive).sum()
-    return (rank[:n].sum() - n * (n + 1) / 2) / (n * m)
-
-
-def balanced_accuracy(found, truth):
-    """Mean over the classes of the share that is found."""
-    return np.mean([(found[truth == c] == c).mean() for c in np.unique(truth)])
+def classifier(x, y):
+    """Softmax of a linear function of standardised features, with a penalty on the squared weights; classes weigh the same."""
+    # Of two classes scikit-learn has one vector of weights, the difference of the softmax's two, whose squares are half of its square.
+    strength = (2 if len(np.unique(y)) == 2 else 1) / PENALTY
+    regression = LogisticRegression(C=strength, class_weight="balanced", solver="newton-cholesky", tol=1e-8, max_iter=1000)
+    return make_pipeline(StandardScaler(), regression).fit(x, y)
 
 
 def table_of(recordings, features):
@@ -108,16 +61,15 @@ def scores(train, test):
     for name, features in FEATURES.items():
         (x, c), (x_test, c_test) = table_of(train, features), table_of(test, features)
         touch = CLASSES.index("t")
-        slip = LogisticRegression(x, (c != touch).astype(int), 2)
-        found[name] = {"slip AUC": auc(slip.probabilities(x_test)[:, 1], c_test != touch)}
+        found[name] = {"slip AUC": roc_auc_score(c_test != touch, classifier(x, c != touch).predict_proba(x_test)[:, 1])}
         if name == "sorted spreads":
             continue
-        p = LogisticRegression(x, c, len(CLASSES)).probabilities(x_test)
-        found[name]["seven classes"] = balanced_accuracy(p.argmax(1), c_test)
+        p = classifier(x, c).predict_proba(x_test)
+        found[name]["seven classes"] = balanced_accuracy_score(c_test, p.argmax(1))
         for a, b in (("n", "s"), ("e", "w"), ("cw", "aw")):
             i, j = CLASSES.index(a), CLASSES.index(b)
             of = (c_test == i) | (c_test == j)
-            found[name][f"{a} or {b}"] = balanced_accuracy(np.where(p[of, i] > p[of, j], i, j), c_test[of])
+            found[name][f"{a} or {b}"] = balanced_accuracy_score(c_test[of], np.where(p[of, i] > p[of, j], i, j))
     return found
 
 

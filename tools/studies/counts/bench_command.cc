@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -19,11 +18,8 @@
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
-#include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/studies/counts/compare.h"
 #include "tools/studies/counts/count.h"
-#include "tools/studies/counts/drawing.h"
 #include "tools/studies/counts/results.h"
 
 namespace slipbench::counts {
@@ -214,7 +210,7 @@ int BenchCommand::run() {
   if (compares) {
     const std::vector<SceneChange> changes = compare(before->results, *results);
     if (json) {
-      fmt::print("{}\n", comparison_json(changes, before->path).dump());
+      print_json(comparison_json(changes, before->path));
     } else {
       fmt::print("{}", comparison_text(changes, before->path, style));
     }
@@ -224,11 +220,8 @@ int BenchCommand::run() {
     write_text_file(output, results_json(*results));
     write_text_file(drawing_beside(output), drawing(*results));
   }
-  if (json) {
-    fmt::print("{}\n", counts_json(*results).dump());
-  } else {
-    fmt::print("{}", counts_text(*results, style));
-  }
+  if (json) return print_json(counts_json(*results));
+  fmt::print("{}", counts_text(*results, style));
   return exit_good;
 }
 

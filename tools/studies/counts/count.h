@@ -3,11 +3,13 @@
 
 #include <atomic>
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sim/scene/catalogues.h"
 #include "tools/studies/counts/results.h"
@@ -38,5 +40,15 @@ Facts context_facts();
 // sensors, detectors, controllers, set-up of the trial included, start of the program, reading of the scene and output not.
 // Empty when interrupted. Throws InputError where valgrind is missing or fails, and where a scene cannot be found.
 std::optional<Results> count_reference_scenes(const CountOptions& options, const Catalogues& catalogues);
+
+// Another program, run to its end.
+
+// A file's bytes; throws InputError where it cannot be read.
+std::string file_text(const std::filesystem::path& path);
+
+// Runs the program words[0] in `folder` with `environment` ("NAME=value") and nothing else of this program's, its streams in
+// `folder`/out and `folder`/err. Returns the exit status, 128 + signal where a signal ended it. Throws InputError where it
+// cannot be started.
+int run_child(std::vector<std::string> words, const std::filesystem::path& folder, std::vector<std::string> environment);
 
 }  // namespace slipbench::counts

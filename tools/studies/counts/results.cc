@@ -1,16 +1,23 @@
 #include "tools/studies/counts/results.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <sstream>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "tools/base/page/svg.h"
+#include "tools/studies/counts/count.h"
 
 namespace slipbench::counts {
 namespace {
@@ -209,6 +216,119 @@ std::string find_results(const std::string& folder, const Facts& build) {
         fmt::format("no results of this build in {}{}; to add them: slipbench bench -o {}/NAME.json", folder, others, folder));
   }
   return same.front();
+}
+
+namespace {
+
+std::vector<FunctionChange> changed_functions(const SceneCount& before, const SceneCount& now) {
+  std::map<std::string, std::uint64_t> current;
+  for (const FunctionCount& function : now.functions) current[function.name] = function.instructions;
+  std::vector<FunctionChange> changes;
+  for (const FunctionCount& function : before.functions) {
+    const auto found = current.find(function.name);
+    changes.push_back({function.name, function.instructions, found == current.end() ? 0 : found->second});
+    if (found != current.end()) current.erase(found);
+  }
+  // Of a function that the file does not list it is known only that it was no dearer than the cheapest that it lists.
+  const std::uint64_t cheapest = before.functions.back().instructions;
+  for (const auto& [name, instructions] : current) {
+    if (instructions > cheapest) changes.push_back({name, cheapest, instructions, false});
+  }
+  std::erase_if(changes, [](const FunctionChange& change) { return change.difference() == 0; });
+  std::ranges::stable_sort(changes, std::ranges::greater{},
+                           [](const FunctionChange& change) { return std::abs(change.difference()); });
+  return changes;
+}
+
+}  // namespace
+
+void check_comparable(const Results& before, const Facts& build, const std::string& path) {
+  if (const std::string difference = differences(before.build, build); !difference.empty()) {
+    throw InputError(fmt::format("{}: counts of another build cannot be compared: it is of another {}", path, difference));
+  }
+  if (!std::ranges::equal(before.scenes, reference_scenes(), {}, &SceneCount::scene)) {
+    std::string found;
+    for (const SceneCount& scene : before.scenes) found += (found.empty() ? "" : ", ") + scene.scene;
+    throw InputError(fmt::format("{}: its scenes are {}; allowed: {}; to count again: slipbench bench -o {}", path, found,
+                                 fmt::join(reference_scenes(), ", "), path));
+  }
+}
+
+std::vector<SceneChange> compare(const Results& before, const Results& now) {
+  std::vector<SceneChange> changes;
+  for (std::size_t i = 0; i < now.scenes.size(); ++i) {
+    const SceneCount& old = before.scenes.at(i);
+    const SceneCount& fresh = now.scenes[i];
+    changes.push_back({fresh.scene, old.instructions, fresh.instructions, old.steps, fresh.steps, changed_functions(old, fresh)});
+  }
+  return changes;
+}
+
+namespace {
+
+// In pixels.
+constexpr double width = 760.0, top = 46.0, row = 24.0, bar_height = 14.0, names_end = 140.0;
+constexpr double label_room = 52.0;  // for the number after the longest bar
+
+// Three significant digits (two below 1), without an exponent: "3.04", "183", "4,610".
+std::string short_number(double value) {
+  if (value < 1.0) return fmt::format("{:.2g}", value);
+  if (value < 999.5) return fmt::format("{:.3g}", value);
+  const double step = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+  const std::string digits = fmt::format("{:.0f}", std::round(value / step) * step);
+  std::string out;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) out += ',';
+    out += digits[i];
+  }
+  return out;
+}
+
+// Bars of one kind of value, beside the names of their scenes, on an axis of whole decades.
+void add_bars(page::Svg& svg, const std::vector<double>& values, double begin, double end, std::string_view title,
+              std::string_view kind) {
+  const page::Axis axis = page::decade_axis(values, begin, end - label_room);
+  svg.text("name", begin, 20.0, title);
+  for (const double decade : axis.ticks) {
+    const double x = axis.at(decade);
+    svg.line("mesh", x, top - 4.0, x, top + row * static_cast<double>(values.size()));
+    svg.text("small middle", x, 38.0, short_number(decade));
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double y = top + row * static_cast<double>(i) + 0.5 * (row - bar_height), reach = axis.at(values[i]);
+    svg.bar(kind, begin, y, reach - begin, bar_height);
+    svg.text("name", reach + 5.0, y + 11.0, short_number(values[i]));
+  }
+}
+
+std::string joined(const Facts& facts, std::initializer_list<std::string_view> names) {
+  std::string out;
+  for (const std::string_view name : names) {
+    const auto found = std::ranges::find(facts, name, &Facts::value_type::first);
+    if (found != facts.end()) out += (out.empty() ? "" : ", ") + found->second;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string drawing(const Results& results) {
+  std::vector<double> counts;
+  std::vector<double> times;
+  for (const SceneCount& scene : results.scenes) {
+    counts.push_back(scene.instructions_per_second() * 1e-6);
+    times.push_back(scene.times_real_time());
+  }
+  const double bottom = top + row * static_cast<double>(results.scenes.size());
+  page::Svg svg(width, bottom + 44.0);
+  for (std::size_t i = 0; i < results.scenes.size(); ++i) {
+    svg.text("name end", names_end, top + row * static_cast<double>(i) + 16.0, scene_name(results.scenes[i].scene));
+  }
+  add_bars(svg, counts, 150.0, 440.0, "million instructions per simulated second", "s0");
+  add_bars(svg, times, 460.0, 745.0, "times real time, one core", "s2");
+  svg.text("small", 14.0, bottom + 18.0, joined(results.build, {"compiler", "flags", "sources", "instruction set"}));
+  svg.text("small", 14.0, bottom + 33.0, joined(results.context, {"processor", "system", "commit"}));
+  return svg.file("What the reference scenes cost");
 }
 
 }  // namespace slipbench::counts

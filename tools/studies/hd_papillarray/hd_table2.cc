@@ -10,7 +10,6 @@
 
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/studies/hd_papillarray/hd_table2_figures.h"
 #include "tools/studies/hd_papillarray/hd_table2_run.h"
 
 namespace slipbench::reproduce {

@@ -12,16 +12,12 @@
 
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
-#include "tools/base/files/scratch_folder.h"
-#include "tools/base/project/project_file.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/eval/detector_choice.h"
 #include "tools/program/eval/evaluate.h"
-#include "tools/program/sweep/run_sweep.h"
-#include "tools/program/train/train_network.h"
 #include "tools/studies/grid.h"
-#include "tools/studies/hd_papillarray/hd_table1_run.h"
+#include "tools/studies/hd_papillarray/hd_table1.h"
 #include "tools/studies/hd_papillarray/hd_table3_figures.h"
 
 namespace slipbench::reproduce {
@@ -68,36 +64,8 @@ double network_step(network::Engine& engine) {
   return median(std::move(times));
 }
 
-void end_if_interrupted() {
-  if (InterruptGuard::flag()) throw Interrupted();
-}
-
-void make_sequences(const std::string& path, std::size_t draws, const ReproduceOptions& options) {
-  SweepOptions sweep;
-  sweep.scene_path = project_file(hexapod_scene);
-  sweep.seed = options.seed.value_or(1);
-  sweep.trials = draws;
-  sweep.jobs = options.jobs;
-  sweep.output = path;
-  sweep.interrupt = &InterruptGuard::flag();
-  run_sweep(sweep, program_catalogues(), [&](const SweepProgress& progress) {
-    if (options.say && progress.done % 50 == 0)
-      options.say(fmt::format("sequences ({} of {} done)", progress.done, progress.total));
-  });
-  end_if_interrupted();
-}
-
 GruOutcome run_row(const GruRow& row, const std::string& dataset, const std::string& model, const ReproduceOptions& options) {
-  train::NetworkTraining training;
-  training.dataset = dataset;
-  training.recipe = train::find_recipe(row.recipe);
-  training.recipe.labels = row.labels;
-  training.seed = options.seed.value_or(1);
-  training.output = model;
-  const train::NetworkSummary summary = train::train_network(training, [&](const train::MemberProgress& progress) {
-    end_if_interrupted();
-    if (options.say) options.say(fmt::format("{}: step {} of {}", row.name, progress.training.step, progress.training.steps));
-  });
+  const train::NetworkSummary summary = teach(row.name, train::find_recipe(row.recipe), row.labels, dataset, model, options);
   const std::unique_ptr<network::Engine> engine = network::load_engine(model);
   eval::Options judged;
   judged.detector = eval::chosen_detector(model, {});
@@ -226,7 +194,7 @@ Result hd_table3(const ReproduceOptions& options) {
     std::string& dataset = datasets.at(row.draws);
     if (dataset.empty()) {
       dataset = folder.file(fmt::format("hexapod{}.h5", row.draws));
-      make_sequences(dataset, row.draws, options);
+      make_dataset(dataset, hexapod_scene, {}, row.draws, "sequences", options);
     }
     const GruOutcome outcome = run_row(row, dataset, folder.file(row.name + ".onnx"), options);
     frames.rows.push_back(frames_row(row, outcome));

@@ -8,15 +8,10 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/files/scratch_folder.h"
-#include "tools/base/project/project_file.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/base/workers/interrupt.h"
-#include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/sweep/run_sweep.h"
 #include "tools/program/train/train_hd.h"
-#include "tools/program/train/train_network.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
@@ -85,46 +80,9 @@ std::vector<Loop> loops(const Files& files) {
           {"never", "never tightens (control)", {{"detector", "{type: gst_hd}"}, {"controller", "{type: hold_preset}"}}}};
 }
 
-void stop_if_interrupted() {
-  if (InterruptGuard::flag()) throw Interrupted();
-}
-
-// The grasps to learn from, felt by the pad and by `others`.
-void make_grasps(const std::string& path, const std::vector<std::string>& others, const ReproduceOptions& options) {
-  SweepOptions sweep;
-  sweep.scene_path = project_file(learn_scene);
-  sweep.overrides = {{"sensors", pad_and(others)}, {"detector", "{type: truth, sensor: pad}"}};
-  sweep.seed = options.seed.value_or(1);
-  sweep.trials = default_grasps;
-  sweep.jobs = options.jobs;
-  sweep.output = path;
-  sweep.interrupt = &InterruptGuard::flag();
-  const auto say = [&](const SweepProgress& progress) {
-    if (options.say && progress.done % 50 == 0)
-      options.say(fmt::format("grasps to learn from ({} of {} done)", progress.done, progress.total));
-  };
-  run_sweep(sweep, program_catalogues(), say);
-  stop_if_interrupted();
-}
-
-train::NetworkSummary learnt(const std::string& dataset, train::Recipe recipe, const std::string& output,
-                             const ReproduceOptions& options) {
-  train::NetworkTraining training;
-  training.dataset = dataset;
-  training.recipe = std::move(recipe);
-  training.recipe.labels = train::LabelRule::micro;
-  training.seed = options.seed.value_or(1);
-  training.output = output;
-  return train::train_network(training, [&](const train::MemberProgress& progress) {
-    stop_if_interrupted();
-    if (options.say)
-      options.say(fmt::format("{}: step {} of {}", training.recipe.name, progress.training.step, progress.training.steps));
-  });
-}
-
 // Writes what `rows` need to `files`.
-void teach(const std::vector<Loop>& rows, const Files& files, const std::string& dataset, const ReproduceOptions& options,
-           Json& figures) {
+void teach_all(const std::vector<Loop>& rows, const Files& files, const std::string& dataset, const ReproduceOptions& options,
+               Json& figures) {
   const InterruptGuard guard("ending after the step at hand");
   const auto wanted = [&](const std::string& name) {
     return std::ranges::any_of(rows, [&](const Loop& row) { return row.name.starts_with(name); });
@@ -136,18 +94,18 @@ void teach(const std::vector<Loop>& rows, const Files& files, const std::string&
     std::vector<std::string> others;
     if (piezo) others.emplace_back(skin);
     if (myrmex) others.emplace_back(array);
-    make_grasps(dataset, others, options);
+    make_dataset(dataset, learn_scene, {{"sensors", pad_and(others)}, {"detector", "{type: truth, sensor: pad}"}}, default_grasps,
+                 "grasps to learn from", options);
   }
-  if (gru)
-    figures["grasp_gru"] = learnt(dataset, train::find_recipe("grasp_gru"), files.gru, options).held_out.balanced_accuracy();
-  if (piezo) {
-    train::Recipe recipe = train::find_recipe("piezo_fft_gru");
-    recipe.training.steps = piezo_steps;
-    figures["piezo_fft_gru"] = learnt(dataset, recipe, files.piezo, options).held_out.balanced_accuracy();
-  }
-  if (myrmex)
-    figures["myrmex_net3"] =
-        learnt(dataset, train::find_recipe("myrmex_net3"), files.myrmex, options).held_out.balanced_accuracy();
+  const auto learnt = [&](const char* name, const std::string& output, std::size_t steps = 0) {
+    train::Recipe recipe = train::find_recipe(name);
+    if (steps != 0) recipe.training.steps = steps;
+    const train::NetworkSummary summary = teach(name, recipe, train::LabelRule::micro, dataset, output, options);
+    figures[name] = summary.held_out.balanced_accuracy();
+  };
+  if (gru) learnt("grasp_gru", files.gru);
+  if (piezo) learnt("piezo_fft_gru", files.piezo, piezo_steps);
+  if (myrmex) learnt("myrmex_net3", files.myrmex);
   if (memories) {
     if (options.say) options.say("gst_hd");
     HdTraining training;
@@ -158,7 +116,7 @@ void teach(const std::vector<Loop>& rows, const Files& files, const std::string&
     training.jobs = options.jobs;
     training.output = files.memories;
     train_hd(training);
-    stop_if_interrupted();
+    end_if_interrupted();
   }
 }
 
@@ -217,8 +175,8 @@ Result learned_grasp_loop(const ReproduceOptions& options) {
   const std::vector<Loop> rows = chosen(all, options.only);
 
   Result result;
-  teach(rows, files, options.data.empty() ? folder.file("grasps.h5") : options.data, options,
-        result.figures["held_out_balanced_accuracy"]);
+  teach_all(rows, files, options.data.empty() ? folder.file("grasps.h5") : options.data, options,
+            result.figures["held_out_balanced_accuracy"]);
 
   std::vector<GridCell> cells;
   for (const Condition& condition : conditions()) {

@@ -25,7 +25,7 @@ constexpr std::array objects{"cylinder", "remote", "glass"};
 constexpr std::size_t usual_draws = 8;           // 64 trials, the paper's
 constexpr std::size_t published_steps = 700000;  // "converges after around 700000 iterations" of 64 windows
 constexpr std::size_t forward_passes = 201;
-constexpr std::array<std::array<double, 2>, 3> published{{{91.01, 92.65}, {96.12, 96.5}, {97.45, 97.89}}};
+constexpr std::array<std::array<double, 2>, 3> published_accuracy{{{91.01, 92.65}, {96.12, 96.5}, {97.45, 97.89}}};
 
 bool of_taxels(MyrmexInput input) {
   return input == MyrmexInput::spectra || input == MyrmexInput::high_pass || input == MyrmexInput::static_image;
@@ -93,7 +93,7 @@ MyrmexRow network_row(std::size_t net, MyrmexInput input, SlipWord word) {
   row.layers = fmt::format("myrmex_net{}", net);
   row.input = input;
   row.word = word;
-  row.published = published.at(net - 1)[passed ? 1 : 0];
+  row.published = published_accuracy.at(net - 1)[passed ? 1 : 0];
   return row;
 }
 

@@ -1,7 +1,6 @@
 // Calibration of the nib pad: what it reads under known loads, and a polynomial that gives the loads back.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>

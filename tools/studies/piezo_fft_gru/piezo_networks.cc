@@ -8,7 +8,6 @@
 
 #include "sim/core/error.h"
 #include "tools/program/train/recipes/recipe.h"
-#include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -220,7 +219,7 @@ void Validations::run() {
   const std::vector<std::vector<std::uint8_t>> said = run_in_processes<std::uint8_t>(
       tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
       [this](std::size_t k) {
-        const Task& task = tasks_[k];
+        const FoldTask& task = tasks_[k];
         return joined(train::called_in_fold(*task.examples, task.fold_of, task.fold, task.validation));
       });
   for (std::size_t k = 0; k < tasks_.size(); ++k) {

@@ -4,13 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <limits>
-#include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/train/network/validation.h"
+#include "tools/studies/grid.h"
 #include "tools/studies/piezo_fft_gru/piezo_recordings.h"
 
 namespace slipbench::reproduce {
@@ -110,15 +109,6 @@ class Validations {
   [[nodiscard]] const train::Calls& calls(std::size_t validation) const { return results_[validation].calls; }
 
  private:
-  // One network to be judged on one fold.
-  struct Task {
-    std::size_t of;  // validation
-    std::shared_ptr<const std::vector<train::FoldExample>> examples;
-    std::vector<std::size_t> fold_of;
-    std::size_t fold;
-    train::Validation validation;
-    std::string name;
-  };
   struct Outcome {
     std::vector<GroupCounts> folds;
     train::Calls calls;
@@ -126,7 +116,7 @@ class Validations {
 
   const ReproduceOptions& options_;
   StudySize size_;
-  std::vector<Task> tasks_;
+  std::vector<FoldTask> tasks_;   // of a validation each
   std::vector<Outcome> results_;  // of each validation
 };
 

@@ -9,7 +9,7 @@
 
 #include "detectors/network/description.h"
 #include "tools/base/record/trial_record.h"
-#include "tools/base/workers/packed.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/train/network/examples.h"
 #include "tools/studies/study_catalogue.h"
 

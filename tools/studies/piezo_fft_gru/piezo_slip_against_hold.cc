@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "tools/studies/grid.h"
-#include "tools/studies/piezo_fft_gru/piezo_loudness.h"
+#include "tools/studies/piezo_fft_gru/piezo_frames.h"
 #include "tools/studies/piezo_fft_gru/piezo_recordings.h"
 
 namespace slipbench::reproduce {

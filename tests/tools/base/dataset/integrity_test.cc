@@ -8,10 +8,9 @@
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/writer.h"
-#include "tools/base/record/content_walk.h"
+#include "tools/base/record/content_digest.h"
 
 namespace slipbench::testing::integrity_test {
 namespace {

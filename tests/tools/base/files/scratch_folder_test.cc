@@ -1,4 +1,4 @@
-#include "tools/base/files/scratch_folder.h"
+#include "tools/base/files/output_file.h"
 
 #include <cstdlib>
 #include <filesystem>

@@ -1,5 +1,5 @@
 // The area under the curve against pairs counted by hand.
-#include "tools/base/statistics/auc.h"
+#include "tools/base/statistics/roc.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "tools/base/statistics/bootstrap.h"
+#include "tools/base/statistics/descriptive.h"
 
 #include <algorithm>
 #include <cmath>

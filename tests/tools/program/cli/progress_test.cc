@@ -30,15 +30,16 @@ class ProgressTest : public ::testing::Test {
 };
 
 TEST(ShortCount, HasAtMostFourCharacters) {
-  EXPECT_EQ(short_count(0.0), "0.0");
-  EXPECT_EQ(short_count(9.94), "9.9");
-  EXPECT_EQ(short_count(9.96), "10");
-  EXPECT_EQ(short_count(999.4), "999");
-  EXPECT_EQ(short_count(999.6), "1.0k");
-  EXPECT_EQ(short_count(3123.0), "3.1k");
-  EXPECT_EQ(short_count(31400.0), "31k");
-  EXPECT_EQ(short_count(4.0e6), "4.0M");
-  EXPECT_EQ(short_count(2.0e12), "2000G");
+  for (const auto& [count, text] : {std::pair{0.0, "0.0"},
+                                    {9.94, "9.9"},
+                                    {9.96, "10"},
+                                    {999.4, "999"},
+                                    {999.6, "1.0k"},
+                                    {3123.0, "3.1k"},
+                                    {31400.0, "31k"},
+                                    {4.0e6, "4.0M"},
+                                    {2.0e12, "2000G"}})
+    EXPECT_EQ(short_count(count), text);
 }
 
 TEST(ClockText, NamesSecondsMinutesHours) {

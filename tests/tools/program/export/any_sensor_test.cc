@@ -14,9 +14,8 @@
 #include "tools/base/dataset/reader.h"
 #include "tools/program/export/episode.h"
 #include "tools/program/export/export.h"
-#include "tools/program/export/gzip.h"
-#include "tools/program/export/npz.h"
-#include "tools/program/export/table_csv.h"
+#include "tools/program/export/formats.h"
+#include "tools/program/export/output_folder.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench::any_sensor_test {

@@ -11,7 +11,7 @@
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/writer.h"
-#include "tools/program/export/papillarray_csv.h"
+#include "tools/program/export/formats.h"
 
 namespace slipbench::testing {
 namespace {
@@ -107,19 +107,12 @@ TEST_F(ExportTest, VendorLogHasTheVendorsColumns) {
   // Numbers of the vendor's manual, which count from 1.
   const std::vector<std::string>& header = table[0];
   ASSERT_THAT(header, SizeIs(82));
-  EXPECT_EQ(header[0], "T_us");
-  EXPECT_EQ(header[1], "S0_P0_DX");
-  EXPECT_EQ(header[4], "S0_P0_FX");
-  EXPECT_EQ(header[7], "S0_P1_DX");
-  EXPECT_EQ(header[54], "S0_P8_FZ");
-  EXPECT_EQ(header[55], "S0_GG_FX");
-  EXPECT_EQ(header[58], "S0_GG_TX");
-  EXPECT_EQ(header[61], "S0_isSDActive");
-  EXPECT_EQ(header[62], "S0_isRefLoad");
-  EXPECT_EQ(header[63], "S0_P0_isInContact");
-  EXPECT_EQ(header[64], "S0_P0_slipState");
-  EXPECT_EQ(header[80], "S0_P8_slipState");
-  EXPECT_EQ(header[81], "S0_FrictionEst");
+  const std::map<std::size_t, std::string> names{
+      {0, "T_us"},           {1, "S0_P0_DX"},           {4, "S0_P0_FX"},         {7, "S0_P1_DX"},
+      {54, "S0_P8_FZ"},      {55, "S0_GG_FX"},          {58, "S0_GG_TX"},        {61, "S0_isSDActive"},
+      {62, "S0_isRefLoad"},  {63, "S0_P0_isInContact"}, {64, "S0_P0_slipState"}, {80, "S0_P8_slipState"},
+      {81, "S0_FrictionEst"}};
+  for (const auto& [column, name] : names) EXPECT_EQ(header[column], name);
   for (const auto& line : table) EXPECT_THAT(line, SizeIs(82));
 }
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/error.h"
-#include "sim/grasp/grasp_catalogue.h"
+#include "sim/grasp/grasp.h"
 #include "sim/motion/guided.h"
 
 namespace slipbench {

@@ -1,4 +1,4 @@
-#include "tools/program/run/delayed_detector.h"
+#include "tools/program/run/sampling.h"
 
 #include <cmath>
 #include <limits>

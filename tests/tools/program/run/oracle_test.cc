@@ -1,5 +1,5 @@
 // Who sees the truth: the oracle does, no detector does.
-#include "tools/program/catalogue/oracle.h"
+#include "tools/program/catalogue/detector_catalogue.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,11 +11,10 @@
 #include "tests/detectors/network/networks.h"
 #include "tests/expect.h"
 #include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/delayed_detector.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/run/sampling.h"
 
 namespace slipbench {
 namespace {

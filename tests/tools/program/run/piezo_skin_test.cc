@@ -10,7 +10,7 @@
 
 #include "detectors/spectral/spectral_features.h"
 #include "sim/scene/parser.h"
-#include "tools/base/statistics/auc.h"
+#include "tools/base/statistics/roc.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
 

@@ -11,8 +11,8 @@
 #include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
-#include "tools/program/sweep/named_files.h"
 #include "tools/program/sweep/run_sweep.h"
+#include "tools/program/sweep/sweep_shard.h"
 
 namespace slipbench {
 namespace {

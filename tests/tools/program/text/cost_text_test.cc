@@ -1,4 +1,4 @@
-#include "tools/program/text/cost_text.h"
+#include "tools/program/text/eval_text.h"
 
 #include "tests/expect.h"
 #include "tests/tools/program/cost/example.h"

@@ -1,4 +1,4 @@
-#include "tools/program/train/delays.h"
+#include "tools/program/train/draws.h"
 
 #include <limits>
 #include <vector>

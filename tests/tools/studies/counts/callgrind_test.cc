@@ -11,12 +11,7 @@ namespace slipbench::counts {
 namespace {
 
 // The sample with `from` replaced by `to`.
-std::string changed(const std::string& from, const std::string& to) {
-  std::string text = sample_profile;
-  const std::size_t at = text.find(from);
-  if (at == std::string::npos) throw std::logic_error("the sample has no '" + from + "'");
-  return text.replace(at, from.size(), to);
-}
+std::string changed(const std::string& from, const std::string& to) { return replaced(sample_profile, from, to); }
 
 std::string profile_refusal(const std::string& text) {
   return refusal_of([&] { parse_callgrind(text, "profile"); });

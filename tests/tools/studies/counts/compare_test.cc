@@ -1,4 +1,4 @@
-#include "tools/studies/counts/compare.h"
+#include "tools/studies/counts/results.h"
 
 #include <string>
 

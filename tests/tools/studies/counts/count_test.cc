@@ -15,8 +15,7 @@
 #include "tests/tools/program/commands/child_process.h"
 #include "tests/tools/studies/counts/sample.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/studies/counts/child.h"
-#include "tools/studies/counts/drawing.h"
+#include "tools/studies/counts/results.h"
 
 namespace slipbench::counts {
 namespace {

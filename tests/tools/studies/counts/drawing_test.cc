@@ -1,12 +1,11 @@
-#include "tools/studies/counts/drawing.h"
+#include "tools/studies/counts/results.h"
 
 #include <filesystem>
 #include <string>
 
 #include "tests/expect.h"
 #include "tests/tools/studies/counts/sample.h"
-#include "tools/studies/counts/child.h"
-#include "tools/studies/counts/compare.h"
+#include "tools/studies/counts/count.h"
 
 namespace slipbench::counts {
 namespace {

@@ -13,10 +13,7 @@ namespace {
 void write(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
 
 std::string changed_file(const std::string& from, const std::string& to) {
-  std::string text = results_json(sample_results());
-  const std::size_t at = text.find(from);
-  if (at == std::string::npos) throw std::logic_error("the file has no '" + from + "'");
-  return text.replace(at, from.size(), to);
+  return replaced(results_json(sample_results()), from, to);
 }
 
 std::string file_refusal(const std::string& text) {

@@ -57,6 +57,13 @@ fn=(13)
 totals: 100
 )";
 
+// `text` with `from` replaced by `to`.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  if (at == std::string::npos) throw std::logic_error("the sample has no '" + from + "'");
+  return text.replace(at, from.size(), to);
+}
+
 // Results of one scene that cost 1,000, 600 and 300 of them in two functions.
 inline Results sample_results() {
   return {.build = {{"compiler", "GNU 12.2.0"}, {"instruction set", "x86_64 with AVX2"}},

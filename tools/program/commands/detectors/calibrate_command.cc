@@ -1,4 +1,4 @@
-#include "tools/program/commands/detectors/calibrate_command.h"
+#include "tools/program/commands/detectors/detector_commands.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -14,7 +14,6 @@
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
-#include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/import/import.h"
 #include "tools/program/sweep/run_sweep.h"
@@ -142,7 +141,7 @@ int CalibrateCommand::run() {
   std::vector<std::string> files;
   if (!output.empty()) files = calibrate::write_calibration(output, result.fitted, result.json);
   if (json) {
-    fmt::print("{}\n", result.json.dump());
+    print_json(result.json);
   } else {
     const Style style = style_for(stdout);
     if (!quiet) fmt::print("{}", summary(options, result.json, style));

@@ -1,4 +1,4 @@
-#include "tools/program/commands/detectors/hd_commands.h"
+#include "tools/program/commands/detectors/detector_commands.h"
 
 #include <memory>
 #include <optional>
@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "detectors/hd/memory_files.h"
-#include "detectors/hd/shipped_memories.h"
 #include "detectors/hd/words.h"
 #include "sim/core/error.h"
-#include "tools/program/catalogue/hd_engine_catalogue.h"
+#include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/cli/arguments.h"
+#include "tools/program/cli/terminal.h"
 #include "tools/program/commands/detectors/hd_vectors.h"
 
 namespace slipbench {
@@ -78,7 +78,7 @@ int HdReplayCommand::run() {
       fmt::print("{},{},{}\n", vector.step, state, fmt::join(decision.distance, ","));
     }
   }
-  if (json) fmt::print("{}\n", nlohmann::ordered_json{{"steps", steps}}.dump());
+  if (json) print_json({{"steps", steps}});
   return exit_good;
 }
 

@@ -1,4 +1,4 @@
-#include "tools/program/commands/detectors/train_command.h"
+#include "tools/program/commands/detectors/detector_commands.h"
 
 #include <algorithm>
 #include <chrono>
@@ -17,16 +17,12 @@
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
-#include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/text/recipe_text.h"
-#include "tools/program/text/train_text.h"
 #include "tools/program/train/hd_json.h"
-#include "tools/program/train/hd_words.h"
 
 namespace slipbench {
-
 namespace {
 
 std::string one_decimal(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f} %", 100.0 * share); }
@@ -202,8 +198,7 @@ int TrainCommand::train_network() {
     nlohmann::ordered_json all = nlohmann::ordered_json::parse(summary.description);
     all["output"] = training->output;
     all["threshold"] = summary.threshold;
-    fmt::print("{}\n", all.dump());
-    return exit_good;
+    return print_json(all);
   }
   const Style style = style_for(stdout);
   Table table({"", summary.judged > 0 ? "held-out trials" : "validation"});
@@ -227,10 +222,7 @@ int TrainCommand::train_network() {
 
 int TrainCommand::train_hd() {
   const HdSummary summary = slipbench::train_hd(options);
-  if (json) {
-    fmt::print("{}\n", train_json(summary, options).dump());
-    return exit_good;
-  }
+  if (json) return print_json(train_json(summary, options));
   const Style style = style_for(stdout);
   const Evaluation sum = pooled(std::span(summary.by_sequence).subspan(1));
   fmt::print("{}\n{}\n{}\n{}{}\n{} {}\n{} slipbench eval {} {} --sensor {} --labels {}\n",

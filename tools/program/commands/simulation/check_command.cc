@@ -1,5 +1,3 @@
-#include "tools/program/commands/simulation/check_command.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -20,9 +18,9 @@
 #include "tools/program/check/junit.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
-#include "tools/program/cli/table.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/commands/simulation/accuracy_setting.h"
+#include "tools/program/commands/simulation/simulation_commands.h"
+#include "tools/program/cost/kept_setting.h"
 #include "tools/program/sweep/warnings.h"
 #include "tools/program/text/sweep_text.h"
 #include "tools/program/text/warning_text.h"
@@ -202,11 +200,20 @@ int CheckCommand::run() {
   if (json) {
     Json scenes = Json::array();
     for (const SceneCheck& check : checks) scenes.push_back(check_json(check));
-    fmt::print("{}\n", Json{{"passed", passed}, {"scenes", std::move(scenes)}}.dump());
+    print_json({{"passed", passed}, {"scenes", std::move(scenes)}});
   } else if (prints) {
     print_total(checks, style);
   }
   return passed ? exit_good : exit_check_failed;
+}
+
+void settle_accuracy(SweepOptions& sweep, const Catalogues& catalogues, const Command& command) {
+  const std::optional<KeptSetting> setting = setting_for(sweep, catalogues, [&] {
+    command.tell(fmt::format("accuracy: looking once for the cheapest setting that meets the wish of {}", sweep.scene_path));
+  });
+  if (!setting) return;
+  command.tell(fmt::format("accuracy: {}; {}", setting->text, setting->file));
+  sweep.overrides.insert(sweep.overrides.end(), setting->overrides.begin(), setting->overrides.end());
 }
 
 }  // namespace slipbench

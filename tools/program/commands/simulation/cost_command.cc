@@ -1,4 +1,4 @@
-#include "tools/program/commands/simulation/cost_command.h"
+#include "tools/program/commands/simulation/simulation_commands.h"
 
 #include <cstdio>
 
@@ -12,9 +12,9 @@
 #include "tools/program/cli/terminal.h"
 #include "tools/program/cost/cost_json.h"
 #include "tools/program/cost/cost_page.h"
-#include "tools/program/doctor/environment.h"
+#include "tools/program/doctor/machine.h"
 #include "tools/program/sweep/run_sweep.h"
-#include "tools/program/text/cost_text.h"
+#include "tools/program/text/eval_text.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "tools/program/cost/stability_map.h"
 #endif
@@ -122,7 +122,7 @@ int CostCommand::run() {
   std::vector<std::string> files;
   if (!output.empty()) files = cost::write_cost(output, found);
   if (json) {
-    fmt::print("{}\n", found.dump());
+    print_json(found);
   } else {
     if (!quiet) fmt::print("{}", text);
     for (const std::string& file : files) fmt::print("{} {}\n", style.good("written:"), file);

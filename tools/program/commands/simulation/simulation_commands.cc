@@ -1,27 +1,24 @@
 #include "tools/program/commands/simulation/simulation_commands.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <memory>
-#include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "tools/base/dataset/shard_set.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/commands/simulation/accuracy_setting.h"
-#include "tools/program/commands/simulation/recording_words.h"
 #include "tools/program/sweep/sweep_json.h"
 #include "tools/program/sweep/warnings.h"
 #include "tools/program/text/sweep_text.h"
@@ -251,6 +248,62 @@ Examples:
                    sweep.shard = parse_shard_option(text);
                    if (sweep.output.empty()) throw InputError("sweep: --shard writes a part of a dataset; allowed: with -o");
                  });
+}
+
+void MergeCommand::declare(Arguments& arguments) {
+  arguments.about("merge", "Put the shards of a sweep together", R"(
+Writes the dataset that the undivided sweep would have written, byte for byte, from the files of sweep --shard k/n of all k. Arrays are copied
+as they are compressed, so it takes little memory and no simulation. Shards of another scene, seed, version or n are refused, missing trials too.
+A trial that stands in several files is taken once, if its digests agree. Trials are not unfolded: slipbench verify does that.
+
+Examples:
+  slipbench merge shard-1.h5 shard-2.h5 -o hexapod.h5)");
+  arguments.texts("FILE ...", shards, "Shards (HDF5), by their first files").required();
+  arguments.file("-o,--output FILE.h5", output, "Dataset to write; always needed").required();
+}
+
+int MergeCommand::run() {
+  const Merged merged = merge_shards(shards, output);
+  if (json)
+    return print_json(nlohmann::ordered_json{
+        {"files", merged.files}, {"trials", merged.trials}, {"failed", merged.failed}, {"duplicates", merged.duplicates}});
+  std::string about = fmt::format("{} trials", merged.trials);
+  if (merged.failed > 0) about += fmt::format(", {} have failed", merged.failed);
+  if (merged.duplicates > 0) about += fmt::format(", {} stood in several files", merged.duplicates);
+  fmt::print("{} {}: {}\n{} slipbench report {}\n", style_for(stdout).good("written:"), files_text(merged.files), about,
+             style_for(stdout).dim("next:"), merged.files.front());
+  return exit_good;
+}
+
+void ClusterCommand::declare(Arguments& arguments) {
+  arguments.about("cluster", "Write a folder of scripts that run a sweep on many machines", R"(
+A Slurm array, a Snakefile, and the two scripts that both call: one runs a shard with sweep --shard, the other verifies the shards and merges
+them. The merged dataset has the bytes of the undivided sweep. A shard may be killed, run again or run twice at once. The folder's README.md
+says how to start; its paths are those of this machine.
+
+Examples:
+  slipbench cluster scenes/papillarray/hexapod.yaml -o hexapod-cluster --shards 64
+  slipbench cluster scenes/grasp/map.yaml -o map-cluster --shards 1000 --throttle 200 --record outcome)");
+  SweepOptions& sweep = options.sweep;
+  arguments.text("SCENE", sweep.scene_path, "Scene file (YAML)").required();
+  arguments.folder("-o,--output DIR", options.folder, "Folder to write, new or empty; always needed").required();
+  arguments.number("--shards N", options.shards, "Parts that the sweep is cut into; always needed", 1).required();
+  arguments.number("--throttle N", options.throttle, "Most Slurm tasks at a time (default: all)", 1);
+  arguments.overrides(sweep.overrides, sweep.seed);
+  arguments.number("--trials N", sweep.trials, "Number of random draws of each cell of the grid", 1);
+  arguments.word("--record NAME", sweep.recording,
+                 "What the shards hold: everything (full, the default), or outcomes alone (outcome)", recording_words);
+  arguments.jobs(sweep.jobs, "Worker threads of each shard, 1 to 1024 (default: 1)");
+}
+
+int ClusterCommand::run() {
+  const Catalogues catalogues = program_catalogues();
+  settle_accuracy(options.sweep, catalogues, *this);
+  const std::vector<std::string> files = write_cluster_folder(options, catalogues);
+  if (json) return print_json({{"files", files}});
+  for (const std::string& file : files) fmt::print("{} {}\n", style_for(stdout).good("written:"), file);
+  fmt::print("{} read {}\n", style_for(stdout).dim("next:"), files.front());
+  return exit_good;
 }
 
 }  // namespace slipbench

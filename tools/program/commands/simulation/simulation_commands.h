@@ -1,13 +1,24 @@
-// `run` and `sweep`: trials of a scene.
+// The commands that run scenes.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "detectors/hd/words.h"
+#include "sim/scene/catalogues.h"
+#include "tools/program/check/check.h"
 #include "tools/program/cli/command.h"
+#include "tools/program/cluster/cluster.h"
+#include "tools/program/cost/explore.h"
+#include "tools/program/run/run_trial.h"
 #include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench {
+
+// `run` and `sweep`: trials of a scene.
 
 // What the two have in common.
 class SimulationCommand : public Command {
@@ -31,5 +42,78 @@ class SweepCommand final : public SimulationCommand {
  public:
   void declare(Arguments& arguments) override;
 };
+
+// `merge`: the shards of a sweep put together.
+class MergeCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::vector<std::string> shards;
+  std::string output;
+};
+
+// `cluster`: a sweep for other machines.
+class ClusterCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  ClusterOptions options;
+};
+
+// `check`: the trials of scenes held against what they expect.
+class CheckCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::vector<std::string> scenes;
+  CheckOptions options;                    // but for scene_path and folder, which are each scene's own
+  std::string junit;                       // XML file to write; empty: none
+  std::string output = "slipbench-check";  // folder for the trials of failed checks
+};
+
+// `cost`: what accuracy costs in time.
+class CostCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  cost::ExploreOptions explore;  // its scene_path is empty where none is given
+  bool stability = false;        // the map of the longest stable steps
+  std::string output;            // HTML file to write, and JSON beside it; empty: none
+};
+
+// `view`: the report of a dataset or of a scene, opened.
+class ViewCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::string subject;               // a dataset, or a scene
+  std::string output;                // HTML file, with --rerun an .rrd file; empty: named after the subject
+  std::optional<std::size_t> trial;  // to open on; of a scene the one to simulate
+  SweepOptions sweep;                // of a scene
+  bool rerun = false;                // in the viewer Rerun, in place of the page
+
+ private:
+  [[nodiscard]] bool of_scene() const;
+  // Sends the dataset to Rerun; returns the exit status.
+  [[nodiscard]] int show(const std::string& dataset) const;
+  // Simulates the scene into the dataset beside the page; returns the exit status.
+  [[nodiscard]] int simulate(const std::string& dataset) const;
+};
+
+// The words of --record.
+inline constexpr std::array recording_words{hd::Word<Recording>{"full", Recording::full},
+                                            hd::Word<Recording>{"outcome", Recording::outcome}};
+
+// A scene's wish for accuracy, before it runs: for `run`, `sweep` and `check`.
+
+// Where the scene says `accuracy`, appends to `sweep.overrides` the setting that meets it in the trials that `sweep` asks for
+// (tools/program/cost/kept_setting.h), so that from here on it is a scene like any other and its command says how it was computed.
+// `command` tells what it is. Throws InputError.
+void settle_accuracy(SweepOptions& sweep, const Catalogues& catalogues, const Command& command);
 
 }  // namespace slipbench

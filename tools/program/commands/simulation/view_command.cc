@@ -1,4 +1,4 @@
-#include "tools/program/commands/simulation/view_command.h"
+#include "tools/program/commands/simulation/simulation_commands.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -12,7 +12,6 @@
 #include "tools/base/files/output_file.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/commands/simulation/simulation_commands.h"
 #include "tools/program/report/report.h"
 #include "tools/program/view/browser.h"
 #include "tools/program/view/rerun.h"
@@ -103,7 +102,7 @@ int ViewCommand::show(const std::string& dataset) const {
   const RerunResult result = show_in_rerun(dataset, {.trial = trial, .save = output});
   if (result.status != 0) return result.status;
   if (json) {
-    fmt::print("{}\n", nlohmann::ordered_json{{"dataset", dataset}, {"trials", result.trials}, {"saved", output}}.dump());
+    print_json({{"dataset", dataset}, {"trials", result.trials}, {"saved", output}});
   } else if (!output.empty()) {
     fmt::print("{} {}\n", style_for(stdout).good("written:"), output);
   }
@@ -129,8 +128,7 @@ int ViewCommand::run() {
   if (json) {
     nlohmann::ordered_json found{{"dataset", dataset}, {"report", page}};
     found["opened_by"] = browser ? nlohmann::ordered_json(*browser) : nlohmann::ordered_json();
-    fmt::print("{}\n", found.dump());
-    return exit_good;
+    return print_json(found);
   }
   const Style style = style_for(stdout);
   if (scene) fmt::print("{} {}\n", style.good("written:"), dataset);

@@ -1,12 +1,10 @@
 #include "tools/program/train/network/examples.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <set>
-#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,11 +15,10 @@
 #include "sim/core/contact_frame.h"
 #include "sim/core/error.h"
 #include "sim/core/random.h"
-#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/encoder.h"
-#include "tools/base/workers/packed.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/samples/myrmex_images.h"
 
 namespace slipbench::train {

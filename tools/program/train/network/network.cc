@@ -1,7 +1,6 @@
 #include "tools/program/train/network/network.h"
 
 #include <filesystem>
-#include <string>
 
 #include "sim/core/process/own_library.h"
 #include "tools/program/train/network/torch_library.h"

@@ -10,7 +10,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <fmt/format.h>
 #include <openssl/evp.h>
 #include <torch/torch.h>
 

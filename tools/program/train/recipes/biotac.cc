@@ -63,25 +63,23 @@ NetworkShape image_network(const ImageLayout& layout, std::size_t fingers, std::
 
 NetworkShape graph_network(const std::vector<double>& adjacency, std::size_t fingers) {
   NetworkShape shape{electrodes * fingers, {Reshape{{electrodes, fingers}}}};
-  for (const std::size_t units : {8, 8, 16, 16, 32}) {
-    for (const Layer& layer : Layers{GraphConvolution{units, adjacency}, BatchNorm{1}, Relu{}}) shape.layers.push_back(layer);
-  }
-  for (const Layer& layer : Layers{Flatten{}, Linear{128}, Relu{}, Linear{2}}) shape.layers.push_back(layer);
+  for (const std::size_t units : {8, 8, 16, 16, 32})
+    append(shape.layers, {GraphConvolution{units, adjacency}, BatchNorm{1}, Relu{}});
+  append(shape.layers, {Flatten{}, Linear{128}, Relu{}, Linear{2}});
   return shape;
 }
 
 NetworkShape lstm_network(std::size_t layers, std::size_t rows) {
   NetworkShape shape{electrodes, {}};
   for (std::size_t i = 0; i < layers; ++i) shape.layers.emplace_back(Lstm{32});
-  for (const Layer& layer : Layers{Last{rows}, Linear{32}, Relu{}, Linear{32}, Relu{}, Linear{7}}) shape.layers.push_back(layer);
+  append(shape.layers, {Last{rows}, Linear{32}, Relu{}, Linear{32}, Relu{}, Linear{7}});
   return shape;
 }
 
 NetworkShape conv_lstm_network(const ImageLayout& layout, std::size_t layers, std::size_t filters, std::size_t rows) {
   NetworkShape shape{layout.rows * layout.columns, {Reshape{{1, layout.rows, layout.columns}}}};
   for (std::size_t i = 0; i < layers; ++i) shape.layers.emplace_back(ConvLstm{filters, 3});
-  for (const Layer& layer : Layers{Last{rows}, GlobalAverage{}, Linear{32}, Relu{}, Linear{32}, Relu{}, Linear{7}})
-    shape.layers.push_back(layer);
+  append(shape.layers, {Last{rows}, GlobalAverage{}, Linear{32}, Relu{}, Linear{32}, Relu{}, Linear{7}});
   return shape;
 }
 
@@ -90,16 +88,9 @@ NetworkShape conv_lstm_network(const ImageLayout& layout, std::size_t layers, st
 namespace {
 
 Recipe biotac_recipe(const char* name, const char* summary, const char* section, bool as_image) {
-  Recipe one;
-  one.name = name;
-  one.summary = summary;
-  one.source = fmt::format(
-      "BioTac SP, grasp stability and direction of slip (papers/biotac-stability-slip), "
-      "{}",
-      section);
-  one.input.sensor = "biotac_sp";
-  one.input.rate = 100.0;
-  one.input.channels = {{"electrodes", {}}};
+  Recipe one = begun_recipe(
+      name, summary, fmt::format("BioTac SP, grasp stability and direction of slip (papers/biotac-stability-slip), {}", section),
+      "biotac_sp", 100.0, {{"electrodes", {}}});
   if (as_image) one.input.pixels = biotac::pixels_of(biotac::image_layouts().front());
   one.scaling = Scaling::range;
   one.training = {

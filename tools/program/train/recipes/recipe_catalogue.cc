@@ -32,6 +32,20 @@ std::string text(const Last& layer) { return fmt::format("last of {} frames", la
 
 }  // namespace
 
+Recipe begun_recipe(const std::string& name, const std::string& summary, const std::string& source, const std::string& sensor,
+                    double rate, const std::vector<network::ChannelPick>& channels) {
+  Recipe one;
+  one.name = name;
+  one.summary = summary;
+  one.source = source;
+  one.input.sensor = sensor;
+  one.input.rate = rate;
+  one.input.channels = channels;
+  return one;
+}
+
+void append(Layers& layers, const Layers& more) { layers.insert(layers.end(), more.begin(), more.end()); }
+
 const std::vector<Recipe>& recipes() {
   static const std::vector<Recipe> all = [] {
     std::vector<Recipe> together;

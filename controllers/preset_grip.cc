@@ -1,0 +1,50 @@
+// Controllers that close to the preset force and ask no detector: the baseline and the negative control.
+#include <optional>
+
+#include "controllers/grip.h"
+
+namespace slipbench::controllers {
+namespace {
+
+// `Once`: what has been reached counts as reached for ever.
+template <bool Once>
+class PresetGrip final : public GripController {
+ public:
+  PresetGrip(const Parameters& p, const GripSource& source)
+      : GripController(p, source, Once ? "constant_force" : "hold_preset") {}
+
+  GripCommand update(const ControlInput& input) override {
+    reached_ = (Once && reached_) || force_.total(input.frame) >= preset_;
+    if (!reached_) position_ = moved(input.gripper.position, 1);
+    command_.position = position_.value_or(input.gripper.position);
+    position_ = command_.position;
+    return command_;
+  }
+
+ private:
+  bool reached_ = false;
+  std::optional<int> position_;  // last command
+};
+
+}  // namespace
+
+ControllerKind constant_force() {
+  return {
+      {"constant_force", "Baseline: closes once to a grip force and then never moves, whatever the force or the slip.",
+       "until F >= preset for the first time: position = measured position + 1 count; from then on: the last command\n"
+       "F: sum of the pillars' normal forces. The position ends at 255 and stays there; fingers that met nothing are then closed.",
+       "the baseline of a grip without feedback; closes as the published HDL does", with_registers({})},
+      created<PresetGrip<true>>};
+}
+
+ControllerKind hold_preset() {
+  return {
+      {"hold_preset",
+       "Negative control: tightens only below the preset force, never on slip. A trial that passes with this controller tests no detector.",
+       "F < preset: position = measured position + 1 count; otherwise: the last command\n"
+       "F: sum of the pillars' normal forces. The position ends at 255 and stays there.",
+       "step_on_slip without its slip", with_registers({})},
+      created<PresetGrip<false>>};
+}
+
+}  // namespace slipbench::controllers

@@ -1,0 +1,123 @@
+// The commands that teach and judge detectors, and that fit a scene to recordings.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "detectors/hd/model.h"
+#include "sim/scene/parser.h"
+#include "tools/base/page/json.h"
+#include "tools/program/benchmark/benchmark.h"
+#include "tools/program/calibrate/calibrate.h"
+#include "tools/program/cli/command.h"
+#include "tools/program/eval/evaluate.h"
+#include "tools/program/train/train_hd.h"
+#include "tools/program/train/train_network.h"
+
+namespace slipbench {
+
+// `train`: slip detectors taught on datasets.
+class TrainCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  // What the words ask for, once they have been read.
+  HdTraining options;                              // of gst_hd
+  std::optional<train::NetworkTraining> training;  // of any other recipe
+
+ private:
+  void read_hd();
+  void read_network();
+  int train_hd();
+  int train_network();
+  // What `eval` is to be told to judge the network by what it was taught: one of the sensors that it learnt from, and the labels.
+  [[nodiscard]] std::string eval_options(const std::vector<std::string>& sensors) const;
+
+  // As given; empty: was not.
+  std::string recipe_;
+  std::optional<hd::Encoding> encoding_;
+  std::optional<hd::Compat> compat_;
+  std::optional<hd::Ties> ties_;
+  std::optional<hd::Quantiser> quantiser_;
+  std::optional<std::size_t> dimension_, window_, jobs_;
+  bool context_ = false, no_context_ = false;  // neither: the encoding's own default
+  std::string labels_;
+  std::optional<train::Split> split_;
+  std::optional<std::size_t> steps_, held_out_, turned_;
+  bool resume_ = false;
+};
+
+// `eval`: slip detectors judged on datasets.
+class EvalCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::string detector;                   // a name, FILE.onnx or a folder
+  std::vector<Override> parameters;       // of it, by name
+  std::string output;                     // HTML file; empty: none
+  eval::Options options;                  // but for the detector and, until run(), labels
+  std::optional<eval::TruthRule> labels;  // empty: what a network learnt by, else strict
+};
+
+// `benchmark`: a board of slip detectors, and submissions to it.
+class BenchmarkCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  benchmark::Asked asked;
+  std::size_t jobs = 0;
+  std::string output, submission, verified;  // files; empty: none
+
+ private:
+  // The board, while an interrupt ends it.
+  [[nodiscard]] Json made(benchmark::Asked asked_for) const;
+  [[nodiscard]] int verify() const;
+  [[nodiscard]] std::string text(const Json& result) const;
+};
+
+// `calibrate`: a scene fitted to recordings.
+class CalibrateCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  // What the words ask for, once they have been read.
+  calibrate::Options options;
+  std::string output;  // YAML file; empty: nothing is written
+
+ private:
+  std::vector<std::string> words_;  // SCENE REAL...
+  std::vector<std::string> fits_;
+  std::optional<std::size_t> jobs_;
+};
+
+// `hd`: what works with the hyperdimensional classifier.
+
+// `hd replay`: quantised input, step by step.
+class HdReplayCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::string vectors;               // CSV file
+  std::string memories;              // folder, or the shipped classifier's name
+  std::optional<hd::Compat> compat;  // these two replace what the folder says
+  std::optional<hd::Ties> ties;
+  std::string engine = "kernel";
+};
+
+// `hd` by itself says what is below it.
+class HdCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  HdReplayCommand replay;
+};
+
+}  // namespace slipbench

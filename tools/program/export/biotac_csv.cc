@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <numbers>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/core/error.h"
+#include "sim/core/quantity.h"
+#include "tools/program/export/formats.h"
+#include "tools/program/samples/commanded_motion.h"
+#include "tools/program/samples/samples.h"
+
+namespace slipbench {
+
+namespace {
+
+constexpr std::array<const char*, 3> fingers{"ff", "mf", "th"};
+constexpr std::size_t electrodes = 24;
+constexpr std::string_view first_columns = "object,slipped";
+
+std::string header() {
+  std::string text(first_columns);
+  for (const char* finger : fingers) {
+    for (std::size_t e = 1; e <= electrodes; ++e) text += fmt::format(",{}_biotac_{}", finger, e);
+  }
+  return text + '\n';
+}
+
+const BodyRecord& body_of(const TrialRecord& record, std::string_view name) {
+  const auto found = std::ranges::find(record.bodies, name, &BodyRecord::name);
+  if (found == record.bodies.end()) {
+    throw InputError(fmt::format("trial {}: has no truth/{}", record.trial, name));
+  }
+  return *found;
+}
+
+const SensorColumn& electrodes_of(const TrialRecord& record, const char* finger) {
+  const auto sensor = std::ranges::find(record.sensors, finger, &SensorRecord::name);
+  if (sensor == record.sensors.end() || sensor->type != "biotac_sp") {
+    throw InputError(
+        fmt::format("trial {}: no biotac_sp '{}'; allowed: a grasp with three, named ff, mf and th", record.trial, finger));
+  }
+  return *std::ranges::find(sensor->channels, "electrodes", &SensorColumn::name);
+}
+
+// "box_60x50x90": what does not change from grasp to grasp of the same object.
+std::string object_name(const std::string& shape, const std::vector<double>& size) {
+  std::string name = shape.empty() ? "object" : shape;
+  for (std::size_t k = 0; k < size.size(); ++k) name += fmt::format("{}{:.0f}", k == 0 ? '_' : 'x', 1e3 * size[k]);
+  return name;
+}
+
+std::string row_of(const TrialRecord& record) {
+  const BodyRecord& object = body_of(record, "object");
+  if (!record.outcome.hold) {
+    throw InputError(fmt::format("trial {}: its outcome does not say whether the object was held; allowed: a scene with 'hold'",
+                                 record.trial));
+  }
+  const auto params = nlohmann::json::parse(record.params);
+  std::string text =
+      fmt::format("{},{}", object_name(params.value("bodies.object.shape", ""), object.size), record.outcome.hold->held ? 0 : 1);
+  for (const char* finger : fingers) {
+    const SensorColumn& column = electrodes_of(record, finger);
+    const auto sensor = std::ranges::find(record.sensors, finger, &SensorRecord::name);
+    const std::optional<std::size_t> row = latest_row(sensor->time, record.outcome.hold->from);
+    if (!row) throw InputError(fmt::format("trial {}: nothing was read by hold.from", record.trial));
+    for (std::size_t e = 0; e < electrodes; ++e) text += fmt::format(",{}", column.values[electrodes * *row + e]);
+  }
+  return text + '\n';
+}
+
+}  // namespace
+
+std::string grasp_csv(const DatasetReader& reader, const std::vector<std::size_t>& trials) {
+  std::string text = header();
+  for (const std::size_t trial : trials) text += row_of(reader.read_trial(trial));
+  return text;
+}
+
+bool begins_as_grasp_csv(std::string_view text) { return text.starts_with(first_columns); }
+
+namespace {
+
+constexpr std::size_t slip_csv_electrodes = 24;
+constexpr double slip_csv_rate = 100.0;  // Hz
+constexpr std::string_view slip_csv_beginning = "ff_e1,ff_e2,";
+
+std::string class_of(const DatasetReader& reader, std::size_t trial) {
+  const auto value = [&](const char* name) { return commanded_number(reader, trial, name).value_or(0.0); };
+  const double speed = value("speed"), rotation = value("rotation"), direction = value("direction");
+  if (speed > 0.0 && rotation != 0.0) {
+    throw InputError(fmt::format("trial {}: slides and turns; allowed: one of both, which is its class", trial));
+  }
+  if (rotation != 0.0) return rotation > 0.0 ? "cw" : "aw";
+  if (!(speed > 0.0)) return "t";
+  const double quarters = direction / (0.5 * std::numbers::pi), whole = std::round(quarters);
+  if (std::abs(quarters - whole) > 1e-6) {
+    throw InputError(
+        fmt::format("trial {}: motion.direction is {}; allowed: 0, 90, 180 and 270 deg, which are classes n, e, s, w", trial,
+                    format_quantity(direction, Quantity::angle)));
+  }
+  const double turn = whole - 4.0 * std::floor(whole / 4.0);
+  return std::string(1, "nesw"[static_cast<std::size_t>(turn)]);
+}
+
+std::string object_of(const DatasetReader& reader, std::size_t trial) {
+  const std::string material = commanded_word(reader, trial, "surface.material"),
+                    shape = commanded_word(reader, trial, "surface.shape");
+  const std::string name = material.empty() ? "surface" : material;
+  return shape.empty() || shape == "plane" ? name : name + '_' + shape;
+}
+
+}  // namespace
+
+SlipRecording slip_csv(const DatasetReader& reader, std::size_t trial, const std::string& sensor) {
+  const SensorRecord record = reader.read_sensor(trial, sensor);
+  const auto electrodes = std::ranges::find(record.channels, "electrodes", &SensorColumn::name);
+  if (record.type != "biotac_sp" || electrodes == record.channels.end() ||
+      electrodes->shape != std::vector<std::size_t>{slip_csv_electrodes}) {
+    throw InputError(
+        fmt::format("trial {}: sensor '{}' is a {}; allowed: a biotac_sp, which slip-csv is for", trial, sensor, record.type));
+  }
+  if (record.rate != slip_csv_rate) {
+    throw InputError(fmt::format("trial {}: sensor '{}' has {}; allowed: 100 Hz, the rate of slip-csv", trial, sensor,
+                                 format_quantity(record.rate, Quantity::frequency)));
+  }
+  double begin = 0.0;
+  if (commanded_word(reader, trial, "motion.kind") == "rub") {
+    begin = commanded_number(reader, trial, "start").value() + 2.0 * commanded_number(reader, trial, "approach").value();
+  }
+
+  fmt::memory_buffer text;
+  auto out = std::back_inserter(text);
+  for (std::size_t e = 1; e <= slip_csv_electrodes; ++e) fmt::format_to(out, "{}ff_e{}", e == 1 ? "" : ",", e);
+  text.push_back('\n');
+  for (std::size_t row = 0; row < record.time.size(); ++row) {
+    if (record.time[row] < begin) continue;
+    for (std::size_t e = 0; e < slip_csv_electrodes; ++e) {
+      fmt::format_to(out, "{}{:.0f}", e == 0 ? "" : ",", electrodes->values[row * slip_csv_electrodes + e]);
+    }
+    text.push_back('\n');
+  }
+  return {fmt::format("{}/{}{}.csv", class_of(reader, trial), object_of(reader, trial), trial), fmt::to_string(text)};
+}
+
+bool begins_as_slip_csv(std::string_view text) { return text.starts_with(slip_csv_beginning); }
+
+}  // namespace slipbench

@@ -1,0 +1,200 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/program/export/formats.h"
+
+namespace slipbench {
+
+namespace {
+
+constexpr std::size_t centre = 4;
+
+// The vendor's software calls a pillar in contact from this reported force on [N].
+constexpr float contact_force = 0.5F;
+
+// True tangential force from which a pillar counts as loaded [N]: the device's resolution.
+constexpr double loaded_force = 0.05;
+
+enum class VendorState : int { untouched = -2, contact_lost = -1, contact = 1, loaded = 2, slipped = 3 };
+
+void append_header(fmt::memory_buffer& text, std::size_t sensors) {
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "T_us");
+  for (std::size_t s = 0; s < sensors; ++s) {
+    for (std::size_t p = 0; p < pillars; ++p) {
+      for (const char* column : {"DX", "DY", "DZ", "FX", "FY", "FZ"}) fmt::format_to(out, ",S{}_P{}_{}", s, p, column);
+    }
+    for (const char* column : {"FX", "FY", "FZ", "TX", "TY", "TZ"}) fmt::format_to(out, ",S{}_GG_{}", s, column);
+    fmt::format_to(out, ",S{0}_isSDActive,S{0}_isRefLoad", s);
+    for (std::size_t p = 0; p < pillars; ++p) fmt::format_to(out, ",S{0}_P{1}_isInContact,S{0}_P{1}_slipState", s, p);
+    fmt::format_to(out, ",S{}_FrictionEst", s);
+  }
+  text.push_back('\n');
+}
+
+// Force of all pillars, and their torque about the deformed tip of the centre pillar [N, N mm].
+std::array<double, 6> global_load(const PapillarraySamples& samples, std::size_t row) {
+  const auto deformed_tip = [&](std::size_t pillar) {
+    std::array<double, 3> tip = samples.tip(pillar);
+    const std::array<float, 3> displacement = samples.displacement(row, pillar);
+    for (std::size_t axis = 0; axis < 3; ++axis) tip[axis] += displacement[axis];
+    return tip;
+  };
+  const std::array<double, 3> reference = deformed_tip(centre);
+  std::array<double, 6> load{};
+  for (std::size_t p = 0; p < pillars; ++p) {
+    const std::array<float, 3> force = samples.force(row, p);
+    std::array<double, 3> arm = deformed_tip(p);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      arm[axis] = 1e3 * (arm[axis] - reference[axis]);
+      load[axis] += force[axis];
+    }
+    load[3] += arm[1] * force[2] - arm[2] * force[1];
+    load[4] += arm[2] * force[0] - arm[0] * force[2];
+    load[5] += arm[0] * force[1] - arm[1] * force[0];
+  }
+  return load;
+}
+
+VendorState vendor_state(const PapillarraySamples& samples, std::size_t row, std::size_t pillar, bool touched_before) {
+  if (!samples.touching(row, pillar)) return touched_before ? VendorState::contact_lost : VendorState::untouched;
+  if (samples.slipping(row, pillar)) return VendorState::slipped;
+  return samples.tangential_force(row, pillar) >= loaded_force ? VendorState::loaded : VendorState::contact;
+}
+
+void append_sensor(fmt::memory_buffer& text, const PapillarraySamples& samples, std::size_t row,
+                   std::array<bool, pillars>& touched_before) {
+  auto out = std::back_inserter(text);
+  for (std::size_t p = 0; p < pillars; ++p) {
+    for (const float metres : samples.displacement(row, p)) fmt::format_to(out, ",{}", millimetres(metres));
+    for (const float newtons : samples.force(row, p)) fmt::format_to(out, ",{}", newtons);
+  }
+  for (const double value : global_load(samples, row)) fmt::format_to(out, ",{}", static_cast<float>(value));
+  const bool reference_loaded = samples.touching(row, centre) && samples.tangential_force(row, centre) >= loaded_force;
+  fmt::format_to(out, ",1,{}", reference_loaded ? 1 : 0);
+  for (std::size_t p = 0; p < pillars; ++p) {
+    fmt::format_to(out, ",{},{}", samples.force(row, p)[2] >= contact_force ? 1 : 0,
+                   static_cast<int>(vendor_state(samples, row, p, touched_before[p])));
+    touched_before[p] = touched_before[p] || samples.touching(row, p);
+  }
+  fmt::format_to(out, ",-1");  // the device's own friction estimate is not simulated: none
+}
+
+}  // namespace
+
+std::string millimetres(float metres) {
+  const double exact = 1e3 * static_cast<double>(metres);
+  // Those of the nearest float32 in mm; as float32 lies more densely in m than in mm here and there, they may belong to a neighbour.
+  std::string text = fmt::format("{}", static_cast<float>(exact));
+  double back = 0.0;
+  std::from_chars(text.data(), text.data() + text.size(), back);
+  return static_cast<float>(back / 1e3) == metres ? text : fmt::format("{:.9g}", exact);
+}
+
+bool begins_as_vendor_csv(std::string_view text) { return text.starts_with("T_us,S0_P0_DX,"); }
+
+std::string vendor_csv(const std::vector<PapillarraySamples>& sensors) {
+  if (sensors.size() > 2) throw InputError(fmt::format("the vendor's log holds up to 2 sensors, found {}", sensors.size()));
+  std::vector<std::array<bool, pillars>> touched(sensors.size());
+  fmt::memory_buffer text;
+  append_header(text, sensors.size());
+  for (std::size_t row = 0; row < sensors[0].size(); ++row) {
+    fmt::format_to(std::back_inserter(text), "{}", std::llround(1e6 * sensors[0].time(row)));
+    for (std::size_t s = 0; s < sensors.size(); ++s) {
+      if (sensors[s].size() != sensors[0].size() || sensors[s].time(row) != sensors[0].time(row)) {
+        throw InputError("the vendor's log has one time for all sensors; those of this trial are sampled at different times");
+      }
+      append_sensor(text, sensors[s], row, touched[s]);
+    }
+    text.push_back('\n');
+  }
+  return fmt::to_string(text);
+}
+
+namespace {
+
+constexpr double training_rate = 1000.0;  // Hz, which the training code takes for granted
+
+// What is slower is the rounding of float32 [m/s].
+constexpr double at_rest = 1e-6;
+
+// A "stop" trial of the published protocol brakes 50 to 100 ms after its start [s].
+constexpr double longest_stop = 0.1;
+
+struct Move {
+  double duration = 0.0;  // s, for how long the pad moves in the plane at more than half of its top pace
+  bool braked = false;    // whether it is slower than that at the end of the recording
+};
+
+// With the same limit for speeding up and braking the duration is the time from the start of the motion to the start of the
+// braking, whatever the limit.
+Move move_of(const BodyRecord& pad, const std::vector<double>& time) {
+  std::vector<double> pace;  // m/s, of the centre and of a corner about it
+  for (std::size_t row = 0; row < time.size(); ++row) {
+    const float* velocity = pad.velocity.data() + 6 * row;
+    pace.push_back(std::hypot(velocity[0], velocity[1]) + corner_radius * std::abs(velocity[5]));
+  }
+  const double top = pace.empty() ? 0.0 : *std::max_element(pace.begin(), pace.end());
+  if (top < at_rest) return {};
+  Move move;
+  for (std::size_t row = 1; row < time.size(); ++row) move.duration += pace[row] > 0.5 * top ? time[row] - time[row - 1] : 0.0;
+  move.braked = pace.back() <= 0.5 * top;
+  return move;
+}
+
+// In mm/s with all its digits and at least one decimal, without an exponent, whose "-" would cut the name: "0.5", "4.0", "1.25".
+std::string speed_text(double speed) {
+  std::string text = fmt::format("{:.9f}", 1e3 * speed);
+  while (text.ends_with('0') && !text.ends_with(".0")) text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+bool begins_as_training_csv(std::string_view text) {
+  const std::string_view line = text.substr(0, text.find('\n'));
+  return std::count(line.begin(), line.end(), ',') == 72 &&
+         line.find_first_not_of("0123456789+-.,einfa") == std::string_view::npos;
+}
+
+std::string training_csv(const PapillarraySamples& samples, double rate) {
+  if (rate != training_rate) {
+    throw InputError(
+        fmt::format("training-csv is sampled at {} Hz, the sensor at {} Hz; run the scene with that rate", training_rate, rate));
+  }
+  fmt::memory_buffer text;
+  auto out = std::back_inserter(text);
+  for (std::size_t row = 0; row < samples.size(); ++row) {
+    fmt::format_to(out, "{}", samples.time(row));
+    for (std::size_t p = 0; p < pillars; ++p) {
+      fmt::format_to(out, ",{},{}", samples.touching(row, p) ? 1 : 0, samples.slipping(row, p) ? 1 : 0);
+      for (const float metres : samples.displacement(row, p)) fmt::format_to(out, ",{}", millimetres(metres));
+      for (const float newtons : samples.force(row, p)) fmt::format_to(out, ",{}", newtons);
+    }
+    text.push_back('\n');
+  }
+  return fmt::to_string(text);
+}
+
+std::string training_file_name(std::size_t trial, const CommandedMotion& motion, const BodyRecord& pad,
+                               const std::vector<double>& time) {
+  const bool turns = motion.rotation != 0.0;
+  const bool slides = motion.speed != 0.0;
+  const Move move = move_of(pad, time);
+  if (move.duration == 0.0 || (!turns && !slides)) return fmt::format("press/demo_{}-v_0.0-stop.csv", trial);
+  // The samples at both ends may each add one to the count.
+  const double tolerance = time.size() < 2 ? 0.0 : 2.0 * (time[1] - time[0]);
+  const char* end = move.braked && move.duration <= longest_stop + tolerance ? "stop" : "slip";
+  if (slides) {
+    return fmt::format("{}/demo_{}-v_{}-{}.csv", turns ? "combined" : "translation", trial, speed_text(motion.speed), end);
+  }
+  return fmt::format("rotation/demo_{}-v_{:.1f}-{}.csv", trial, 1e3 * corner_radius * std::abs(motion.rotation), end);
+}
+
+}  // namespace slipbench
