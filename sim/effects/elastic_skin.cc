@@ -15,9 +15,8 @@ namespace {
 class ElasticSkin final : public SkinEffect {
  public:
   ElasticSkin(const Parameters& p, const PadLayout& layout)
-      : contact_(
-            make_influence(layout, {p.number("shear_modulus"), p.number("thickness")}, p.number("patch") * p.number("patch")),
-            layout.elements.size(), p.number("tolerance")),
+      : contact_(make_influence(layout, {p.number("shear_modulus"), p.number("thickness")}, p.number("patch")),
+                 layout.elements.size(), p.number("tolerance")),
         n_(layout.elements.size()) {
     find_punch();
   }
@@ -73,13 +72,15 @@ EffectKind elastic_skin() {
        "It takes the place of the sensor's stiffness. The touched face is rigid, its slopes are small, what normal and tangential load do to each\n"
        "other is left out (nothing for a half-space).",
        "K. L. Johnson, Contact Mechanics (1985), ch. 3 to 5 and 7; J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990)",
-       {number_spec("shear_modulus", Quantity::pressure, "0.15 MPa", positive, "Shear modulus G; Young's modulus is 3 G.",
+       {number_spec("shear_modulus", Quantity::pressure, "0.15 MPa", {1.0, 1e12}, "Shear modulus G; Young's modulus is 3 G.",
                     "assumed: silicone gel of Shore A 15"),
         number_spec("thickness", Quantity::length, "inf", positive_or_infinite,
                     "Thickness of the layer on its rigid back; inf: a half-space. A layer needs elements on a regular grid.",
                     "free"),
-        number_spec("patch", Quantity::length, "1 mm", positive,
-                    "Edge of the square that an element stands for, where elements stand on no regular grid.", "assumed"),
+        number_spec(
+            "patch", Quantity::length, "0 mm", non_negative,
+            "Edge of the square that an element stands for where elements stand on no regular grid; 0: their mean distance.",
+            "geometry"),
         number_spec("tolerance", Quantity::none, "0.0001", {1e-10, 1e-2},
                     "What the solver leaves undone, of the greatest depth and of the greatest friction.",
                     "error of a force below 0.01 % of the load: tests/oracle")}},

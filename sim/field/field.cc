@@ -22,6 +22,11 @@ constexpr std::size_t alignment = 64;
 constexpr std::array kept{kernel::contact_x, kernel::contact_y, kernel::contact_z, kernel::gap,      kernel::f_normal,
                           kernel::limit,     kernel::mode,      kernel::anchor_x,  kernel::anchor_y, kernel::anchor_z,
                           kernel::force_x,   kernel::force_y,   kernel::force_z,   kernel::path};
+// Of a skin, which does not find them anew where it rests; on a plane the first alone.
+constexpr std::array kept_of_skin{kernel::depth, kernel::normal_x, kernel::normal_y, kernel::normal_z};
+std::span<const kernel::Column> kept_by_skin(bool plane) {
+  return std::span(kept_of_skin).first(plane ? 1 : kept_of_skin.size());
+}
 constexpr std::array kept_of_faces{kernel::faces, kernel::depth_offset};  // and these, unless all meet the one face of a plane
 
 const PadLayout& checked(const PadLayout& layout, const Friction& friction, const FieldEffects& effects) {
@@ -116,7 +121,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   if (effects_.tip) transmitted_ = transmitted_x;
   std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
   state_size_ = 1 + (kept.size() + (on_plane() ? 0 : kept_of_faces.size())) * count_;
-  if (effects_.skin) state_size_ += skin_pose().size();
+  if (effects_.skin) state_size_ += kept_by_skin(on_plane()).size() * count_ + skin_pose().size();
   effects_.for_each([this](Effect& effect) { state_size_ += effect.memory().size(); });
   const bool springs_alone = !extended_ && !effects_.cone;
   plain_ = springs_alone && on_plane() && contacts_.flat_pad();
@@ -130,7 +135,10 @@ void Field::save_state(std::span<double> state) {
   const auto save = [&](Column column) { out = std::copy_n(columns_[column], count_, out); };
   std::for_each(kept.begin(), kept.end(), save);
   if (!on_plane()) std::for_each(kept_of_faces.begin(), kept_of_faces.end(), save);
-  if (effects_.skin) out = std::ranges::copy(skin_pose(), out).out;
+  if (effects_.skin) {
+    std::ranges::for_each(kept_by_skin(on_plane()), save);
+    out = std::ranges::copy(skin_pose(), out).out;
+  }
   effects_.for_each([&](Effect& effect) { out = std::ranges::copy(effect.memory(), out).out; });
 }
 
@@ -147,7 +155,10 @@ void Field::load_state(std::span<const double> state) {
     std::copy_n(in, memory.size(), memory.begin());
     in += static_cast<std::ptrdiff_t>(memory.size());
   };
-  if (effects_.skin) load_all(skin_pose());
+  if (effects_.skin) {
+    std::ranges::for_each(kept_by_skin(on_plane()), load);
+    load_all(skin_pose());
+  }
   effects_.for_each([&](Effect& effect) { load_all(effect.memory()); });
   count_states(all());
   if (active_set_) active_set_->reset();

@@ -181,8 +181,10 @@ SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const Skin
     const double ahead_x = t[target_x][i] - s.shift_x[i], ahead_y = t[target_y][i] - s.shift_y[i];
     const double way = std::sqrt(ahead_x * ahead_x + ahead_y * ahead_y);
     const double moves = way > kernel::shortest_slip ? 1.0 : 0.0;
-    const double along_force = ahead_x * s.shear_x[i] + ahead_y * s.shear_y[i] > 0.0 ? 1.0 : 0.0;
-    const double slip = touches * s.slides[i] * moves * along_force, stays = touches * touched;
+    // Where there is no friction it slips whichever way it is taken.
+    const double free = t[cap][i] == 0.0 ? 1.0 : 0.0;
+    const double along_force = ahead_x * s.shear_x[i] + ahead_y * s.shear_y[i] > 0.0 ? s.slides[i] : 0.0;
+    const double slip = touches * moves * std::max(free, along_force), stays = touches * touched;
     const Vector3 shift = in_plane(t, to_surface, i, s.shift_x[i], s.shift_y[i]);
     const Vector3 slipped = in_plane(t, to_surface, i, slip * ahead_x, slip * ahead_y);
     const Vector3 force = in_plane(t, to_surface, i, s.shear_x[i], s.shear_y[i]);

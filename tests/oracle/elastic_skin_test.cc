@@ -1,6 +1,6 @@
 // Oracle: an elastic half-space, incompressible, touched by a rigid sphere of radius R (Johnson, Contact Mechanics, 1985, ch. 4 and 7). At the
 // depth d, with E* = 4 G and mu:
-//   Hertz                   a = sqrt(R d), N = (16/3) G sqrt(R) d^1.5, p = p0 sqrt(1 - r^2/a^2), p0 = 3 N/(2 pi a^2);
+//   Hertz                   a = sqrt(R d), N = (16/3) G sqrt(R) d^1.5, p = p0 sqrt(1 - r^2/a^2), p0 = 3 N/(2 pi a^2), and
 //                           the second moment of p is (2/5) a^2 N
 //   Cattaneo and Mindlin    all slides from delta_f = 3 mu N (2 - nu)/(16 G a) = 9 mu N/(32 G a) on; before,
 //                           T = mu N [1 - (1 - delta/delta_f)^1.5] and the stuck disc has the radius c = a sqrt(1 - delta/delta_f)
@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -177,6 +178,51 @@ TEST(ElasticSkin, TwistsAsLubkinSays) {
     for (int k = 1; k <= 100; ++k) field.step(over(0.0, angle + 2.0 * angle * k / 100), 1e-3);
     EXPECT_NEAR(sums_of(field).torque / full, 1.0, 0.01) << n;
   }
+}
+
+// Without friction all slips wherever it is taken, and nothing resists; a kinetic coefficient of 0 lets go once a static one has.
+TEST(ElasticSkin, SlipsWithoutFriction) {
+  const Hertz hertz(150e3);
+  for (const Friction friction : {Friction{0.0, 0.0}, Friction{0.5, 0.0}}) {
+    Field field = field_with_effect(square_grid(16, 2.4 * hertz.a, 1.0, 1.0), friction, "elastic_skin",
+                                    {{"shear_modulus", hertz.g}}, Sphere{radius});
+    field.step(over(0.0), 1e-3);
+    double slid = 0.0;
+    for (int k = 1; k <= 100; ++k) {
+      field.step(over(0.005 * k * hertz.slides_at), 1e-3);
+      slid += field.slip_step(16 * 8 + 8).x();
+    }
+    EXPECT_EQ(field.slipping(), field.touching());
+    EXPECT_EQ(sums_of(field).tangential, 0.0);
+    EXPECT_GT(slid, 0.2 * hertz.slides_at);
+  }
+}
+
+// A pad that rests is not worked out anew: what its readers see of it has to come with its state.
+TEST(ElasticSkin, RestsAlikeFromASavedState) {
+  const Hertz hertz(150e3);
+  Field lasting = pressed(12, hertz), fresh = pressed(12, hertz), used = pressed(12, hertz);
+  for (const double x : {0.0, 1e-4}) lasting.step(over(x), 1e-3);
+  used.step(over(-5e-4), 1e-3);
+  std::vector<double> state(lasting.state_size());
+  lasting.save_state(state);
+  std::vector<double> depth(144), x(144), y(144), z(144);
+  const auto seen = [&](Field& field) {
+    for (auto* column : {&depth, &x, &y, &z}) std::fill(column->begin(), column->end(), 0.0);
+    field.view_from_pad();
+    field.add_elements(field.all(), depth.data(), {x.data(), y.data(), z.data()});
+    const Wrench wrench = field.wrench_on_pad();
+    std::vector<double> all(depth);
+    for (const auto* column : {&x, &y, &z}) all.insert(all.end(), column->begin(), column->end());
+    all.insert(all.end(), wrench.force.begin(), wrench.force.end());
+    return all;
+  };
+  fresh.load_state(state);
+  used.load_state(state);
+  for (Field* field : {&lasting, &fresh, &used}) field->step(over(1e-4), 1e-3);
+  const std::vector<double> expected = seen(lasting);
+  EXPECT_EQ(seen(fresh), expected);
+  EXPECT_EQ(seen(used), expected);
 }
 
 // The layer of one wave: u = U(z) sin kx, w = W(z) cos kx with k U + W' = 0, stresses tau and S,

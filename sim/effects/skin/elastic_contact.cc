@@ -37,7 +37,7 @@ void ElasticContact::apply(const Eigen::ArrayX2d& force, Eigen::ArrayX2d& way) {
   influence_->shear(force.col(0).data(), force.col(1).data(), way.col(0).data(), way.col(1).data());
 }
 
-void ElasticContact::press(const Eigen::ArrayXd& gap) {
+void ElasticContact::press(const Eigen::Ref<const Eigen::ArrayXd>& gap) {
   Values p = pressure(), w = sunk();
   const double depth = std::max(0.0, -gap.minCoeff());
   if (depth == 0.0) {
@@ -77,7 +77,7 @@ void ElasticContact::press(const Eigen::ArrayXd& gap) {
 }
 
 // Onto the discs |q| <= L.
-void ElasticContact::project(Eigen::ArrayX2d& force, const Eigen::ArrayXd& limit) {
+void ElasticContact::project(Eigen::ArrayX2d& force, const Eigen::Ref<const Eigen::ArrayXd>& limit) {
   residual_ = (force.col(0).square() + force.col(1).square()).sqrt();
   residual_ = (residual_ > limit).select(limit / residual_, 1.0);
   force.col(0) *= residual_;
@@ -86,7 +86,7 @@ void ElasticContact::project(Eigen::ArrayX2d& force, const Eigen::ArrayXd& limit
 
 // No part of C is larger than its greatest row sum, which an even load along the diagonal shows to a few per cent. It changes little with the
 // contact, and shear() notices where a step is too long.
-void ElasticContact::find_curvature(const Eigen::ArrayXd& limit) {
+void ElasticContact::find_curvature(const Eigen::Ref<const Eigen::ArrayXd>& limit) {
   constexpr double alike = 0.1;
   const double count = (limit > 0.0).cast<double>().sum();
   if (std::abs(count - counted()) <= alike * counted()) return;
@@ -97,7 +97,7 @@ void ElasticContact::find_curvature(const Eigen::ArrayXd& limit) {
 }
 
 // From the forces of the step before on along what that step added, to the least energy on that line.
-void ElasticContact::guess(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& limit) {
+void ElasticContact::guess(const Eigen::ArrayX2d& target, const Eigen::Ref<const Eigen::ArrayXd>& limit) {
   const double curved = (gain() * gain_way()).sum();
   const double again = curved > 0.0 ? std::clamp((gain() * (target - shift())).sum() / curved, 0.0, 2.0) : 0.0;
   next_ = guess_ = friction() + again * gain();
@@ -109,7 +109,7 @@ void ElasticContact::guess(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& 
   }
 }
 
-void ElasticContact::shear(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& limit) {
+void ElasticContact::shear(const Eigen::ArrayX2d& target, const Eigen::Ref<const Eigen::ArrayXd>& limit) {
   Pairs q = friction(), u = shift();
   const double greatest = limit.maxCoeff();
   if (greatest == 0.0) {

@@ -31,9 +31,9 @@ class ElasticContact {
 
   // Finds pressure() at the gaps [m] of the undeformed surface, negative where it would pass through. Starts from that of the step before: where
   // nothing has changed nothing is worked out. Throws InputError where no solution is found.
-  void press(const Eigen::ArrayXd& gap);
+  void press(const Eigen::Ref<const Eigen::ArrayXd>& gap);
   // Finds friction() under `limit` [N], 0 where nothing touches, at the shifts `target` g [m].
-  void shear(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& limit);
+  void shear(const Eigen::ArrayX2d& target, const Eigen::Ref<const Eigen::ArrayXd>& limit);
 
   [[nodiscard]] Values pressure() { return column(0); }  // N
   [[nodiscard]] Values sunk() { return column(1); }      // m, C p
@@ -53,9 +53,9 @@ class ElasticContact {
   // How many elements touched when the largest curvature of q'C q over them was found, and that [m/N].
   [[nodiscard]] double& counted() { return memory_[10 * n_]; }
   [[nodiscard]] double& curvature() { return memory_[10 * n_ + 1]; }
-  void project(Eigen::ArrayX2d& force, const Eigen::ArrayXd& limit);
-  void guess(const Eigen::ArrayX2d& target, const Eigen::ArrayXd& limit);
-  void find_curvature(const Eigen::ArrayXd& limit);
+  void project(Eigen::ArrayX2d& force, const Eigen::Ref<const Eigen::ArrayXd>& limit);
+  void guess(const Eigen::ArrayX2d& target, const Eigen::Ref<const Eigen::ArrayXd>& limit);
+  void find_curvature(const Eigen::Ref<const Eigen::ArrayXd>& limit);
   void apply(const Eigen::ArrayX2d& force, Eigen::ArrayX2d& way);
 
   std::unique_ptr<Influence> influence_;

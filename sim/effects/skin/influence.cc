@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <new>
 #include <numbers>
@@ -336,14 +337,30 @@ class GridInfluence final : public Influence {
   std::vector<double> normal_, xx_, yy_, xy_;  // [rows, waves] m/N
 };
 
+// From each element to its nearest, in the mean [m].
+double mean_distance(const PadLayout& layout) {
+  if (layout.elements.size() < 2) {
+    throw SceneValueError("effects", "elastic_skin: a single element has no distance to another; allowed: a patch above 0");
+  }
+  double sum = 0.0;
+  for (const Element& here : layout.elements) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Element& there : layout.elements) {
+      if (&here != &there) least = std::min(least, (here.tip - there.tip).norm());
+    }
+    sum += least;
+  }
+  return sum / static_cast<double>(layout.elements.size());
+}
+
 // Elements anywhere on a curved skin, whose patches are small against its radii. In three dimensions both laws are one tensor,
 // (1/4 pi G)(1/r + r r'/r^3), of which each element sees its own axis and its own tangents.
 class MeshInfluence final : public Influence {
  public:
-  MeshInfluence(const PadLayout& layout, const ElasticBody& body, double area) {
+  MeshInfluence(const PadLayout& layout, const ElasticBody& body, double patch) {
     const auto n = static_cast<Eigen::Index>(layout.elements.size());
     for (Eigen::MatrixXd* m : {&normal_, &xx_, &yy_, &xy_}) m->resize(n, n);
-    const double c = 1.0 / (4.0 * pi * body.shear_modulus), radius = std::sqrt(area / pi);
+    const double c = 1.0 / (4.0 * pi * body.shear_modulus), radius = patch / std::sqrt(pi);
     // A round patch under an even load: its mean own displacement is that of a distance of 3 pi/16 radii (Johnson, sec. 3.4).
     own_normal_ = c * 16.0 / (3.0 * pi * radius);
     own_tangential_ = 1.5 * own_normal_;
@@ -361,6 +378,12 @@ class MeshInfluence final : public Influence {
         }
         const Eigen::Matrix3d tensor = c / r * (Eigen::Matrix3d::Identity() + d * d.transpose() / (r * r));
         const Eigen::Matrix3d seen = here.transpose() * tensor * element_frame(from.axis);
+        if (i != j && c / r >= own_normal_) {
+          throw SceneValueError(
+              "effects", fmt::format("elastic_skin: patch {} is too wide for elements {} and {}, {} apart; allowed: up to {}",
+                                     format_quantity(patch, Quantity::length), j, i, format_quantity(r, Quantity::length),
+                                     format_quantity(16.0 / (3.0 * std::sqrt(pi)) * r, Quantity::length)));
+        }
         normal_(i, j) = i == j ? own_normal_ : c / r;
         xx_(i, j) = i == j ? own_tangential_ : seen(0, 0);
         yy_(i, j) = i == j ? own_tangential_ : seen(1, 1);
@@ -396,7 +419,7 @@ LayerCompliance layer_compliance(double s) {
   return {difference / bottom, (std::sinh(2.0 * s) + 2.0 * s) / bottom, std::tanh(s)};
 }
 
-std::unique_ptr<Influence> make_influence(const PadLayout& layout, const ElasticBody& body, double area) {
+std::unique_ptr<Influence> make_influence(const PadLayout& layout, const ElasticBody& body, double patch) {
   if (const std::optional<Grid> grid = grid_of(layout)) {
     if (std::max(grid->a, grid->b) > (1.0 + rounding) * body.thickness) {
       throw SceneValueError(
@@ -404,6 +427,10 @@ std::unique_ptr<Influence> make_influence(const PadLayout& layout, const Elastic
           fmt::format("elastic_skin: cells of {} are wider than the layer is thick, {}; allowed: a pitch of up to that",
                       format_quantity(std::max(grid->a, grid->b), Quantity::length),
                       format_quantity(body.thickness, Quantity::length)));
+    }
+    if (patch != 0.0) {
+      throw SceneValueError("effects",
+                            "elastic_skin: patch is for elements on no regular grid, and these are on one; allowed here: 0");
     }
     return std::make_unique<GridInfluence>(*grid, body);
   }
@@ -416,7 +443,7 @@ std::unique_ptr<Influence> make_influence(const PadLayout& layout, const Elastic
     throw SceneValueError(
         "effects", "elastic_skin: a layer needs elements on a regular grid that face one way; allowed here: thickness inf");
   }
-  return std::make_unique<MeshInfluence>(layout, body, area);
+  return std::make_unique<MeshInfluence>(layout, body, patch > 0.0 ? patch : mean_distance(layout));
 }
 
 }  // namespace slipbench

@@ -26,6 +26,7 @@ inline const EffectKind& kind_named(std::string_view name) {
 
 // An effect at its defaults, after the one that it needs.
 inline std::vector<Wanted> alone(const EffectKind& kind) {
+  if (kind.about.name == "elastic_skin") return {{kind.about.name, {{"patch", 3e-4}}}};  // of pads on no grid
   if (kind.after_tip) return {{"inertia", {}}, {kind.about.name, {}}};
   return {{kind.about.name, {}}};
 }

@@ -276,7 +276,7 @@ TEST(SceneMessages, OfBodies) {
        "5: 'follows' in sensors.skin: an articulated pad has no field to be read beside it; allowed with 'fidelity: field'"},
       {"controls: [1]", "5: controls is a sequence; allowed: a map of actuators of the model, such as 'grip: 4 N'"},
       {"controls: {grip: 4 Nn}",
-       "5: controls.grip: unknown unit 'Nn' in '4 Nn'; did you mean 'N'? allowed: %, m, mm, um, cm, nm, s, ms, us, min, m/s, mm/s, cm/s, um/s, m/s2, mm/s2, cm/s2, rad, deg, rad/s, deg/s, rad/s2, deg/s2, Hz, kHz, MHz, N, mN, kN, kg, g, N/m, N/mm, kN/m, N s/m"},
+       "5: controls.grip: unknown unit 'Nn' in '4 Nn'; did you mean 'N'? allowed: %, m, mm, um, cm, nm, s, ms, us, min, m/s, mm/s, cm/s, um/s, m/s2, mm/s2, cm/s2, rad, deg, rad/s, deg/s, rad/s2, deg/s2, Hz, kHz, MHz, N, mN, kN, kg, g, N/m, N/mm, kN/m, N s/m, Pa, kPa, MPa"},
       {"controls: {grip: {}}",
        "5: controls.grip is a map; allowed: a number such as 4 N, or points such as [[0 s, 0 N], [1 s, 4 N]]"},
       {"controls: {grip: [[0 s, 1 N], 2 N]}", "5: controls.grip.1 is '2 N'; allowed: a time and a value, such as [1 s, 4 N]"},
