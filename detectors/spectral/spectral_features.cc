@@ -11,20 +11,12 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "sim/core/fftw_planner.h"
+
 namespace slipbench {
-namespace {
-
-// FFTW's planner is not reentrant; its transforms are.
-std::mutex& planner() {
-  static std::mutex mutex;
-  return mutex;
-}
-
-}  // namespace
-
 struct RealFft::Plan {
   explicit Plan(std::size_t n) : size(n), in(fftw_alloc_real(n)), out(fftw_alloc_complex(n / 2 + 1)) {
-    const std::lock_guard lock(planner());
+    const std::lock_guard lock(fftw_planner());
     if (in != nullptr && out != nullptr) {
       plan = fftw_plan_dft_r2c_1d(static_cast<int>(n), in, out, FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
     }
@@ -34,7 +26,7 @@ struct RealFft::Plan {
     }
   }
   ~Plan() {
-    const std::lock_guard lock(planner());
+    const std::lock_guard lock(fftw_planner());
     fftw_destroy_plan(plan);
     free();
   }
