@@ -14,6 +14,7 @@
 #include "sim/core/fftw_planner.h"
 
 namespace slipbench {
+
 struct RealFft::Plan {
   explicit Plan(std::size_t n) : size(n), in(fftw_alloc_real(n)), out(fftw_alloc_complex(n / 2 + 1)) {
     const std::lock_guard lock(fftw_planner());
