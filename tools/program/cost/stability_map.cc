@@ -176,7 +176,8 @@ double allowed_share(const StabilityCombination& c) { return c.allowed / c.predi
 std::vector<std::string> remarks(const StabilityMap& map) {
   std::vector<std::string> lines;
   if (map.combinations.empty()) return lines;
-  const auto [least, most] = std::ranges::minmax(map.combinations | std::views::transform(allowed_share));
+  const auto [least_of, most_of] = std::ranges::minmax_element(map.combinations, {}, allowed_share);
+  const double least = allowed_share(*least_of), most = allowed_share(*most_of);
   lines.push_back(fmt::format("What scenes may take is {:.2f} to {:.2f} of the predicted limit.", least, most));
   const auto off = [](const StabilityCombination& c) { return std::abs(c.ratio() - 1.0); };
   const StabilityCombination& worst = *std::ranges::max_element(map.combinations, {}, off);
@@ -245,8 +246,9 @@ std::string stability_text(const StabilityMap& map) {
       return c.set_up != first->set_up || c.integrator != first->integrator;
     });
     const auto span_of = [&](const std::function<double(const StabilityCombination&)>& value) {
-      const auto [least, most] = std::ranges::minmax(std::ranges::subrange(first, last) | std::views::transform(value));
-      return std::pair{least, most};
+      const auto [least_of, most_of] =
+          std::minmax_element(first, last, [&](const auto& a, const auto& b) { return value(a) < value(b); });
+      return std::pair{value(*least_of), value(*most_of)};
     };
     const auto measured = span_of([](const auto&c) { return c.measured; }),
                ratio = span_of([](const auto&c) { return c.ratio(); }), allowed = span_of(allowed_share);

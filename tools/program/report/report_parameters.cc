@@ -128,7 +128,7 @@ Json axes(const std::vector<Json>& trials) {
       if (value != trials.front().value(path, Json())) axis["varied"] = true;
       if (value.is_null()) continue;
       if (!value.contains("value")) axis["numeric"] = false;
-      if (axis["unit"] == "") axis["unit"] = value.value("unit", "");
+      if (axis["unit"].get_ref<const std::string&>().empty()) axis["unit"] = value.value("unit", "");
     }
     list.push_back(std::move(axis));
   }
