@@ -160,7 +160,7 @@ struct Lean {
 };
 
 // Makes the pad one elastic body: what an element bears moves the surface at all others, in place of springs of their own. Arrays have an entry
-// an element. Forces are those of the touched surface on the pad, in the frame of each element (element_frame).
+// an element, in the element's own frame (element_frame). Pressure is that of the touched surface on the pad, shear that of the pad on the surface.
 class SkinEffect : public Effect {
  public:
   // Finds the normal forces at the gaps [m] of the undeformed surface, seen along the axes and negative where it would pass through.

@@ -13,15 +13,16 @@ namespace {
 // Ten times what the worst first step has needed.
 constexpr int most_iterations = 2000;
 
-// How near is near enough, where a step begins `off` the solution and `allowed` of it is tolerated: what a small step asks for is done all but
-// a part. A body that were answered only once it has moved by the tolerance would be pushed after it has passed, and so be shaken.
+// How near to the solution is near enough, where a step begins `off` it and `allowed` is tolerated. A step smaller than the tolerance is worked out
+// too, all but a part. Otherwise a body would be answered only once it has moved by the tolerance; the push comes late, and shakes it.
 double near_enough(double allowed, double off) {
   constexpr double left = 0.03, nothing = 1e-4;
   return std::max(nothing * allowed, std::min(allowed, left * off));
 }
 
 [[noreturn]] void fail(const std::string& what) {
-  throw InputError("elastic_skin: " + what + " was not found within " + std::to_string(most_iterations) + " iterations");
+  throw InputError("elastic_skin: " + what + " was not found within " + std::to_string(most_iterations) +
+                   " iterations; allowed: a larger tolerance of effects.elastic_skin");
 }
 
 }  // namespace
