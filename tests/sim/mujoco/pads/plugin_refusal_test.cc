@@ -107,7 +107,8 @@ TEST(PluginRefusal, TipsWithMassNeedAPrescribedMotion) {
 }
 
 TEST(PluginRefusal, SkinsGoWithTheExplicitSolver) {
-  EXPECT_THAT(refusal_of_model(model_of(site + plate + one + config("effects", "[elastic_skin]") + config("solver", "implicit"))),
+  const std::string skin = config("effects", "[elastic_skin]") + config("solver", "implicit");
+  EXPECT_THAT(refusal_of(site + plate + nine_pillars() + skin),
               EndsWith("effects: elastic_skin has no springs for the implicit solver; allowed here: solver explicit"));
 }
 
