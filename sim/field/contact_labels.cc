@@ -105,10 +105,11 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
   const kernel::UnitColumns units = one_field && single_ ? elements_as_units(fields.front()) : sum_fields(fields);
   const std::size_t count = units_.size();
   const double rate = 1.0 / dt;
-  if (one_field && single_ && fields.front().sparse()) {
-    const Field& field = fields.front();
+  const Field& front = fields.front();
+  const bool curved = !front.on_plane() && front.effect_cone() == nullptr && !front.has_tips();
+  if (one_field && single_ && (front.sparse() || curved)) {  // each unit has a normal of its own
     if (shaken_) frame_.force.row(2).setZero();  // of the units that touch nothing too
-    kernel::label_groups(units, field.pad_in_surface().rotation.transpose(), rate, viewed_, count, frame_);
+    kernel::label_groups(units, front.pad_in_surface().rotation.transpose(), rate, viewed_, count, frame_);
     return;
   }
   const auto most_loaded = [&](std::size_t u) { return one_field ? &fields.front() : most_loaded_[u]; };

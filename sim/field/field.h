@@ -239,6 +239,7 @@ class Field {
   std::optional<ActiveSet> active_set_;  // of many plain springs on no plane
   bool placed_ = false;
   std::vector<double> skin_;  // of an elastic body: its elements' frames and what its step works with (skin.cc)
+  bool one_axis_ = false;     // its elements all point one way
   double step_ = 0.0;         // s, the last one in stages
   std::size_t touching_ = 0, slipping_ = 0;
 };

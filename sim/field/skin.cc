@@ -8,13 +8,14 @@
 // - Ways and forces in the tangent plane are told by the element's x and y, turned with its z onto the normal the shortest way.
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "sim/field/field.h"
-#include "sim/field/kernel.h"
+#include "sim/field/vectorise.h"
 
 namespace slipbench {
 namespace {
+
+using kernel::Lanes, kernel::lanes, kernel::lanes_at, kernel::put_lanes;
 
 // Columns of Field::skin_. Frames are constant; the rest is of the step.
 enum SkinColumn : std::size_t {
@@ -22,196 +23,215 @@ enum SkinColumn : std::size_t {
   y_axis = 3,
   z_axis = 6,
   tip_in_frame = 9,  // undeformed, along these [m]
-  axial_gap = 12,    // [m]
-  cosine,            // between z and the normal
+  met_x = 12,        // where the loaded tip is, along these [m]
+  met_y,
+  axial_gap,  // [m]
+  cosine,     // between z and the normal
   lean_x,
   lean_y,  // of the normal along x and y
   target_x,
   target_y,  // g of sim/effects/skin/elastic_contact.h [m]
   cap,       // L of it [N]
+  pressure,  // SkinEffect::Solution, column by column
+  sunk,
+  shear_x,
+  shear_y,
+  shift_x,
+  shift_y,
+  slides,
   skin_columns
 };
 
 // From so steep an angle on, nearly 87 deg, a face is none that this element could press on.
 constexpr double steepest_cosine = 0.05;
 
-struct Vector3 {
-  double x, y, z;
+struct Vectors {
+  Lanes x, y, z;
+};
+struct Ways {
+  Lanes x, y;
 };
 
-// Pointers to columns that stand one padded length apart.
+// Of elements i to i + lanes: columns that stand one padded length apart.
 struct SkinTable {
   double* first;
   std::size_t padded;
   double* operator[](std::size_t column) const { return first + column * padded; }
+  [[nodiscard]] SLIPBENCH_INLINE Lanes at(std::size_t column, std::size_t i) const { return lanes_at((*this)[column] + i); }
+  SLIPBENCH_INLINE void put(std::size_t column, std::size_t i, const Lanes& values) const {
+    put_lanes((*this)[column] + i, values);
+  }
 };
+SLIPBENCH_INLINE Lanes at(const kernel::Columns& c, kernel::Column column, std::size_t i) { return lanes_at(c[column] + i); }
+SLIPBENCH_INLINE Vectors vectors_at(const kernel::Columns& c, kernel::Column x, std::size_t i) {
+  return {lanes_at(c[x] + i), lanes_at(c[x + 1] + i), lanes_at(c[x + 2] + i)};
+}
+SLIPBENCH_INLINE void put(const kernel::Columns& c, kernel::Column x, std::size_t i, const Vectors& v) {
+  put_lanes(c[x] + i, v.x);
+  put_lanes(c[x + 1] + i, v.y);
+  put_lanes(c[x + 2] + i, v.z);
+}
 
-// The rows of a rotation.
-struct Rows {
-  explicit Rows(const Eigen::Matrix3d& m) {
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) entry[r][c] = m(r, c);
+SLIPBENCH_INLINE Vectors turned(const kernel::Rotation& r, const Vectors& v) {
+  return {r.r00 * v.x + r.r01 * v.y + r.r02 * v.z, r.r10 * v.x + r.r11 * v.y + r.r12 * v.z,
+          r.r20 * v.x + r.r21 * v.y + r.r22 * v.z};
+}
+
+// Between the elements' frames and that in which the pad has `pose`. Frames that are all alike are one rotation with the pad's.
+struct Frames {
+  Frames(const SkinTable& table, bool all_alike, const Pose& pose) : t(table), alike(all_alike) {
+    Eigen::Matrix3d own = Eigen::Matrix3d::Identity();
+    if (alike) {
+      for (const std::size_t k : {0U, 1U, 2U}) {
+        own.row(static_cast<Eigen::Index>(k)) << t[x_axis + k][0], t[y_axis + k][0], t[z_axis + k][0];
+      }
     }
+    const Eigen::Matrix3d out = pose.rotation * own;
+    outward = kernel::entries_of(out);
+    inward = kernel::entries_of(out.transpose());
+    x = pose.position.x();
+    y = pose.position.y();
+    z = pose.position.z();
   }
-  [[nodiscard]] SLIPBENCH_INLINE Vector3 operator()(double x, double y, double z) const {
-    return {entry[0][0] * x + entry[0][1] * y + entry[0][2] * z, entry[1][0] * x + entry[1][1] * y + entry[1][2] * z,
-            entry[2][0] * x + entry[2][1] * y + entry[2][2] * z};
+
+  [[nodiscard]] SLIPBENCH_INLINE Vectors in(std::size_t i, const Vectors& v) const {
+    const Vectors p = turned(inward, v);
+    if (alike) return p;
+    const auto along = [&](std::size_t axis) { return t.at(axis, i) * p.x + t.at(axis + 1, i) * p.y + t.at(axis + 2, i) * p.z; };
+    return {along(x_axis), along(y_axis), along(z_axis)};
   }
-  double entry[3][3];
+  [[nodiscard]] SLIPBENCH_INLINE Vectors place_in(std::size_t i, const Vectors& v) const { return in(i, {v.x - x, v.y - y, v.z - z}); }
+  [[nodiscard]] SLIPBENCH_INLINE Vectors out(std::size_t i, const Vectors& v) const {
+    if (alike) return turned(outward, v);
+    const auto component = [&](std::size_t k) { return t.at(x_axis + k, i) * v.x + t.at(y_axis + k, i) * v.y + t.at(z_axis + k, i) * v.z; };
+    return turned(outward, {component(0), component(1), component(2)});
+  }
+  // Of the tangent plane's (x, y), out of the frame.
+  [[nodiscard]] SLIPBENCH_INLINE Vectors out(std::size_t i, const Ways& way) const {
+    const Lanes lx = t.at(lean_x, i), ly = t.at(lean_y, i), rise = lx * way.x + ly * way.y, share = rise / (1.0 + t.at(cosine, i));
+    return out(i, Vectors{way.x - share * lx, way.y - share * ly, -rise});
+  }
+
+  SkinTable t;
+  bool alike;
+  kernel::Rotation outward, inward;
+  double x, y, z;
 };
 
-SLIPBENCH_INLINE double along(const SkinTable& t, std::size_t axis, std::size_t i, const Vector3& v) {
-  return t[axis][i] * v.x + t[axis + 1][i] * v.y + t[axis + 2][i] * v.z;
-}
-SLIPBENCH_INLINE Vector3 from_frame(const SkinTable& t, std::size_t i, double x, double y, double z) {
-  return {t[x_axis][i] * x + t[y_axis][i] * y + t[z_axis][i] * z,
-          t[x_axis + 1][i] * x + t[y_axis + 1][i] * y + t[z_axis + 1][i] * z,
-          t[x_axis + 2][i] * x + t[y_axis + 2][i] * y + t[z_axis + 2][i] * z};
-}
-// Of the tangent plane's (x, y), in the surface frame.
-SLIPBENCH_INLINE Vector3 in_plane(const SkinTable& t, const Rows& to_surface, std::size_t i, double x, double y) {
-  const double rise = t[lean_x][i] * x + t[lean_y][i] * y, share = rise / (1.0 + t[cosine][i]);
-  const Vector3 v = from_frame(t, i, x - share * t[lean_x][i], y - share * t[lean_y][i], -rise);
-  return to_surface(v.x, v.y, v.z);
-}
-
-struct Vector2 {
-  double x, y;
-};
-// From the place (x, y), seen along the axis, to that of the undeformed tip, in the tangent plane.
-SLIPBENCH_INLINE Vector2 way_to_root(const SkinTable& t, std::size_t i, double x, double y) {
-  const double dx = t[tip_in_frame][i] - x, dy = t[tip_in_frame + 1][i] - y;
-  const double rise = (dx * t[lean_x][i] + dy * t[lean_y][i]) / (t[cosine][i] * (1.0 + t[cosine][i]));
-  return {dx + rise * t[lean_x][i], dy + rise * t[lean_y][i]};
+// From a place in the element's frame, seen along the axis, to that of the undeformed tip, in the tangent plane.
+SLIPBENCH_INLINE Ways way_to_root(const SkinTable& t, std::size_t i, const Lanes& x, const Lanes& y) {
+  const Lanes dx = t.at(tip_in_frame, i) - x, dy = t.at(tip_in_frame + 1, i) - y;
+  const Lanes lx = t.at(lean_x, i), ly = t.at(lean_y, i), upright = t.at(cosine, i);
+  const Lanes rise = (dx * lx + dy * ly) / (upright * (1.0 + upright));
+  return {dx + rise * lx, dy + rise * ly};
 }
 
 }  // namespace
 
 // Tips go where the loaded surface is, seen along the axes.
-SLIPBENCH_DISPATCHED static void place_loaded(const kernel::Columns& c, const SkinTable& t, const Pose& pose,
-                                              const SkinEffect::Solution& s, std::size_t count) {
-  const Rows to_pad(pose.rotation.transpose());
-  const double px = pose.position.x(), py = pose.position.y(), pz = pose.position.z();
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vector3 stuck = to_pad(c[kernel::anchor_x][i] - px, c[kernel::anchor_y][i] - py, c[kernel::anchor_z][i] - pz);
-    const double trailing_x = t[tip_in_frame][i] - s.shift_x[i], trailing_y = t[tip_in_frame + 1][i] - s.shift_y[i];
-    const bool touches = c[kernel::mode_before][i] != 0.0;
-    const double x = touches ? along(t, x_axis, i, stuck) : trailing_x, y = touches ? along(t, y_axis, i, stuck) : trailing_y;
-    const Vector3 tip = from_frame(t, i, x, y, t[tip_in_frame + 2][i]);
-    c[kernel::tip_x][i] = tip.x;
-    c[kernel::tip_y][i] = tip.y;
-    c[kernel::tip_z][i] = tip.z;
+SLIPBENCH_DISPATCHED static void place_loaded(const kernel::Columns& c, const Frames& in_pad, const Frames& frames,
+                                              std::size_t count) {
+  const SkinTable t = frames.t;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Vectors stuck = frames.place_in(i, vectors_at(c, kernel::anchor_x, i));
+    const auto touched = at(c, kernel::mode_before, i) != 0.0;
+    const Lanes x = touched ? stuck.x : t.at(tip_in_frame, i) - t.at(shift_x, i);
+    const Lanes y = touched ? stuck.y : t.at(tip_in_frame + 1, i) - t.at(shift_y, i);
+    t.put(met_x, i, x);
+    t.put(met_y, i, y);
+    put(c, kernel::tip_x, i, in_pad.out(i, Vectors{x, y, t.at(tip_in_frame + 2, i)}));
   }
 }
 
 // Gaps along the axes, of those along the normals, and where the undeformed tips would meet the surface.
 // On a plane no height is written: it is 0.
-SLIPBENCH_DISPATCHED static void look_along_axes(const kernel::Columns& c, const SkinTable& t, const Pose& pose, bool plane,
-                                                 std::size_t count) {
-  const Rows to_pad(pose.rotation.transpose()), to_surface(pose.rotation);
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vector3 n = to_pad(c[kernel::normal_x][i], c[kernel::normal_y][i], c[kernel::normal_z][i]);
-    const double upright = along(t, z_axis, i, n), met = c[kernel::gap][i];
-    const bool faces = upright > steepest_cosine;
-    t[cosine][i] = faces ? upright : 1.0;
-    t[lean_x][i] = faces ? along(t, x_axis, i, n) : 0.0;
-    t[lean_y][i] = faces ? along(t, y_axis, i, n) : 0.0;
-    const double gap = faces ? met / upright : std::abs(met) / steepest_cosine;
-    t[axial_gap][i] = gap;
-    const Vector3 tip{c[kernel::tip_x][i], c[kernel::tip_y][i], c[kernel::tip_z][i]};
-    const auto [x, y] = way_to_root(t, i, along(t, x_axis, i, tip), along(t, y_axis, i, tip));
-    const Vector3 z = to_surface(t[z_axis][i], t[z_axis + 1][i], t[z_axis + 2][i]), way = in_plane(t, to_surface, i, x, y);
-    c[kernel::place_x][i] = c[kernel::contact_x][i] + met * c[kernel::normal_x][i] - gap * z.x;
-    c[kernel::place_y][i] = c[kernel::contact_y][i] + met * c[kernel::normal_y][i] - gap * z.y;
-    c[kernel::place_z][i] = (plane ? 0.0 : c[kernel::contact_z][i]) + met * c[kernel::normal_z][i] - gap * z.z;
-    c[kernel::contact_x][i] = c[kernel::place_x][i] + way.x;
-    c[kernel::contact_y][i] = c[kernel::place_y][i] + way.y;
-    c[kernel::contact_z][i] = c[kernel::place_z][i] + way.z;
+SLIPBENCH_DISPATCHED static void look_along_axes(const kernel::Columns& c, const Frames& frames, bool plane, std::size_t count) {
+  const SkinTable t = frames.t;
+  const Lanes none{}, one = none + 1.0;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Vectors normal = vectors_at(c, kernel::normal_x, i), n = frames.in(i, normal);
+    const Lanes met = at(c, kernel::gap, i);
+    const auto faces = n.z > steepest_cosine;
+    t.put(cosine, i, faces ? n.z : one);
+    t.put(lean_x, i, faces ? n.x : none);
+    t.put(lean_y, i, faces ? n.y : none);
+    const Lanes gap = faces ? met / n.z : (met < 0.0 ? -met : met) / steepest_cosine;
+    t.put(axial_gap, i, gap);
+    const Vectors z = frames.out(i, Vectors{none, none, one}), contact = vectors_at(c, kernel::contact_x, i);
+    const Vectors way = frames.out(i, way_to_root(t, i, t.at(met_x, i), t.at(met_y, i)));
+    const Vectors place{contact.x + met * normal.x - gap * z.x, contact.y + met * normal.y - gap * z.y,
+                        (plane ? none : contact.z) + met * normal.z - gap * z.z};
+    put(c, kernel::place_x, i, place);
+    put(c, kernel::contact_x, i, {place.x + way.x, place.y + way.y, place.z + way.z});
   }
 }
 
 // Normal forces along the normals; negative while apart, so that their zero is the instant of touch. The gap is what is left of it once the
 // surface has given way, or how far it has.
-SLIPBENCH_DISPATCHED static void take_pressure(const kernel::Columns& c, const SkinTable& t, const SkinEffect::Solution& s,
-                                               double own_stiffness, std::size_t count) {
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool touches = s.pressure[i] > 0.0;
-    const double left = std::max(t[axial_gap][i] + s.sunk[i], 0.0) * t[cosine][i];
-    const double pressed = s.pressure[i] / t[cosine][i];
-    c[kernel::gap][i] = touches ? -s.sunk[i] * t[cosine][i] : left;
-    c[kernel::f_normal][i] = touches ? pressed : -own_stiffness * left;
-    c[kernel::depth][i] = s.sunk[i];
+SLIPBENCH_DISPATCHED static void take_pressure(const kernel::Columns& c, SkinTable t, double own_stiffness, std::size_t count) {
+  const Lanes none{}, one = none + 1.0;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Lanes p = t.at(pressure, i), w = t.at(sunk, i), upright = t.at(cosine, i), ahead = t.at(axial_gap, i) + w;
+    const auto touches = p > 0.0;
+    const Lanes left = (ahead > 0.0 ? ahead : none) * upright;
+    put_lanes(c[kernel::gap] + i, touches ? -w * upright : left);
+    put_lanes(c[kernel::f_normal] + i, touches ? p / upright : -own_stiffness * left);
+    put_lanes(c[kernel::depth] + i, w);
     // What is apart shifts across its axis; which way the surface leans below it is nothing to it.
-    t[cosine][i] = touches ? t[cosine][i] : 1.0;
-    t[lean_x][i] = touches ? t[lean_x][i] : 0.0;
-    t[lean_y][i] = touches ? t[lean_y][i] : 0.0;
+    t.put(cosine, i, touches ? upright : one);
+    t.put(lean_x, i, touches ? t.at(lean_x, i) : none);
+    t.put(lean_y, i, touches ? t.at(lean_y, i) : none);
   }
 }
 
 // The shift that the tips would have if all stuck to where they were.
-SLIPBENCH_DISPATCHED static void aim(const kernel::Columns& c, const SkinTable& t, const Pose& pose,
-                                     const SkinEffect::Solution& s, double placed, std::size_t count) {
-  const Rows to_pad(pose.rotation.transpose());
-  const double px = pose.position.x(), py = pose.position.y(), pz = pose.position.z();
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool touched = c[kernel::mode_before][i] != 0.0;
-    const double ax = c[kernel::anchor_x][i], ay = c[kernel::anchor_y][i], az = c[kernel::anchor_z][i];
-    const double bx = c[kernel::contact_before_x][i], by = c[kernel::contact_before_y][i], bz = c[kernel::contact_before_z][i];
-    const Vector3 was = to_pad((touched ? ax : bx) - px, (touched ? ay : by) - py, (touched ? az : bz) - pz);
-    const auto [way_x, way_y] = way_to_root(t, i, along(t, x_axis, i, was), along(t, y_axis, i, was));
+SLIPBENCH_DISPATCHED static void aim(const kernel::Columns& c, const Frames& frames, double placed, std::size_t count) {
+  const SkinTable t = frames.t;
+  const Lanes none{}, one = none + 1.0;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const auto touched = at(c, kernel::mode_before, i) != 0.0;
+    const Vectors a = vectors_at(c, kernel::anchor_x, i), b = vectors_at(c, kernel::contact_before_x, i);
+    const Vectors was = frames.place_in(i, {touched ? a.x : b.x, touched ? a.y : b.y, touched ? a.z : b.z});
+    const Ways way = way_to_root(t, i, was.x, was.y);
     // What touches anew has followed its neighbours, and goes with the pad for the rest of the step.
-    const double gap = c[kernel::gap_before][i], depth = c[kernel::gap][i];
-    const double rest = depth < 0.0 ? placed * (gap > 0.0 ? depth / (depth - gap) : 1.0) : 0.0;
-    t[target_x][i] = touched ? way_x : s.shift_x[i] + rest * way_x;
-    t[target_y][i] = touched ? way_y : s.shift_y[i] + rest * way_y;
+    const Lanes gap = at(c, kernel::gap_before, i), depth = at(c, kernel::gap, i);
+    const Lanes rest = depth < 0.0 ? placed * (gap > 0.0 ? depth / (depth - gap) : one) : none;
+    t.put(target_x, i, touched ? way.x : t.at(shift_x, i) + rest * way.x);
+    t.put(target_y, i, touched ? way.y : t.at(shift_y, i) + rest * way.y);
   }
 }
 
 // What the solution makes of the elements.
-SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const SkinTable& t, const Pose& pose,
-                                            const SkinEffect::Solution& s, std::size_t count) {
-  const Rows to_surface(pose.rotation);
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) {
-    const double touches = s.pressure[i] > 0.0 ? 1.0 : 0.0, touched = c[kernel::mode_before][i] != 0.0 ? 1.0 : 0.0;
-    const double ahead_x = t[target_x][i] - s.shift_x[i], ahead_y = t[target_y][i] - s.shift_y[i];
-    const double way = std::sqrt(ahead_x * ahead_x + ahead_y * ahead_y);
-    const double moves = way > kernel::shortest_slip ? 1.0 : 0.0;
+SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const Frames& frames, std::size_t count) {
+  const SkinTable t = frames.t;
+  const Lanes none{}, one = none + 1.0;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const auto touches = t.at(pressure, i) > 0.0, touched = at(c, kernel::mode_before, i) != 0.0;
+    const Ways target{t.at(target_x, i), t.at(target_y, i)}, shifted{t.at(shift_x, i), t.at(shift_y, i)},
+        shear{t.at(shear_x, i), t.at(shear_y, i)}, ahead{target.x - shifted.x, target.y - shifted.y};
+    const Lanes way = kernel::root(ahead.x * ahead.x + ahead.y * ahead.y);
     // Where there is no friction it slips whichever way it is taken.
-    const double free = t[cap][i] == 0.0 ? 1.0 : 0.0;
-    const double along_force = ahead_x * s.shear_x[i] + ahead_y * s.shear_y[i] > 0.0 ? s.slides[i] : 0.0;
-    const double slip = touches * moves * std::max(free, along_force), stays = touches * touched;
-    const Vector3 shift = in_plane(t, to_surface, i, s.shift_x[i], s.shift_y[i]);
-    const Vector3 slipped = in_plane(t, to_surface, i, slip * ahead_x, slip * ahead_y);
-    const Vector3 force = in_plane(t, to_surface, i, s.shear_x[i], s.shear_y[i]);
-    // What is loose, or has touched in this step, is where its root's place and its shift say.
-    const double behind_x = touches != 0.0 ? t[target_x][i] : s.shift_x[i],
-                 behind_y = touches != 0.0 ? t[target_y][i] : s.shift_y[i];
-    const Vector3 behind = in_plane(t, to_surface, i, behind_x, behind_y);
-    const double loose_x = c[kernel::contact_x][i] - behind.x, loose_y = c[kernel::contact_y][i] - behind.y,
-                 loose_z = c[kernel::contact_z][i] - behind.z;
-    const double stuck_x = c[kernel::anchor_x][i], stuck_y = c[kernel::anchor_y][i], stuck_z = c[kernel::anchor_z][i];
-    const double anchor_x = (stays != 0.0 ? stuck_x : loose_x) + slipped.x,
-                 anchor_y = (stays != 0.0 ? stuck_y : loose_y) + slipped.y,
-                 anchor_z = (stays != 0.0 ? stuck_z : loose_z) + slipped.z;
-    c[kernel::anchor_x][i] = anchor_x;
-    c[kernel::anchor_y][i] = anchor_y;
-    c[kernel::anchor_z][i] = anchor_z;
-    c[kernel::contact_x][i] = anchor_x + shift.x;
-    c[kernel::contact_y][i] = anchor_y + shift.y;
-    c[kernel::contact_z][i] = anchor_z + shift.z;
-    c[kernel::slip_x][i] = slipped.x;
-    c[kernel::slip_y][i] = slipped.y;
-    c[kernel::slip_z][i] = slipped.z;
-    c[kernel::force_x][i] = force.x;
-    c[kernel::force_y][i] = force.y;
-    c[kernel::force_z][i] = force.z;
-    c[kernel::path][i] += slip * way;
-    c[kernel::mode][i] = touches * (1.0 + slip);
+    const auto gives = (t.at(cap, i) == 0.0) | ((ahead.x * shear.x + ahead.y * shear.y > 0.0) & (t.at(slides, i) != 0.0));
+    const auto slips = touches & (way > kernel::shortest_slip) & gives, loose = ~(touches & touched);
+    Vectors anchor = vectors_at(c, kernel::anchor_x, i);
+    if (any(loose)) {
+      // What is loose, or has touched in this step, is where its root's place and its shift say.
+      const Vectors root = vectors_at(c, kernel::contact_x, i);
+      const Vectors behind = frames.out(i, Ways{touches ? target.x : shifted.x, touches ? target.y : shifted.y});
+      anchor = {loose ? root.x - behind.x : anchor.x, loose ? root.y - behind.y : anchor.y, loose ? root.z - behind.z : anchor.z};
+    }
+    Vectors slipped{none, none, none};
+    if (any(slips)) {
+      slipped = frames.out(i, Ways{slips ? ahead.x : none, slips ? ahead.y : none});
+      anchor = {anchor.x + slipped.x, anchor.y + slipped.y, anchor.z + slipped.z};
+      put_lanes(c[kernel::path] + i, at(c, kernel::path, i) + (slips ? way : none));
+    }
+    const Vectors shift = frames.out(i, shifted);
+    put(c, kernel::anchor_x, i, anchor);
+    put(c, kernel::contact_x, i, {anchor.x + shift.x, anchor.y + shift.y, anchor.z + shift.z});
+    put(c, kernel::slip_x, i, slipped);
+    put(c, kernel::force_x, i, frames.out(i, shear));
+    put_lanes(c[kernel::mode] + i, touches ? (slips ? one + 1.0 : one) : none);
   }
 }
 
@@ -237,6 +257,7 @@ void Field::prepare_skin() {
     columns_[k_tangential_spring][i] = element.k_tangential = skin.punch_tangential()[i];
   }
   std::fill(t[cosine], t[cosine] + padded_, 1.0);
+  one_axis_ = std::ranges::all_of(layout_.elements, [&](const Element& e) { return e.axis == layout_.elements.front().axis; });
 }
 
 void Field::step_on_skin(double dt, const Twist* motion) {
@@ -245,18 +266,29 @@ void Field::step_on_skin(double dt, const Twist* motion) {
   SkinEffect& skin = *effects_.skin;
   const SkinTable t{skin_.data(), padded_};
   const SkinEffect::Solution s = skin.solution();
-  place_loaded(columns_, t, pose_, s, count_);
+  const auto take = [&](SkinColumn column, const double* from) { std::copy_n(from, count_, t[column]); };
+  take(shift_x, s.shift_x);
+  take(shift_y, s.shift_y);
+  const Frames in_pad(t, one_axis_, {}), frames(t, one_axis_, pose_);
+  place_loaded(columns_, in_pad, frames, count_);
   contacts_.find(columns_, pose_, all());
   for (const auto& effect : effects_.surface) {
     effect->displace(count_, columns_[contact_x], columns_[contact_y], columns_[normal_z], columns_[gap]);
   }
-  look_along_axes(columns_, t, pose_, on_plane(), count_);
+  look_along_axes(columns_, frames, on_plane(), count_);
   skin.press(t[axial_gap]);
-  take_pressure(columns_, t, s, 1.0 / skin.own_normal(), count_);
+  take(pressure, s.pressure);
+  take(sunk, s.sunk);
+  take_pressure(columns_, t, 1.0 / skin.own_normal(), count_);
   if (!effects_.friction.empty()) rate_friction(dt, motion);
-  aim(columns_, t, pose_, s, placed_ ? 1.0 : 0.0, count_);
+  aim(columns_, frames, placed_ ? 1.0 : 0.0, count_);
   shear_skin();
-  take_shear(columns_, t, pose_, s, count_);
+  take(shift_x, s.shift_x);
+  take(shift_y, s.shift_y);
+  take(shear_x, s.shear_x);
+  take(shear_y, s.shear_y);
+  take(slides, s.slides);
+  take_shear(columns_, frames, count_);
 }
 
 // Whether the pad is where it was, and nothing else could change; remembers where it is.
@@ -294,11 +326,11 @@ void Field::shear_skin() {
   }
   for (bool begins = true; begins;) {
     skin.shear(t[target_x], t[target_y], t[cap]);
-    const double* const slides = skin.solution().slides;
+    const double* const slid = skin.solution().slides;
     begins = false;
     for (std::size_t i = 0; i < count_; ++i) {
       const double kinetic = columns_[mu_kinetic][i] * normal_force(i);
-      if (slides[i] == 0.0 || !(t[cap][i] > kinetic)) continue;
+      if (slid[i] == 0.0 || !(t[cap][i] > kinetic)) continue;
       t[cap][i] = kinetic;
       begins = true;
     }

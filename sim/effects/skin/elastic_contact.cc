@@ -28,7 +28,7 @@ double near_enough(double allowed, double off) {
 }  // namespace
 
 ElasticContact::ElasticContact(std::unique_ptr<Influence> influence, std::size_t elements, double tolerance)
-    : influence_(std::move(influence)), n_(elements), tolerance_(tolerance), memory_(10 * elements + 2) {
+    : influence_(std::move(influence)), n_(elements), tolerance_(tolerance), memory_(12 * elements + 2) {
   const auto n = static_cast<Eigen::Index>(elements);
   for (Eigen::ArrayXd* a : {&residual_, &direction_, &moved_, &slides_}) a->setZero(n);
   for (Eigen::ArrayX2d* a : {&guess_, &at_guess_, &next_, &at_next_}) a->setZero(n, 2);
@@ -38,22 +38,42 @@ void ElasticContact::apply(const Eigen::ArrayX2d& force, Eigen::ArrayX2d& way) {
   influence_->shear(force.col(0).data(), force.col(1).data(), way.col(0).data(), way.col(1).data());
 }
 
+// From the forces of the step before on along what that step added, to the least energy on that line. Leaves the gains less where they start.
+void ElasticContact::guess_pressure(const Eigen::Ref<const Eigen::ArrayXd>& gap) {
+  Values p = pressure(), w = sunk(), gain = pressure_gain(), way = sunk_gain();
+  const double curved = (gain * way).sum();
+  const double again = curved > 0.0 ? std::clamp(-(gain * (gap + w)).sum() / curved, 0.0, 2.0) : 0.0;
+  direction_ = p;
+  moved_ = w;
+  p = (p + again * gain).max(0.0);
+  w += again * way;
+  if ((p != direction_ + again * gain).any()) influence_->press(p.data(), w.data());
+  gain = -direction_;
+  way = -moved_;
+}
+
 void ElasticContact::press(const Eigen::Ref<const Eigen::ArrayXd>& gap) {
   Values p = pressure(), w = sunk();
   const double depth = std::max(0.0, -gap.minCoeff());
   if (depth == 0.0) {
-    p.setZero();
-    w.setZero();
+    for (const std::size_t k : {0U, 1U, 10U, 11U}) column(k).setZero();
     return;
   }
+  const auto lack = [&] {
+    residual_ = gap + w;
+    return (p > 0.0).select(residual_.abs(), (-residual_).max(0.0)).maxCoeff();
+  };
+  const double off = lack(), enough = near_enough(tolerance_ * depth, off);
+  if (off <= enough) return;
+  guess_pressure(gap);
   const double own = 1.0 / influence_->own_normal();
   double before = 0.0;  // squared residual of the last iteration; 0: start along the gradient
-  double enough = 0.0;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    residual_ = gap + w;
-    const double lack = (p > 0.0).select(residual_.abs(), (-residual_).max(0.0)).maxCoeff();
-    if (iteration == 0) enough = near_enough(tolerance_ * depth, lack);
-    if (lack <= enough) return;
+    if (lack() <= enough) {
+      pressure_gain() += p;
+      sunk_gain() += w;
+      return;
+    }
     const double now = (p > 0.0).select(residual_.square(), 0.0).sum();
     direction_ = (p > 0.0).select(residual_ + (before > 0.0 ? now / before : 0.0) * direction_, 0.0);
     double length = own;

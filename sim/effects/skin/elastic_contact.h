@@ -6,8 +6,8 @@
 // Tangential, in steps: with g the shift that the tips would have if all stuck to where they were, u = C q the shift that they have, and the
 // limit L of each element's friction, the forces q minimise  q'C q/2 - q'g  under |q| <= L. Then s = g - u is the slip of the step: 0 where
 // |q| < L, along q where |q| = L (Kalker, Three-Dimensional Elastic Bodies in Rolling Contact, 1990, ch. 4). Projected gradients with Nesterov's
-// momentum, which starts anew where it leads uphill (O'Donoghue and Candes, Found. Comput. Math. 15, 2015). The first guess goes on the way of the
-// last step, as far as that lowers the energy: under a steady drive it is right to second order.
+// momentum, which starts anew where it leads uphill (O'Donoghue and Candes, Found. Comput. Math. 15, 2015).
+// Both first guesses go on the way of the last step, as far as that lowers the energy: under a steady drive they are right to second order.
 #pragma once
 
 #include <cstddef>
@@ -50,9 +50,12 @@ class ElasticContact {
   [[nodiscard]] Pairs pair(std::size_t k) { return {memory_.data() + k * n_, static_cast<Eigen::Index>(n_), 2}; }
   [[nodiscard]] Pairs gain() { return pair(6); }      // N, of friction() in the last step
   [[nodiscard]] Pairs gain_way() { return pair(8); }  // m, of shift()
+  [[nodiscard]] Values pressure_gain() { return column(10); }
+  [[nodiscard]] Values sunk_gain() { return column(11); }
   // How many elements touched when the largest curvature of q'C q over them was found, and that [m/N].
-  [[nodiscard]] double& counted() { return memory_[10 * n_]; }
-  [[nodiscard]] double& curvature() { return memory_[10 * n_ + 1]; }
+  [[nodiscard]] double& counted() { return memory_[12 * n_]; }
+  [[nodiscard]] double& curvature() { return memory_[12 * n_ + 1]; }
+  void guess_pressure(const Eigen::Ref<const Eigen::ArrayXd>& gap);
   void project(Eigen::ArrayX2d& force, const Eigen::Ref<const Eigen::ArrayXd>& limit);
   void guess(const Eigen::ArrayX2d& target, const Eigen::Ref<const Eigen::ArrayXd>& limit);
   void find_curvature(const Eigen::Ref<const Eigen::ArrayXd>& limit);

@@ -204,10 +204,11 @@ class GridInfluence final : public Influence {
     for (const std::uint32_t place : grid.place) {
       place_.push_back(static_cast<std::uint32_t>(place / grid.columns * columns_ + place % grid.columns));
     }
-    for (auto& field : field_) {
-      field.reset(fftw_alloc_real(rows_ * columns_));
-      std::fill_n(field.get(), rows_ * columns_, 0.0);
-    }
+    field_.reset(fftw_alloc_real(loaded_ * columns_));
+    std::fill_n(field_.get(), loaded_ * columns_, 0.0);
+    way_.reset(fftw_alloc_real(loaded_ * columns_));
+    by_rows_.reset(fftw_alloc_complex(rows_ * waves_));
+    std::fill_n(&by_rows_.get()[0][0], 2 * rows_ * waves_, 0.0);
     for (auto& spectrum : spectrum_) spectrum.reset(fftw_alloc_complex(rows_ * waves_));
     make_plans();
     tabulate(grid, body);
@@ -249,39 +250,35 @@ class GridInfluence final : public Influence {
   };
   using Plan = std::unique_ptr<std::remove_pointer_t<fftw_plan>, Destroy>;
 
-  // Rows of real numbers to spectra and back, those that bear something; columns of spectra, in place.
+  // Rows of real numbers to spectra and back, those that bear something; columns of spectra.
   void make_plans() {
     const std::lock_guard lock(fftw_planner());
     const int length = static_cast<int>(columns_), height = static_cast<int>(rows_), waves = static_cast<int>(waves_),
               loaded = static_cast<int>(loaded_);
-    double* const field = field_[0].get();
-    fftw_complex* const spectrum = spectrum_[0].get();
-    rows_forward_.reset(fftw_plan_many_dft_r2c(1, &length, loaded, field, nullptr, 1, length, spectrum, nullptr, 1, waves,
-                                               plan_flags | FFTW_PRESERVE_INPUT));
+    fftw_complex *const by_rows = by_rows_.get(), *const spectrum = spectrum_[0].get();
+    rows_forward_.reset(fftw_plan_many_dft_r2c(1, &length, loaded, field_.get(), nullptr, 1, length, by_rows, nullptr, 1,
+                                               waves, plan_flags | FFTW_PRESERVE_INPUT));
     rows_back_.reset(
-        fftw_plan_many_dft_c2r(1, &length, loaded, spectrum, nullptr, 1, waves, field, nullptr, 1, length, plan_flags));
-    const auto columns = [&](int sign) {
-      return fftw_plan_many_dft(1, &height, waves, spectrum, nullptr, waves, 1, spectrum, nullptr, waves, 1, sign, plan_flags);
+        fftw_plan_many_dft_c2r(1, &length, loaded, spectrum, nullptr, 1, waves, way_.get(), nullptr, 1, length, plan_flags));
+    const auto columns = [&](fftw_complex* from, int sign, unsigned flags) {
+      return fftw_plan_many_dft(1, &height, waves, from, nullptr, waves, 1, spectrum, nullptr, waves, 1, sign, plan_flags | flags);
     };
-    columns_forward_.reset(columns(FFTW_FORWARD));
-    columns_back_.reset(columns(FFTW_BACKWARD));
+    columns_forward_.reset(columns(by_rows, FFTW_FORWARD, FFTW_PRESERVE_INPUT));
+    columns_back_.reset(columns(spectrum, FFTW_BACKWARD, 0));
     if (!rows_forward_ || !rows_back_ || !columns_forward_ || !columns_back_) throw std::bad_alloc();
   }
 
+  // What is outside the pad has been 0 from the start, in field_ and in by_rows_.
   void load(const double* force, std::size_t k) {
-    double* const field = field_[k].get();
-    fftw_complex* const spectrum = spectrum_[k].get();
-    std::fill_n(field, loaded_ * columns_, 0.0);
-    for (std::size_t i = 0; i < place_.size(); ++i) field[place_[i]] = force[i];
-    fftw_execute_dft_r2c(rows_forward_.get(), field, spectrum);
-    std::fill_n(&spectrum[loaded_ * waves_][0], 2 * (rows_ - loaded_) * waves_, 0.0);
-    fftw_execute_dft(columns_forward_.get(), spectrum, spectrum);
+    for (std::size_t i = 0; i < place_.size(); ++i) field_.get()[place_[i]] = force[i];
+    fftw_execute_dft_r2c(rows_forward_.get(), field_.get(), by_rows_.get());
+    fftw_execute_dft(columns_forward_.get(), by_rows_.get(), spectrum_[k].get());
   }
   void unload(std::size_t k, double* way) {
     fftw_complex* const spectrum = spectrum_[k].get();
     fftw_execute_dft(columns_back_.get(), spectrum, spectrum);
-    fftw_execute_dft_c2r(rows_back_.get(), spectrum, field_[k].get());
-    for (std::size_t i = 0; i < place_.size(); ++i) way[i] = field_[k].get()[place_[i]];
+    fftw_execute_dft_c2r(rows_back_.get(), spectrum, way_.get());
+    for (std::size_t i = 0; i < place_.size(); ++i) way[i] = way_.get()[place_[i]];
   }
 
   // The kernels' transforms. All are real: the kernels are even in x and in y, or odd in both.
@@ -331,8 +328,9 @@ class GridInfluence final : public Influence {
   std::size_t loaded_;                  // rows of the pad
   std::size_t columns_, rows_, waves_;  // of the doubled grid
   std::vector<std::uint32_t> place_;    // [n] in it
-  std::array<std::unique_ptr<double, Free>, 2> field_;
-  std::array<std::unique_ptr<fftw_complex, Free>, 2> spectrum_;
+  std::unique_ptr<double, Free> field_, way_;                    // rows of the pad: forces, and ways
+  std::unique_ptr<fftw_complex, Free> by_rows_;                  // their transforms, row by row
+  std::array<std::unique_ptr<fftw_complex, Free>, 2> spectrum_;  // of both directions
   Plan rows_forward_, rows_back_, columns_forward_, columns_back_;
   std::vector<double> normal_, xx_, yy_, xy_;  // [rows, waves] m/N
 };
