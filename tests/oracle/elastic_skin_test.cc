@@ -13,11 +13,13 @@
 // off.
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "sim/effects/skin/elastic_contact.h"
 #include "sim/effects/skin/influence.h"
 #include "tests/oracle/effect_field.h"
 #include "tests/oracle/pads.h"
@@ -178,6 +180,34 @@ TEST(ElasticSkin, TwistsAsLubkinSays) {
     for (int k = 1; k <= 100; ++k) field.step(over(0.0, angle + 2.0 * angle * k / 100), 1e-3);
     EXPECT_NEAR(sums_of(field).torque / full, 1.0, 0.01) << n;
   }
+}
+
+// First guesses go on the way of the step before. Were they a little off, thousands of them would add up.
+TEST(ElasticSkin, SinksByWhatItsForcesSayAfterManySmallSteps) {
+  constexpr int n = 12, steps = 4000;
+  const PadLayout layout = square_grid(n, 2.4 * std::sqrt(radius * depth), 1.0, 1.0);
+  const ElasticBody body{150e3, std::numeric_limits<double>::infinity()};
+  ElasticContact contact(make_influence(layout, body, 0.0), n * n, 1e-7);
+  Eigen::ArrayXd gap(n * n), limit(n * n);
+  Eigen::ArrayX2d target(n * n, 2);
+  for (int k = 1; k <= steps; ++k) {
+    for (Eigen::Index i = 0; i < gap.size(); ++i) {
+      gap[i] = layout.elements[static_cast<std::size_t>(i)].tip.squaredNorm() / (2.0 * radius) - depth * k / steps;
+    }
+    contact.press(gap);
+    limit = mu * contact.pressure();
+    target.col(0).setConstant(1e-5 * k / steps);
+    target.col(1).setConstant(1e-6 * std::sin(0.01 * k));
+    contact.shear(target, limit);
+  }
+  const auto fresh = make_influence(layout, body, 0.0);
+  Eigen::ArrayXd sunk(n * n), x(n * n), y(n * n);
+  fresh->press(contact.pressure().data(), sunk.data());
+  fresh->shear(contact.friction().col(0).data(), contact.friction().col(1).data(), x.data(), y.data());
+  constexpr double rounding = 1e-10;  // of the largest; a walk of 4000 guesses, each with the last one's way, adds 4000^1.5 times 1e-16
+  EXPECT_LT((contact.sunk() - sunk).abs().maxCoeff(), rounding * depth);
+  EXPECT_LT((contact.shift().col(0) - x).abs().maxCoeff(), rounding * 1e-5);
+  EXPECT_LT((contact.shift().col(1) - y).abs().maxCoeff(), rounding * 1e-5);
 }
 
 // Without friction all slips wherever it is taken, and nothing resists; a kinetic coefficient of 0 lets go once a static one has.

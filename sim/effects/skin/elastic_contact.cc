@@ -31,11 +31,24 @@ ElasticContact::ElasticContact(std::unique_ptr<Influence> influence, std::size_t
     : influence_(std::move(influence)), n_(elements), tolerance_(tolerance), memory_(12 * elements + 2) {
   const auto n = static_cast<Eigen::Index>(elements);
   for (Eigen::ArrayXd* a : {&residual_, &direction_, &moved_, &slides_}) a->setZero(n);
-  for (Eigen::ArrayX2d* a : {&guess_, &at_guess_, &next_, &at_next_}) a->setZero(n, 2);
+  for (Eigen::ArrayX2d* a : {&guess_, &at_guess_, &next_, &at_next_, &change_}) a->setZero(n, 2);
 }
 
+// `way` of `force`, from those of friction(). Only differences go through the compliance: the rounding of shift() is then that of all, and a gain
+// has none of it, which the guesses of many steps would add up.
 void ElasticContact::apply(const Eigen::ArrayX2d& force, Eigen::ArrayX2d& way) {
-  influence_->shear(force.col(0).data(), force.col(1).data(), way.col(0).data(), way.col(1).data());
+  change_ = force - friction();
+  influence_->shear(change_.col(0).data(), change_.col(1).data(), way.col(0).data(), way.col(1).data());
+  way += shift();
+}
+
+// Makes `next` pressure(), and sunk() what it is then.
+void ElasticContact::take_pressure(const Eigen::Ref<const Eigen::ArrayXd>& next) {
+  Values p = pressure();
+  change_.col(0) = next - p;
+  influence_->press(change_.col(0).data(), moved_.data());
+  p = next;
+  sunk() += moved_;
 }
 
 // From the forces of the step before on along what that step added, to the least energy on that line. Leaves the gains less where they start.
@@ -43,13 +56,16 @@ void ElasticContact::guess_pressure(const Eigen::Ref<const Eigen::ArrayXd>& gap)
   Values p = pressure(), w = sunk(), gain = pressure_gain(), way = sunk_gain();
   const double curved = (gain * way).sum();
   const double again = curved > 0.0 ? std::clamp(-(gain * (gap + w)).sum() / curved, 0.0, 2.0) : 0.0;
-  direction_ = p;
-  moved_ = w;
-  p = (p + again * gain).max(0.0);
-  w += again * way;
-  if ((p != direction_ + again * gain).any()) influence_->press(p.data(), w.data());
-  gain = -direction_;
-  way = -moved_;
+  residual_ = p + again * gain;
+  gain = -p;
+  direction_ = again * way;
+  way = -w;
+  if ((residual_ < 0.0).any()) {
+    take_pressure(residual_.max(0.0));
+  } else {
+    p = residual_;
+    w += direction_;
+  }
 }
 
 void ElasticContact::press(const Eigen::Ref<const Eigen::ArrayXd>& gap) {
@@ -85,8 +101,7 @@ void ElasticContact::press(const Eigen::Ref<const Eigen::ArrayXd>& gap) {
     const bool leaves = (p > 0.0 && p <= length * direction_).any();
     if (joins || leaves) {
       constexpr double shy = 0.1;  // what joins comes beside others, whose load sinks it too
-      p = (p > 0.0).select((p - length * direction_).max(0.0), -shy * own * residual_.min(0.0));
-      influence_->press(p.data(), w.data());
+      take_pressure((p > 0.0).select((p - length * direction_).max(0.0), -shy * own * residual_.min(0.0)));
       before = 0.0;
     } else {
       p -= length * direction_;
@@ -113,7 +128,7 @@ void ElasticContact::find_curvature(const Eigen::Ref<const Eigen::ArrayXd>& limi
   if (std::abs(count - counted()) <= alike * counted()) return;
   counted() = count;
   next_.col(0) = next_.col(1) = (limit > 0.0).cast<double>();
-  apply(next_, at_next_);
+  influence_->shear(next_.col(0).data(), next_.col(1).data(), at_next_.col(0).data(), at_next_.col(1).data());
   curvature() = std::max(influence_->own_tangential(), at_next_.maxCoeff());
 }
 
@@ -162,8 +177,8 @@ void ElasticContact::shear(const Eigen::ArrayX2d& target, const Eigen::Ref<const
       mark(next_, slides_);
       mark(q, residual_);
       if ((slides_ != residual_).any()) {
-        q = next_;
         apply(next_, at_next_);
+        q = next_;
         u = at_next_;
       }
       gain() += q;

@@ -60,6 +60,7 @@ class ElasticContact {
   void guess(const Eigen::ArrayX2d& target, const Eigen::Ref<const Eigen::ArrayXd>& limit);
   void find_curvature(const Eigen::Ref<const Eigen::ArrayXd>& limit);
   void apply(const Eigen::ArrayX2d& force, Eigen::ArrayX2d& way);
+  void take_pressure(const Eigen::Ref<const Eigen::ArrayXd>& next);
 
   std::unique_ptr<Influence> influence_;
   std::size_t n_;
@@ -67,6 +68,7 @@ class ElasticContact {
   std::vector<double> memory_;
   Eigen::ArrayXd residual_, direction_, moved_;        // of press()
   Eigen::ArrayX2d guess_, at_guess_, next_, at_next_;  // of shear(): forces and the shifts by them
+  Eigen::ArrayX2d change_;                             // of both: forces that go through the compliance
   Eigen::ArrayXd slides_;
 };
 

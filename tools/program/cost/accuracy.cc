@@ -22,6 +22,9 @@ constexpr std::size_t most_common = 100;     // of the shortest sampling time, t
 constexpr double most_steps = 1e8;           // of a trial, what a scene may have
 constexpr std::size_t most_checked = 64;     // trials in which a step must be stable
 
+constexpr double tight_tolerance = 1e-6;     // of elastic_skin, at the longest step
+constexpr std::size_t tight_cost = 2;        // as `cost` shows it for scenes/soft_skin/sphere.yaml
+
 const Override no_wish{"accuracy", "none"};
 
 // So many of `size` trials, spread evenly from the first to the last.
@@ -49,12 +52,13 @@ struct Wish {
   double limit;
 };
 
-// Whether pads' springs are implicit, and the whole number of steps in the scene's sampling time.
+// Whether pads' springs are implicit, the whole number of steps in the scene's sampling time, and whether a soft skin is solved tightly.
 struct Cut {
   bool implicit = false;
   std::size_t steps = 1;
+  bool tight = false;
 
-  [[nodiscard]] std::size_t cost() const { return implicit ? implicit_cost * steps : steps; }
+  [[nodiscard]] std::size_t cost() const { return (implicit ? implicit_cost : tight ? tight_cost : 1) * steps; }
 };
 
 class Search {
@@ -64,7 +68,9 @@ class Search {
     const Scene scene = wished_.trial(0).scene;
     if (!scene.accuracy) return;
     for (const AccuracyScene::Wish& wish : scene.accuracy->wishes) wishes_.push_back({measure_named(wish.measure), wish.limit});
-    has_choice_ = scene.dynamic() && !scene.grasp && scene.fidelity == "field";
+    const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
+    if (skin != scene.effects.end()) skin_ = static_cast<std::size_t>(skin - scene.effects.begin());
+    has_choice_ = scene.dynamic() && !scene.grasp && scene.fidelity == "field" && !skin_;
   }
 
   // Empty where nothing is wished for.
@@ -101,10 +107,19 @@ class Search {
 
   [[nodiscard]] double step_of(const Cut& cut) const { return sampling_time_ / static_cast<double>(cut.steps); }
 
+  // What the steps of a slipping skin leave undone adds up over them.
+  [[nodiscard]] double tolerance_of(const Cut& cut) const {
+    constexpr double least = 1e-10;  // that the parameter may be
+    return std::max(least, tight_tolerance * static_cast<double>(explicit_steps_) / static_cast<double>(cut.steps));
+  }
+
   // What says the setting instead of the wish. The step reads back as the same double.
   [[nodiscard]] std::vector<Override> overrides_of(const Cut& cut) const {
     std::vector<Override> overrides{no_wish, {"time_step", format_quantity(step_of(cut), Quantity::time)}};
     if (cut.implicit) overrides.push_back({"field_solver", "implicit"});
+    if (cut.tight) {
+      overrides.push_back({fmt::format("effects.{}.elastic_skin.tolerance", *skin_), format_number(tolerance_of(cut))});
+    }
     return overrides;
   }
 
@@ -114,6 +129,7 @@ class Search {
     scene.accuracy.reset();
     scene.time_step = step_of(cut);
     if (has_choice_) scene.field_solver = cut.implicit ? FieldSolver::implicit_springs : FieldSolver::explicit_springs;
+    if (cut.tight) scene.effects[*skin_].parameters.set("tolerance", tolerance_of(cut));
     return scene;
   }
 
@@ -185,7 +201,10 @@ class Search {
   [[nodiscard]] std::vector<Cut> candidates(std::size_t below) const {
     std::vector<Cut> cuts;
     for (const auto& [implicit, fewest] : {std::pair{false, explicit_steps_}, std::pair{true, implicit_steps_}}) {
-      for (std::size_t steps = fewest; steps > 0 && steps < below; steps *= 2) cuts.push_back({implicit, steps});
+      for (std::size_t steps = fewest; steps > 0 && steps < below; steps *= 2) {
+        cuts.push_back({implicit, steps});
+        if (skin_) cuts.push_back({implicit, steps, true});
+      }
     }
     std::ranges::stable_sort(cuts, {}, &Cut::cost);
     return cuts;
@@ -263,7 +282,7 @@ class Search {
   // Halves the step until two runs are close enough.
   void find_reference(std::size_t longest, FoundSetting& found) {
     const bool implicit = explicit_steps_ == 0;
-    Cut cut{implicit, 4 * longest};
+    Cut cut{implicit, 4 * longest, skin_.has_value()};
     reference_ = run_all(cut);
     while (true) {
       cut.steps *= 2;
@@ -320,7 +339,8 @@ class Search {
   std::size_t asked_;        // the first so many trials are to run
   std::vector<std::size_t> trials_;
   std::vector<Wish> wishes_;
-  bool has_choice_ = false;  // of the solver
+  bool has_choice_ = false;          // of the solver
+  std::optional<std::size_t> skin_;  // which of the scene's effects is elastic_skin
   double sampling_time_ = 0.0;
   std::size_t explicit_steps_ = 0, implicit_steps_ = 0;  // fewest in the sampling time; 0: there is no such setting
   std::optional<SceneValueError> last_refusal_;

@@ -25,7 +25,7 @@ constexpr std::array<MeasureInfo, num_measures> measures{{
     {Measure::slip_distance, "slip_distance", "slipped distance", "%", 100.0,
      "by unit that slips, how far apart the distances slipped are at the last time that both runs have, as a share of the largest of any unit in the reference, at least 1 um"},
     {Measure::force, "force", "force", "%", 100.0,
-     "by sensor, root mean square of the difference of the units' contact forces at all times that both runs have, as a share of the root mean square of the reference's"},
+     "by sensor, root mean square of the difference of the units' contact forces at all times that both runs have, as a share of the root mean square of the reference's; of the pad's force where the runs have other units"},
     {Measure::creep, "creep", "creep", "um/s", 1e6,
      "by held body, how far apart the two runs let it drift over its pad, per time, while in the reference the pad touches and no unit of any sensor slips: the longest such stretch, of 100 ms or more"},
     {Measure::label, "label", "labels", "%", 100.0,
@@ -117,11 +117,28 @@ void add_difference(const Rows& rows, std::span<const float> run, std::span<cons
   values.add_share(squares, of);
 }
 
+// Sum over the units, three numbers a sample [N].
+std::vector<float> pad_force(const SensorRecord& sensor) {
+  const std::size_t units = sensor.labels.units();
+  std::vector<float> sums;
+  for (std::size_t row = 0; row < sensor.time.size(); ++row) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t u = 0; u < units; ++u) {
+      sum += Eigen::Map<const Eigen::Vector3f>(sensor.labels.force.data() + 3 * (row * units + u)).cast<double>();
+    }
+    for (const double component : sum) sums.push_back(static_cast<float>(component));
+  }
+  return sums;
+}
+
 std::optional<MeasureError> force_error(const std::vector<Both>& sensors) {
   MeasureValues values;
   for (const Both& both : sensors) {
-    if (!both.same_units()) continue;
-    add_difference(both.rows(), both.run.labels.force, both.reference.labels.force, 3 * both.run.labels.units(), false, values);
+    if (both.same_units()) {
+      add_difference(both.rows(), both.run.labels.force, both.reference.labels.force, 3 * both.run.labels.units(), false, values);
+    } else {
+      add_difference(both.rows(), pad_force(both.run), pad_force(both.reference), 3, false, values);
+    }
   }
   return values.error();
 }

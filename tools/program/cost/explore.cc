@@ -271,9 +271,12 @@ class Explorer {
       result_.rows.push_back(std::move(row));
       jobs_.push_back(std::move(job));
     }
-    for (const auto& [index, run] : apart) {
-      if (index == apart.back().first) break;
-      result_.rows[index].errors = compare(jobs_[apart.back().first].scene, run, apart.back().second);
+    for (std::size_t k = 0, last = 0; k < apart.size(); ++k) {
+      const auto series = [&](std::size_t i) { return result_.rows[apart[i].first].setting.series; };
+      while (last < k || (last + 1 < apart.size() && series(last + 1) == series(k))) ++last;
+      if (last == k) continue;
+      const auto& [finest, reference] = apart[last];
+      result_.rows[apart[k].first].errors = compare(jobs_[finest].scene, apart[k].second, reference);
     }
   }
 

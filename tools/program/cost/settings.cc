@@ -195,6 +195,32 @@ void add_elements(const Scene& scene, std::vector<Setting>& settings) {
   }
 }
 
+// Of a soft skin: what its solver leaves undone, and the cells of a flat grid whose extent stays.
+void add_skin(const Scene& scene, std::vector<Setting>& settings) {
+  const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
+  if (skin == scene.effects.end()) return;
+  for (const char* const tolerance : {"0.01", "0.001", "0.0001", "1e-05", "1e-06", "1e-08"}) {
+    settings.push_back(
+        {"tolerance", tolerance, {{fmt::format("effects.{}.elastic_skin.tolerance", skin - scene.effects.begin()), tolerance}}});
+  }
+  const SensorScene& sensor = scene.sensors.front();
+  if (scene.sensors.size() > 1 || !has(sensor, "rows") || !has(sensor, "columns") || !has(sensor, "pitch")) return;
+  const auto rows = sensor.parameters.integer("rows"), columns = sensor.parameters.integer("columns");
+  constexpr std::int64_t most = 64;
+  constexpr int halves = 2;
+  for (const int factor : {1, 2, 3, 4, 6}) {  // half a time to three times as many along each side
+    if (rows * factor % halves != 0 || columns * factor % halves != 0 || std::max(rows, columns) * factor > most * halves) continue;
+    const auto key = [&](const char* name) { return fmt::format("sensors.{}.{}", sensor.name, name); };
+    const std::int64_t up = rows * factor / halves, across = columns * factor / halves;
+    settings.push_back(
+        {"grid",
+         fmt::format("{} x {}", up, across),
+         {{key("rows"), std::to_string(up)},
+          {key("columns"), std::to_string(across)},
+          {key("pitch"), format_quantity(sensor.parameters.number("pitch") * halves / factor, Quantity::length)}}});
+  }
+}
+
 void add_rates(const Scene& scene, const OwnRun& own, std::vector<Setting>& settings) {
   const double fastest = fastest_rate(scene);
   if (!(fastest > 0.0)) return;
@@ -227,6 +253,8 @@ const std::vector<Series>& all_series() {
       {"contact", "MuJoCo's own contact"},
       {"rate", "output rate, at the scene's step"},
       {"elements", "elements a pad, against the most that ran", true},
+      {"tolerance", "the soft skin's solver, against the tightest that ran", true},
+      {"grid", "cells of the soft skin, against the finest that ran", true},
   };
   return series;
 }
@@ -239,6 +267,7 @@ std::vector<Setting> settings_to_try(const Scene& scene, const OwnRun& own) {
   add_contact(scene, own, settings);
   add_rates(scene, own, settings);
   add_elements(scene, settings);
+  add_skin(scene, settings);
   return settings;
 }
 

@@ -77,6 +77,18 @@ TEST(FindSetting, HalvesTheStepUntilTheWishIsMet) {
   EXPECT_EQ(setting_text(found_for(file_of(text)).overrides), setting_text(found.overrides));
 }
 
+// What a skin's solver leaves undone is told from the step's error only where the wish is as tight.
+TEST(FindSetting, TightensTheSolverOfASoftSkinWhereTheWishNeedsIt) {
+  const std::string skin =
+      "duration: 0.5 s\nsurface: {shape: sphere, radius: 40 mm}\neffects: [elastic_skin]\n"
+      "sensors: {pad: {type: taxels, rows: 8, columns: 8, pitch: 0.74 mm, rate: 1 kHz}}\n"
+      "motion: {kind: stage, compression: 0.15 mm, gap: 0.1 mm, speed: 0.4 mm/s, start: 0.2 s}\n";
+  const std::string loose = setting_text(found_for(file_of(skin + "accuracy: {force: 10 %}\n")).overrides);
+  const std::string tight = setting_text(found_for(file_of(skin + "accuracy: {force: 0.1 %}\n")).overrides);
+  EXPECT_EQ(loose.find("tolerance"), std::string::npos) << loose;
+  EXPECT_NE(tight.find("effects.0.elastic_skin.tolerance"), std::string::npos) << tight;
+}
+
 TEST(FindSetting, LooksAtTrialsSpreadOverTheSweep) {
   const FoundSetting found =
       found_for(file_of(stage + moves +

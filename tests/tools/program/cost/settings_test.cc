@@ -52,6 +52,19 @@ TEST(CostSettings, EffectsLeaveOutWhatHasNone) {
   EXPECT_THAT(series_of(settings_to_try(parsed(file), {1e-3})), UnorderedElementsAre("field", "rate", "elements"));
 }
 
+TEST(CostSettings, ASoftSkinHasASolverAndCells) {
+  const auto settings = settings_to_try(parsed(shipped("soft_skin/sphere.yaml")), {1e-3});
+  EXPECT_THAT(labels_of(settings, "tolerance"), ElementsAre("0.01", "0.001", "0.0001", "1e-05", "1e-06", "1e-08"));
+  EXPECT_THAT(labels_of(settings, "grid"), ElementsAre("8 x 8", "16 x 16", "24 x 24", "32 x 32", "48 x 48"));
+  for (const Setting& setting : settings) {
+    if (setting.series != "grid") continue;
+    SceneFile file = shipped("soft_skin/sphere.yaml");
+    for (const Override& change : setting.changes) file.apply(change);
+    const Parameters& pad = parsed(file).sensors.front().parameters;
+    EXPECT_DOUBLE_EQ(static_cast<double>(pad.integer("rows")) * pad.number("pitch"), 16 * 0.37e-3) << setting.label;
+  }
+}
+
 // 1 kHz: ten sampling times down to a twentieth of one; the scene's own millisecond is the scene itself.
 TEST(CostSettings, StepsGoFromTenSamplingTimesToATwentieth) {
   const auto settings = settings_to_try(parsed(shipped("papillarray/stage.yaml")), {1e-3});
@@ -61,7 +74,7 @@ TEST(CostSettings, StepsGoFromTenSamplingTimesToATwentieth) {
 
 // Whoever reads a row can run it.
 TEST(CostSettings, EverySettingOfAShippedSceneIsASceneOrRefusedByName) {
-  for (const char* const name : {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml", "biotac_sp/grasp.yaml"}) {
+  for (const char* const name : {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml", "biotac_sp/grasp.yaml", "soft_skin/sphere.yaml"}) {
     const Scene scene = parsed(shipped(name));
     for (const Setting& setting : settings_to_try(scene, {1e-3})) {
       SceneFile file = shipped(name);
