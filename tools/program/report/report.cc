@@ -181,19 +181,38 @@ Json trial_row(const TrialRecord& record, const std::string& subject) {
   return row;
 }
 
-// What the scene warns of, as far as this version can read it; nothing is built, since that would open files that the dataset
-// names.
-std::vector<Warning> warnings_of(const DatasetHeader& header, const Json& overrides, const std::vector<std::size_t>& trials) {
+// The scene that the dataset holds, with its overrides. Nothing is built, since that would open files that the dataset names.
+TrialPlan plan_of(const DatasetHeader& header, const Json& overrides, const Catalogues& catalogues) {
+  SceneFile file = SceneFile::from_text(header.scene, "scene");
+  for (const auto& [path, value] : overrides.items()) {
+    if (!value.is_string()) throw InputError("overrides hold no text for " + path);
+    file.apply({path, value.get<std::string>()});
+  }
+  return {file, catalogues, 0, header.seed};
+}
+
+// What the closed form of a pad that is one elastic body needs, where it is one.
+Json skin_of(const Scene& scene) {
+  const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
+  if (skin == scene.effects.end()) return nullptr;
+  const bool sphere = scene.surface.name == "sphere" && std::isinf(skin->parameters.number("thickness"));
+  return {{"shear_modulus", skin->parameters.number("shear_modulus")},
+          {"friction", scene.friction.static_coefficient},
+          {"sphere_radius", sphere ? Json(scene.surface.parameters.number("radius")) : Json(nullptr)}};
+}
+
+// What the scene warns of, and what is known of soft skins of the trials `embedded`, as far as this version can read the scene.
+std::vector<Warning> read_scene(const DatasetHeader& header, const std::vector<std::size_t>& trials,
+                                const std::vector<std::size_t>& embedded, Json& page) {
   try {
-    SceneFile file = SceneFile::from_text(header.scene, "scene");
-    for (const auto& [path, value] : overrides.items()) {
-      if (!value.is_string()) throw InputError("overrides hold no text for " + path);
-      file.apply({path, value.get<std::string>()});
-    }
     const Catalogues catalogues = program_catalogues();
-    const TrialPlan plan(file, catalogues, 0, header.seed);
+    const TrialPlan plan = plan_of(header, page["overrides"], catalogues);
     std::vector<std::size_t> own = trials;  // --trials may have made more
     std::erase_if(own, [&](std::size_t trial) { return trial >= plan.size(); });
+    for (const std::size_t trial : embedded) {
+      if (trial >= plan.size()) continue;
+      if (const Json skin = skin_of(plan.trial(trial).scene); !skin.is_null()) page["skins"][std::to_string(trial)] = skin;
+    }
     std::vector<Warning> warnings = scene_warnings(plan, own, false);
     std::ranges::move(split_warnings(plan, own), std::back_inserter(warnings));
     return warnings;
@@ -292,7 +311,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
 
   Json page = head_of(dataset, dataset_path, options);
   Gathered gathered = gather(dataset, dataset_path, options, shares, shown, embedded, page);
-  std::vector<Warning> warnings = warnings_of(dataset.header(), page["overrides"], trials);
+  std::vector<Warning> warnings = read_scene(dataset.header(), trials, embedded, page);
   if (shown.size() < trials.size()) {
     warnings.push_back(
         {"trials",
@@ -320,7 +339,11 @@ constexpr std::string_view generator = "slipbench";
 std::string report::report_page(const std::string& title, const Json& data,
                                 const std::vector<std::pair<std::string, Json>>& recordings) {
   std::vector<page::Asset> files = assets();
-  if (!data.contains("grasps")) std::erase_if(files, [](const page::Asset& file) { return file.name.starts_with("grasp_"); });
+  const auto leave_out = [&](std::string_view prefix) {
+    std::erase_if(files, [&](const page::Asset& file) { return file.name.starts_with(prefix); });
+  };
+  if (!data.contains("grasps")) leave_out("grasp_");
+  if (!data.contains("skins")) leave_out("skin.");
   return page::compose_drawn_page({generator, title + " · slipbench report"}, files, data, recordings);
 }
 

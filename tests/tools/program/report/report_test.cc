@@ -217,6 +217,18 @@ TEST(Report, PaysNothingForAGraspThatIsNotThere) {
   EXPECT_THAT(read_text(page_path("report_no_grasp.html")), Not(HasSubstr("class GraspView")));
 }
 
+// A soft skin has what its closed form needs, of a sphere its radius, and the page what draws it. Others pay nothing for it.
+TEST(Report, SaysWhatASoftSkinTouches) {
+  const std::string skin = "slipbench: 1\nsensors: {pad: {type: taxels}}\nfriction: {static: 0.6, kinetic: 0.5}\neffects: [elastic_skin: {shear_modulus: 1 MPa}]\n";
+  const Json flat = reported("report_flat_skin", skin, trials(1)).at("skins").at("0");
+  EXPECT_EQ(flat, Json({{"shear_modulus", 1e6}, {"friction", 0.6}, {"sphere_radius", nullptr}}));
+  const Json sphere = reported("report_skin", skin + "surface: {shape: sphere, radius: 30 mm}\n", trials(1)).at("skins").at("0");
+  EXPECT_EQ(sphere.at("sphere_radius"), 0.03);
+  EXPECT_THAT(read_text(page_path("report_skin.html")), HasSubstr("skinSection = "));
+  EXPECT_FALSE(reported("report_no_skin", scene, trials(1)).contains("skins"));
+  EXPECT_THAT(read_text(page_path("report_no_skin.html")), Not(HasSubstr("skinSection = ")));
+}
+
 TEST(Report, ListsEveryTrialOfADataset) {
   const Json data = reported("report_sweep", scene, trials(11));
   ASSERT_EQ(data.at("trials").size(), 11U);

@@ -165,6 +165,15 @@ class Pages:
             assert self.browser.evaluate("document.querySelectorAll('path, rect, circle').length") > 5
             self.open(page)
 
+    def check_skins(self):
+        """A gel's fields, and around those of a sphere's contact the circle that Hertz has: sqrt(40 mm 0.15 mm), of 16 cells of 0.37 mm on 250 px."""
+        self.check(self.report("run", SCENES / "soft_skin/flat.yaml", "flat"))
+        self.check(self.report("run", SCENES / "soft_skin/sphere.yaml", "sphere"))
+        rings = self.browser.evaluate("[...document.querySelectorAll('svg[aria-label^=\"Pressure,\"] circle')].map(ring => +ring.getAttribute('r'))")
+        contact = (40e-3 * 0.15e-3) ** 0.5 * 250 / (16 * 0.37e-3)
+        assert len(rings) == 6 and all(abs(ring - contact) < 0.01 * contact for ring in rings[::2]), (rings, contact)
+        assert all(0 < ring < contact for ring in rings[1::2]), rings
+
     def check_all_trials(self):
         """Every trial of a sweep opens, in a page that can be sent by mail; one that is asked for has all samples."""
         page = self.report("sweep", self.scene("long", LONG), "long")
@@ -202,6 +211,7 @@ def main():
         pages.check(pages.folder / "cost.html")
         pages.run("eval", "stuck_fraction", "sweep.h5", "--labels", "micro", "-o", "eval.html")
         pages.check(pages.folder / "eval.html")
+        pages.check_skins()
         pages.check_saved(pages.folder / "papillarray.html")
         pages.check_all_trials()
         for fault in pages.faults:

@@ -347,11 +347,12 @@ sb.showTrial = async (host, index, sensorName) => {
   const whole = wholeSensor(trial, recording, timeline);
   const channels = sb.channelSection(recording, timeline);
   const onset = onsets(recording, timeline);
+  const skin = sb.page.skins?.[index] ? sb.skinSection(recording, sb.page.skins[index]) : null;
   const thinned = recording.stride === 1 ?
       null :
       el('p.note', {}, 'Curves show one sample in ' + recording.stride + '. States and onsets are complete.');
   const parts = [
-    thinned, whole.section, channels?.section, charts.section, onset.section, rules(summary),
+    thinned, whole.section, skin?.section, channels?.section, charts.section, onset.section, rules(summary),
     recording.padRuns.seen && sb.detectorSection([trial]), grasp && sb.graspParameters()
   ];
   host.replaceChildren(
@@ -359,7 +360,7 @@ sb.showTrial = async (host, index, sensorName) => {
       el('div.layout', {}, side, el('div', {}, parts)));
   const update = () => {
     const sample = recording.sampleAt(timeline.cursor);
-    for (const part of [controls, readings, pad, onset, grasp]) part?.update(sample);
+    for (const part of [controls, readings, pad, onset, skin, grasp]) part?.update(sample);
   };
   timeline.on('cursor', update);
   // Opens where there is most to see: when half of the units that let go have done so.
