@@ -375,7 +375,7 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
   model = build_model(scene, layouts, trial, options.hand);
   begin(scene);
   double longest = std::numeric_limits<double>::infinity();
-  bool springs_known = true;
+  bool springs_known = true, skins = false;
   for (std::size_t i = 0; i < layouts.size(); ++i) {
     if (scene.sensors[i].friction) continue;  // without effects
     const PadLayout* pad = layouts[i];
@@ -383,6 +383,7 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
     longest = std::min(longest, longest_step(effects, motion ? motion->top_speed(reach_of(*pad)) : 0.0));
     judge_fields = judge_fields && effects.surface.empty() && effects.rheology.empty() && !effects.lean;
     springs_known = springs_known && effects.rheology.empty() && !effects.lean;
+    skins = skins || effects.skin != nullptr;
   }
   if (!springs_known && options.hand_solver == FieldSolver::implicit_springs) {
     throw SceneValueError(
@@ -403,8 +404,11 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
                     "implicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies and are damped at {:.4g} /s",
                     fastest.omega, fastest.damping_rate)
               : fmt::format(
-                    "explicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies and are damped at {:.4g} /s (`field_solver: implicit` has {} limit)",
-                    fastest.omega, fastest.damping_rate, options.hand != nullptr ? "a longer" : "no such");
+                    "explicit springs of the pads, which vibrate at up to {:.4g} rad/s on their bodies and are damped at {:.4g} /s{}",
+                    fastest.omega, fastest.damping_rate,
+                    skins                     ? ""
+                    : options.hand != nullptr ? " (`field_solver: implicit` has a longer limit)"
+                                              : " (`field_solver: implicit` has no such limit)");
     }
   }
   if (implicit) refuse_implicit();
