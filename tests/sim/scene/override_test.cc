@@ -34,6 +34,12 @@ std::string refusal(const std::vector<Override>& changes, const std::string& tex
   return refusal_of([&] { parse_scene(with(changes, text), catalogues); });
 }
 
+TEST(Override, ALongValueIsNotSaidAsAWhole) {
+  const std::string told = refusal({{"motion.speed", std::string(100'000, 'x')}});
+  EXPECT_LT(told.size(), 1000U);
+  EXPECT_EQ(told.substr(0, 24), "--set motion.speed=xxxxx");
+}
+
 TEST(Override, ReplacesAValue) {
   EXPECT_EQ(read({{"motion.speed", "8 mm/s"}}).motion.parameters.number("speed"), 0.008);
   EXPECT_EQ(read({{"motion.tilt.0", "0.2"}}).motion.parameters.vector("tilt")[0], 0.2);

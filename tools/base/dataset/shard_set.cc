@@ -112,6 +112,12 @@ std::vector<std::pair<std::size_t, std::string>> ShardSet::list() {
 
 const DatasetHeader& ShardSet::header() const { return shards_.front()->about().header; }
 
+std::vector<std::string> ShardSet::paths() const {
+  std::vector<std::string> names;
+  for (const auto& shard : shards_) names.push_back(shard->path());
+  return names;
+}
+
 std::vector<std::string> ShardSet::files() const {
   std::vector<std::string> names;
   for (const auto& shard : shards_) std::ranges::move(shard->files(), std::back_inserter(names));
@@ -202,6 +208,12 @@ std::optional<Merged> merge(const std::vector<std::string>& paths, const std::st
     throw InputError(fmt::format("cannot write {}: {}; allowed: all shards of a sweep", output, fmt::join(gaps, "; ")));
   }
   if (set.size() == 0) throw InputError(fmt::format("cannot write {}: all trials of the sweep have failed", output));
+  ShardSet(paths).check_duplicates();
+  // Chunks are copied as they are: what a disk has changed in them would be told by nobody.
+  for (const std::string& shard : set.paths()) {
+    const DatasetReader reader(shard);
+    for (std::size_t file = 0; file < reader.files().size(); ++file) check_content(reader, file);
+  }
 
   Merged merged;
   const DatasetHeader header = whole_header(set.header());

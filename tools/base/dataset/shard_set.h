@@ -30,7 +30,8 @@ class ShardSet {
 
   // Of the first shard.
   [[nodiscard]] const DatasetHeader& header() const;
-  // Names of all files.
+  // Names of the shards' first files, and of all files.
+  [[nodiscard]] std::vector<std::string> paths() const;
   [[nodiscard]] std::vector<std::string> files() const;
   // The trials of all shards (number, group), ascending; those that several hold stand there several times.
   [[nodiscard]] std::vector<std::pair<std::size_t, std::string>> list();

@@ -149,6 +149,22 @@ std::string python_text(const std::string& text) {
   return quoted + "\"";
 }
 
+// What is written, in this order: a folder without the last was left by a run that was killed.
+const std::array<std::pair<const char*, std::string_view>, 5> files{{{"README.md", readme},
+                                                                    {"shard.sh", shard_script},
+                                                                    {"array.sbatch", array_script},
+                                                                    {"merge.sh", merge_script},
+                                                                    {"Snakefile", snake_file}}};
+
+bool is_left_by_a_killed_run(const std::filesystem::path& folder) {
+  std::error_code error;
+  return std::ranges::all_of(std::filesystem::directory_iterator(folder, error), [](const auto& entry) {
+    const std::string name = entry.path().filename().string();
+    const auto written = [&](const auto& file) { return name == file.first || name == std::string(file.first) + ".partial"; };
+    return name == "logs" || (name != files.back().first && std::ranges::any_of(files, written));
+  });
+}
+
 void check_folder(const std::filesystem::path& folder) {
   std::error_code error;
   const auto refuse = [&](const char* what) {
@@ -156,7 +172,7 @@ void check_folder(const std::filesystem::path& folder) {
   };
   if (!std::filesystem::exists(folder, error)) return;
   if (!std::filesystem::is_directory(folder, error)) refuse("is no folder");
-  if (!std::filesystem::is_empty(folder, error)) refuse("holds something");
+  if (!is_left_by_a_killed_run(folder)) refuse("holds something");
 }
 
 }  // namespace
@@ -215,11 +231,9 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
   std::filesystem::create_directories(folder / "logs", error);
   if (error) throw InputError(fmt::format("cannot make the folder {}: {}", (folder / "logs").string(), error.message()));
   std::vector<std::string> written;
-  for (const auto& [name, text] :
-       {std::pair{"README.md", readme}, std::pair{"shard.sh", shard_script}, std::pair{"array.sbatch", array_script},
-        std::pair{"merge.sh", merge_script}, std::pair{"Snakefile", snake_file}}) {
+  for (const auto& [name, text] : files) {
     written.push_back((folder / name).string());
-    write_text_file(written.back(), filled(text, values));
+    write_text_file(written.back(), filled(std::string(text), values));
   }
   return written;
 }

@@ -183,7 +183,7 @@ int ImportCommand::run() {
   if (summary.files.empty()) {
     say(stderr, "slipbench: nothing is written\n");
   } else {
-    fmt::print("{} slipbench verify {}\n", style.dim("next:"), summary.files.front());
+    fmt::print("{} slipbench verify {}\n", style.dim("next:"), shell_word(summary.files.front()));
   }
   return exit_good;
 }

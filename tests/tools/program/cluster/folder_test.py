@@ -111,6 +111,16 @@ class FolderTest(unittest.TestCase):
         refuse("motion.start: 10 ms is too early", "a scene.yaml", *SWEEP, "--set", "motion.start=10 ms", *out, 2)
         self.assertFalse((self.folder / "cluster").exists())
 
+    def test_a_folder_that_a_killed_run_has_left_is_written_anew(self):
+        out = ("cluster", "a scene.yaml", *SWEEP, "-o", "cluster", "--shards", 2)
+        folder = self.folder / "cluster"
+        (folder / "logs").mkdir(parents=True)
+        (folder / "shard.sh.partial").write_text("#!/bin/")
+        (folder / "README.md").write_text("half")
+        self.run_program(*out)
+        self.assertNotEqual((folder / "README.md").read_text(), "half")
+        self.assertIn("holds something", self.run_program(*out, status=2).stderr)  # whole
+
     def test_scripts_pass_shellcheck(self):
         cluster = self.cluster("cluster", 2)
         for name in ("shard.sh", "merge.sh", "array.sbatch"):

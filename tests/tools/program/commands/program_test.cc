@@ -297,15 +297,15 @@ TEST(Program, QuietSaysNothing) {
 
 TEST(Program, FromSceneToReportAndExports) {
   const TemporaryFolder folder;
-  const std::string dataset = folder / "speeds.h5";
+  const std::string dataset = folder / "three speeds.h5";
   const ChildResult sweep = run_program_file({"sweep", stage, "--set", three_speeds, "-o", dataset});
   EXPECT_EQ(sweep.status, 0) << sweep.err;
-  EXPECT_THAT(sweep.out, AllOf(HasSubstr("written: " + dataset), HasSubstr("next: slipbench report " + dataset)));
+  EXPECT_THAT(sweep.out, AllOf(HasSubstr("written: " + dataset), HasSubstr("next: slipbench report '" + dataset + "'")));
   EXPECT_TRUE(std::filesystem::exists(dataset));
 
   // The page stands beside the dataset unless told otherwise.
-  EXPECT_EQ(json_of(run_program_file({"report", dataset, "--json"}))["report"], folder / "speeds.html");
-  EXPECT_TRUE(std::filesystem::exists(folder / "speeds.html"));
+  EXPECT_EQ(json_of(run_program_file({"report", dataset, "--json"}))["report"], folder / "three speeds.html");
+  EXPECT_TRUE(std::filesystem::exists(folder / "three speeds.html"));
   expect_refusal({"report", dataset, "--trial", "3"}, HasSubstr("3"));  // trials are 0 to 2
 
   const nlohmann::json files =

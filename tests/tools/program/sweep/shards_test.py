@@ -225,6 +225,14 @@ class ShardsTest(unittest.TestCase):
         self.assert_refused("content_sha256 is not that of what it holds", "merge", one, two, "-o", self.folder / "merged.h5")
         self.assertEqual([path.name for path in self.folder.glob("merged*")], [])
 
+    def test_a_damaged_trial_is_not_merged(self):
+        one, two = self.shards(2)
+        with h5py.File(two, "r+") as file:
+            number = min(int(name.removeprefix("demo_")) for name in file["data"])
+            file[f"data/demo_{number}/labels/pad/force"][3, 0, 0] += 1.0
+        self.assert_refused(f"/data/demo_{number}: is damaged", "merge", one, two, "-o", self.folder / "merged.h5")
+        self.assertEqual([path.name for path in self.folder.glob("merged*")], [])
+
     def test_a_killed_merge_is_begun_again(self):
         one, two = self.shards(2, "--record", "outcome")
         merged = self.folder / "merged.h5"

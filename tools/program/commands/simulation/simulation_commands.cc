@@ -102,11 +102,12 @@ void print_only_trial(const SweepOptions& options, const SweepSummary& summary, 
 
 void print_next(const SweepOptions& options, const SweepSummary& summary, const Style& style) {
   if (summary.files.empty()) {
-    fmt::print("{} slipbench {} {} -o FILE.h5 keeps the recordings\n", style.dim("next:"), options.verb, options.scene_path);
+    fmt::print("{} slipbench {} {} -o FILE.h5 keeps the recordings\n", style.dim("next:"), options.verb,
+               shell_word(options.scene_path));
   } else {
     const char* next = summary.shard ? "slipbench merge SHARD.h5 ... -o FILE.h5, once all shards are there" : "slipbench report ";
     fmt::print("{} {}\n{} {}{}\n", style.good("written:"), files_text(summary.files), style.dim("next:"), next,
-               summary.shard ? "" : summary.files.front());
+               summary.shard ? "" : shell_word(summary.files.front()));
   }
 }
 
@@ -271,7 +272,7 @@ int MergeCommand::run() {
   if (merged.failed > 0) about += fmt::format(", {} have failed", merged.failed);
   if (merged.duplicates > 0) about += fmt::format(", {} stood in several files", merged.duplicates);
   fmt::print("{} {}: {}\n{} slipbench report {}\n", style_for(stdout).good("written:"), files_text(merged.files), about,
-             style_for(stdout).dim("next:"), merged.files.front());
+             style_for(stdout).dim("next:"), shell_word(merged.files.front()));
   return exit_good;
 }
 
