@@ -305,45 +305,28 @@ std::vector<ParameterSpec> parameters() {
   using enum Quantity;
   std::vector<std::string> names;
   for (const Reading& read : readings) names.emplace_back(read.name);
+  const std::vector<TableColumn> columns{{"x", length}, {"y", length}, {"z", length},           {"nx"},
+                                         {"ny"},        {"nz"},        {"k_normal", stiffness}, {"k_tangential", stiffness}};
   return {
       number_spec("rate", frequency, "100 Hz", positive, "Samples a second.", yours),
       integer_spec("rows", "4", {1.0, 64.0}, "Taxels along Y.", yours),
       integer_spec("columns", "4", {1.0, 64.0}, "Taxels along X.", yours),
       number_spec("pitch", length, "4 mm", positive, "Distance of taxels.", yours),
-      table_spec(
-          2, "places",
-          {{"x", length},
-           {"y", length},
-           {"z", length},
-           {"nx"},
-           {"ny"},
-           {"nz"},
-           {"k_normal", stiffness},
-           {"k_tangential", stiffness}},
-          "Where each taxel stands in place of the grid, the direction in which it looks out of the pad (none: 0, 0, -1), its stiffness where it has its own.",
-          yours),
-      number_spec("k_normal", stiffness, "1 N/mm", positive,
-                  "Normal stiffness of a taxel; the effect elastic_skin takes its place.", yours),
-      number_spec("k_tangential", stiffness, "0.5 N/mm", positive, "Tangential stiffness, alike.", yours),
+      table_spec(2, "places", columns, "Where each taxel stands, in which direction it looks (0, 0, -1) and its own stiffness.",
+                 yours),
+      number_spec("k_normal", stiffness, "1 N/mm", positive, "Of a taxel; elastic_skin takes its place.", yours),
+      number_spec("k_tangential", stiffness, "0.5 N/mm", positive, "Alike.", yours),
       number_spec("width", length, "4 mm", positive, "Edge of a taxel's square face: a pressure is a force over it.", yours),
-      integer_spec("points", "1", {1.0, 16.0},
-                   "Friction points along each edge, which share the stiffness: a taxel with several slips in parts.", yours),
-      number_spec("height", length, "inf", positive,
-                  "Height of a taxel: pressed in farther, it is no spring, and the program warns.", yours),
-      map_spec("channels", "Name of each channel, and what it reads. None: {force: force, displacement: displacement}.", yours,
-               names),
-      table_spec(
-          1, "matrix", {},
-          "Rows of a signal, with the weights of x, y and z of each taxel's force [1/N]. None: a signal is a taxel's normal force.",
-          yours),
-      table_spec(2, "curve", {{"input"}, {"output"}},
-                 "Points of the curve through which each signal goes, straight in between and on beyond its ends.", yours),
+      integer_spec("points", "1", {1.0, 16.0}, "Friction points along each edge: a taxel slips in parts.", yours),
+      number_spec("height", length, "inf", positive, "Height of a taxel, which bounds its travel.", yours),
+      map_spec("channels", "What each reads. None: force and displacement, called so.", yours, names),
+      table_spec(1, "matrix", {}, "Weights of x, y and z of each taxel's force, a row a signal. None: its normal force.", yours),
+      table_spec(2, "curve", {{"input"}, {"output"}}, "Points through which each signal goes, straight on beyond the ends.",
+                 yours),
       choice_spec("unit", "counts", {"counts", "V", "mV", "N", "Pa", "kPa", "uT", "pF", "ohm"}, "Unit of the signals.", yours),
       vector_spec(2, "range", none, "[0, 4095]", any_value, "What the converter of a signal spans.", yours),
-      number_spec("max_force", force, "10 N", positive,
-                  "What the converter of a force spans, and that of a displacement by the taxel's stiffness.", yours),
-      choice_spec("scan_order", "rows", {"rows", "columns", "zigzag"},
-                  "In which order the part scan reads the grid; places are read as they are listed.", yours),
+      number_spec("max_force", force, "10 N", positive, "Converter's end: of forces, of what it does to springs.", yours),
+      choice_spec("scan_order", "rows", {"rows", "columns", "zigzag"}, "Order of a grid's part scan.", yours),
       figure("noise", "0.001", "Standard deviation of the part white_noise, as a share of the range's larger end."),
       figure("offset", "0.002", "That of the part offset, alike."),
       figure("drift", "0.0001", "That of the slope of the part drift, alike [1/s]."),
@@ -355,7 +338,9 @@ std::vector<ParameterSpec> parameters() {
 }  // namespace
 
 SensorKind taxels_sensor() {
-  const std::string own = "by the sensor's parameter of that name";
+  std::vector<PartFigures> parts{{"scan", "taxel by taxel in scan_order, signals of a matrix in its order"}};
+  for (const char* part : {"coupling", "gain", "offset", "drift", "white_noise", "quantisation"})
+    parts.push_back({part, "figures by the sensor's own keys"});
   return {
       .about =
           {"taxels", "Taxels of one's own: where they stand, what they read and their electronics, in the scene alone.",
@@ -363,13 +348,7 @@ SensorKind taxels_sensor() {
            "normal_force, shear: the force in the taxel's own frame, whose z is against its direction; pressure: normal_force/width^2\n"
            "signal: curve(matrix f), f: x, y and z of the force of all taxels",
            "none: a sensor of one's own", parameters()},
-      .electronics = electronics_of("taxels", {{"scan", "taxel by taxel in scan_order, signals of a matrix in its order", {}},
-                                               {"coupling", own, {}},
-                                               {"gain", own, {}},
-                                               {"offset", own, {}},
-                                               {"drift", own, {}},
-                                               {"white_noise", own + " noise", {}},
-                                               {"quantisation", "by max_force and range: where it saturates", {}}}),
+      .electronics = electronics_of("taxels", parts),
       .create = created<Taxels>,
       .view = {
           .unit = "taxel", .units = "taxels", .letter = "T", .channels = {{"force", "Force"}, {"displacement", "Displacement"}}}};

@@ -62,12 +62,18 @@ class FrameArrays {
   nb::dict arrays_;
 };
 
+// Whom an error is told of.
+struct Blame {
+  std::string path;   // of the type in the scene: "detector.type"
+  std::string whose;  // "detector mine"
+};
+
 // One Python object of a user's class, for one trial. All of it is made, used and let go of with Python's lock. `Real`: what its frames hold.
 template <class Real>
 struct Own {
-  Own(std::string name, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
+  Own(Blame told_of, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
       const std::vector<Channel>& channels)
-      : whose(std::move(name)),
+      : blame(std::move(told_of)),
         package(nb::module_::import_("slipbench._own")),
         frame_type(package.attr("Frame")),
         made(type(source, **keywords)),
@@ -79,7 +85,7 @@ struct Own {
     return frame_type(time, arrays->filled(parts));
   }
 
-  std::string whose;  // "detector mine"
+  Blame blame;
   nb::object package, frame_type, made, call, shapes;
   std::optional<FrameArrays<Real>> arrays;
 };
@@ -103,14 +109,14 @@ std::string text_of(const nb::python_error& error) {
 
 // `work` with Python's lock; what a class raises is an error of the scene that names it.
 template <class Work>
-auto locked(const std::string& whose, Work&& work) {
+auto locked(const Blame& blame, Work&& work) {
   const nb::gil_scoped_acquire acquire;
   try {
     return work();
   } catch (const nb::python_error& error) {
-    throw InputError(whose + ": " + text_of(error));
+    throw SceneValueError(blame.path, blame.whose + ": " + text_of(error));
   } catch (const nb::cast_error&) {
-    throw InputError(whose + ": returned something of another type than its method may");
+    throw SceneValueError(blame.path, blame.whose + ": returned something of another type than its method may");
   }
 }
 
@@ -143,7 +149,7 @@ class PythonDetector final : public Detector {
   explicit PythonDetector(OwnPart<float> own) : own_(std::move(own)) {}
 
   const SlipEstimate& update(const SensorFrame& frame) override {
-    locked(own_->whose, [&] { read(own_->call(own_->frame(frame.time, {frame.values}))); });
+    locked(own_->blame, [&] { read(own_->call(own_->frame(frame.time, {frame.values}))); });
     estimate_.time = frame.time;
     return estimate_;
   }
@@ -165,7 +171,7 @@ class PythonController final : public Controller {
   explicit PythonController(OwnPart<float> own) : own_(std::move(own)) {}
 
   GripCommand update(const ControlInput& input) override {
-    locked(own_->whose, [&] {
+    locked(own_->blame, [&] {
       const nb::object slip = own_->package.attr("Slip")(static_cast<int>(input.slip.state), input.slip.stuck_fraction,
                                                          input.gripper.position, input.gripper.moving, input.gripper.stopped);
       const nb::object command =
@@ -182,23 +188,11 @@ class PythonController final : public Controller {
   GripCommand command_;
 };
 
-// The same for a part whose errors are the scene's at `path`.
-template <class Work>
-auto locked_at(const std::string& path, const std::string& whose, Work&& work) {
-  try {
-    return locked(whose, work);
-  } catch (const SceneValueError&) {
-    throw;
-  } catch (const InputError& error) {
-    throw SceneValueError(path, error.what());
-  }
-}
-
 // Of the truth a class is handed what slipbench_contact has (sensors/plugin_abi.h).
 class PythonSensor final : public OwnSensor {
  public:
-  PythonSensor(const std::string& path, OwnPart<double> own) : OwnSensor(path, own->whose), path_(path), own_(std::move(own)) {
-    locked_at(path_, own_->whose, [&] {
+  explicit PythonSensor(OwnPart<double> own) : OwnSensor(own->blame.path, own->blame.whose), own_(std::move(own)) {
+    locked(own_->blame, [&] {
       const auto said = nb::cast<Said>(own_->package.attr("layout_of")(own_->made.attr("layout")()));
       OwnLayout layout{.rate = std::get<0>(said), .elements = {}, .units = std::get<2>(said), .channels = {}};
       for (const std::array<double, 8>& row : std::get<1>(said)) {
@@ -224,7 +218,7 @@ class PythonSensor final : public OwnSensor {
     const auto span = [](const auto& array) {
       return std::span<const double>(array.data(), static_cast<std::size_t>(array.size()));
     };
-    locked_at(path_, own_->whose, [&] {
+    locked(own_->blame, [&] {
       const nb::object frame = own_->frame(
           truth.time, {span(truth.force), span(truth.displacement), span(truth.element_depth), span(truth.element_shear)});
       float* at = values.data();
@@ -235,7 +229,6 @@ class PythonSensor final : public OwnSensor {
     });
   }
 
-  std::string path_;  // of the sensor's type in the scene
   OwnPart<double> own_;
 };
 
@@ -245,11 +238,11 @@ nb::object* kept(const nb::object& type) { return new nb::object(type); }
 void add_detector(const std::string& name, const nb::object& type, const std::string& summary, const Numbers& declared) {
   nb::object* const held = kept(type);
   register_detector(entry_of(name, summary, declared), [=](const Parameters& parameters, const FrameSource& source) {
-    const std::string whose = "detector " + name;
-    OwnPart<float> own = locked(whose, [&] {
+    const Blame blame{"detector.type", "detector " + name};
+    OwnPart<float> own = locked(blame, [&] {
       const nb::object about = nb::module_::import_("slipbench._own")
                                    .attr("Source")(source.sensor, source.type, source.rate, shapes_of(source.channels));
-      return OwnPart<float>(new Own<float>(whose, *held, "update", about, keywords_of(parameters, declared), source.channels));
+      return OwnPart<float>(new Own<float>(blame, *held, "update", about, keywords_of(parameters, declared), source.channels));
     });
     return std::make_unique<PythonDetector>(std::move(own));
   });
@@ -258,12 +251,12 @@ void add_detector(const std::string& name, const nb::object& type, const std::st
 void add_controller(const std::string& name, const nb::object& type, const std::string& summary, const Numbers& declared) {
   nb::object* const held = kept(type);
   register_controller(entry_of(name, summary, declared), [=](const Parameters& parameters, const GripSource& source) {
-    const std::string whose = "controller " + name;
-    OwnPart<float> own = locked(whose, [&] {
+    const Blame blame{"controller.type", "controller " + name};
+    OwnPart<float> own = locked(blame, [&] {
       const SensorSource& first = source.sensors.front();
       const nb::object about = nb::module_::import_("slipbench._own")
                                    .attr("Source")(first.name, first.type, first.rate, shapes_of(first.channels), source.preset);
-      return OwnPart<float>(new Own<float>(whose, *held, "act", about, keywords_of(parameters, declared), source.channels));
+      return OwnPart<float>(new Own<float>(blame, *held, "act", about, keywords_of(parameters, declared), source.channels));
     });
     return std::make_unique<PythonController>(std::move(own));
   });
@@ -272,12 +265,12 @@ void add_controller(const std::string& name, const nb::object& type, const std::
 void add_sensor(const std::string& name, const nb::object& type, const std::string& summary, const Numbers& declared) {
   nb::object* const held = kept(type);
   register_sensor(entry_of(name, summary, declared), [=](const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
-    const std::string path = "sensors." + scene.name + ".type", whose = "sensor " + name;
-    OwnPart<double> own = locked_at(path, whose, [&] {
+    const Blame blame{"sensors." + scene.name + ".type", "sensor " + name};
+    OwnPart<double> own = locked(blame, [&] {
       const nb::object about = nb::module_::import_("slipbench._own").attr("SensorSource")(scene.name, seed, trial);
-      return OwnPart<double>(new Own<double>(whose, *held, "measure", about, keywords_of(scene.parameters, declared), {}));
+      return OwnPart<double>(new Own<double>(blame, *held, "measure", about, keywords_of(scene.parameters, declared), {}));
     });
-    return std::make_unique<PythonSensor>(path, std::move(own));
+    return std::make_unique<PythonSensor>(std::move(own));
   });
 }
 

@@ -135,13 +135,13 @@ class OwnSensors(unittest.TestCase):
         import gymnasium
         import slipbench.gym  # noqa: F401
 
-        values = {"sensors.pad.electronics": "ideal", "duration": "2 s"}
+        values = {"detector.type": "force_ratio", "duration": "2 s"}
         built_in, own = (gymnasium.make_vec("slipbench/Grasp-v0", num_envs=2, scene="grasp/lift.yaml", command="position", values={**values, **told})
                          for told in ({}, {"sensors.pad.type": "nine_pillars", "sensors.pad.rate": 100}))
         for grasps in (built_in, own):
             grasps.reset(seed=1)
         for _ in range(20):
-            seen, felt = (grasps.step(np.full(2, 100))[0] for grasps in (built_in, own))
+            seen, felt = (grasps.step(np.full(2, 1.0))[0] for grasps in (built_in, own))
             np.testing.assert_array_equal(seen, felt)
         self.assertGreater(np.abs(felt).max(), 0.0)
 

@@ -72,7 +72,10 @@ std::string allowed_text(const ParameterSpec& spec) {
   }
   if (spec.type == ParameterType::table) {
     std::string columns;
-    for (const TableColumn& column : spec.columns) columns += fmt::format(" {} [{}]", column.name, si_symbol(column.quantity));
+    for (const TableColumn& column : spec.columns) {
+      columns += " " + column.name;
+      if (column.quantity != Quantity::none) columns += fmt::format(" [{}]", si_symbol(column.quantity));
+    }
     return fmt::format("{}, rows of{}, or the path of a CSV file{}", spec.default_text, columns.empty() ? " numbers" : columns,
                        columns.empty() ? "" : " with a header of these names");
   }
