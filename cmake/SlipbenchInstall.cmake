@@ -32,6 +32,7 @@ endfunction()
 function(slipbench_install)
   set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/slipbench)
   get_property(targets GLOBAL PROPERTY SLIPBENCH_TARGETS)
+  set(headers sensors/plugin_abi.h)  # of a folder that has no target
   install(TARGETS ${targets} EXPORT slipbenchTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   foreach(target IN LISTS targets)
     get_target_property(folder ${target} SOURCE_DIR)

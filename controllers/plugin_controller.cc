@@ -14,31 +14,8 @@ namespace {
 class PluginController final : public Controller, private SampleListener {
  public:
   PluginController(const Parameters& parameters, const GripSource& source)
-      : library_("controller", parameters.path("library"), SLIPBENCH_CONTROLLER_BUILD),
-        preset_(source.preset),
-        samples_(source.sensors) {
-    const PluginLibrary::Values values = library_.parameters(parameters.map("parameters"));
-    const PluginSensors sensors(source.sensors);
-    const slipbench_source about{.sensors = sensors.handed().data(),
-                                 .sensor_count = sensors.handed().size(),
-                                 .sensor = 0,
-                                 .parameters = values.handed().data(),
-                                 .parameter_count = values.handed().size()};
-    const auto make = library_.maker<decltype(slipbench_make_controller)>();
-    library_.guarded("slipbench_make_controller", [&] { make(&about, &controller_); });
-    if (controller_.update != nullptr) return;
-    finish();
-    library_.refuse_scene(controller_.refusal);
-  }
-
-  PluginController(const PluginController&) = delete;  // owns what the library made
-  PluginController& operator=(const PluginController&) = delete;
-  ~PluginController() override {
-    try {
-      finish();
-    } catch (const SceneValueError&) {
-      // Another error is under way: a trial that ends well calls finish() itself.
-    }
+      : made_("controller", parameters, SLIPBENCH_CONTROLLER_BUILD), preset_(source.preset), samples_(source.sensors) {
+    made_.make<decltype(slipbench_make_controller)>(parameters, source.sensors, 0, &slipbench_controller::update);
   }
 
   GripCommand update(const ControlInput& input) override {
@@ -57,31 +34,26 @@ class PluginController final : public Controller, private SampleListener {
         .preset = preset_,
     };
     slipbench_grip_command said{.position = -1, .speed = 0, .force = 0};
-    library_.guarded("update", [&] { controller_.update(controller_.self, &handed, &said); });
+    made_.library.guarded("update", [&] { made_.object.update(made_.object.self, &handed, &said); });
     samples_.forget();
     for (const auto& [name, value] : {std::pair{"position", said.position}, {"speed", said.speed}, {"force", said.force}}) {
       if (value >= 0 && value <= max_register) continue;
-      library_.refuse("commands in update " + std::string(name) + " " + std::to_string(value) + "; allowed: 0 to " +
-                      std::to_string(max_register));
+      made_.library.refuse("commands in update " + std::string(name) + " " + std::to_string(value) + "; allowed: 0 to " +
+                           std::to_string(max_register));
     }
     return {.position = said.position, .speed = said.speed, .force = said.force};
   }
 
   [[nodiscard]] SampleListener* listener() override { return this; }
 
-  void finish() override {
-    const auto destroy = std::exchange(controller_.destroy, nullptr);
-    if (destroy != nullptr && !library_.has_crashed()) library_.guarded("destroy", [&] { destroy(controller_.self); });
-    library_.close();
-  }
+  void finish() override { made_.finish(); }
 
  private:
   void hear(std::size_t sensor, const SensorFrame& sample) override { samples_.add(sensor, sample); }
 
-  PluginLibrary library_;  // outlives what it made
-  double preset_;          // N
+  PluginObject<slipbench_controller> made_;
+  double preset_;  // N
   PluginSamples samples_;
-  slipbench_controller controller_{};
 };
 
 }  // namespace

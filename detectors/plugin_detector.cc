@@ -6,7 +6,6 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "detectors/plugin_abi.h"
 #include "sim/core/process/plugin_library.h"
@@ -26,36 +25,10 @@ std::size_t index_of(const FrameSource& source) {
 class PluginDetector final : public Detector, private SampleListener {
  public:
   PluginDetector(const Parameters& parameters, const FrameSource& source)
-      : library_("detector", parameters.path("library"), SLIPBENCH_DETECTOR_BUILD),
-        own_(index_of(source)),
-        samples_(source.sensors) {
-    const PluginLibrary::Values values = library_.parameters(parameters.map("parameters"));
-    const PluginSensors sensors(source.sensors);
-    const slipbench_source about{.sensors = sensors.handed().data(),
-                                 .sensor_count = sensors.handed().size(),
-                                 .sensor = own_,
-                                 .parameters = values.handed().data(),
-                                 .parameter_count = values.handed().size()};
-    detector_.rate = source.rate;
-    const auto make = library_.maker<decltype(slipbench_make_detector)>();
-    library_.guarded("slipbench_make_detector", [&] { make(&about, &detector_); });
-    try {
-      if (detector_.update == nullptr) library_.refuse_scene(detector_.refusal);
-      stride_ = stride_of(detector_.rate, source);
-    } catch (const SceneValueError&) {
-      finish();
-      throw;
-    }
-  }
-
-  PluginDetector(const PluginDetector&) = delete;  // owns what the library made
-  PluginDetector& operator=(const PluginDetector&) = delete;
-  ~PluginDetector() override {
-    try {
-      finish();
-    } catch (const SceneValueError&) {
-      // Another error is under way: a trial that ends well calls finish() itself.
-    }
+      : made_("detector", parameters, SLIPBENCH_DETECTOR_BUILD), own_(index_of(source)), samples_(source.sensors) {
+    made_.object.rate = source.rate;
+    made_.make<decltype(slipbench_make_detector)>(parameters, source.sensors, own_, &slipbench_detector::update);
+    stride_ = stride_of(made_.object.rate, source);
   }
 
   const SlipEstimate& update(const SensorFrame& frame) override {
@@ -64,7 +37,7 @@ class PluginDetector final : public Detector, private SampleListener {
     const std::span<const slipbench_samples> sensors = samples_.handed();
     const slipbench_detector_input input{.time = frame.time, .sensors = sensors.data(), .sensor_count = sensors.size()};
     slipbench_estimate said{.state = -1, .latency = 0.0, .stuck_fraction = std::numeric_limits<double>::quiet_NaN()};
-    library_.guarded("update", [&] { detector_.update(detector_.self, &input, &said); });
+    made_.library.guarded("update", [&] { made_.object.update(made_.object.self, &input, &said); });
     samples_.forget();
     check(said, frame.time);
     estimate_ = {frame.time, said.latency, static_cast<PadState>(said.state), said.stuck_fraction};
@@ -73,11 +46,7 @@ class PluginDetector final : public Detector, private SampleListener {
 
   [[nodiscard]] SampleListener* listener() override { return this; }
 
-  void finish() override {
-    const auto destroy = std::exchange(detector_.destroy, nullptr);
-    if (destroy != nullptr && !library_.has_crashed()) library_.guarded("destroy", [&] { destroy(detector_.self); });
-    library_.close();
-  }
+  void finish() override { made_.finish(); }
 
  private:
   // Its own sensor's samples come with update().
@@ -90,17 +59,17 @@ class PluginDetector final : public Detector, private SampleListener {
     const bool whole =
         rate > 0.0 && frames >= 1.0 && frames <= max_stride && std::abs(frames * rate - source.rate) <= 1e-9 * source.rate;
     if (!whole) {
-      library_.refuse("makes a detector of " + format_number(rate) + " Hz, which does not divide the " +
-                      format_quantity(source.rate, Quantity::frequency) + " of sensors." + source.sensor +
-                      "; allowed: that over a whole number");
+      made_.library.refuse("makes a detector of " + format_number(rate) + " Hz, which does not divide the " +
+                           format_quantity(source.rate, Quantity::frequency) + " of sensors." + source.sensor +
+                           "; allowed: that over a whole number");
     }
     return static_cast<std::size_t>(frames);
   }
 
   void check(const slipbench_estimate& said, double time) const {
     const auto refuse = [&](const char* member, const std::string& value, const char* allowed) {
-      library_.refuse("says in update " + std::string(member) + " " + value + " at " + format_number(time) +
-                      " s; allowed: " + allowed);
+      made_.library.refuse("says in update " + std::string(member) + " " + value + " at " + format_number(time) +
+                           " s; allowed: " + allowed);
     };
     if (said.state < 0 || said.state > 3) {
       refuse("state", std::to_string(said.state), "0 no contact, 1 non-slip, 2 incipient, 3 gross");
@@ -111,8 +80,7 @@ class PluginDetector final : public Detector, private SampleListener {
     }
   }
 
-  PluginLibrary library_;  // outlives what it made
-  slipbench_detector detector_{};
+  PluginObject<slipbench_detector> made_;
   std::size_t own_;
   PluginSamples samples_;
   std::size_t stride_ = 1;

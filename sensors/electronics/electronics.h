@@ -38,6 +38,7 @@ struct SignalModel {
   std::vector<double> gain_sd;      // [V] standard deviation of the gain about 1; 0: the value has no gain error
   std::vector<Coupling> couplings;
   std::vector<ConverterRange> converter = {};  // [V]; empty: the sensor has no part `quantisation`
+  std::vector<double> scan_share = {};  // [V] of the scan that is left after the value; empty: one after the other, by number
 };
 
 // What keys the random streams of a sensor's electronics.

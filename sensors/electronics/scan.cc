@@ -26,7 +26,8 @@ class Scan final : public ElectronicsStage {
     const double duration = parameters.number("duration");
     const auto count = static_cast<double>(model.source.size());
     for (std::size_t v = 0; v < model.source.size(); ++v) {
-      age_.push_back(duration * model.rate * (count - 1.0 - static_cast<double>(v)) / count);
+      age_.push_back(duration * model.rate *
+                     (model.scan_share.empty() ? (count - 1.0 - static_cast<double>(v)) / count : model.scan_share[v]));
     }
   }
 

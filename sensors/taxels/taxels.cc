@@ -1,105 +1,355 @@
 #include "sensors/taxels/taxels.h"
 
-#include <memory>
+#include <algorithm>
+#include <cmath>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "sensors/electronics/pad_sensor.h"
+#include "sim/core/error.h"
 #include "sim/core/sensor.h"
 
 namespace slipbench {
 namespace {
 
-constexpr Eigen::Index axes = 3;
+constexpr std::size_t axes = 3;
+constexpr std::size_t most_points = 4096;  // as many as a grid of 64 x 64
+constexpr std::int64_t grid_size = 4;      // rows and columns unless the scene says otherwise
 
-// Rows from +Y to -Y, each from -X to +X, one element and one unit a taxel.
-PadLayout grid_of(const Parameters& p) {
-  const auto rows = static_cast<std::size_t>(p.integer("rows")), columns = static_cast<std::size_t>(p.integer("columns"));
-  const double pitch = p.number("pitch");
-  const double right = 0.5 * static_cast<double>(columns - 1), top = 0.5 * static_cast<double>(rows - 1);
-  PadLayout layout;
-  layout.element_truth = true;
-  for (std::size_t row = 0; row < rows; ++row) {
-    for (std::size_t column = 0; column < columns; ++column) {
-      Element element;
-      element.tip = {(static_cast<double>(column) - right) * pitch, (top - static_cast<double>(row)) * pitch, 0.0};
-      element.k_normal = p.number("k_normal");
-      element.k_tangential = p.number("k_tangential");
-      layout.units.push_back({layout.elements.size(), 1});
-      layout.elements.push_back(element);
+// What a channel reads of a taxel. Its values are called T0_ and `symbol` and X, Y, Z where there are several.
+struct Reading {
+  const char *name, *unit;
+  char symbol;
+  std::size_t values;
+};
+constexpr Reading readings[] = {{"force", "N", 'F', 3}, {"displacement", "m", 'D', 3}, {"normal_force", "N", 'N', 1},
+                                {"shear", "N", 'S', 2}, {"pressure", "Pa", 'P', 1},    {"signal", "", 'C', 1}};
+const Reading& reading(const std::string& name) { return *std::ranges::find(readings, name, &Reading::name); }
+
+using Rows = std::vector<std::vector<double>>;
+
+// The columns of `places`.
+enum Column : std::size_t { x, y, z, nx, ny, nz, k_normal, k_tangential };
+
+// What a scene says of one sensor.
+struct Description {
+  // `sensor_path`: of the sensor in the scene. Throws SceneValueError there for what does not go together.
+  Description(const Parameters& parameters, std::string sensor_path)
+      : p(parameters),
+        path(std::move(sensor_path)),
+        points(static_cast<std::size_t>(p.integer("points") * p.integer("points"))),
+        matrix(p.table("matrix").rows),
+        curve(p.table("curve").rows),
+        channels(p.map("channels").empty() ? ParameterMap{{"force", "force"}, {"displacement", "displacement"}}
+                                           : p.map("channels")) {
+    take_places();
+    check_channels();
+    check_signals();
+  }
+
+  [[nodiscard]] bool reads(const std::string& what) const {
+    return std::ranges::find(channels, what, &ParameterMap::value_type::second) != channels.end();
+  }
+  [[nodiscard]] std::size_t count(const Reading& read) const {
+    return read.symbol == 'C' && !matrix.empty() ? matrix.size() : places.size();
+  }
+  [[noreturn]] void refuse(const std::string& key, const std::string& what) const {
+    throw SceneValueError(path + "." + key, what);
+  }
+
+  // Rows from +Y to -Y, each from -X to +X, or as the scene lists them; nothing is left out.
+  void take_places() {
+    const auto rows = static_cast<std::size_t>(p.integer("rows")), columns = static_cast<std::size_t>(p.integer("columns"));
+    const double right = 0.5 * static_cast<double>(columns - 1), top = 0.5 * static_cast<double>(rows - 1), none = std::nan("");
+    places = p.table("places").rows;
+    if (!places.empty() &&
+        (p.integer("rows") != grid_size || p.integer("columns") != grid_size || p.choice("scan_order") != "rows"))
+      refuse("places", "stands beside rows, columns or scan_order, which are of a grid; allowed: one of the two");
+    for (std::size_t i = 0; p.table("places").rows.empty() && i < rows * columns; ++i) {
+      const auto row = static_cast<double>(i / columns), column = static_cast<double>(i % columns);
+      places.push_back(
+          {(column - right) * p.number("pitch"), (top - row) * p.number("pitch"), none, none, none, none, none, none});
+    }
+    if (places.size() * points > most_points)
+      refuse("points", "the pad has " + std::to_string(places.size() * points) + " friction points; allowed: up to " +
+                           std::to_string(most_points));
+    const double k_n = p.number("k_normal"), k_t = p.number("k_tangential");
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      std::vector<double>& place = places[i];
+      Eigen::Map<Eigen::Vector3d> direction(&place[nx]);
+      if (direction.array().isNaN().all()) direction = Element{}.axis;
+      for (const auto& [column, otherwise] : {std::pair{z, 0.0}, {k_normal, k_n}, {k_tangential, k_t}}) {
+        if (std::isnan(place[column])) place[column] = otherwise;
+      }
+      const bool stiff = place[k_normal] > 0.0 && place[k_tangential] > 0.0;
+      if (!(direction.norm() > 0.0) || !stiff)
+        refuse("places", "taxel " + std::to_string(i) +
+                             (stiff ? " has no direction nx, ny, nz; allowed: all three, not all of them 0, or none"
+                                    : " has a stiffness that is not above 0 N/m; allowed: > 0 N/m"));
+      direction.normalize();
     }
   }
-  return layout;
-}
 
-Channel channel_of(const std::string& name, const std::string& unit, char symbol, std::size_t taxels) {
-  Channel channel{name, unit, {taxels, std::size_t{axes}}, {}};
-  for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
-    for (const char axis : {'X', 'Y', 'Z'}) channel.channel_names.push_back("T" + std::to_string(taxel) + "_" + symbol + axis);
+  void check_channels() const {
+    for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
+      if (channel->first == "t") refuse("channels.t", "is what a dataset calls the times; allowed: another name");
+      if (std::find_if(channels.begin(), channel, [&](const auto& other) { return other.second == channel->second; }) != channel)
+        refuse("channels." + channel->first, channel->second + " is read by another channel; allowed: each once");
+    }
   }
-  return channel;
-}
 
-class Taxels final : public Sensor {
+  void check_signals() const {
+    if (!reads("signal") && !(matrix.empty() && curve.empty()))
+      refuse(matrix.empty() ? "curve" : "matrix", "makes a signal, which no channel reads; allowed: channels: {NAME: signal}");
+    if (!(p.vector("range")[0] < p.vector("range")[1])) refuse("range", "does not grow; allowed: [lowest, highest]");
+    if (!matrix.empty() && matrix.front().size() != axes * places.size())
+      refuse("matrix", "has rows of " + std::to_string(matrix.front().size()) +
+                           " numbers; allowed: " + std::to_string(axes * places.size()) + ", the x, y and z of each taxel");
+    const auto back = std::ranges::adjacent_find(curve, [](const auto& a, const auto& b) { return b[0] <= a[0]; });
+    if (curve.size() == 1 || back != curve.end())
+      refuse("curve", curve.size() == 1
+                          ? "has one point; allowed: two or more"
+                          : "goes back after the input " + format_number((*back)[0]) + "; allowed: inputs that grow");
+  }
+
+  // A unit a taxel, its friction points on a square lattice over its face.
+  [[nodiscard]] PadLayout layout() const {
+    PadLayout layout;
+    layout.unit_height = p.number("height");
+    layout.element_truth = reads("displacement");
+    const auto edge = static_cast<std::size_t>(p.integer("points"));
+    const double share = 1.0 / static_cast<double>(points), gap = p.number("width") / static_cast<double>(edge);
+    for (const std::vector<double>& place : places) {
+      Element element{.axis = {place[nx], place[ny], place[nz]},
+                      .k_normal = share * place[k_normal],
+                      .k_tangential = share * place[k_tangential]};
+      const Eigen::Matrix3d frame = element_frame(element.axis);
+      layout.units.push_back({layout.elements.size(), points});
+      for (std::size_t i = 0; i < points; ++i) {
+        const auto from_middle = [&](std::size_t j) {
+          return (static_cast<double>(j) - 0.5 * static_cast<double>(edge - 1)) * gap;
+        };
+        const Eigen::Vector3d beside = frame * Eigen::Vector3d(from_middle(i % edge), from_middle(i / edge), 0.0);
+        element.tip = Eigen::Vector3d(place[x], place[y], place[z]) + beside;
+        layout.elements.push_back(element);
+      }
+    }
+    return layout;
+  }
+
+  [[nodiscard]] std::vector<Channel> made_channels() const {
+    std::vector<Channel> made;
+    for (const auto& [name, read] : channels) {
+      const Reading& what = reading(read);
+      Channel channel{name, what.symbol == 'C' ? p.choice("unit") : what.unit, {count(what)}, {}};
+      if (what.values > 1) channel.shape.push_back(what.values);
+      for (std::size_t i = 0; i < channel.size(); ++i) {
+        std::string& value = channel.channel_names.emplace_back("T" + std::to_string(i / what.values) + "_" + what.symbol);
+        if (what.values > 1) value += "XYZ"[i % what.values];
+      }
+      made.push_back(std::move(channel));
+    }
+    return made;
+  }
+
+  // The disturbances are shares of what a value can span: force +-max_force, displacement what that does to the taxel's springs.
+  [[nodiscard]] SignalModel signal_model() const {
+    SignalModel model;
+    model.rate = p.number("rate");
+    model.sources = axes * places.size();
+    for (const auto& [name, read] : channels) {
+      const Reading& what = reading(read);
+      for (std::size_t i = 0; i < count(what) * what.values; ++i) {
+        const std::size_t taxel = i / what.values, axis = what.values == 1 ? axes - 1 : i % what.values,
+                          value = model.source.size();
+        double full = p.number("max_force");
+        if (what.symbol == 'D') full /= places[taxel][axis == 2 ? k_normal : k_tangential];
+        if (what.symbol == 'P') full /= p.number("width") * p.number("width");
+        ConverterRange range{what.values == 1 ? 0.0 : -full, full};
+        if (what.symbol == 'C') {
+          range = {p.vector("range")[0], p.vector("range")[1]};
+          full = std::max(std::abs(range.lowest), std::abs(range.highest));
+        }
+        if (i >= what.values) model.couplings.push_back({value, value - what.values, p.number("coupling")});
+        model.source.push_back(what.symbol == 'C' ? model.sources++ : axes * taxel + axis);
+        model.noise_sd.push_back(p.number("noise") * full);
+        model.offset_sd.push_back(p.number("offset") * full);
+        model.drift_sd.push_back(p.number("drift") * full);
+        model.gain_sd.push_back(p.number("gain"));
+        model.converter.push_back(range);
+        model.scan_share.push_back(scan_share(taxel, count(what)));
+      }
+    }
+    return model;
+  }
+
+  // How long before the end of a scan number `i` of `count` is read, as a share of the scan.
+  [[nodiscard]] double scan_share(std::size_t i, std::size_t count) const {
+    const std::string& order = p.choice("scan_order");
+    const auto rows = static_cast<std::size_t>(p.integer("rows")), columns = static_cast<std::size_t>(p.integer("columns"));
+    const std::size_t row = i / columns, column = i % columns;
+    std::size_t turn = i;
+    if (count == rows * columns && order == "columns") turn = column * rows + row;
+    if (count == rows * columns && order == "zigzag" && row % 2 == 1) turn = row * columns + (columns - 1 - column);
+    return static_cast<double>(count - 1 - turn) / static_cast<double>(count);
+  }
+
+  const Parameters& p;
+  std::string path;
+  std::size_t points;  // friction points a taxel
+  const Rows &matrix, &curve;
+  ParameterMap channels;
+  Rows places = {};
+};
+
+class Taxels final : public PadSensor {
  public:
-  explicit Taxels(const Parameters& p)
-      : rate_(p.number("rate")),
-        layout_(grid_of(p)),
-        channels_{channel_of("force", "N", 'F', layout_.units.size()),
-                  channel_of("displacement", "m", 'D', layout_.units.size())},
-        values_(2 * static_cast<std::size_t>(axes) * layout_.units.size()) {
-    frame_.values = values_;
-  }
-
-  Taxels(const Taxels&) = delete;  // the frame points into the object
-  Taxels& operator=(const Taxels&) = delete;
-
-  [[nodiscard]] const PadLayout& layout() const override { return layout_; }
-  [[nodiscard]] double rate() const override { return rate_; }
-  [[nodiscard]] const std::vector<Channel>& channels() const override { return channels_; }
+  Taxels(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
+      : Taxels(Description(parameters, "sensors." + key.sensor_name), electronics, key) {}
 
   const SensorFrame& measure(const ContactFrame& truth) override {
-    const Eigen::Index taxels = truth.force.cols();
-    using Values = Eigen::Map<Eigen::Array3Xf>;
-    Values(values_.data(), axes, taxels) = truth.force.cast<float>();
-    Values moved(values_.data() + axes * taxels, axes, taxels);
-    moved.topRows<2>() = truth.element_shear.leftCols<2>().transpose().cast<float>();
-    moved.row(2) = (truth.element_shear.col(2) + truth.element_depth).transpose().cast<float>();
+    if (turned_) {
+      for (Eigen::Index i = 0; i < own_.cols(); ++i)
+        own_.col(i) = turns_[static_cast<std::size_t>(i)] * truth.force.col(i).matrix();
+    }
+    float* at = values_.data();
+    for (const Reading* read : reads_) at = read_channel(*read, truth, at);
+    electronics_.apply(values_, truth.time);
     frame_.time = truth.time;
     return frame_;
   }
+
+  [[nodiscard]] std::vector<std::span<double>> memory() override { return electronics_.memory(); }
+  [[nodiscard]] std::uint64_t saturated() const override { return electronics_.saturated(); }
 
   // Nobody has published a rule for it: the truth by the rule `strict`.
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const override { return truth.state; }
 
  private:
-  double rate_;
-  PadLayout layout_;
-  std::vector<Channel> channels_;
+  Taxels(const Description& said, const std::vector<Named>& electronics, const ElectronicsKey& key)
+      : PadSensor(said.p.number("rate"), said.layout(), said.made_channels()),
+        area_(said.p.number("width") * said.p.number("width")),
+        curve_(said.curve),
+        electronics_(electronics, said.signal_model(), key),
+        own_(Eigen::Array3Xd::Zero(axes, static_cast<Eigen::Index>(said.places.size()))),
+        matrix_(static_cast<Eigen::Index>(said.matrix.size()), static_cast<Eigen::Index>(axes) * own_.cols()) {
+    std::size_t count = 0;
+    for (const Channel& channel : channels_) count += channel.size();
+    values_.resize(count);
+    frame_.values = values_;
+    for (const auto& [name, read] : said.channels) reads_.push_back(&reading(read));
+    turned_ = std::ranges::any_of(reads_, [](const Reading* read) { return read->symbol != 'F' && read->symbol != 'D'; });
+    for (const UnitRange& unit : layout_.units) turns_.push_back(element_frame(layout_.elements[unit.first].axis).transpose());
+    for (Eigen::Index row = 0; row < matrix_.rows(); ++row)
+      matrix_.row(row) = Eigen::Map<const Eigen::RowVectorXd>(said.matrix[static_cast<std::size_t>(row)].data(), matrix_.cols());
+    signal_.setZero(matrix_.rows() == 0 ? own_.cols() : matrix_.rows());
+  }
+
+  // Writes the channel's values at `at`; returns where the next one's begin.
+  float* read_channel(const Reading& read, const ContactFrame& truth, float* at) {
+    const auto put = [&](const auto& values) {
+      Eigen::Map<Eigen::ArrayXXf>(at, values.rows(), values.cols()) = values.template cast<float>();
+      return at + values.size();
+    };
+    switch (read.symbol) {
+      case 'F': return put(truth.force);
+      case 'N': return put(own_.row(2));
+      case 'S': return put(own_.topRows<2>());
+      case 'P': return put(own_.row(2) / area_);
+      case 'C': return put(signal(truth));
+      default: break;
+    }
+    for (const UnitRange& unit : layout_.units) {
+      const auto first = static_cast<Eigen::Index>(unit.first), points = static_cast<Eigen::Index>(unit.count);
+      const Eigen::Array3d shear = truth.element_shear.middleRows(first, points).colwise().mean();
+      at = put(
+          Eigen::Array3d(shear - truth.element_depth.segment(first, points).mean() * layout_.elements[unit.first].axis.array()));
+    }
+    return at;
+  }
+
+  const Eigen::ArrayXd& signal(const ContactFrame& truth) {
+    if (matrix_.rows() == 0) {
+      signal_ = own_.row(2);
+    } else {
+      signal_.matrix().noalias() = matrix_ * Eigen::Map<const Eigen::VectorXd>(truth.force.data(), truth.force.size());
+    }
+    for (double& value : signal_) {
+      if (curve_.empty()) break;
+      const auto to = std::find_if(curve_.begin() + 1, curve_.end() - 1, [&](const auto& point) { return value < point[0]; });
+      const std::vector<double>& from = to[-1];
+      value = from[1] + (value - from[0]) * ((*to)[1] - from[1]) / ((*to)[0] - from[0]);
+    }
+    return signal_;
+  }
+
+  double area_;  // m2
+  Rows curve_;   // points of input and output; empty: none
+  Electronics electronics_;
   std::vector<float> values_;
-  SensorFrame frame_;
+  std::vector<const Reading*> reads_;
+  bool turned_ = false;                 // whether a channel reads forces in the taxels' own frames
+  std::vector<Eigen::Matrix3d> turns_;  // from P into each
+  Eigen::Array3Xd own_;                 // N, force in them
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> matrix_;  // of the signals, without rows: none
+  Eigen::ArrayXd signal_;
 };
+
+const char* const yours = "assumed: a pad of one's own";
+
+ParameterSpec figure(std::string name, std::string share, std::string doc) {
+  return number_spec(std::move(name), Quantity::none, std::move(share), fraction, std::move(doc), yours);
+}
+
+std::vector<ParameterSpec> parameters() {
+  using enum Quantity;
+  std::vector<std::string> names;
+  for (const Reading& read : readings) names.emplace_back(read.name);
+  const std::vector<TableColumn> columns{{"x", length}, {"y", length}, {"z", length},           {"nx"},
+                                         {"ny"},        {"nz"},        {"k_normal", stiffness}, {"k_tangential", stiffness}};
+  return {
+      number_spec("rate", frequency, "100 Hz", positive, "Samples a second.", yours),
+      integer_spec("rows", "4", {1.0, 64.0}, "Taxels along Y.", yours),
+      integer_spec("columns", "4", {1.0, 64.0}, "Taxels along X.", yours),
+      number_spec("pitch", length, "4 mm", positive, "Distance of taxels.", yours),
+      table_spec(2, "places", columns, "Where each taxel stands, in which direction it looks (0, 0, -1) and its own stiffness.",
+                 yours),
+      number_spec("k_normal", stiffness, "1 N/mm", positive, "Of a taxel; elastic_skin takes its place.", yours),
+      number_spec("k_tangential", stiffness, "0.5 N/mm", positive, "Alike.", yours),
+      number_spec("width", length, "4 mm", positive, "Edge of a taxel's square face: a pressure is a force over it.", yours),
+      integer_spec("points", "1", {1.0, 16.0}, "Friction points along each edge: a taxel slips in parts.", yours),
+      number_spec("height", length, "inf", positive, "Height of a taxel, which bounds its travel.", yours),
+      map_spec("channels", "What each reads. None: force and displacement, called so.", yours, names),
+      table_spec(1, "matrix", {}, "Weights of x, y and z of each taxel's force, a row a signal. None: its normal force.", yours),
+      table_spec(2, "curve", {{"input"}, {"output"}}, "Points through which each signal goes, straight on beyond the ends.",
+                 yours),
+      choice_spec("unit", "counts", {"counts", "V", "mV", "N", "Pa", "kPa", "uT", "pF", "ohm"}, "Unit of the signals.", yours),
+      vector_spec(2, "range", none, "[0, 4095]", any_value, "What the converter of a signal spans.", yours),
+      number_spec("max_force", force, "10 N", positive, "Converter's end: of forces, of what it does to springs.", yours),
+      choice_spec("scan_order", "rows", {"rows", "columns", "zigzag"}, "Order of a grid's part scan.", yours),
+      figure("noise", "0.001", "Standard deviation of the part white_noise, as a share of the range's larger end."),
+      figure("offset", "0.002", "That of the part offset, alike."),
+      figure("drift", "0.0001", "That of the slope of the part drift, alike [1/s]."),
+      figure("gain", "0.02", "That of the gain about 1 of the part gain."),
+      figure("coupling", "0.005", "Largest share that the part coupling adds of the taxel, or signal, before."),
+  };
+}
 
 }  // namespace
 
 SensorKind taxels_sensor() {
-  const std::string yours = "assumed: a pad of one's own";
+  std::vector<PartFigures> parts{{"scan", "taxel by taxel in scan_order, signals of a matrix in its order"}};
+  for (const char* part : {"coupling", "gain", "offset", "drift", "white_noise", "quantisation"})
+    parts.push_back({part, "figures by the sensor's own keys"});
   return {
       .about =
-          {"taxels",
-           "A flat grid of three-axis taxels of one's own, without electronics.",
-           "force: of the object on the taxel; displacement: deformed surface minus undeformed surface, of an elastic skin also where nothing touches it",
-           "none: a sensor of one's own",
-           {number_spec("rate", Quantity::frequency, "100 Hz", positive, "Samples a second.", yours),
-            integer_spec("rows", "4", {1.0, 64.0}, "Taxels along Y.", yours),
-            integer_spec("columns", "4", {1.0, 64.0}, "Taxels along X.", yours),
-            number_spec("pitch", Quantity::length, "4 mm", positive, "Distance of taxels.", yours),
-            number_spec("k_normal", Quantity::stiffness, "1 N/mm", positive,
-                        "Normal stiffness of a taxel; the effect elastic_skin takes its place.", yours),
-            number_spec("k_tangential", Quantity::stiffness, "0.5 N/mm", positive, "Tangential stiffness, alike.", yours)}},
-      .electronics = {},
-      .create = [](const Parameters& p, const std::vector<Named>&, std::uint64_t, std::uint64_t,
-                   const std::string&) -> std::unique_ptr<Sensor> { return std::make_unique<Taxels>(p); },
+          {"taxels", "Taxels of one's own: where they stand, what they read and their electronics, in the scene alone.",
+           "force: of the object on the taxel, in the pad's frame; displacement: deformed surface minus undeformed surface, of an elastic skin also where nothing touches it\n"
+           "normal_force, shear: the force in the taxel's own frame, whose z is against its direction; pressure: normal_force/width^2\n"
+           "signal: curve(matrix f), f: x, y and z of the force of all taxels",
+           "none: a sensor of one's own", parameters()},
+      .electronics = electronics_of("taxels", parts),
+      .create = created<Taxels>,
       .view = {
           .unit = "taxel", .units = "taxels", .letter = "T", .channels = {{"force", "Force"}, {"displacement", "Displacement"}}}};
 }

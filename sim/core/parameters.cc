@@ -23,6 +23,7 @@ std::string_view type_name(ParameterType type) {
     case ParameterType::vector: return "vector";
     case ParameterType::path: return "path";
     case ParameterType::map: return "map";
+    case ParameterType::table: return "table";
   }
   throw std::logic_error("no such parameter type");
 }
@@ -156,8 +157,18 @@ ParameterSpec path_spec(std::string name, std::string default_text, std::string 
   return spec_of(ParameterType::path, std::move(name), std::move(default_text), std::move(doc), std::move(source));
 }
 
-ParameterSpec map_spec(std::string name, std::string doc, std::string source) {
-  return spec_of(ParameterType::map, std::move(name), "{}", std::move(doc), std::move(source));
+ParameterSpec map_spec(std::string name, std::string doc, std::string source, std::vector<std::string> choices) {
+  ParameterSpec spec = spec_of(ParameterType::map, std::move(name), "{}", std::move(doc), std::move(source));
+  spec.choices = std::move(choices);
+  return spec;
+}
+
+ParameterSpec table_spec(std::size_t size, std::string name, std::vector<TableColumn> columns, std::string doc,
+                         std::string source) {
+  ParameterSpec spec = spec_of(ParameterType::table, std::move(name), "none", std::move(doc), std::move(source));
+  spec.size = size;
+  spec.columns = std::move(columns);
+  return spec;
 }
 
 bool is_identifier(std::string_view name) {
@@ -195,6 +206,10 @@ const ParameterMap& Parameters::map(std::string_view name) const {
   return value_of<ParameterMap>(values_, name, ParameterType::map);
 }
 
+const NumberTable& Parameters::table(std::string_view name) const {
+  return value_of<NumberTable>(values_, name, ParameterType::table);
+}
+
 Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text) {
   switch (spec.type) {
     case ParameterType::integer: return parse_integer(spec, text);
@@ -202,6 +217,7 @@ Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text)
     case ParameterType::choice: return parse_choice(spec, text);
     case ParameterType::path: return parse_path(spec, text);
     case ParameterType::map: throw std::invalid_argument(quote(text) + " is no map; allowed: {name: value, ...}");
+    case ParameterType::table: throw std::invalid_argument(quote(text) + " is no table; allowed: [[a, b, ...], ...]");
     case ParameterType::number:
     case ParameterType::vector: {
       const double value = parse_quantity(text, spec.quantity);
@@ -214,6 +230,7 @@ Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text)
 
 Parameters::Value default_of(const ParameterSpec& spec) {
   if (spec.type == ParameterType::map) return ParameterMap{};
+  if (spec.type == ParameterType::table) return NumberTable{};
   try {
     return spec.type == ParameterType::vector ? default_vector(spec) : parse_scalar(spec, spec.default_text);
   } catch (const std::invalid_argument& error) {

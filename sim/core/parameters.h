@@ -22,8 +22,9 @@ enum class ParameterType {
   flag,
   choice,
   vector,
-  path,  // of a file or folder; all but the default is taken from the folder of the scene that names it
-  map,   // names and values that somebody else declares, a plugin's library; the default is none
+  path,   // of a file or folder; all but the default is taken from the folder of the scene that names it
+  map,    // names and values that somebody else declares, a plugin's library; the default is none
+  table,  // rows of numbers, written in the scene or in a CSV file; the default is none
 };
 
 // Allowed interval of a number (or of each entry of a vector), in SI. Bounds are included unless `open_min` is set. Infinity is
@@ -42,6 +43,12 @@ inline constexpr Range non_negative{0.0, std::numeric_limits<double>::infinity()
 inline constexpr Range fraction{0.0, 1.0, false};
 constexpr Range positive_up_to(double max) { return {0.0, max, true}; }
 
+// A column of ParameterType::table.
+struct TableColumn {
+  std::string name;  // in the header of a CSV file
+  Quantity quantity = Quantity::none;
+};
+
 // The declaration of one parameter.
 struct ParameterSpec {
   std::string name;
@@ -49,8 +56,9 @@ struct ParameterSpec {
   Quantity quantity = Quantity::none;
   std::string default_text;  // as a scene would write it: "1 mm", "[0 mm, 0 mm]", "true", "gripper"
   Range range = any_value;
-  std::vector<std::string> choices;  // ParameterType::choice only
-  std::size_t size = 1;              // ParameterType::vector only: number of entries
+  std::vector<std::string> choices;  // ParameterType::choice; of a map what each value may be, empty: any text
+  std::size_t size = 1;              // ParameterType::vector: number of entries; of a table: columns that it must have
+  std::vector<TableColumn> columns;  // ParameterType::table only, in the order of a row; empty: numbers without header or unit
   std::string doc;                   // one sentence, what it does
   std::string source;                // where the default comes from, or "assumed"
 };
@@ -66,14 +74,25 @@ ParameterSpec flag_spec(std::string name, std::string default_text, std::string 
 ParameterSpec choice_spec(std::string name, std::string default_text, std::vector<std::string> choices, std::string doc,
                           std::string source);
 ParameterSpec path_spec(std::string name, std::string default_text, std::string doc, std::string source);
-
-ParameterSpec map_spec(std::string name, std::string doc, std::string source);
+// `choices`: what each value may be; empty: any text.
+ParameterSpec map_spec(std::string name, std::string doc, std::string source, std::vector<std::string> choices = {});
+// The first `size` columns are needed.
+ParameterSpec table_spec(std::size_t size, std::string name, std::vector<TableColumn> columns, std::string doc,
+                         std::string source);
 
 // Two tables, one after the other.
 std::vector<ParameterSpec> joined(std::vector<ParameterSpec> first, std::vector<ParameterSpec> second);
 
 // ParameterType::map: in the scene's order each name with its value as the scene writes it, "4 mm/s".
 using ParameterMap = std::vector<std::pair<std::string, std::string>>;
+
+// ParameterType::table: all rows are of one length, that of the declared columns where there are any.
+struct NumberTable {
+  std::string path;                       // of the CSV file, "" where the scene itself has the rows
+  std::vector<std::vector<double>> rows;  // SI; NaN in a column that is left out
+
+  friend bool operator==(const NumberTable&, const NumberTable&) = default;
+};
 
 // Whether `name` can name what a scene brings: letters, digits and '_', no digit first.
 bool is_identifier(std::string_view name);
@@ -82,7 +101,7 @@ bool is_identifier(std::string_view name);
 // An accessor asked for a name or type that was not declared throws std::logic_error: that is a bug, not bad input.
 class Parameters {
  public:
-  using Value = std::variant<double, std::int64_t, bool, std::string, std::vector<double>, ParameterMap>;
+  using Value = std::variant<double, std::int64_t, bool, std::string, std::vector<double>, ParameterMap, NumberTable>;
 
   void set(std::string name, Value value) { values_.insert_or_assign(std::move(name), std::move(value)); }
 
@@ -93,6 +112,7 @@ class Parameters {
   [[nodiscard]] const std::string& path(std::string_view name) const;
   [[nodiscard]] const std::vector<double>& vector(std::string_view name) const;  // SI
   [[nodiscard]] const ParameterMap& map(std::string_view name) const;
+  [[nodiscard]] const NumberTable& table(std::string_view name) const;
   [[nodiscard]] const std::map<std::string, Value, std::less<>>& values() const { return values_; }
 
  private:
@@ -106,7 +126,7 @@ Parameters::Value default_of(const ParameterSpec& spec);
 Parameters defaults_of(const std::vector<ParameterSpec>& specs);
 
 // Turns the text of one scalar into a value of `spec`'s type and checks range and choices. Vectors are read entry by entry with
-// this, maps not at all. Throws std::invalid_argument: what was found, what is allowed, the nearest known choice.
+// this, maps and tables not at all. Throws std::invalid_argument: what was found, what is allowed, the nearest known choice.
 Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text);
 
 // A catalogue entry named by a scene, with the values of its parameters.

@@ -1,6 +1,6 @@
-// What the program and a shared library with a detector or a controller of one's own hand each other, in plain C so that any
-// compiler's library will do. detectors/plugin_abi.h and controllers/plugin_abi.h include it and declare what such a library
-// exports.
+// What the program and a shared library with a sensor, a detector or a controller of one's own hand each other, in plain C so
+// that any compiler's library will do. The plugin_abi.h of sensors, detectors and controllers include it and declare what such a
+// library exports.
 //
 // Rules of every call:
 // - Lengths are in m, times in s, forces in N, as a dataset has them.
@@ -10,7 +10,7 @@
 //   killing the program.
 // - Several threads run trials at once. A library makes one object a trial, and each object is used by one thread at a time; what
 //   its objects share must be safe for several.
-// - Nothing that is handed over holds the truth. A library runs in the program's own process, though: this keeps out mistakes and
+// - Nothing that is handed to a detector or a controller holds the truth. A library runs in the program's own process, though: this keeps out mistakes and
 //   no intruder.
 #pragma once
 
@@ -27,18 +27,18 @@ extern "C" {
 // another language or a compiler's option (packing) lays them out otherwise. Both have to be the program's own; the library is
 // refused else.
 struct slipbench_abi {
-  unsigned version;         // SLIPBENCH_DETECTOR_ABI or SLIPBENCH_CONTROLLER_ABI
+  unsigned version;         // SLIPBENCH_SENSOR_ABI, SLIPBENCH_DETECTOR_ABI or SLIPBENCH_CONTROLLER_ABI
   unsigned parameter_size;  // sizeof(struct slipbench_parameter)
   unsigned channel_size;    // sizeof(struct slipbench_channel)
   unsigned sensor_size;     // sizeof(struct slipbench_sensor)
   unsigned source_size;     // sizeof(struct slipbench_source)
   unsigned samples_size;    // sizeof(struct slipbench_samples)
-  unsigned object_size;     // sizeof(struct slipbench_detector) or (struct slipbench_controller)
-  unsigned input_size;      // sizeof(struct slipbench_detector_input) or (struct slipbench_control_input)
-  unsigned result_size;     // sizeof(struct slipbench_estimate) or (struct slipbench_grip_command)
+  unsigned object_size;     // sizeof(struct slipbench_readout), (struct slipbench_detector) or (struct slipbench_controller)
+  unsigned input_size;      // of slipbench_contact, slipbench_detector_input or slipbench_control_input
+  unsigned result_size;     // of slipbench_element, slipbench_estimate or slipbench_grip_command
 };
 
-// The sizes that detectors and controllers share, for SLIPBENCH_DETECTOR_BUILD and SLIPBENCH_CONTROLLER_BUILD.
+// The sizes that all of them share, for SLIPBENCH_SENSOR_BUILD, SLIPBENCH_DETECTOR_BUILD and SLIPBENCH_CONTROLLER_BUILD.
 #define SLIPBENCH_SHARED_SIZES                                                                           \
   sizeof(struct slipbench_parameter), sizeof(struct slipbench_channel), sizeof(struct slipbench_sensor), \
       sizeof(struct slipbench_source), sizeof(struct slipbench_samples)
@@ -93,7 +93,7 @@ struct slipbench_sensor {
 
 // What an object is made for.
 struct slipbench_source {
-  const struct slipbench_sensor* sensors;  // all of the scene, in its order
+  const struct slipbench_sensor* sensors;  // all of the scene, in its order; of a sensor null
   size_t sensor_count;
   size_t sensor;  // index of the detector's own, `detector.sensor`; of a controller 0, the pad on the finger that feels
   const struct slipbench_parameter* parameters;  // as many as the library declares, in its order

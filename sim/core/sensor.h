@@ -32,6 +32,8 @@ class Sensor {
   // Samples so far in which a converter reported an end of its range for a value that lies beyond it. A tally of what has been read, so it
   // is no part of memory(). A sensor whose readings pass through Electronics adds its count.
   [[nodiscard]] virtual std::uint64_t saturated() const { return 0; }
+  // Once after the last measure(). Throws InputError where what stands behind the sensor fails as it ends.
+  virtual void finish() {}
   // The label that the sensor's paper would have given the contact, beside the truth; `rotating` says whether the bench turns.
   [[nodiscard]] virtual PadState paper_label(const ContactFrame& truth, bool rotating) const = 0;
 };

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <variant>
 
+#include "sim/scene/csv.h"
+
 namespace slipbench {
 namespace {
 
@@ -19,7 +21,10 @@ std::string allowed_form(const ParameterSpec& spec) {
     case ParameterType::choice: return "a name such as " + spec.default_text;
     case ParameterType::vector: return "a sequence of " + std::to_string(spec.size) + " such as " + spec.default_text;
     case ParameterType::path: return "a path from the scene's own folder, or " + spec.default_text;
-    case ParameterType::map: return "a map of numbers, texts and booleans such as {threshold: 0.3}";
+    case ParameterType::map:
+      return spec.choices.empty() ? "a map of numbers, texts and booleans such as {threshold: 0.3}"
+                                  : "a map of names such as {a: " + spec.choices.front() + "}";
+    case ParameterType::table: return "rows of numbers, [[a, b, ...], ...], the path of a CSV file, or " + spec.default_text;
   }
   throw std::logic_error("no such parameter type");
 }
@@ -32,6 +37,18 @@ struct ToJson {
   std::string operator()(const std::vector<double>& values) const {
     std::string text = "[";
     for (const double value : values) text.append(text.size() > 1 ? "," : "").append(json_number(value));
+    return text.append("]");
+  }
+  std::string operator()(const NumberTable& table) const {
+    if (!table.path.empty()) return json_text(table.path);
+    std::string text = "[";
+    for (const std::vector<double>& row : table.rows) {
+      std::string cells;
+      for (const double value : row) {
+        if (!std::isnan(value)) cells.append(cells.empty() ? "" : ",").append(json_number(value));
+      }
+      text.append(text.size() > 1 ? ",[" : "[").append(cells).append("]");
+    }
     return text.append("]");
   }
   std::string operator()(const ParameterMap&) const { throw std::logic_error("a map is recorded by its entries"); }
@@ -86,6 +103,7 @@ Parameters::Value scalar(const YamlNode& node, const std::string& path, const Pa
 
 Parameters::Value EntryReader::value(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
   if (spec.type == ParameterType::map) return node == nullptr ? default_of(spec) : map(*node, path, spec);
+  if (spec.type == ParameterType::table) return table(node, path, spec);
   Parameters::Value result = node == nullptr                      ? default_at(path, spec)
                              : spec.type == ParameterType::vector ? vector(*node, path, spec)
                                                                   : scalar(*node, path, spec);
@@ -128,10 +146,48 @@ Parameters::Value EntryReader::map(const YamlNode& node, const std::string& path
     }
     const std::string entry_path = path + "." + child.key;
     const std::string& text = text_of(child, entry_path, "a number, a text, true or false");
+    if (!spec.choices.empty()) {
+      static_cast<void>(scalar(child, entry_path, choice_spec(spec.name, spec.choices.front(), spec.choices, "", "")));
+    }
     record(entry_path, undeclared_value(text));
     entries.emplace_back(child.key, text);
   }
   return entries;
+}
+
+Parameters::Value EntryReader::table(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
+  NumberTable table;
+  const bool none = node == nullptr || (node->kind == YamlNode::Kind::scalar && node->text == spec.default_text);
+  if (none) {
+    record(path, spec.default_text);
+    return table;
+  }
+  const bool in_file = node->kind == YamlNode::Kind::scalar;
+  const YamlNode rows = in_file ? read_csv(in_folder(node->text), spec.columns, node->origin) : *node;
+  if (rows.kind != YamlNode::Kind::sequence || rows.children.empty())
+    fail(rows.origin, path + " is " + described(rows) + "; allowed: " + allowed_form(spec));
+  std::string needed = spec.columns.empty() ? "as many numbers as the first row" : "";
+  for (std::size_t i = 0; i < spec.columns.size(); ++i) {
+    needed += (i == 0 ? "" : ", ") + spec.columns[i].name + (i < spec.size ? "" : " or none");
+  }
+  for (const YamlNode& row : rows.children) {
+    const std::size_t width = row.children.size(), first = rows.children.front().children.size();
+    const bool fits = spec.columns.empty() ? width == first : width >= spec.size && width <= spec.columns.size();
+    if (row.kind != YamlNode::Kind::sequence || row.children.empty() || !fits)
+      fail(row.origin, path + ": a row is " + described(row) + " of " + std::to_string(width) + "; allowed: " + needed);
+    std::vector<double>& values = table.rows.emplace_back();
+    for (std::size_t i = 0; i < width; ++i) {
+      const Quantity quantity = spec.columns.empty() ? Quantity::none : spec.columns[i].quantity;
+      const ParameterSpec cell = number_spec(spec.name, quantity, "1", any_value, "", "");
+      const bool left_out = row.children[i].kind == YamlNode::Kind::null && i >= spec.size;
+      values.push_back(left_out ? std::nan("") : std::get<double>(scalar(row.children[i], path, cell)));
+    }
+    values.resize(std::max(width, spec.columns.size()), std::nan(""));
+  }
+  if (in_file) table.path = node->text;  // as the scene writes it
+  record(path, table);
+  if (in_file) table.path = in_folder(node->text);
+  return table;
 }
 
 Parameters EntryReader::parameters(const YamlNode* map, const std::string& path, const std::string& where, const Entry& entry,

@@ -101,6 +101,7 @@ class EntryReader {
   [[nodiscard]] Parameters::Value default_at(const std::string& path, const ParameterSpec& spec) const;
   Parameters::Value vector(const YamlNode& node, const std::string& path, const ParameterSpec& spec);
   Parameters::Value map(const YamlNode& node, const std::string& path, const ParameterSpec& spec);
+  Parameters::Value table(const YamlNode* node, const std::string& path, const ParameterSpec& spec);
 
   Origin root_;
   Trace* trace_;

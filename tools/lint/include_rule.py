@@ -1,7 +1,7 @@
 """Who may include whom. A detector that could include the simulation could read the truth; this check keeps that out.
 
 - sim/core: itself, the standard library and Eigen; Random123 and the loader of libraries in a .cc; in plugin_abi.h, which is C, <stddef.h>.
-- sensors/X: sim/core, sensors/X, and sensors/electronics, which every sensor is composed of.
+- sensors/X: sim/core, sensors/X, sensors/plugin_abi.h, and sensors/electronics, which every sensor is composed of.
 - detectors, controllers: sim/core without the truth (contact_frame.h, and sensor.h, which is handed it), and themselves.
 - rtl: what detectors may include, and detectors, whose golden models it runs in lockstep with.
 - the rest of sim: itself and the layers below it (SIM_LAYERS). MuJoCo's headers: sim/mujoco and its tests (tests/stability and tests/install/consumer too) only.
@@ -57,7 +57,7 @@ def allowed_folders(path):
             return None
         return tuple(f"sim/{layer}/" for layer in (path.parts[1], *SIM_LAYERS[path.parts[1]]))
     if top == "sensors":
-        return ("sim/core/", f"sensors/{path.parts[1]}/", "sensors/electronics/")
+        return ("sim/core/", f"sensors/{path.parts[1]}/", "sensors/electronics/", "sensors/plugin_abi.h")
     if top in ("detectors", "controllers"):
         return ("sim/core/", f"{top}/")
     if top == "rtl":

@@ -1,20 +1,29 @@
-// Detectors and controllers that are Python classes. Trials run in threads of their own without Python's lock, which is taken for each call.
+// Sensors, detectors and controllers that are Python classes. Trials run in threads of their own without Python's lock, which is taken for each call.
 #include <algorithm>
+#include <array>
+#include <initializer_list>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include "sensors/own/own_sensor.h"
 #include "sim/core/error.h"
 #include "tools/program/catalogue/controller_catalogue.h"
 #include "tools/program/catalogue/detector_catalogue.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/python/module.h"
 
 namespace nb = nanobind;
@@ -25,55 +34,71 @@ namespace {
 using Numbers = std::vector<std::pair<std::string, double>>;
 
 // What a frame holds, as numpy arrays by channel that each frame fills anew.
+template <class Real>
 class FrameArrays {
  public:
   explicit FrameArrays(const std::vector<Channel>& channels) {
     std::size_t size = 0;
     for (const Channel& channel : channels) size += channel.size();
-    auto* const values = new std::vector<float>(size);
+    auto* const values = new std::vector<Real>(size);
     values_ = values->data();
-    const nb::capsule owner(values, [](void* held) noexcept { delete static_cast<std::vector<float>*>(held); });
-    float* first = values_;
+    const nb::capsule owner(values, [](void* held) noexcept { delete static_cast<std::vector<Real>*>(held); });
+    Real* first = values_;
     for (const Channel& channel : channels) {
       arrays_[nb::str(channel.name.c_str())] =
-          nb::cast(nb::ndarray<nb::numpy, const float>(first, channel.shape.size(), channel.shape.data(), owner));
+          nb::cast(nb::ndarray<nb::numpy, const Real>(first, channel.shape.size(), channel.shape.data(), owner));
       first += channel.size();
     }
   }
-  const nb::dict& filled(const SensorFrame& frame) {
-    std::ranges::copy(frame.values, values_);
+  // `parts`: their values one after the other.
+  const nb::dict& filled(std::initializer_list<std::span<const Real>> parts) {
+    Real* at = values_;
+    for (const std::span<const Real> part : parts) at = std::ranges::copy(part, at).out;
     return arrays_;
   }
 
  private:
-  float* values_;  // the arrays own it
+  Real* values_;  // the arrays own it
   nb::dict arrays_;
 };
 
-// One Python object of a user's class, for one trial. All of it is made, used and let go of with Python's lock.
+// Whom an error is told of.
+struct Blame {
+  std::string path;   // of the type in the scene: "detector.type"
+  std::string whose;  // "detector mine"
+};
+
+// One Python object of a user's class, for one trial. All of it is made, used and let go of with Python's lock. `Real`: what its frames hold.
+template <class Real>
 struct Own {
-  Own(std::string name, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
+  Own(Blame told_of, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
       const std::vector<Channel>& channels)
-      : whose(std::move(name)),
+      : blame(std::move(told_of)),
         package(nb::module_::import_("slipbench._own")),
         frame_type(package.attr("Frame")),
-        call(nb::object(type(source, **keywords)).attr(method)),
-        arrays(channels) {}
+        made(type(source, **keywords)),
+        call(made.attr(method)) {
+    if (!channels.empty()) arrays.emplace(channels);
+  }
 
-  nb::object frame(const SensorFrame& frame) { return frame_type(frame.time, arrays.filled(frame)); }
+  nb::object frame(double time, std::initializer_list<std::span<const Real>> parts) {
+    return frame_type(time, arrays->filled(parts));
+  }
 
-  std::string whose;  // "detector mine"
-  nb::object package, frame_type, call;
-  FrameArrays arrays;
+  Blame blame;
+  nb::object package, frame_type, made, call, shapes;
+  std::optional<FrameArrays<Real>> arrays;
 };
 struct WithLock {
-  void operator()(Own* own) const {
+  template <class Real>
+  void operator()(Own<Real>* own) const {
     if (!Py_IsInitialized()) return;  // the interpreter has gone, and what it held with it
     const nb::gil_scoped_acquire acquire;
     delete own;
   }
 };
-using OwnPart = std::unique_ptr<Own, WithLock>;
+template <class Real>
+using OwnPart = std::unique_ptr<Own<Real>, WithLock>;
 
 // What Python says of an exception. Its text may hold lone surrogates, which no UTF-8 has and nanobind's what() cannot bear.
 std::string text_of(const nb::python_error& error) {
@@ -84,14 +109,14 @@ std::string text_of(const nb::python_error& error) {
 
 // `work` with Python's lock; what a class raises is an error of the scene that names it.
 template <class Work>
-auto locked(const std::string& whose, Work&& work) {
+auto locked(const Blame& blame, Work&& work) {
   const nb::gil_scoped_acquire acquire;
   try {
     return work();
   } catch (const nb::python_error& error) {
-    throw InputError(whose + ": " + text_of(error));
+    throw SceneValueError(blame.path, blame.whose + ": " + text_of(error));
   } catch (const nb::cast_error&) {
-    throw InputError(whose + ": returned something of another type than its method may");
+    throw SceneValueError(blame.path, blame.whose + ": returned something of another type than its method may");
   }
 }
 
@@ -121,10 +146,10 @@ Entry entry_of(const std::string& name, const std::string& summary, const Number
 
 class PythonDetector final : public Detector {
  public:
-  explicit PythonDetector(OwnPart own) : own_(std::move(own)) {}
+  explicit PythonDetector(OwnPart<float> own) : own_(std::move(own)) {}
 
   const SlipEstimate& update(const SensorFrame& frame) override {
-    locked(own_->whose, [&] { read(own_->call(own_->frame(frame))); });
+    locked(own_->blame, [&] { read(own_->call(own_->frame(frame.time, {frame.values}))); });
     estimate_.time = frame.time;
     return estimate_;
   }
@@ -137,19 +162,20 @@ class PythonDetector final : public Detector {
     estimate_.stuck_fraction = nb::cast<double>(estimate.attr("stuck_fraction"));
   }
 
-  OwnPart own_;
+  OwnPart<float> own_;
   SlipEstimate estimate_;
 };
 
 class PythonController final : public Controller {
  public:
-  explicit PythonController(OwnPart own) : own_(std::move(own)) {}
+  explicit PythonController(OwnPart<float> own) : own_(std::move(own)) {}
 
   GripCommand update(const ControlInput& input) override {
-    locked(own_->whose, [&] {
+    locked(own_->blame, [&] {
       const nb::object slip = own_->package.attr("Slip")(static_cast<int>(input.slip.state), input.slip.stuck_fraction,
                                                          input.gripper.position, input.gripper.moving, input.gripper.stopped);
-      const nb::object command = own_->package.attr("command_of")(own_->call(own_->frame(input.frame), slip));
+      const nb::object command =
+          own_->package.attr("command_of")(own_->call(own_->frame(input.frame.time, {input.frame.values}), slip));
       command_.position = nb::cast<int>(command.attr("position"));
       command_.speed = nb::cast<int>(command.attr("speed"));
       command_.force = nb::cast<int>(command.attr("force"));
@@ -158,8 +184,52 @@ class PythonController final : public Controller {
   }
 
  private:
-  OwnPart own_;
+  OwnPart<float> own_;
   GripCommand command_;
+};
+
+// Of the truth a class is handed what slipbench_contact has (sensors/plugin_abi.h).
+class PythonSensor final : public OwnSensor {
+ public:
+  explicit PythonSensor(OwnPart<double> own) : OwnSensor(own->blame.path, own->blame.whose), own_(std::move(own)) {
+    locked(own_->blame, [&] {
+      const auto said = nb::cast<Said>(own_->package.attr("layout_of")(own_->made.attr("layout")()));
+      OwnLayout layout{.rate = std::get<0>(said), .elements = {}, .units = std::get<2>(said), .channels = {}};
+      for (const std::array<double, 8>& row : std::get<1>(said)) {
+        layout.elements.push_back(
+            {.tip = {row[0], row[1], row[2]}, .axis = {row[3], row[4], row[5]}, .k_normal = row[6], .k_tangential = row[7]});
+      }
+      for (const auto& [channel, unit, shape] : std::get<3>(said)) layout.channels.push_back({channel, unit, shape, {}});
+      set(std::move(layout));
+      const std::size_t units = this->layout().units.size(), elements = this->layout().elements.size();
+      own_->arrays.emplace(std::vector<Channel>{{"force", "N", {units, 3}, {}},
+                                                {"displacement", "m", {units, 3}, {}},
+                                                {"depth", "m", {elements}, {}},
+                                                {"shear", "m", {3, elements}, {}}});
+      own_->shapes = shapes_of(channels());
+    });
+  }
+
+ private:
+  using Said = std::tuple<double, std::vector<std::array<double, 8>>, std::vector<std::size_t>,
+                          std::vector<std::tuple<std::string, std::string, std::vector<std::size_t>>>>;
+
+  void read(const ContactFrame& truth, std::span<float> values) override {
+    const auto span = [](const auto& array) {
+      return std::span<const double>(array.data(), static_cast<std::size_t>(array.size()));
+    };
+    locked(own_->blame, [&] {
+      const nb::object frame = own_->frame(
+          truth.time, {span(truth.force), span(truth.displacement), span(truth.element_depth), span(truth.element_shear)});
+      float* at = values.data();
+      for (const nb::handle part : own_->package.attr("readings_of")(own_->call(frame), own_->shapes)) {
+        const auto array = nb::cast<nb::ndarray<nb::numpy, const float, nb::c_contig>>(part);
+        at = std::copy_n(array.data(), array.size(), at);
+      }
+    });
+  }
+
+  OwnPart<double> own_;
 };
 
 // A maker holds the class for as long as the process lives: what a scene may name never goes.
@@ -168,11 +238,11 @@ nb::object* kept(const nb::object& type) { return new nb::object(type); }
 void add_detector(const std::string& name, const nb::object& type, const std::string& summary, const Numbers& declared) {
   nb::object* const held = kept(type);
   register_detector(entry_of(name, summary, declared), [=](const Parameters& parameters, const FrameSource& source) {
-    const std::string whose = "detector " + name;
-    OwnPart own = locked(whose, [&] {
+    const Blame blame{"detector.type", "detector " + name};
+    OwnPart<float> own = locked(blame, [&] {
       const nb::object about = nb::module_::import_("slipbench._own")
                                    .attr("Source")(source.sensor, source.type, source.rate, shapes_of(source.channels));
-      return OwnPart(new Own(whose, *held, "update", about, keywords_of(parameters, declared), source.channels));
+      return OwnPart<float>(new Own<float>(blame, *held, "update", about, keywords_of(parameters, declared), source.channels));
     });
     return std::make_unique<PythonDetector>(std::move(own));
   });
@@ -181,14 +251,26 @@ void add_detector(const std::string& name, const nb::object& type, const std::st
 void add_controller(const std::string& name, const nb::object& type, const std::string& summary, const Numbers& declared) {
   nb::object* const held = kept(type);
   register_controller(entry_of(name, summary, declared), [=](const Parameters& parameters, const GripSource& source) {
-    const std::string whose = "controller " + name;
-    OwnPart own = locked(whose, [&] {
+    const Blame blame{"controller.type", "controller " + name};
+    OwnPart<float> own = locked(blame, [&] {
       const SensorSource& first = source.sensors.front();
       const nb::object about = nb::module_::import_("slipbench._own")
                                    .attr("Source")(first.name, first.type, first.rate, shapes_of(first.channels), source.preset);
-      return OwnPart(new Own(whose, *held, "act", about, keywords_of(parameters, declared), source.channels));
+      return OwnPart<float>(new Own<float>(blame, *held, "act", about, keywords_of(parameters, declared), source.channels));
     });
     return std::make_unique<PythonController>(std::move(own));
+  });
+}
+
+void add_sensor(const std::string& name, const nb::object& type, const std::string& summary, const Numbers& declared) {
+  nb::object* const held = kept(type);
+  register_sensor(entry_of(name, summary, declared), [=](const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
+    const Blame blame{"sensors." + scene.name + ".type", "sensor " + name};
+    OwnPart<double> own = locked(blame, [&] {
+      const nb::object about = nb::module_::import_("slipbench._own").attr("SensorSource")(scene.name, seed, trial);
+      return OwnPart<double>(new Own<double>(blame, *held, "measure", about, keywords_of(scene.parameters, declared), {}));
+    });
+    return std::make_unique<PythonSensor>(std::move(own));
   });
 }
 
@@ -197,6 +279,7 @@ void add_controller(const std::string& name, const nb::object& type, const std::
 void bind_own_parts(nb::module_& module) {
   module.def("register_detector", &add_detector);
   module.def("register_controller", &add_controller);
+  module.def("register_sensor", &add_sensor);
 }
 
 }  // namespace slipbench::python

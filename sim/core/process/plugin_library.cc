@@ -58,15 +58,18 @@ struct Size {
   unsigned slipbench_abi::*member;
 };
 std::array<Size, 8> sizes_of(const std::string& part) {
-  const bool detector = part == "detector";
+  using Names = std::array<const char*, 3>;
+  const Names own = part == "detector" ? Names{"slipbench_detector", "slipbench_detector_input", "slipbench_estimate"}
+                    : part == "sensor" ? Names{"slipbench_readout", "slipbench_contact", "slipbench_element"}
+                                       : Names{"slipbench_controller", "slipbench_control_input", "slipbench_grip_command"};
   return {{{"slipbench_parameter", &slipbench_abi::parameter_size},
            {"slipbench_channel", &slipbench_abi::channel_size},
            {"slipbench_sensor", &slipbench_abi::sensor_size},
            {"slipbench_source", &slipbench_abi::source_size},
            {"slipbench_samples", &slipbench_abi::samples_size},
-           {detector ? "slipbench_detector" : "slipbench_controller", &slipbench_abi::object_size},
-           {detector ? "slipbench_detector_input" : "slipbench_control_input", &slipbench_abi::input_size},
-           {detector ? "slipbench_estimate" : "slipbench_grip_command", &slipbench_abi::result_size}}};
+           {own[0], &slipbench_abi::object_size},
+           {own[1], &slipbench_abi::input_size},
+           {own[2], &slipbench_abi::result_size}}};
 }
 
 // A text of a library, which need not end.
@@ -96,9 +99,9 @@ PluginLibrary::AtWork::~AtWork() {
   libraries.names.erase(std::ranges::find(libraries.names, name_));
 }
 
-PluginLibrary::PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own)
-    : part_(std::move(part)), name_("'" + path + "'"), at_work_(name_) {
-  const std::string key = part_ + ".library";
+PluginLibrary::PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where)
+    : part_(std::move(part)), where_(where.empty() ? part_ : std::move(where)), name_("'" + path + "'"), at_work_(name_) {
+  const std::string key = where_ + ".library";
   if (path == no_library) throw SceneValueError(key, "no library is named; allowed: the path of a shared library");
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
@@ -150,7 +153,7 @@ void PluginLibrary::close() {
   }
 }
 
-void PluginLibrary::refuse(const std::string& what) const { throw SceneValueError(part_ + ".library", name_ + " " + what); }
+void PluginLibrary::refuse(const std::string& what) const { throw SceneValueError(where_ + ".library", name_ + " " + what); }
 
 void PluginLibrary::refuse_scene(const char (&refusal)[SLIPBENCH_REFUSAL_SIZE]) const {
   const std::string why(refusal, strnlen(refusal, sizeof refusal));
@@ -245,7 +248,7 @@ PluginLibrary::Values PluginLibrary::parameters(const ParameterMap& given) {
   Values values;
   values.values_ = declared();
   for (const auto& [name, text] : given) {
-    const std::string key = part_ + ".parameters." + name;
+    const std::string key = where_ + ".parameters." + name;
     const auto found = std::ranges::find(values.values_, name, &Values::Value::name);
     if (found == values.values_.end()) {
       std::vector<std::string> names;

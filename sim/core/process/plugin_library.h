@@ -1,4 +1,4 @@
-// The program's side of sim/core/plugin_abi.h: what detectors and controllers from shared libraries have in common.
+// The program's side of sim/core/plugin_abi.h: what sensors, detectors and controllers from shared libraries have in common.
 #pragma once
 
 #include <cstddef>
@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/core/error.h"
@@ -16,21 +17,21 @@
 
 namespace slipbench {
 
-// A shared library, loaded as long as the object lives. Whatever it does wrong is a SceneValueError at `part`.library: the
+// A shared library, loaded as long as the object lives. Whatever it does wrong is a SceneValueError at `where`.library: the
 // message names the library, and the function where one is to blame. Exception: a call of exit() while the object lives ends the
 // program, as it must, but with status 2 and a line on stderr that names the library.
 class PluginLibrary {
  public:
-  // `part`: "detector" or "controller"; `path`: what the scene names, or the default "none"; `own`: what the program was built
+  // `part`: "sensor", "detector" or "controller"; `path`: what the scene names, or the default "none"; `own`: what the program was built
   // with. Throws SceneValueError where no library is named, where there is no such file, where it cannot be loaded, lacks a
-  // symbol or was built with anything else than `own`.
-  PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own);
+  // symbol or was built with anything else than `own`. `where`: the part in the scene, "sensors.pad"; "": `part`.
+  PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where = {});
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
   ~PluginLibrary();
 
-  // What the library declares as its parameters, with the values of `given`. Throws SceneValueError at `part`.parameters.<name>
-  // for a name that the library does not declare and a value that is not of the declared type, and at `part`.library for a
+  // What the library declares as its parameters, with the values of `given`. Throws SceneValueError at `where`.parameters.<name>
+  // for a name that the library does not declare and a value that is not of the declared type, and at `where`.library for a
   // declaration that is none.
   class Values {
    public:
@@ -78,7 +79,7 @@ class PluginLibrary {
   // Unloads the library, which crashes where a destructor of its own does. Throws SceneValueError then.
   void close();
 
-  // Throws SceneValueError at `part`.library: "'mine.so' " and `what`.
+  // Throws SceneValueError at `where`.library: "'mine.so' " and `what`.
   [[noreturn]] void refuse(const std::string& what) const;
   // Likewise where the library made no object, for the reason that it left in `refusal`, which need not end.
   [[noreturn]] void refuse_scene(const char (&refusal)[SLIPBENCH_REFUSAL_SIZE]) const;
@@ -102,7 +103,7 @@ class PluginLibrary {
     std::string name_;
   };
 
-  std::string part_;
+  std::string part_, where_;
   std::string name_;  // for messages: the path in quotes
   AtWork at_work_;
   void* handle_ = nullptr;  // null: closed
@@ -118,6 +119,54 @@ class PluginSensors {
  private:
   std::vector<std::vector<slipbench_channel>> channels_;
   std::vector<slipbench_sensor> sensors_;
+};
+
+// What a library makes for one trial: a slipbench_readout, slipbench_detector or slipbench_controller.
+template <class Object>
+class PluginObject {
+ public:
+  // Loads the library that `parameters` name; the rest as PluginLibrary.
+  PluginObject(const std::string& part, const Parameters& parameters, const slipbench_abi& own, std::string where = {})
+      : library(part, parameters.path("library"), own, std::move(where)), function_("slipbench_make_" + part) {}
+  PluginObject(const PluginObject&) = delete;  // owns what the library made
+  PluginObject& operator=(const PluginObject&) = delete;
+  ~PluginObject() {
+    try {
+      finish();
+    } catch (const SceneValueError&) {
+      // Another error is under way: a trial that ends well calls finish() itself.
+    }
+  }
+
+  // Has the object made by the library's Make, as it is now handed over. `works`: the member that is null where there is none. Throws
+  // SceneValueError where there is none, for the library's reason, and as PluginLibrary::parameters().
+  template <class Make, class Function>
+  void make(const Parameters& parameters, const std::vector<SensorSource>& sensors, std::size_t own, Function Object::*works) {
+    const PluginLibrary::Values values = library.parameters(parameters.map("parameters"));
+    const PluginSensors seen(sensors);
+    const slipbench_source about{.sensors = seen.handed().data(),
+                                 .sensor_count = seen.handed().size(),
+                                 .sensor = own,
+                                 .parameters = values.handed().data(),
+                                 .parameter_count = values.handed().size()};
+    library.guarded(function_, [&, make = library.maker<Make>()] { make(&about, &object); });
+    if (object.*works != nullptr) return;
+    finish();
+    library.refuse_scene(object.refusal);
+  }
+
+  // Ends the object and unloads the library. Throws SceneValueError where that crashes or throws.
+  void finish() {
+    const auto destroy = std::exchange(object.destroy, nullptr);
+    if (destroy != nullptr && !library.has_crashed()) library.guarded("destroy", [&] { destroy(object.self); });
+    library.close();
+  }
+
+  PluginLibrary library;  // outlives what it made
+  Object object{};
+
+ private:
+  std::string function_;
 };
 
 // What the sensors of a scene have said since a library was called last.

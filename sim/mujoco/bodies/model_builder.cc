@@ -45,7 +45,10 @@ struct ToYaml {
     for (const double value : values) text.append(text.size() > 1 ? ", " : "").append(format_number(value));
     return text + "]";
   }
-  std::string operator()(const ParameterMap&) const { throw std::logic_error("no effect has a map among its parameters"); }
+  template <class Other>
+  std::string operator()(const Other&) const {
+    throw std::logic_error("no effect has a map or a table among its parameters");
+  }
 };
 
 std::string yaml_of(const std::vector<Named>& effects) {

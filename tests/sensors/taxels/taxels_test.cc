@@ -1,24 +1,51 @@
 #include "sensors/taxels/taxels.h"
 
 #include <cmath>
+#include <map>
 #include <memory>
 #include <numbers>
 
-#include <gtest/gtest.h>
-
 #include "sim/core/sensor.h"
 #include "sim/field/contact_labels.h"
+#include "tests/expect.h"
 #include "tests/oracle/effect_field.h"
 
 namespace slipbench::taxels_test {
 namespace {
 
-std::unique_ptr<Sensor> taxels(std::int64_t rows, std::int64_t columns, double pitch) {
+using Values = std::map<std::string, Parameters::Value>;
+
+std::unique_ptr<Sensor> taxels(const Values& values, const std::vector<Named>& electronics = {}) {
   Parameters parameters = defaults_of(taxels_sensor().about.parameters);
-  parameters.set("rows", rows);
-  parameters.set("columns", columns);
-  parameters.set("pitch", pitch);
-  return taxels_sensor().create(parameters, {}, 7, 0, "skin");
+  for (const auto& [name, value] : values) parameters.set(name, value);
+  return taxels_sensor().create(parameters, electronics, 7, 0, "skin");
+}
+std::unique_ptr<Sensor> taxels(std::int64_t rows, std::int64_t columns, double pitch) {
+  return taxels({{"rows", rows}, {"columns", columns}, {"pitch", pitch}});
+}
+
+const double none = std::nan("");
+// At x = i mm, flat, with the stiffness of all.
+NumberTable in_a_row(std::size_t count) {
+  NumberTable places;
+  for (std::size_t i = 0; i < count; ++i)
+    places.rows.push_back({1e-3 * static_cast<double>(i), 0.0, none, none, none, none, none, none});
+  return places;
+}
+// What a sensor reads of these forces, of taxels whose elements are pressed in by 0.1 mm and sheared by 0.02 mm along x.
+std::vector<float> read(Sensor& sensor, const std::vector<Eigen::Array3d>& forces, double time = 0.0) {
+  ContactFrame truth;
+  truth.time = time;
+  truth.force.resize(3, static_cast<Eigen::Index>(forces.size()));
+  for (std::size_t i = 0; i < forces.size(); ++i) truth.force.col(static_cast<Eigen::Index>(i)) = forces[i];
+  const auto elements = static_cast<Eigen::Index>(sensor.layout().elements.size());
+  truth.element_depth = Eigen::ArrayXd::Constant(elements, 1e-4);
+  truth.element_shear = Eigen::RowVector3d(2e-5, 0.0, 0.0).replicate(elements, 1).array();
+  const std::span<const float> values = sensor.measure(truth).values;
+  return {values.begin(), values.end()};
+}
+std::string refusal(const Values& values) {
+  return scene_refusal_of([&] { static_cast<void>(taxels(values)); });
 }
 
 Pose at(double x, double z) {
@@ -87,6 +114,108 @@ TEST(Taxels, ReadHowASkinMovesWhereNothingTouchesIt) {
   for (const std::size_t i : {ahead, beside}) EXPECT_NEAR(reading.displacement(i, 2) / (c * normal), 1.0, 0.005);
   EXPECT_NEAR(reading.displacement(ahead, 0) / (2.0 * c * tangential), 1.0, 0.01);
   EXPECT_NEAR(reading.displacement(beside, 0) / (c * tangential), 1.0, 0.01);
+}
+
+TEST(Taxels, StandWhereTheSceneSays) {
+  NumberTable places{"", {{1e-3, 2e-3, 3e-3, 0.0, -3.0, -4.0, 2e3, 300.0}, {0.0, 0.0, none, none, none, none, none, none}}};
+  const auto sensor = taxels({{"places", places}, {"points", std::int64_t{2}}});
+  const PadLayout& layout = sensor->layout();
+  ASSERT_EQ(layout.elements.size(), 8U);
+  EXPECT_EQ(layout.units[1].first, 4U);
+  EXPECT_TRUE(layout.elements[0].axis.isApprox(Eigen::Vector3d(0.0, -0.6, -0.8)));
+  EXPECT_EQ(layout.elements[4].axis, Eigen::Vector3d(0.0, 0.0, -1.0));
+  EXPECT_DOUBLE_EQ(layout.elements[3].k_normal, 500.0);      // a quarter of its own
+  EXPECT_DOUBLE_EQ(layout.elements[4].k_tangential, 125.0);  // of the 500 N/m of all
+  // A face of 4 mm has its four points 1 mm beside its middle, the turned one along (0, 0.8, -0.6).
+  EXPECT_TRUE(layout.elements[4].tip.isApprox(Eigen::Vector3d(-1e-3, -1e-3, 0.0)));
+  EXPECT_TRUE(layout.elements[3].tip.isApprox(Eigen::Vector3d(2e-3, 2.8e-3, 2.4e-3)));
+}
+
+// A taxel that looks along (-0.6, 0, -0.8) has z = (0.6, 0, 0.8), x = (0.8, 0, -0.6), y as the pad: of (1, 2, 3) N it reads 0.6 + 2.4 = 3 N along z,
+// 0.8 - 1.8 = -1 N and 2 N of shear, and over 4 mm by 4 mm 187.5 kPa. Pressed in by 0.1 mm it has moved by 0.1 mm against its direction.
+TEST(Taxels, ReadInTheirOwnFrames) {
+  NumberTable places{"", {{0.0, 0.0, 0.0, -3.0, 0.0, -4.0, none, none}}};
+  const auto sensor =
+      taxels({{"places", places},
+              {"channels",
+               ParameterMap{{"n", "normal_force"}, {"s", "shear"}, {"p", "pressure"}, {"f", "force"}, {"d", "displacement"}}}});
+  const std::vector<double> expected{3.0, -1.0, 2.0, 187.5e3, 1.0, 2.0, 3.0, 2e-5 + 0.6e-4, 0.0, 0.8e-4};
+  const std::vector<float> found = read(*sensor, {{1.0, 2.0, 3.0}});
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NEAR(static_cast<double>(found[i]), expected[i], 1e-6 * std::abs(expected[i]) + 1e-12) << i;
+  EXPECT_EQ(sensor->channels()[1].channel_names, (std::vector<std::string>{"T0_SX", "T0_SY"}));
+}
+
+// Signals (2 z_0 + x_1, z_1 - z_0) = (2.5, 2) N; the curve through (0, 0), (2, 10), (4, 40) makes that 10 + 0.5*15 = 17.5 and 10. At -1 the first stretch
+// goes on: -5.
+TEST(Taxels, SignalsGoThroughMatrixAndCurve) {
+  NumberTable matrix{"", {{0.0, 0.0, 2.0, 1.0, 0.0, 0.0}, {0.0, 0.0, -1.0, 0.0, 0.0, 1.0}}},
+      curve{"", {{0.0, 0.0}, {2.0, 10.0}, {4.0, 40.0}}};
+  const ParameterMap signal{{"s", "signal"}};
+  const auto mixed = taxels({{"places", in_a_row(2)}, {"channels", signal}, {"matrix", matrix}, {"curve", curve}});
+  EXPECT_EQ(mixed->channels()[0].unit, "counts");
+  EXPECT_THAT(read(*mixed, {{0.0, 9.0, 1.0}, {0.5, 9.0, 3.0}}), ElementsAre(17.5F, 10.0F));
+  const auto plain = taxels({{"places", in_a_row(2)}, {"channels", signal}, {"curve", curve}});
+  EXPECT_THAT(read(*plain, {{9.0, 9.0, -1.0}, {9.0, 9.0, 3.0}}), ElementsAre(-5.0F, 25.0F));
+}
+
+// 8 bits over 0 to 10 N are steps of 10/255 N: 2.01 N is code 51.3 and so 2 N; 12 N saturates at 10 N, -1 N at 0.
+TEST(Taxels, SaturateAtTheEndsOfTheConverter) {
+  Parameters bits;
+  bits.set("bits", std::int64_t{8});
+  const auto sensor =
+      taxels({{"places", in_a_row(2)}, {"channels", ParameterMap{{"n", "normal_force"}}}}, {{"quantisation", bits}});
+  const std::vector<float> within = read(*sensor, {{0.0, 0.0, 2.01}, {0.0, 0.0, 5.0}});
+  EXPECT_FLOAT_EQ(within[0], 2.0F);
+  EXPECT_EQ(sensor->saturated(), 0U);
+  EXPECT_THAT(read(*sensor, {{0.0, 0.0, 12.0}, {0.0, 0.0, -1.0}}), ElementsAre(10.0F, 0.0F));
+  EXPECT_EQ(sensor->saturated(), 1U);
+}
+
+// A force that grows by 1 N a sample, and a scan that takes all of it: taxel number k of N in the scan is read (N - 1 - k)/N of a sample earlier.
+TEST(Taxels, AreReadInTheOrderOfTheScan) {
+  Parameters scan;
+  scan.set("duration", 0.01);
+  const std::map<std::string, std::vector<double>> turns{
+      {"rows", {0, 1, 2, 3, 4, 5}}, {"columns", {0, 2, 4, 1, 3, 5}}, {"zigzag", {0, 1, 2, 5, 4, 3}}};
+  for (const auto& [order, turn] : turns) {
+    const auto sensor = taxels({{"rows", std::int64_t{2}},
+                                {"columns", std::int64_t{3}},
+                                {"channels", ParameterMap{{"n", "normal_force"}}},
+                                {"scan_order", order}},
+                               {{"scan", scan}});
+    static_cast<void>(read(*sensor, std::vector<Eigen::Array3d>(6, {0.0, 0.0, 1.0})));
+    const std::vector<float> found = read(*sensor, std::vector<Eigen::Array3d>(6, {0.0, 0.0, 2.0}), 0.01);
+    for (std::size_t i = 0; i < 6; ++i)
+      EXPECT_NEAR(static_cast<double>(found[i]), 2.0 - (5.0 - turn[i]) / 6.0, 1e-6) << order << i;
+  }
+}
+
+TEST(Taxels, AreRefusedWithWhatIsAllowed) {
+  const Parameters::Value signal = ParameterMap{{"s", "signal"}};
+  const NumberTable two{"", {{1.0, 2.0}}}, back{"", {{0.0, 1.0}, {0.0, 2.0}}};
+  NumberTable bad = in_a_row(2);
+  bad.rows[1][5] = 0.0;
+  EXPECT_THAT(refusal({{"places", bad}}),
+              StartsWith("sensors.skin.places | sensors.skin.places: taxel 1 has no direction nx, ny, nz"));
+  bad.rows[1][5] = none;
+  bad.rows[1][6] = -1.0;
+  EXPECT_THAT(refusal({{"places", bad}}), HasSubstr("taxel 1 has a stiffness that is not above 0 N/m"));
+  EXPECT_THAT(refusal({{"places", in_a_row(2)}, {"rows", std::int64_t{3}}}), StartsWith("sensors.skin.places | "));
+  EXPECT_THAT(refusal({{"channels", ParameterMap{{"t", "force"}}}}), StartsWith("sensors.skin.channels.t | "));
+  EXPECT_THAT(refusal({{"channels", ParameterMap{{"a", "force"}, {"b", "force"}}}}),
+              HasSubstr("force is read by another channel"));
+  EXPECT_THAT(refusal({{"matrix", two}}),
+              StartsWith("sensors.skin.matrix | sensors.skin.matrix: makes a signal, which no channel reads"));
+  EXPECT_THAT(refusal({{"channels", signal}, {"matrix", two}}),
+              HasSubstr("has rows of 2 numbers; allowed: 48, the x, y and z of each taxel"));
+  EXPECT_THAT(refusal({{"channels", signal}, {"curve", two}}), HasSubstr("has one point; allowed: two or more"));
+  EXPECT_THAT(refusal({{"channels", signal}, {"curve", back}}),
+              HasSubstr("goes back after the input 0; allowed: inputs that grow"));
+  EXPECT_THAT(refusal({{"range", std::vector<double>{1.0, 1.0}}}), HasSubstr("does not grow; allowed: [lowest, highest]"));
+  EXPECT_THAT(refusal({{"rows", std::int64_t{64}}, {"columns", std::int64_t{64}}, {"points", std::int64_t{2}}}),
+              HasSubstr("16384 friction points; allowed: up to 4096"));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace slipbench {
 namespace {
 
 ParameterSpec spec(ParameterType type, Quantity quantity, std::string default_text, Range range = any_value) {
-  return {"p", type, quantity, std::move(default_text), range, {"gripper", "hexapod"}, 2, "doc", "assumed"};
+  return {"p", type, quantity, std::move(default_text), range, {"gripper", "hexapod"}, 2, {}, "doc", "assumed"};
 }
 
 std::string refusal(const ParameterSpec& spec, const char* text) {
@@ -61,10 +61,10 @@ TEST(ParseScalar, RefusesOtherText) {
 
 TEST(Defaults, AreReadFromTheDeclaration) {
   using enum ParameterType;
-  const std::vector<ParameterSpec> specs{{"compression", number, Quantity::length, "1 mm", positive, {}, 1, "", ""},
-                                         {"pivot", vector, Quantity::length, "[3 mm, -1 mm]", any_value, {}, 2, "", ""},
-                                         {"bristles", integer, Quantity::none, "6", positive, {}, 1, "", ""},
-                                         {"stop", number, Quantity::time, "inf", positive, {}, 1, "", ""}};
+  const std::vector<ParameterSpec> specs{{"compression", number, Quantity::length, "1 mm", positive, {}, 1, {}, "", ""},
+                                         {"pivot", vector, Quantity::length, "[3 mm, -1 mm]", any_value, {}, 2, {}, "", ""},
+                                         {"bristles", integer, Quantity::none, "6", positive, {}, 1, {}, "", ""},
+                                         {"stop", number, Quantity::time, "inf", positive, {}, 1, {}, "", ""}};
   const Parameters defaults = defaults_of(specs);
   EXPECT_EQ(defaults.values().size(), 4u);
   EXPECT_EQ(defaults.number("compression"), 0.001);

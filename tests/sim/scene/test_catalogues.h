@@ -7,7 +7,7 @@ namespace slipbench {
 
 inline ParameterSpec spec(std::string name, ParameterType type, Quantity quantity, std::string default_text,
                           Range range = any_value, std::vector<std::string> choices = {}, std::size_t size = 1) {
-  return {std::move(name), type, quantity, std::move(default_text), range, std::move(choices), size, "doc", "assumed"};
+  return {std::move(name), type, quantity, std::move(default_text), range, std::move(choices), size, {}, "doc", "assumed"};
 }
 
 // The names and defaults of the program's stage, PapillArray and plane; two effects and two parts of electronics for the lists; two

@@ -1,4 +1,4 @@
-"""Detectors and controllers that are Python classes. Argument: the program."""
+"""Sensors, detectors and controllers that are Python classes. Argument: the program."""
 
 import json
 import subprocess
@@ -54,6 +54,125 @@ class HoldPreset:
         elif self.position is None:
             self.position = slip.position
         return Command(self.position)
+
+
+@slipbench.sensor("nine_pillars")
+class NinePillars:
+    """The built-in papillarray: columns from +Y to -Y, each from +X to -X, in metres."""
+
+    parameters = {"rate": 1000.0, "edge_drop": 0.2e-3, "corner_drop": 0.45e-3}
+
+    def __init__(self, source, rate, edge_drop, corner_drop):
+        self.rate, self.drop = rate, (0.0, edge_drop, corner_drop)
+
+    def layout(self):
+        tips = [(7e-3 * x, 7e-3 * y, self.drop[abs(x) + abs(y)]) for y in (1, 0, -1) for x in (1, 0, -1)]
+        return slipbench.Layout(tips, k_normal=7100.0, k_tangential=3900.0, rate=self.rate,
+                                channels={"force": ((9, 3), "N"), "displacement": ((9, 3), "m")})
+
+    def measure(self, frame):
+        return {"displacement": frame["displacement"], "force": frame["force"]}
+
+
+def one_point(measured, **layout):
+    """A sensor of one point whose measure() says what it is told."""
+
+    class One:
+        def __init__(self, source):
+            self.source = source
+
+        def layout(self):
+            return slipbench.Layout(**{"tips": [(0, 0, 0)], "k_normal": 1e3, "k_tangential": 500.0, "channels": {"load": ((2,), "N")}, **layout})
+
+        def measure(self, frame):
+            return measured(self, frame) if callable(measured) else measured
+
+    return One
+
+
+STAGE = "slipbench: 1\nduration: 0.7 s\nmotion: {start: 0.5 s}\nsensors: {pad: {type: NAME}}\n"
+
+
+class OwnSensors(unittest.TestCase):
+    def scene(self, name, more=""):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        path = Path(folder.name) / "own.yaml"
+        path.write_text(STAGE.replace("NAME", name) + more)
+        return slipbench.Scene.load(path)
+
+    def test_a_twin_of_the_papillarray_reads_its_forces(self):
+        own, built_in = (self.scene(name).run().sensors["pad"] for name in ("nine_pillars", "papillarray"))
+        for channel in ("force", "displacement"):
+            self.assertGreater(np.abs(built_in.channels[channel]).max(), 1e-5)
+            self.assertLessEqual(np.abs(own.channels[channel].astype(float) - built_in.channels[channel]).max(), 1e-12)
+        np.testing.assert_array_equal(own.labels.onset_time, built_in.labels.onset_time)
+        self.assertEqual(own.units["force"], "N")
+
+    def test_threads_do_not_change_it_and_its_random_numbers_are_the_trials(self):
+        class Noisy(one_point(lambda self, frame: self.random.normal(size=2))):
+            def __init__(self, source):
+                self.random = source.random
+        slipbench.sensor("noisy")(Noisy)
+        scene = self.scene("noisy", "sweep: {friction.scale: [0.8, 1.0, 1.2, 1.4]}\n")
+        four = list(scene.sweep(jobs=4))
+        self.assertEqual([trial.sha256 for trial in scene.sweep(jobs=1)], [trial.sha256 for trial in four])
+        loads = [trial.sensors["pad"].channels["load"] for trial in four]
+        self.assertFalse(np.array_equal(loads[0], loads[1]))
+        np.testing.assert_array_equal(loads[2][0], np.random.default_rng([0, 2, *b"pad"]).normal(size=2).astype(np.float32))
+
+    def test_datasets_and_exports_hold_what_it_read(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = str(Path(folder) / "own.h5")
+            scene = self.scene("nine_pillars", "sweep: {motion.speed: [2 mm/s, 4 mm/s]}\n")
+            scene.write(path)
+            with slipbench.open(path) as data:
+                np.testing.assert_array_equal(data[1].sensors["pad"]["force"][:], list(scene.sweep())[1].sensors["pad"].channels["force"])
+            for words in (["export", path, "--format", "npz", "-o", folder + "/npz"], ["verify", path], ["report", path]):
+                subprocess.run([PROGRAM, *words], check=True, capture_output=True, cwd=folder)
+
+    def test_grasps_and_vectors_of_them_feel_with_it(self):
+        import gymnasium
+        import slipbench.gym  # noqa: F401
+
+        values = {"detector.type": "force_ratio", "duration": "2 s"}
+        built_in, own = (gymnasium.make_vec("slipbench/Grasp-v0", num_envs=2, scene="grasp/lift.yaml", command="position", values={**values, **told})
+                         for told in ({}, {"sensors.pad.type": "nine_pillars", "sensors.pad.rate": 100}))
+        for grasps in (built_in, own):
+            grasps.reset(seed=1)
+        for _ in range(20):
+            seen, felt = (grasps.step(np.full(2, 1.0))[0] for grasps in (built_in, own))
+            np.testing.assert_array_equal(seen, felt)
+        self.assertGreater(np.abs(felt).max(), 0.0)
+
+    def test_what_goes_wrong_in_it_is_told_with_the_line(self):
+        def raises(self, frame):
+            raise RuntimeError("out of ideas")
+
+        for name, made, told in (
+                ("shape", one_point(np.zeros(3)), r"measure\(\) returned load of shape \(3,\); allowed: \(2,\)"),
+                ("nothing", one_point(None), "TypeError|ValueError"),
+                ("other", one_point({"lod": np.zeros(2)}), r"measure\(\) returned lod; allowed: load"),
+                ("nan", one_point([0.0, np.nan]), "says in measure nan for load_1 at 0 s; allowed: a finite number"),
+                ("raises", one_point(raises), "RuntimeError: out of ideas"),
+                ("soft", one_point([0.0, 0.0], k_normal=0.0), "element 0 with a stiffness of 0 N/m; allowed: more than 0"),
+                ("flat", one_point([0.0, 0.0], tips=[0.0, 0.0]), r"tips of shape \(2,\); allowed: \(points, 3\)"),
+                ("dumb", one_point([0.0, 0.0], channels={}), "has 0 channels")):
+            slipbench.sensor("wrong_" + name)(made)
+            with self.subTest(name=name), self.assertRaisesRegex(slipbench.InputError, f"own.yaml:4: (?s:.*)sensor wrong_{name}(?s:.*){told}"):
+                self.scene("wrong_" + name).run()
+
+    def test_it_ends_its_own_trial_only(self):
+        slipbench.sensor("fails_once")(one_point(lambda self, frame: [0.0, np.nan if self.source.trial == 1 else 0.0]))
+        with tempfile.TemporaryDirectory() as folder:
+            summary = self.scene("fails_once", "sweep: {friction.scale: [0.8, 1.0, 1.2]}\n").write(folder + "/own.h5")
+            self.assertIn("own.yaml:4: ", json.dumps(summary["failed"]))
+            with slipbench.open(folder + "/own.h5") as data:
+                self.assertEqual(len(data), 2)
+
+    def test_names_of_the_program_are_taken(self):
+        with self.assertRaisesRegex(slipbench.InputError, "sensor 'papillarray' is one of slipbench's own"):
+            slipbench.sensor("papillarray")(NinePillars)
 
 
 class OwnDetectors(unittest.TestCase):

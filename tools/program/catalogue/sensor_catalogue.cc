@@ -5,8 +5,9 @@
 #include "sim/core/error.h"
 #include "sim/core/sensor_kind.h"
 #include "sim/simulation/stage_simulation.h"
+#include "tools/program/catalogue/registry.h"
 
-// All sensors in the order of `slipbench list`, a line each: the name of its folder in sensors/, where SensorKind NAME_sensor() is
+// All sensors in the order of `slipbench list`, a line each: the name of its folder in sensors/ (plugin: own), where SensorKind NAME_sensor() is
 // defined.
 #define SLIPBENCH_SENSORS(SENSOR) \
   SENSOR(papillarray)             \
@@ -14,7 +15,8 @@
   SENSOR(piezo_skin)              \
   SENSOR(biotac_sp)               \
   SENSOR(myrmex)                  \
-  SENSOR(taxels)
+  SENSOR(taxels)                  \
+  SENSOR(plugin)
 
 namespace slipbench {
 
@@ -29,7 +31,18 @@ const std::vector<SensorKind>& sensor_catalogue() {
   return kinds;
 }
 
+Registry<SensorMaker>& registered_sensors() {
+  static Registry<SensorMaker> registry;
+  return registry;
+}
+
 }  // namespace
+
+void register_sensor(const Entry& about, SensorMaker make) {
+  std::vector<Entry> taken;
+  for (const SensorKind& kind : sensor_catalogue()) taken.push_back(kind.about);
+  registered_sensors().put("sensor", about, std::move(make), taken);
+}
 
 Catalogues pad_catalogues() {
   Catalogues catalogues;
@@ -38,10 +51,12 @@ Catalogues pad_catalogues() {
     catalogues.sensors.push_back(kind.about);
     catalogues.electronics[kind.about.name] = kind.electronics;
   }
+  for (Entry& entry : registered_sensors().entries()) catalogues.sensors.push_back(std::move(entry));
   return catalogues;
 }
 
 std::unique_ptr<Sensor> make_sensor(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
+  if (const std::optional<SensorMaker> make = registered_sensors().find(scene.type)) return (*make)(scene, seed, trial);
   for (const SensorKind& kind : sensor_catalogue()) {
     if (kind.about.name == scene.type) return kind.create(scene.parameters, scene.electronics, seed, trial, scene.name);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -11,6 +12,12 @@
 #include "sim/scene/scene.h"
 
 namespace slipbench {
+
+using SensorMaker = std::function<std::unique_ptr<Sensor>(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial)>;
+
+// From now on a scene of this process may name a sensor of whoever has embedded the program; one registered under that name before is replaced.
+// Thread-safe. Throws InputError for a name that is no identifier, or that the program itself uses.
+void register_sensor(const Entry& about, SensorMaker make);
 
 // What a scene may name of pads and of what they touch: everything but what reads the sensors.
 Catalogues pad_catalogues();

@@ -177,6 +177,8 @@ Json parameters_json(const Parameters& parameters) {
         [&json, &key = name](const auto& held) {
           if constexpr (std::is_same_v<std::decay_t<decltype(held)>, double>) {
             json[key] = std::isfinite(held) ? Json(held) : Json(fmt::format("{}", held));
+          } else if constexpr (std::is_same_v<std::decay_t<decltype(held)>, NumberTable>) {
+            json[key] = held.rows;
           } else {
             json[key] = held;
           }

@@ -195,6 +195,7 @@ bool TrialRun::step_or_wait() {
 
 TrialResult TrialRun::finish() {
   loop_.finish();
+  for (const auto& sensor : sensors_) sensor->finish();
   judge_.finish(sensors_);
   if (recorder_) check_finite(result_.record);
   check_last_tick(result_.record, sensors_, *simulation_, sampler_);

@@ -24,6 +24,11 @@ struct Text {
     for (const double value : values) text += json_number(value) + ",";
     return text;
   }
+  std::string operator()(const NumberTable& table) const {
+    std::string text;
+    for (const std::vector<double>& row : table.rows) text += (*this)(row) + "/";
+    return text;
+  }
   std::string operator()(const ParameterMap& values) const {
     std::string text;
     for (const auto& [name, value] : values) text += json_text(name) + "=" + json_text(value) + ",";

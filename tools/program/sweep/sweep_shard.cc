@@ -69,6 +69,8 @@ void add_paths(const std::vector<Entry>& entries, const std::string& name, const
   const auto entry = std::ranges::find(entries, name, &Entry::name);
   if (entry == entries.end()) return;
   for (const ParameterSpec& spec : entry->parameters) {
+    if (spec.type == ParameterType::table && !parameters.table(spec.name).path.empty())
+      paths.insert(parameters.table(spec.name).path);
     if (spec.type != ParameterType::path) continue;
     if (const std::string& path = parameters.path(spec.name); path != spec.default_text) paths.insert(path);
   }

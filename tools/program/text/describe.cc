@@ -39,6 +39,7 @@ std::string type_text(const ParameterSpec& spec) {
     case ParameterType::vector: return fmt::format("{} numbers", spec.size);
     case ParameterType::path: return "path";
     case ParameterType::map: return "map";
+    case ParameterType::table: return "table";
   }
   throw std::logic_error("parameter type without a name");
 }
@@ -65,7 +66,19 @@ std::string allowed_text(const ParameterSpec& spec) {
   if (spec.type == ParameterType::choice) return fmt::format("{}", fmt::join(spec.choices, ", "));
   if (spec.type == ParameterType::flag) return "true, false";
   if (spec.type == ParameterType::path) return fmt::format("{}, or a path from the scene's own folder", spec.default_text);
-  if (spec.type == ParameterType::map) return "numbers, texts and booleans by name, as the library declares them";
+  if (spec.type == ParameterType::map) {
+    return spec.choices.empty() ? "numbers, texts and booleans by name, as the library declares them"
+                                : fmt::format("names of your own, each with one of {}", fmt::join(spec.choices, ", "));
+  }
+  if (spec.type == ParameterType::table) {
+    std::string columns;
+    for (const TableColumn& column : spec.columns) {
+      columns += " " + column.name;
+      if (column.quantity != Quantity::none) columns += fmt::format(" [{}]", si_symbol(column.quantity));
+    }
+    return fmt::format("{}, rows of{}, or the path of a CSV file{}", spec.default_text, columns.empty() ? " numbers" : columns,
+                       columns.empty() ? "" : " with a header of these names");
+  }
   const bool below = std::isfinite(spec.range.min);
   const bool above = std::isfinite(spec.range.max);
   const std::string lower = below ? fmt::format("{} {}", spec.range.open_min ? ">" : ">=", bound_text(spec, spec.range.min)) : "";

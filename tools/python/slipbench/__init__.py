@@ -1,19 +1,20 @@
 """slipbench: a physics testbench for tactile slip detection.
 
 A scene is a YAML file. `Scene.load()` reads one, `Scene.run()` simulates a trial of it and gives numpy arrays, `open()` reads a dataset file.
-Detectors and controllers may be classes of one's own (`detector()`, `controller()`); a grasp is a Gymnasium environment (`slipbench.gym`).
+Sensors, detectors and controllers may be classes of one's own (`sensor()`, `detector()`, `controller()`); a grasp is a Gymnasium environment (`slipbench.gym`).
 
 Units are SI throughout. Bad input raises `InputError` with the program's own message: file:line, what was found, what is allowed.
 """
 
 from slipbench.bin._core import InputError, version as __version__
 from slipbench._data import Arrays, Dataset, StoredTrial, Windows, open
-from slipbench._own import Command, Controller, Detector, Estimate, Frame, Slip, Source, State, controller, detector
+from slipbench._own import (Command, Controller, Detector, Estimate, Frame, Layout, OwnSensor, SensorSource, Slip, Source, State, controller, detector,
+                            sensor)
 from slipbench._scene import Check, Scene, Sweep, describe, evaluate, list_names, scenes
 from slipbench._trial import Control, Labels, Sensor, Trial
 
 __all__ = [
-    "Arrays", "Check", "Command", "Control", "Controller", "Dataset", "Detector", "Estimate", "Frame", "InputError", "Labels", "Scene", "Sensor",
-    "Slip", "Source", "State", "StoredTrial", "Sweep", "Trial", "Windows", "__version__", "controller", "describe", "detector", "evaluate",
-    "list_names", "open", "scenes",
+    "Arrays", "Check", "Command", "Control", "Controller", "Dataset", "Detector", "Estimate", "Frame", "InputError", "Labels", "Layout", "OwnSensor",
+    "Scene", "Sensor", "SensorSource", "Slip", "Source", "State", "StoredTrial", "Sweep", "Trial", "Windows", "__version__", "controller",
+    "describe", "detector", "evaluate", "list_names", "open", "scenes", "sensor",
 ]

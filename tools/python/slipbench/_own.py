@@ -1,6 +1,6 @@
-"""Detectors and controllers as Python classes.
+"""Sensors, detectors and controllers as Python classes.
 
-A class says in one method what it makes of each frame. It is made anew for each trial and never sees the truth.
+A class says in one method what it makes of each frame. It is made anew for each trial. Only a sensor sees the contact as it is.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Protocol, TypeVar
 
-from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from slipbench.bin import _core
 
@@ -136,6 +137,86 @@ class Controller(Protocol):
         """Called at each read of the gripper with the sensor's latest `frame` and what is known of `slip`; says what to command. An int is a position."""
 
 
+@dataclass(frozen=True)
+class SensorSource:
+    """Which sensor of which trial: handed to a sensor's class when it is made.
+
+    Attributes:
+        sensor: the scene's name for it
+        seed: of the dataset
+        trial: its number
+    """
+
+    sensor: str
+    seed: int
+    trial: int
+
+    @property
+    def random(self) -> np.random.Generator:
+        """Random numbers of this sensor and trial, the same whatever the threads."""
+        return np.random.default_rng([self.seed, self.trial, *self.sensor.encode()])
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What a sensor's class says of itself once. Vectors are in the pad's frame, whose +Z points from the object into the pad.
+
+    Attributes:
+        tips: [E, 3] m, undeformed friction points
+        k_normal: N/m, of all points or [E]
+        k_tangential: N/m, likewise
+        channels: what a sample holds, shape and unit by name: {"force": ((16, 3), "N")}
+        rate: Hz, of the samples
+        directions: [E, 3] unit vectors out of the pad, or one for all
+        units: [E] which unit (taxel) each point belongs to, 0, 0, 1, 1, ...; None: each is one
+    """
+
+    tips: ArrayLike
+    k_normal: ArrayLike
+    k_tangential: ArrayLike
+    channels: dict[str, tuple[tuple[int, ...], str]]
+    rate: float = 100.0
+    directions: ArrayLike = (0.0, 0.0, -1.0)
+    units: ArrayLike | None = None
+
+
+class OwnSensor(Protocol):
+    """What `sensor()` takes."""
+
+    def layout(self) -> Layout:
+        """Called once: where the sensor's points stand and what a sample holds."""
+
+    def measure(self, frame: Frame) -> dict[str, ArrayLike] | ArrayLike:
+        """Called at each sample; says what each channel reads, or an array where there is one channel. Of U units and E points the contact `frame` has
+        "force" [U, 3] N, "displacement" [U, 3] m, "depth" [E] m, of the undeformed point in the surface, and "shear" [3, E] m, along it."""
+
+
+def layout_of(said: Any) -> tuple[float, list[list[float]], list[int], list[tuple[str, str, list[int]]]]:
+    """What a sensor's layout() returned, as the program takes it."""
+    if not isinstance(said, Layout):
+        raise TypeError(f"layout() returned {said!r}; allowed: a Layout")
+    tips = np.asarray(said.tips, float)
+    if tips.ndim != 2 or tips.shape[1] != 3:
+        raise ValueError(f"tips of shape {tips.shape}; allowed: (points, 3)")
+    each = [np.broadcast_to(np.asarray(value, float), shape)
+            for value, shape in ((said.directions, tips.shape), (said.k_normal, len(tips)), (said.k_tangential, len(tips)))]
+    units = range(len(tips)) if said.units is None else np.broadcast_to(np.asarray(said.units, int), len(tips))
+    return (float(said.rate), np.column_stack([tips, *each]).tolist(), [int(unit) for unit in units],
+            [(name, unit, [int(extent) for extent in shape]) for name, (shape, unit) in said.channels.items()])
+
+
+def readings_of(said: Any, shapes: dict[str, tuple[int, ...]]) -> list[NDArray[np.float32]]:
+    """What a sensor's measure() returned, checked, in the order of the channels."""
+    channels = said if isinstance(said, dict) else {name: said for name in shapes}
+    if channels.keys() != shapes.keys():
+        raise KeyError(f"measure() returned {', '.join(map(str, channels))}; allowed: {', '.join(shapes)}")
+    arrays = [np.ascontiguousarray(channels[name], np.float32) for name in shapes]
+    for (name, shape), array in zip(shapes.items(), arrays):
+        if array.shape != shape:
+            raise ValueError(f"measure() returned {name} of shape {array.shape}; allowed: {shape}")
+    return arrays
+
+
 def estimate_of(said: Any) -> Estimate:
     """What a detector returned, checked."""
     estimate = said if isinstance(said, Estimate) else Estimate(said)
@@ -158,6 +239,7 @@ def command_of(said: Any) -> Command:
     return command
 
 
+SensorClass = TypeVar("SensorClass", bound=Callable[..., OwnSensor])
 DetectorClass = TypeVar("DetectorClass", bound=Callable[..., Detector])
 ControllerClass = TypeVar("ControllerClass", bound=Callable[..., Controller])
 
@@ -168,6 +250,19 @@ def _declared(made: Any) -> list[tuple[str, float]]:
 
 def _summary(made: Any) -> str:
     return ((made.__doc__ or "").strip() or "A Python class.").splitlines()[0]
+
+
+def sensor(name: str) -> Callable[[SensorClass], SensorClass]:
+    """Registers a class as a sensor of `type: NAME`, where NAME is `name`, as `detector()` does. The class has the methods of `OwnSensor`.
+
+    It is made as `cls(source, **parameters)` with a `SensorSource`, anew for each trial and where the program looks at the scene.
+    """
+
+    def register(made: SensorClass) -> SensorClass:
+        _core.register_sensor(name, made, _summary(made), _declared(made))
+        return made
+
+    return register
 
 
 def detector(name: str) -> Callable[[DetectorClass], DetectorClass]:

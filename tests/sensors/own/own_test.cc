@@ -1,0 +1,126 @@
+// Sensors of one's own inside whole trials: a library, and the PapillArray told in three ways.
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "sim/scene/parser.h"
+#include "tests/expect.h"
+#include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/program/run/run_trial.h"
+#include "tools/program/sweep/run_sweep.h"
+
+namespace slipbench {
+namespace {
+
+const std::string plugins = SLIPBENCH_TEST_PLUGINS;
+
+SceneFile stage(const std::string& sensor, const std::string& more = "") {
+  return SceneFile::from_text(
+      "slipbench: 1\nduration: 1 s\nmotion: {compression: 1 mm, start: 0.5 s, speed: 4 mm/s, rotation: 20 deg/s, tilt: [1 deg, 2 deg]}\n"
+      "sensors:\n  pad: {" +
+          sensor + "}\n" + more,
+      "stage.yaml");
+}
+TrialRecord record_of(const std::string& sensor, const std::string& more = "") {
+  return run_trial(parse_scene(stage(sensor, more), program_catalogues()), 3, Recording::full).record;
+}
+std::string wrong(const std::string& fault) {
+  return "type: plugin, library: " + plugins + "/wrong.so, parameters: {fault: " + fault + "}";
+}
+std::string outcome(const std::string& sensor) {
+  std::string said = refusal_of([&] { static_cast<void>(record_of(sensor)); });
+  const std::string name = "'" + plugins + "/wrong.so'";
+  const std::size_t at = said.find(name);
+  return at == std::string::npos ? said : said.replace(at, name.size(), "IT");
+}
+
+// Nine pillars in columns from +Y to -Y, each from +X to -X, 7 mm apart; those at the edges 0.2 mm shorter, at the corners 0.45 mm.
+const std::string nine_taxels =
+    "type: taxels, rate: 1 kHz, k_normal: 7.1 N/mm, k_tangential: 3.9 N/mm, channels: {force: force}, places: ["
+    "[7 mm, 7 mm, 0.45 mm], [0, 7 mm, 0.2 mm], [-7 mm, 7 mm, 0.45 mm], [7 mm, 0, 0.2 mm], [0, 0], [-7 mm, 0, 0.2 mm], "
+    "[7 mm, -7 mm, 0.45 mm], [0, -7 mm, 0.2 mm], [-7 mm, -7 mm, 0.45 mm]]";
+
+TEST(OwnSensor, APapillArrayIsTheSameAsTaxelsAndAsALibrary) {
+  const TrialRecord built_in = record_of("type: papillarray");
+  for (const std::string& own : {nine_taxels, "type: plugin, library: " + plugins + "/nine_pillars.so"}) {
+    const TrialRecord record = record_of(own);
+    ASSERT_EQ(record.sensors[0].time, built_in.sensors[0].time);
+    const std::vector<float>&expected = built_in.sensors[0].channels[0].values, &found = record.sensors[0].channels[0].values;
+    ASSERT_EQ(found.size(), expected.size());
+    double largest = 0.0, worst = 0.0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      largest = std::max(largest, std::abs(static_cast<double>(expected[i])));
+      worst = std::max(worst, std::abs(static_cast<double>(found[i]) - static_cast<double>(expected[i])));
+    }
+    EXPECT_GT(largest, 1.0);
+    EXPECT_LE(worst, 1e-12) << own;
+    EXPECT_EQ(record.sensors[0].labels.onset_time, built_in.sensors[0].labels.onset_time);
+  }
+}
+
+// Noise of a library is uniform in +-0.1 N here: sd 0.1/sqrt(3), to 2 % with 27,000 draws, and another one in another trial.
+TEST(OwnSensor, DrawsAsTrialAndSeedSay) {
+  const std::string pillars = "type: plugin, library: " + plugins + "/nine_pillars.so";
+  const std::string noisy = pillars + ", parameters: {noise: 100 mN}";
+  const TrialRecord record = record_of(noisy), again = record_of(noisy), other = record_of(noisy, "seed: 1\n");
+  const std::vector<float>& values = record.sensors[0].channels[0].values;
+  EXPECT_EQ(values, again.sensors[0].channels[0].values);
+  EXPECT_NE(values, other.sensors[0].channels[0].values);
+  const std::vector<float> quiet = record_of(pillars).sensors[0].channels[0].values;
+  double square = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) square += std::pow(static_cast<double>(values[i] - quiet[i]), 2);
+  EXPECT_NEAR(std::sqrt(square / static_cast<double>(values.size())), 0.1 / std::sqrt(3.0), 0.02 * 0.1 / std::sqrt(3.0));
+}
+
+TEST(OwnSensor, IsRefusedWithWhatItSaid) {
+  const std::string at = "sensors.pad.library: IT ";
+  EXPECT_EQ(outcome(wrong("none")), "accepted");
+  EXPECT_EQ(outcome(wrong("refuses")), at + "makes no sensor for this scene: 'no, thanks'");
+  EXPECT_EQ(outcome(wrong("rate")), at + "has a rate of -1 Hz; allowed: more than 0 Hz, finite");
+  EXPECT_EQ(outcome(wrong("bare")), at + "has a layout of 0 elements; allowed: 1 to 4096");
+  EXPECT_EQ(outcome(wrong("soft")),
+            at + "has in its layout element 1 with a stiffness of 0 N/m; allowed: more than 0 N/m, finite");
+  EXPECT_EQ(outcome(wrong("direction")),
+            at + "has in its layout element 0 with a direction that is no unit vector; allowed: length 1");
+  EXPECT_EQ(outcome(wrong("nowhere")), at + "has in its layout element 1 with a tip that is not finite; allowed: metres");
+  EXPECT_THAT(outcome(wrong("gap")), StartsWith(at + "has in its layout element 1 in unit 2 where unit 1 would be the next one"));
+  EXPECT_EQ(outcome(wrong("mute")), at + "has 0 channels; allowed: 1 to 64");
+  EXPECT_THAT(outcome(wrong("empty")), StartsWith(at + "has the channel 'force' with no values, or too many"));
+  EXPECT_THAT(outcome(wrong("times")), StartsWith(at + "has the channel 't' as a name"));
+  EXPECT_EQ(outcome("type: plugin"), "sensors.pad.library: no library is named; allowed: the path of a shared library");
+  EXPECT_THAT(outcome(wrong("none, falt: 1")),
+              StartsWith("sensors.pad.parameters.falt: IT has no parameter 'falt'; did you mean 'fault'?"));
+}
+
+TEST(OwnSensor, ThatFailsIsNamedWithItsFunction) {
+  const std::string at = "sensors.pad.library: IT ";
+  EXPECT_EQ(outcome(wrong("nan")), at + "says in measure nan for force_1_1 at 0 s; allowed: a finite number");
+  EXPECT_EQ(outcome(wrong("infinite")), at + "says in measure inf for force_1_2 at 0 s; allowed: a finite number");
+  EXPECT_EQ(outcome(wrong("throws")), at + "threw 'out of ideas' in measure; allowed: no exceptions");
+  EXPECT_EQ(outcome(wrong("crashes")), at + "crashed in measure: SIGSEGV (segmentation fault)");
+  EXPECT_EQ(outcome(wrong("ends badly")), at + "crashed in destroy: SIGSEGV (segmentation fault)");
+  for (const std::string fault : {"address", "endless"})
+    EXPECT_THAT(outcome(wrong(fault)), AnyOf(StartsWith(at + "crashed in slipbench_make_sensor: SIG"),
+                                             StartsWith(at + "has a layout of 4097 elements")));
+}
+
+// Of four trials two run; the others are noted with the line of the scene.
+TEST(OwnSensor, EndsItsOwnTrialOnly) {
+  const std::string scene = testing::TempDir() + "own_faults.yaml", data = testing::TempDir() + "own_faults.h5";
+  std::ofstream(scene) << stage(wrong("none"), "sweep: {sensors.pad.parameters.fault: [none, nan, crashes, none]}\n").text();
+  SweepOptions options;
+  options.scene_path = scene;
+  options.output = data;
+  const SweepSummary summary = run_sweep(options, program_catalogues(), {});
+  EXPECT_EQ(summary.trials.size(), 2U);
+  ASSERT_EQ(summary.failed.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(summary.failed[i].trial, i + 1);
+    EXPECT_THAT(summary.failed[i].message, HasSubstr("own_faults.yaml:5: sensors.pad.library: "));
+  }
+}
+
+}  // namespace
+}  // namespace slipbench
