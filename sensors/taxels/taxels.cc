@@ -16,7 +16,7 @@ constexpr std::size_t axes = 3;
 constexpr std::size_t most_points = 4096;  // as many as a grid of 64 x 64
 constexpr std::int64_t grid_size = 4;      // rows and columns unless the scene says otherwise
 
-// What a channel reads of a taxel. Its values are called T0_ and `symbol` and X, Y, Z where there are several.
+// What a channel reads of a taxel. Its values are called T0_ (of a matrix S0_) and `symbol`, and X, Y, Z where there are several.
 struct Reading {
   const char *name, *unit;
   char symbol;
@@ -143,8 +143,9 @@ struct Description {
       const Reading& what = reading(read);
       Channel channel{name, what.symbol == 'C' ? p.choice("unit") : what.unit, {count(what)}, {}};
       if (what.values > 1) channel.shape.push_back(what.values);
+      const std::string letter = what.symbol == 'C' && !matrix.empty() ? "S" : "T";
       for (std::size_t i = 0; i < channel.size(); ++i) {
-        std::string& value = channel.channel_names.emplace_back("T" + std::to_string(i / what.values) + "_" + what.symbol);
+        std::string& value = channel.channel_names.emplace_back(letter + std::to_string(i / what.values) + "_" + what.symbol);
         if (what.values > 1) value += "XYZ"[i % what.values];
       }
       made.push_back(std::move(channel));
@@ -165,7 +166,7 @@ struct Description {
         double full = p.number("max_force");
         if (what.symbol == 'D') full /= places[taxel][axis == 2 ? k_normal : k_tangential];
         if (what.symbol == 'P') full /= p.number("width") * p.number("width");
-        ConverterRange range{what.values == 1 ? 0.0 : -full, full};
+        ConverterRange range{-full, full};  // from 0 on it would cut off the noise at rest
         if (what.symbol == 'C') {
           range = {p.vector("range")[0], p.vector("range")[1]};
           full = std::max(std::abs(range.lowest), std::abs(range.highest));

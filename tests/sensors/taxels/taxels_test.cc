@@ -155,12 +155,13 @@ TEST(Taxels, SignalsGoThroughMatrixAndCurve) {
   const ParameterMap signal{{"s", "signal"}};
   const auto mixed = taxels({{"places", in_a_row(2)}, {"channels", signal}, {"matrix", matrix}, {"curve", curve}});
   EXPECT_EQ(mixed->channels()[0].unit, "counts");
+  EXPECT_EQ(mixed->channels()[0].channel_names[1], "S1_C");
   EXPECT_THAT(read(*mixed, {{0.0, 9.0, 1.0}, {0.5, 9.0, 3.0}}), ElementsAre(17.5F, 10.0F));
   const auto plain = taxels({{"places", in_a_row(2)}, {"channels", signal}, {"curve", curve}});
   EXPECT_THAT(read(*plain, {{9.0, 9.0, -1.0}, {9.0, 9.0, 3.0}}), ElementsAre(-5.0F, 25.0F));
 }
 
-// 8 bits over 0 to 10 N are steps of 10/255 N: 2.01 N is code 51.3 and so 2 N; 12 N saturates at 10 N, -1 N at 0.
+// 8 bits over -10 to 10 N are steps of 20/255 N: 2.01 N is code 153.1 and so 2 N; 12 N saturates at 10 N, -12 N at -10 N.
 TEST(Taxels, SaturateAtTheEndsOfTheConverter) {
   Parameters bits;
   bits.set("bits", std::int64_t{8});
@@ -169,7 +170,7 @@ TEST(Taxels, SaturateAtTheEndsOfTheConverter) {
   const std::vector<float> within = read(*sensor, {{0.0, 0.0, 2.01}, {0.0, 0.0, 5.0}});
   EXPECT_FLOAT_EQ(within[0], 2.0F);
   EXPECT_EQ(sensor->saturated(), 0U);
-  EXPECT_THAT(read(*sensor, {{0.0, 0.0, 12.0}, {0.0, 0.0, -1.0}}), ElementsAre(10.0F, 0.0F));
+  EXPECT_THAT(read(*sensor, {{0.0, 0.0, 12.0}, {0.0, 0.0, -12.0}}), ElementsAre(10.0F, -10.0F));
   EXPECT_EQ(sensor->saturated(), 1U);
 }
 
