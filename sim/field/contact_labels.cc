@@ -106,8 +106,9 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
   const std::size_t count = units_.size();
   const double rate = 1.0 / dt;
   const Field& front = fields.front();
-  const bool curved = !front.on_plane() && front.effect_cone() == nullptr && !front.has_tips();
-  if (one_field && single_ && (front.sparse() || curved)) {  // each unit has a normal of its own
+  // Where each unit has a normal of its own. Other pads than skins are turned run by run, whose zeros may have another sign.
+  const bool apiece = front.sparse() || (front.has_skin() && !front.on_plane());
+  if (one_field && single_ && apiece) {
     if (shaken_) frame_.force.row(2).setZero();  // of the units that touch nothing too
     kernel::label_groups(units, front.pad_in_surface().rotation.transpose(), rate, viewed_, count, frame_);
     return;

@@ -65,12 +65,16 @@ class Search {
  public:
   explicit Search(const PlannedTrials& planned)
       : wished_(planned.plan), asked_(planned.asked), trials_(spread_trials(asked_, most_probed)) {
-    const Scene scene = wished_.trial(0).scene;
+    const auto [scene, drawn] = wished_.trial(0);
     if (!scene.accuracy) return;
     for (const AccuracyScene::Wish& wish : scene.accuracy->wishes) wishes_.push_back({measure_named(wish.measure), wish.limit});
     const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
-    if (skin != scene.effects.end()) skin_ = static_cast<std::size_t>(skin - scene.effects.begin());
-    has_choice_ = scene.dynamic() && !scene.grasp && scene.fidelity == "field" && !skin_;
+    has_choice_ = scene.dynamic() && !scene.grasp && scene.fidelity == "field" && skin == scene.effects.end();
+    if (skin == scene.effects.end()) return;
+    skin_ = static_cast<std::size_t>(skin - scene.effects.begin());
+    // A sweep's tolerance, or that of effects which it sets as a whole, is the sweep's to say.
+    const std::string ours = tolerance_path() + ".";
+    if (std::ranges::any_of(drawn, [&](const auto& swept) { return ours.starts_with(swept.first + "."); })) skin_.reset();
   }
 
   // Empty where nothing is wished for.
@@ -107,10 +111,13 @@ class Search {
 
   [[nodiscard]] double step_of(const Cut& cut) const { return sampling_time_ / static_cast<double>(cut.steps); }
 
-  // What the steps of a slipping skin leave undone adds up over them.
+  [[nodiscard]] std::string tolerance_path() const { return fmt::format("effects.{}.elastic_skin.tolerance", *skin_); }
+
+  // What the steps of a slipping skin leave undone adds up over them. Never more than the scene's own.
   [[nodiscard]] double tolerance_of(const Cut& cut) const {
     constexpr double least = 1e-10;  // that the parameter may be
-    return std::max(least, tight_tolerance * static_cast<double>(explicit_steps_) / static_cast<double>(cut.steps));
+    const double own = wished_.trial(0).scene.effects[*skin_].parameters.number("tolerance");
+    return std::min(own, std::max(least, tight_tolerance * static_cast<double>(explicit_steps_) / static_cast<double>(cut.steps)));
   }
 
   // What says the setting instead of the wish. The step reads back as the same double.
@@ -118,7 +125,7 @@ class Search {
     std::vector<Override> overrides{no_wish, {"time_step", format_quantity(step_of(cut), Quantity::time)}};
     if (cut.implicit) overrides.push_back({"field_solver", "implicit"});
     if (cut.tight) {
-      overrides.push_back({fmt::format("effects.{}.elastic_skin.tolerance", *skin_), format_number(tolerance_of(cut))});
+      overrides.push_back({tolerance_path(), format_number(tolerance_of(cut))});
     }
     return overrides;
   }

@@ -196,7 +196,12 @@ Json skin_of(const Scene& scene) {
   const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
   if (skin == scene.effects.end()) return nullptr;
   const bool sphere = scene.surface.name == "sphere" && std::isinf(skin->parameters.number("thickness"));
-  return {{"shear_modulus", skin->parameters.number("shear_modulus")},
+  Json sensors = Json::array();  // one with a friction of its own has no effects
+  for (const SensorScene& sensor : scene.sensors) {
+    if (!sensor.friction) sensors.push_back(sensor.name);
+  }
+  return {{"sensors", sensors},
+          {"shear_modulus", skin->parameters.number("shear_modulus")},
           {"friction", scene.friction.static_coefficient},
           {"sphere_radius", sphere ? Json(scene.surface.parameters.number("radius")) : Json(nullptr)}};
 }

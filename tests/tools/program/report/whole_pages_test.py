@@ -169,10 +169,17 @@ class Pages:
         """A gel's fields, and around those of a sphere's contact the circle that Hertz has: sqrt(40 mm 0.15 mm), of 16 cells of 0.37 mm on 250 px."""
         self.check(self.report("run", SCENES / "soft_skin/flat.yaml", "flat"))
         self.check(self.report("run", SCENES / "soft_skin/sphere.yaml", "sphere"))
-        rings = self.browser.evaluate("[...document.querySelectorAll('svg[aria-label^=\"Pressure,\"] circle')].map(ring => +ring.getAttribute('r'))")
         contact = (40e-3 * 0.15e-3) ** 0.5 * 250 / (16 * 0.37e-3)
-        assert len(rings) == 6 and all(abs(ring - contact) < 0.01 * contact for ring in rings[::2]), (rings, contact)
-        assert all(0 < ring < contact for ring in rings[1::2]), rings
+
+        def check_rings(stick):
+            rings = self.browser.evaluate("[...document.querySelectorAll('svg[aria-label^=\"Pressure,\"] circle')].map(ring => +ring.getAttribute('r'))")
+            assert len(rings) == 6 and all(abs(ring - contact) < 0.01 * contact for ring in rings[::2]), (rings, contact)
+            assert all(0 < ring < contact if stick else ring == 0 for ring in rings[1::2]), rings
+
+        check_rings(stick=True)
+        turn = ("motion.speed=0", "motion.travel=inf", "motion.strokes=1", "motion.rotation=4 deg/s")
+        self.open(self.report("run", SCENES / "soft_skin/sphere.yaml", "turned", "--set", *turn))
+        check_rings(stick=False)  # of a turn Mindlin's push says nothing
 
     def check_all_trials(self):
         """Every trial of a sweep opens, in a page that can be sent by mail; one that is asked for has all samples."""

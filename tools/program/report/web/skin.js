@@ -43,16 +43,17 @@ sb.skinSection = (recording, skin) => {
     ...forces(shown).map((f, unit) => [...positions[unit], f.z, ...right ? [f.y, f.x] : [f.x, f.y], sb.states.unit[recording.unitStates[unit][shown]].name])
   ]);
   let shown = 0;
-  // Until when the push has only grown: before the force is first less than it was.
-  const grows = sample => {
+  // From which sample on it is no push that grows for the first time: it has fallen by more than a thousandth of what friction holds, or pulls several ways.
+  const firstPush = () => {
     let most = 0;
-    for (let row = 0; row <= sample; row += recording.stride) {
-      const now = pull(forces(row));
-      if (now < 0.999 * most) return false;
+    for (let row = 0; row < recording.time.length; row += recording.stride) {
+      const fields = forces(row), now = pull(fields), little = 1e-3 * skin.friction * d3.sum(fields, f => f.z);
+      if (now < most - little || d3.sum(fields, f => f.size) > 1.01 * now + little) return row;
       most = Math.max(most, now);
     }
-    return true;
+    return Infinity;
   };
+  let pushEnds;
   const drawProfile = (fields, centre, form, first) => {
     const box = {width: 3 * size + 2 * gap, height: 230, left: 58, right: 8, top: 8, bottom: 36};
     const half = 0.5 * xs.length * pitchX, top = Math.max(1e-9, d3.max(fields, f => Math.max(f.z, f.size)), form ? form.pressure(0) : 0);
@@ -78,7 +79,10 @@ sb.skinSection = (recording, skin) => {
     const total = d3.sum(fields, f => f.z), largest = most('size'), peak = most('z'), area = pitchX * pitchY;
     const middle = axis => total > 0 ? d3.sum(fields, (f, unit) => f.z * positions[unit][axis]) / total : 0;
     const centre = {x: middle(right), y: middle(up)};
-    const form = skin.sphere_radius && total > 0 ? closedForm(skin, total * area, pull(fields) * area) : null, first = form && grows(sample);
+    const whole = skin.sphere_radius && total > 0 ? closedForm(skin, total * area, pull(fields) * area) : null;
+    // It is that of a contact with pad all around it.
+    const within = (at, places, pitch) => Math.abs(at - d3.mean(places)) + whole.a <= 0.5 * places.length * pitch;
+    const form = whole && within(centre.x, xs, pitchX) && within(centre.y, ys, pitchY) ? whole : null, first = form && sample < (pushEnds ??= firstPush());
     const looks = [f => ['var(--stick)', f.z / peak], f => ['var(--slip)', 0.8 * f.size / largest], (f, unit) => {
       const {key} = sb.states.unit[recording.unitStates[unit][sample]];
       return key === 'detached' ? ['none', 0] : [sb.stateFill(key), 0.75];

@@ -347,7 +347,7 @@ sb.showTrial = async (host, index, sensorName) => {
   const whole = wholeSensor(trial, recording, timeline);
   const channels = sb.channelSection(recording, timeline);
   const onset = onsets(recording, timeline);
-  const skin = sb.page.skins?.[index] ? sb.skinSection(recording, sb.page.skins[index]) : null;
+  const skin = sb.page.skins?.[index]?.sensors.includes(recording.name) ? sb.skinSection(recording, sb.page.skins[index]) : null;
   const thinned = recording.stride === 1 ?
       null :
       el('p.note', {}, 'Curves show one sample in ' + recording.stride + '. States and onsets are complete.');
