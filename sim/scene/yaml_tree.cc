@@ -306,7 +306,10 @@ YamlNode& place_at(YamlNode& root, std::span<const std::string> path, const Orig
       continue;
     }
     if (node->kind == YamlNode::Kind::scalar) {
-      fail(origin, "no key " + quote(part) + " in " + here() + ", which is " + described(*node));
+      const bool names_it = i > 0 && is_index(path[i - 1]) && node->text == part;
+      if (!names_it) fail(origin, "no key " + quote(part) + " in " + here() + ", which is " + described(*node));
+      node->kind = YamlNode::Kind::map;
+      node->text.clear();
     }
     if (node->kind == YamlNode::Kind::null) {
       if (is_index(part)) fail(origin, "no item " + quote(part) + " in " + here() + ", which the scene does not give");

@@ -105,6 +105,13 @@ TEST(Override, TheLastOneWins) {
   EXPECT_EQ(read({{"motion.speed", "1"}, {"motion", "{speed: 2}"}}).motion.parameters.number("speed"), 2.0);
 }
 
+TEST(Override, GivesAParameterToAnEffectThatIsNamedAlone) {
+  const Scene scene = read({{"effects", "[stribeck, elastic_skin]"}, {"effects.1.elastic_skin.tolerance", "1e-6"}});
+  EXPECT_EQ(scene.effects.at(1).parameters.number("tolerance"), 1e-6);
+  EXPECT_EQ(refusal({{"effects", "[stribeck]"}, {"effects.0.elastic_skin.tolerance", "1e-6"}}),
+            "--set effects.0.elastic_skin.tolerance=1e-6: no key 'elastic_skin' in 'effects.0', which is 'stribeck'");
+}
+
 TEST(Override, IsNamedInMessages) {
   EXPECT_EQ(refusal({{"motion.speed", "8 N"}}),
             "--set motion.speed=8 N: motion.speed: unknown unit 'N' of a speed in '8 N'; allowed: m/s, mm/s, cm/s, um/s");

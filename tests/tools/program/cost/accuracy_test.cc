@@ -87,6 +87,14 @@ TEST(FindSetting, TightensTheSolverOfASoftSkinWhereTheWishNeedsIt) {
   const std::string tight = setting_text(found_for(file_of(skin + "accuracy: {force: 0.1 %}\n")).overrides);
   EXPECT_EQ(loose.find("tolerance"), std::string::npos) << loose;
   EXPECT_NE(tight.find("effects.0.elastic_skin.tolerance"), std::string::npos) << tight;
+  // Not where the sweep says it or the effects around it, nor looser than the scene has it.
+  for (const char* const sweep : {"{effects: [[elastic_skin], []]}", "{effects.0: [elastic_skin, stribeck]}", "{effects.0.elastic_skin.tolerance: [1e-3, 1e-6]}"}) {
+    const FoundSetting swept = found_for(file_of(skin + "accuracy: {force: 5 %}\nsweep: " + sweep + "\n"));
+    EXPECT_EQ(swept.reference.find("tolerance"), std::string::npos) << sweep << ": " << swept.reference;
+  }
+  SceneFile own = file_of(skin + "accuracy: {force: 1 %}\n");
+  own.apply({"effects", "[elastic_skin: {tolerance: 1e-9}]"});
+  EXPECT_NE(found_for(own).reference.find("tolerance 1e-09"), std::string::npos) << found_for(own).reference;
 }
 
 TEST(FindSetting, LooksAtTrialsSpreadOverTheSweep) {
