@@ -206,6 +206,7 @@ PICTURES = {
     "papillarray": lambda: trial_picture("Press and slide of nine pillars", "papillarray/stage.yaml", "pad", tangential),
     "piezo_skin": lambda: trial_picture("A tip slides over a piezoelectric skin", "piezo_skin/slide.yaml", "pad", counts("signal", "signal"),
                                         draw_pad=closer),
+    "learn": lambda: trial_picture("A BioTac SP waits, then slides", "learn/biotac_sp.yaml", "pad", counts("electrodes", "six electrodes"), trial=760),
     "soft_skin": soft_skin,
 }
 

@@ -26,14 +26,21 @@ constexpr std::size_t most_values = 1'000'000;   // of a sample, an image, a fra
 constexpr std::size_t most_classes = 1000;
 constexpr std::size_t most_states = 1000;
 
-constexpr std::array<std::pair<std::string_view, Transform>, 3> transforms{
-    {{"samples", Transform::samples}, {"log_psd", Transform::log_psd}, {"amplitude", Transform::amplitude}}};
+constexpr std::array<std::pair<std::string_view, Transform>, 4> transforms{{{"samples", Transform::samples},
+                                                                            {"log_psd", Transform::log_psd},
+                                                                            {"amplitude", Transform::amplitude},
+                                                                            {"spreads", Transform::spreads}}};
 constexpr std::array<std::pair<std::string_view, Output>, 2> outputs{
     {{"logits", Output::logits}, {"probabilities", Output::probabilities}}};
 constexpr std::array<std::pair<std::string_view, PadState>, 4> pad_states{{{"no_contact", PadState::no_contact},
                                                                            {"non_slip", PadState::non_slip},
                                                                            {"incipient", PadState::incipient},
                                                                            {"gross", PadState::gross}}};
+
+constexpr std::array<std::pair<const char*, std::size_t Alarm::*>, 3> alarm_keys{
+    {{"on", &Alarm::on}, {"off", &Alarm::off}, {"least", &Alarm::least}}};
+
+bool is_spectrum(Transform transform) { return transform == Transform::log_psd || transform == Transform::amplitude; }
 
 template <class Words>
 auto word_of(const Words& words, typename Words::value_type::second_type value) {
@@ -194,12 +201,24 @@ ChannelPick parse_channel(const Json& json, const Object& input) {
 // Those keys of a spectrum that `input` has.
 void parse_spectrum(const Object& object, Input& input) {
   const double half = 0.5 * input.rate;
-  const bool spectrum = input.transform != Transform::samples;
+  const bool spectrum = is_spectrum(input.transform);
   for (const char* key : {"low", "high", "hann"}) {
     if (!spectrum && object.has(key)) object.refuse(key, "belongs to a spectrum; allowed: with transform log_psd or amplitude");
   }
-  if (input.transform != Transform::log_psd && object.has("floor")) {
-    object.refuse("floor", "belongs to a density; allowed: with transform log_psd");
+  const bool spreads = input.transform == Transform::spreads;
+  if (input.transform != Transform::log_psd && !spreads && object.has("floor")) {
+    object.refuse("floor", "belongs to a density and to spreads; allowed: with transform log_psd or spreads");
+  }
+  if (!spreads && object.has("spans")) object.refuse("spans", "belongs to spreads; allowed: with transform spreads");
+  if (spreads) {
+    input.spans = object.indices(object.need("spans"), "spans");
+    if (input.spans.empty() || std::ranges::min(input.spans) < 2 || input.window < 2)
+      object.refuse("spans",
+                    "a spread of fewer than two samples; allowed: one span at least, and a window, of 2 samples or more");
+    if (input.centre || object.has("pixels"))
+      object.refuse("transform", "spreads know no centre and no pixels; allowed: another transform with them");
+    input.floor = object.number(
+        "floor", [](double floor) { return floor > 0.0; }, "a number above 0, in the sensor's unit");
   }
   if (!spectrum) return;
   const std::string limits = format_quantity(0.0, Quantity::frequency) + " to " + format_quantity(half, Quantity::frequency) +
@@ -223,7 +242,7 @@ void parse_spectrum(const Object& object, Input& input) {
 Input parse_input(const Json& json, const std::string& subject) {
   const Object object(json, subject, "input",
                       {"sensor", "rate", "channels", "median", "window", "stride", "centre", "transform", "low", "high", "hann",
-                       "floor", "pixels", "offset", "scale", "history"});
+                       "floor", "spans", "pixels", "offset", "scale", "history"});
   Input input;
   input.sensor = object.text("sensor");
   input.rate = object.number(
@@ -295,13 +314,14 @@ std::vector<Class> parse_classes(const Object& whole) {
 std::size_t frame_size(const Input& input, std::size_t values) {
   const std::size_t lines = input.pixels.empty() ? values : input.pixels.size();
   if (input.transform == Transform::samples) return input.window * lines;
+  if (input.transform == Transform::spreads) return (input.spans.size() + 2) * values;
   return lines * bins_within(input.rate, input.window, input.low, input.high).count;
 }
 
 Description parse_description(std::string_view text, const std::string& subject) {
   const Json json = parsed(text, subject);
   Description description;
-  const Object object(json, subject, "", {"format", "input", "states", "output", "classes", "threshold", "trained"});
+  const Object object(json, subject, "", {"format", "input", "states", "output", "classes", "threshold", "alarm", "trained"});
   static_cast<void>(object.number(
       "format", [](double format) { return format == 1.0; }, "1"));
   description.input = parse_input(object.need("input"), subject);
@@ -311,6 +331,10 @@ Description parse_description(std::string_view text, const std::string& subject)
   if (object.has("threshold")) {
     description.threshold = object.number(
         "threshold", [](double share) { return share > 0.0 && share <= 1.0; }, "a number above 0, to 1");
+  }
+  if (object.has("alarm")) {
+    const Object alarm(object.need("alarm"), subject, "alarm", {"on", "off", "least"});
+    for (const auto& [key, frames] : alarm_keys) description.alarm.*frames = alarm.count(key, 1, most_samples);
   }
   if (object.has("trained")) {
     const Json& trained = object.need("trained");
@@ -336,12 +360,13 @@ std::string description_text(const Description& description) {
   in["stride"] = input.stride;
   in["centre"] = input.centre;
   in["transform"] = word_of(transforms, input.transform);
-  if (input.transform != Transform::samples) {
+  if (is_spectrum(input.transform)) {
     in["low"] = input.low;
     in["high"] = input.high;
     in["hann"] = input.hann;
   }
-  if (input.transform == Transform::log_psd) in["floor"] = input.floor;
+  if (input.floor > 0.0) in["floor"] = input.floor;
+  if (!input.spans.empty()) in["spans"] = input.spans;
   if (!input.pixels.empty()) in["pixels"] = input.pixels;
   if (!input.offset.empty()) in["offset"] = input.offset;
   if (!input.scale.empty()) in["scale"] = input.scale;
@@ -358,6 +383,7 @@ std::string description_text(const Description& description) {
     json["classes"].push_back({{"name", one.name}, {"state", word_of(pad_states, one.state)}});
   }
   json["threshold"] = description.threshold;
+  for (const auto& [key, frames] : alarm_keys) json["alarm"][key] = description.alarm.*frames;
   json["trained"] = Json::parse(description.trained);
   return json.dump();
 }

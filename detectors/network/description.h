@@ -24,6 +24,10 @@ enum class Transform {
   samples,  // they themselves, in order: [window, values]
   log_psd,  // log10 of their power spectral density, one-sided as SpectralFeatures::density(), plus `floor`, bins from low to high: [values, bins]
   amplitude,  // magnitude of their discrete Fourier transform |X_k|, bins from low to high: [values, bins]
+  // How much they move, whatever they stand at: for each n of `spans` ln(s + floor) of all values, rising, s being the standard deviation (divisor
+  // n) of the latest n samples, of those there are; then of the last n the same value by value, and asinh(d/floor), d being n times the slope of
+  // the straight line that fits best: [spans + 2, values]
+  spreads,
 };
 
 // From a sensor's samples to what the network is fed. In this order: pick, median, window, centre, transform, pixels, offset and scale, history.
@@ -39,7 +43,10 @@ struct Input {
   Transform transform = Transform::samples;
   double low = 0.0, high = 0.0;  // Hz, first and last bin; of spectra alone
   bool hann = false;             // of spectra alone: Hann's taper; else rectangular
-  double floor = 0.0;            // unit^2/Hz, added to a density before its logarithm; of log_psd alone, more than 0
+  double floor =
+      0.0;  // of log_psd: unit^2/Hz, added to a density before its logarithm; of spreads: the sensor's unit; more than 0
+  std::vector<std::size_t>
+      spans;  // samples, 2 or more each; of spreads alone, whose first frame is complete after `window` samples, 2 at least
   // An image out of the values, for each of the last axis' entries of a spectrum and each sample of a window: pixel p is the mean of the values
   // listed in pixels[p], 0 where none is. Empty: the values as they are.
   std::vector<std::vector<std::size_t>> pixels;
@@ -62,12 +69,44 @@ struct Class {
 
 inline bool slips(PadState state) { return state == PadState::incipient || state == PadState::gross; }
 
+// When slip is said: from the `on`-th frame in a row on whose probability reaches the threshold, until `off` frames in a row do not reach it and
+// `least` frames have passed since it began.
+struct Alarm {
+  std::size_t on = 1, off = 1, least = 1;
+};
+
+// Whether slip is said, frame by frame.
+class AlarmGate {
+ public:
+  explicit AlarmGate(const Alarm& alarm) : alarm_(alarm) {}
+
+  // `reached`: whether the next frame's probability reaches the threshold.
+  bool push(bool reached) {
+    same_ = reached == latest_ ? same_ + 1 : 1;
+    latest_ = reached;
+    ++since_;
+    if (!said_ && reached && same_ >= alarm_.on) {
+      said_ = true;
+      since_ = 0;
+    } else if (said_ && !reached && same_ >= alarm_.off && since_ >= alarm_.least) {
+      said_ = false;
+    }
+    return said_;
+  }
+
+ private:
+  Alarm alarm_;
+  bool latest_ = false, said_ = false;
+  std::size_t same_ = 0, since_ = 0;  // frames alike in a row; frames since it was said
+};
+
 struct Description {
   Input input;
   std::vector<State> states;
   Output output = Output::logits;
   std::vector<Class> classes;  // two at least, in the order of the network's output; at least one slips, at least one does not
   double threshold = 0.5;      // slip is said from this sum of the probabilities of incipient and gross classes on
+  Alarm alarm;
   std::string trained = "{}";  // JSON object: what the network has seen, for people and for `eval`
 };
 

@@ -34,8 +34,7 @@ double slip_probability(const Description& description, std::span<const float> o
   return logits ? slip / all : std::clamp(slip, 0.0, 1.0);
 }
 
-PadState state_of(const Description& description, std::span<const float> output) {
-  const bool slip = slip_probability(description, output) >= description.threshold;
+PadState state_of(const Description& description, std::span<const float> output, bool slip) {
   std::size_t best = output.size();
   for (std::size_t i = 0; i < output.size(); ++i) {
     if (slips(description.classes[i].state) == slip && (best == output.size() || output[i] > output[best])) best = i;

@@ -35,9 +35,8 @@ bool engine_available();
 
 // The probability of slip: of `output`, by what the description says of it, the sum over the classes that slip. 0 to 1.
 double slip_probability(const Description& description, std::span<const float> output);
-// The class that the detector says: the most probable of those that slip where slip_probability() reaches the threshold, else the most probable of
-// the others.
-PadState state_of(const Description& description, std::span<const float> output);
+// The class that the detector says: the most probable of those that slip where `slip` is said, else the most probable of the others.
+PadState state_of(const Description& description, std::span<const float> output, bool slip);
 
 // What the library with OpenVINO exports.
 

@@ -91,11 +91,15 @@ struct Frames::State {
   };
 
   State(const Input& about, std::span<const Channel> channels)
-      : input(about), places(picked(about, channels)), bins(bins_within(about.rate, about.window, about.low, about.high)) {
+      : input(about),
+        places(picked(about, channels)),
+        bins(bins_within(about.rate, about.window, about.low, about.high)),
+        rows(about.window) {
     const std::size_t values = places.size();
     const std::size_t features = frame_size(input, values);
     if (features == 0) throw InputError("the network's frame is empty; allowed: one feature at least");
-    if (std::max({input.window, input.median}) > most_kept / values || features > most_kept) {
+    for (const std::size_t span : input.spans) rows = std::max(rows, span);
+    if (std::max(rows, input.median) > most_kept / values || features > most_kept) {
       throw InputError("the network's frame is made of more than " + std::to_string(most_kept) + " values; allowed: fewer");
     }
     for (const auto& pixel : input.pixels) {
@@ -110,9 +114,10 @@ struct Frames::State {
     // One by one: a copy would keep no reserve.
     medians.reserve(values);
     for (std::size_t v = 0; input.median > 1 && v < values; ++v) medians.emplace_back(input.median);
-    window.resize(input.window * values);
+    window.resize(rows * values);
     means.resize(values);
     frame.resize(features);
+    if (input.transform == Transform::spreads) return;
     if (input.transform == Transform::samples) {
       if (!input.pixels.empty()) before_pixels.resize(input.window * values);
       return;
@@ -138,7 +143,35 @@ struct Frames::State {
       row[v] = medians.empty() ? x : medians[v].push(x);
     }
     ++seen;
-    if (++next == input.window) next = 0;
+    if (++next == rows) next = 0;
+  }
+
+  // Sample n of the latest `count`, the oldest first.
+  [[nodiscard]] double recent(std::size_t n, std::size_t count, std::size_t value) const {
+    return double{window[(next + rows - count + n) % rows * places.size() + value]};
+  }
+
+  void spreads(std::span<float> out) const {
+    const std::size_t values = places.size();
+    const std::span<float> by_value = out.last(2 * values);
+    for (std::size_t k = 0; k < input.spans.size(); ++k) {
+      const std::size_t count = std::min(input.spans[k], seen);
+      const double n = static_cast<double>(count), middle = 0.5 * (n - 1.0);
+      const std::span<float> rising = out.subspan(k * values, values);
+      for (std::size_t v = 0; v < values; ++v) {
+        double mean = 0.0, square = 0.0, moment = 0.0;
+        for (std::size_t i = 0; i < count; ++i) mean += recent(i, count, v) / n;
+        for (std::size_t i = 0; i < count; ++i) {
+          const double x = recent(i, count, v) - mean;
+          square += x * x;
+          moment += (static_cast<double>(i) - middle) * x;
+        }
+        by_value[v] = rising[v] = static_cast<float>(std::log(std::sqrt(square / n) + input.floor));
+        // The squares of 0 to n - 1 less their mean add up to n (n^2 - 1)/12.
+        by_value[values + v] = static_cast<float>(std::asinh(12.0 * moment / ((n * n - 1.0) * input.floor)));
+      }
+      std::ranges::sort(rising, before);
+    }
   }
 
   void centre() {
@@ -152,6 +185,7 @@ struct Frames::State {
 
   // What stands before the pixels: [window, values] or [values, bins].
   void transform(std::span<float> out) {
+    if (input.transform == Transform::spreads) return spreads(out);
     const std::size_t values = places.size();
     if (input.transform == Transform::samples) {
       for (std::size_t n = 0; n < input.window; ++n) {
@@ -192,7 +226,8 @@ struct Frames::State {
   std::vector<std::size_t> places;
   BinRange bins;                // of spectra alone
   std::vector<Median> medians;  // [values]; empty: none
-  std::vector<float> window;    // [window, values], a ring
+  std::size_t rows;             // of the ring: the window, or the longest span
+  std::vector<float> window;    // [rows, values], a ring
   std::vector<double> means;    // [values], 0 where not centred
   std::optional<RealFft> fft;   // of spectra alone
   std::vector<double> taper;    // [window]

@@ -16,7 +16,11 @@ namespace {
 class NetworkDetector final : public Detector {
  public:
   NetworkDetector(std::unique_ptr<network::Engine> engine, network::Frames frames, double threshold, double latency)
-      : engine_(std::move(engine)), frames_(std::move(frames)), about_(engine_->description()), fed_(engine_->inputs()) {
+      : engine_(std::move(engine)),
+        frames_(std::move(frames)),
+        about_(engine_->description()),
+        gate_(about_.alarm),
+        fed_(engine_->inputs()) {
     if (threshold > 0.0) about_.threshold = threshold;
     const std::size_t history = about_.input.history, made = history * frames_.size();
     if (fed_.size() != made) {
@@ -28,7 +32,7 @@ class NetworkDetector final : public Detector {
                        std::to_string(history) + " frames of " + std::to_string(frames_.size()) + "; allowed: as many" + open);
     }
     estimate_.latency = latency;
-    estimate_.features = {std::numeric_limits<double>::quiet_NaN()};
+    estimate_.features.assign(features().size(), std::numeric_limits<double>::quiet_NaN());
   }
 
   const SlipEstimate& update(const SensorFrame& frame) override {
@@ -40,20 +44,24 @@ class NetworkDetector final : public Detector {
     if (++complete_ < about_.input.history) return estimate_;
     const std::span<const float> output = engine_->run(fed_);
     estimate_.time = frame.time;
-    estimate_.state = network::state_of(about_, output);
-    estimate_.features.front() = network::slip_probability(about_, output);
+    const double probability = network::slip_probability(about_, output);
+    estimate_.state = network::state_of(about_, output, gate_.push(probability >= about_.threshold));
+    estimate_.features.front() = probability;
+    if (estimate_.features.size() > 1)
+      estimate_.features.back() = static_cast<double>(std::ranges::max_element(output) - output.begin());
     return estimate_;
   }
 
   [[nodiscard]] const std::vector<Feature>& features() const override {
-    static const std::vector<Feature> probability{{"slip_probability", ""}};
-    return probability;
+    static const std::vector<Feature> probability{{"slip_probability", ""}}, with_class{{"slip_probability", ""}, {"class", ""}};
+    return about_.classes.size() > 2 ? with_class : probability;
   }
 
  private:
   std::unique_ptr<network::Engine> engine_;
   network::Frames frames_;
   network::Description about_;
+  network::AlarmGate gate_;
   std::vector<float> fed_;  // [history, frame], the oldest first
   std::size_t complete_ = 0;
   SlipEstimate estimate_;
@@ -80,10 +88,13 @@ DetectorKind network_detector() {
       {.name = "network",
        .summary =
            "A neural network from an ONNX file, with what it eats and says in the file's metadata; recurrent states are carried.",
-       .law = "frame: values of the sensor, median, window, mean off, spectrum, image, (x - offset) scale, as the file says\n"
-              "p: sum of the probabilities of the classes that slip, of the last `history` frames\n"
-              "p >= threshold: the most probable class that slips, else the most probable that does not\n"
-              "no contact: until the first frames are complete; later where the network has such a class",
+       .law =
+           "frame: values of the sensor, median, window, mean off, spectrum or spreads, image, (x - offset) scale, as the file says\n"
+           "p: sum of the probabilities of the classes that slip, of the last `history` frames\n"
+           "slip is said from the on-th frame in a row with p >= threshold on, for `least` frames and until off in a row have less;\n"
+           "then it is the most probable class that slips, else the most probable that does not\n"
+           "feature class: number of the most probable class, of networks of more than two\n"
+           "no contact: until the first frames are complete; later where the network has such a class",
        .source = "the file; how to make one: detectors/network/README.md",
        .parameters = {path_spec("model", no_network, "The ONNX file.", "free"),
                       number_spec("latency", Quantity::time, "0 s", non_negative,

@@ -33,7 +33,8 @@ Entry rub_entry() {
       "The time of p runs exp(warp p_w) times as fast, p_w: such a process with warp_corner. This makes fits and starts.\n"
       "depth = deepest tanh(compression effort skin_share exp(gain load_sd p_1)/deepest): the skin stiffens towards the core\n"
       "spot = site + offset + room tanh(gain wander (p_2, p_3)/room), room: from site + offset to the skin's end; a rocking in place\n"
-      "way and turn: integrals of speed q and rotation q, q = max(0, drive + p_4)\n"
+      "way and turn: integrals of speed q and rotation q, q = max(0, drive + p_4), from start, approach and wait on\n"
+      "p_1 to p_3 are `rest` of that until then.\n"
       "The processes are drawn at knots of 10 ms. Between knots p is cubic with continuous rate, and q is straight.",
       "BIOTAC.md section 4 (slipbench, 2026): what the recordings of yayaneath/BioTacSP-DoS need; exact transition of the process",
       {
@@ -76,7 +77,12 @@ Entry rub_entry() {
                       "assumed"),
           number_spec("start", Quantity::time, "50 ms", non_negative, "When the finger begins to come down.", "assumed"),
           number_spec("approach", Quantity::time, "0.1 s", positive,
-                      "How long the finger takes to come down; afterwards q takes as long to rise to its own value.", "assumed"),
+                      "How long the finger takes to come down; after the wait q takes as long to rise to its own value.",
+                      "assumed"),
+          number_spec("wait", Quantity::time, "0 s", non_negative, "How long the finger rests on the surface before q rises.",
+                      "free"),
+          number_spec("rest", Quantity::none, "1", fraction, "Share of wander and load_sd until then; it rises to 1 with q.",
+                      "free"),
       }};
 }
 
@@ -141,6 +147,7 @@ class Restlessness {
     double corner, warp_corner;  // Hz
     double warp, drive;
     double begin, rise;  // s, from when on q comes up, and in how long
+    double rest;         // factor on all other processes until then
   };
 
   Restlessness(const Settings& settings, const MotionKey& key)
@@ -161,7 +168,9 @@ class Restlessness {
   }
 
   // Bounds on the rate of the processes [1/s] and on q. Between knots a cubic is at most twice as steep as at them and as their chord.
-  [[nodiscard]] double top_rate() const { return 2.0 * limit * pole_ * std::exp(settings_.warp * limit); }
+  [[nodiscard]] double top_rate() const {
+    return 2.0 * limit * (pole_ * std::exp(settings_.warp * limit) + 1.5 * (1.0 - settings_.rest) / settings_.rise);
+  }
   [[nodiscard]] double top_way_rate() const { return std::max(0.0, settings_.drive + limit); }
 
  private:
@@ -188,12 +197,14 @@ class Restlessness {
 
   [[nodiscard]] Knot read(const Walk& walk, double t) const {
     Knot made{{}, pole_ * std::exp(settings_.warp * walk.time.bounded().value), 0.0, 0.0};
+    const double up = std::clamp((t - settings_.begin) / settings_.rise, 0.0, 1.0), more = 1.0 - settings_.rest;
+    const double share = settings_.rest + more * up * up * (3.0 - 2.0 * up),
+                 growth = more * 6.0 * up * (1.0 - up) / settings_.rise;
     for (std::size_t i = 0; i < count; ++i) {
       const Point point = walk.processes[i].bounded();
-      made.points[i] = {point.value, made.pace * point.rate};
+      made.points[i] = {share * point.value, share * made.pace * point.rate + growth * point.value};
     }
-    made.q =
-        std::clamp((t - settings_.begin) / settings_.rise, 0.0, 1.0) * std::max(0.0, settings_.drive + made.points[drive].value);
+    made.q = up * std::max(0.0, settings_.drive + walk.processes[drive].bounded().value);
     return made;
   }
 
@@ -241,9 +252,9 @@ class Rub final : public Motion {
         yaw_(p.number("yaw")),
         speed_(p.number("speed") *
                Eigen::Vector3d(std::cos(yaw_ + p.number("direction")), std::sin(yaw_ + p.number("direction")), 0.0)),
-        restless_(
-            {p.number("corner"), p.number("warp_corner"), p.number("warp"), p.number("drive"), start_ + approach_, approach_},
-            key) {
+        restless_({p.number("corner"), p.number("warp_corner"), p.number("warp"), p.number("drive"),
+                   start_ + approach_ + p.number("wait"), approach_, p.number("rest")},
+                  key) {
     room_ = {room(site_[0], reach_x * a_, "X"), room(site_[1], reach_arc * radius(), "its arc")};
   }
 

@@ -16,7 +16,7 @@ constexpr const char* full = R"({"format": 1,
             "pixels": [[0], []], "offset": [1.5], "scale": [0.25], "history": 4},
   "states": [{"input": "h", "output": "h_next"}], "output": "probabilities",
   "classes": [{"name": "hold", "state": "non_slip"}, {"name": "slip", "state": "gross"}],
-  "threshold": 0.75, "trained": {"recipe": "fft-gru"}})";
+  "threshold": 0.75, "alarm": {"on": 2, "off": 5, "least": 9}, "trained": {"recipe": "fft-gru"}})";
 
 // `full` with one text for another, which it must hold.
 std::string with(const std::string& from, const std::string& to) {
@@ -58,6 +58,9 @@ TEST(Description, HoldsWhatTheTextSays) {
   EXPECT_EQ(d.classes[1].name, "slip");
   EXPECT_EQ(d.classes[1].state, PadState::gross);
   EXPECT_EQ(d.threshold, 0.75);
+  EXPECT_EQ(d.alarm.on, 2u);
+  EXPECT_EQ(d.alarm.off, 5u);
+  EXPECT_EQ(d.alarm.least, 9u);
   EXPECT_EQ(d.trained, R"({"recipe":"fft-gru"})");
 }
 
@@ -120,7 +123,8 @@ TEST(Description, SaysWhatIsWrong) {
        "input.high: no bin of the spectrum lies between 51 Hz and 99 Hz; allowed: a band that holds a multiple of 50 Hz"},
       {with("1e-3", "0"), "input.floor: 0; allowed: a number above 0"},
       {with("log_psd", "samples"), "input.low: belongs to a spectrum; allowed: with transform log_psd or amplitude"},
-      {with("log_psd", "amplitude"), "input.floor: belongs to a density; allowed: with transform log_psd"},
+      {with("log_psd", "amplitude"),
+       "input.floor: belongs to a density and to spreads; allowed: with transform log_psd or spreads"},
       {with("[[0], []]", "[]"), "input.pixels: an array of 0; allowed: one pixel at least"},
       {with("[1.5]", "[1e39]"), "input.offset: 1e+39; allowed: numbers that a float32 can hold"},
       {with("[0.25]", "0.25"), "input.scale: 0.25; allowed: an array"},
@@ -135,6 +139,11 @@ TEST(Description, SaysWhatIsWrong) {
       {with("\"non_slip\"", "\"incipient\""),
        "classes: all slip; allowed: one class at least with the state no_contact or non_slip"},
       {with("\"hold\"", "\"slip\""), "classes.name: 'slip' twice; allowed: each name once"},
+      {with("\"on\": 2", "\"on\": 0"), "alarm.on: 0; allowed: a whole number, 1 to 1000000"},
+      {with("\"off\": 5", "\"offs\": 5"), "alarm: unknown key 'offs'; did you mean 'off'? allowed: on, off, least"},
+      {with("\"floor\"", "\"spans\": [3], \"floor\""), "input.spans: belongs to spreads; allowed: with transform spreads"},
+      {R"({"format": 1, "input": {"sensor": "s", "rate": 1, "channels": [{"name": "c"}], "window": 2, "transform": "spreads", "spans": [1]}})",
+       "input.spans: a spread of fewer than two samples"},
       {with("0.75", "0"), "threshold: 0; allowed: a number above 0, to 1"},
       {with("{\"recipe\": \"fft-gru\"}", "[]"), "trained: an array of 0; allowed: an object"},
       {with("{\"recipe\": \"fft-gru\"}", "{\"a\":" + std::string(40, '[') + std::string(40, ']') + "}"),

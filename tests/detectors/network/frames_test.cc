@@ -200,6 +200,33 @@ TEST(Frames, LogPsdOfASineIsItsPowerOverTheBin) {
   EXPECT_NEAR(frames.latest()[4], std::log10(0.045 + 1e-3), 1e-6);
 }
 
+// Values 3 k + 1 and 5 at sample k. Of n samples the variance of 0 to n - 1 is (n^2 - 1)/12, and a straight line's slope is its own: spreads
+// 3 sqrt((n^2 - 1)/12) and 0, drifts 3 n and 0. The first frame has two samples, fewer than either span; the third has four.
+TEST(Frames, SpreadsAreOfTheLatestSamplesThereAreWhateverTheLevel) {
+  Input input = input_of({{"force", {0, 1}}});
+  input.window = 2;
+  input.transform = Transform::spreads;
+  input.spans = {3, 4};
+  input.floor = 0.5;
+  Frames frames = frames_of(input);
+  const auto push = [&](int k) { return frames.push(std::vector<float>{3.0F * static_cast<float>(k) + 1.0F, 5, 0, 0, 0, 0, 0}); };
+  const auto expected = [](double first, double second) {
+    const auto spread = [](double n) { return static_cast<float>(std::log(3.0 * std::sqrt((n * n - 1.0) / 12.0) + 0.5)); };
+    const auto still = static_cast<float>(std::log(0.5));
+    return std::vector<float>{
+        still, spread(first), still, spread(second), spread(second), still, static_cast<float>(std::asinh(3.0 * second / 0.5)),
+        0.0F};
+  };
+  EXPECT_FALSE(push(0));
+  ASSERT_TRUE(push(1));
+  EXPECT_THAT(frames.latest(), ::testing::Pointwise(::testing::FloatNear(1e-6F), expected(2.0, 2.0)));
+  push(2);
+  for (int k = 3; k < 9; ++k) {
+    ASSERT_TRUE(push(k));
+    EXPECT_THAT(frames.latest(), ::testing::Pointwise(::testing::FloatNear(1e-6F), expected(3.0, 4.0)));
+  }
+}
+
 TEST(Frames, APixelOfSpectraIsTheirMeanBinByBin) {
   Input input = spectrum_of({{"force", {0, 1}}}, 200.0, 300.0);
   input.pixels = {{0, 1}, {1}};

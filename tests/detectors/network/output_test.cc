@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "detectors/network/engine.h"
@@ -32,14 +33,23 @@ TEST(SlipProbability, OfProbabilitiesIsTheirSum) {
   EXPECT_NEAR(slip_probability(three(Output::probabilities), std::vector<float>{0.5F, 0.125F, 0.375F}), 0.5, 1e-7);
 }
 
-TEST(StateOf, IsTheMostProbableOfThoseThatSlipFromTheThresholdOn) {
-  Description d = three(Output::probabilities);
-  // Slip has 0.5, of which creep has more, though holding is more probable than either.
+// Two in a row begin it; it lasts four frames at least and until three in a row are below.
+TEST(AlarmGate, BeginsAndEndsByFramesInARow) {
+  AlarmGate gate({.on = 2, .off = 3, .least = 4});
+  std::string said;
+  for (const char reached : std::string("1011000001101001000")) said += gate.push(reached == '1') ? '1' : '0';
+  EXPECT_EQ(said, "0001111000111111110");
+  AlarmGate plain({});
+  said.clear();
+  for (const char reached : std::string("10110")) said += plain.push(reached == '1') ? '1' : '0';
+  EXPECT_EQ(said, "10110");
+}
+
+TEST(StateOf, IsTheMostProbableOfThoseThatSlipWhereSlipIsSaid) {
+  // Of those that slip creep has more, though holding is more probable than either.
   const std::vector<float> output{0.5F, 0.375F, 0.125F};
-  d.threshold = 0.5;
-  EXPECT_EQ(state_of(d, output), PadState::incipient);
-  d.threshold = 0.5625;
-  EXPECT_EQ(state_of(d, output), PadState::non_slip);
+  EXPECT_EQ(state_of(three(Output::probabilities), output, true), PadState::incipient);
+  EXPECT_EQ(state_of(three(Output::probabilities), output, false), PadState::non_slip);
 }
 
 }  // namespace

@@ -169,6 +169,22 @@ TEST(Rub, SlidesByFitsAndStarts) {
 }
 
 // The same process drives both, so the angle is the way times rotation/speed, about the spot.
+// Start 50 ms, approach 100 ms, wait 300 ms: at rest until 450 ms. The depth's logarithm is a fifth of what it is without `rest`, and the same from
+// 550 ms on.
+TEST(Rub, WaitsAndRocksLessUntilItMoves) {
+  const Changes all{{"load_sd", 0.2}, {"speed", 8e-3}};
+  Changes resting = all;
+  resting.insert(resting.end(), {{"wait", 0.3}, {"rest", 0.2}});
+  const auto plain = rub({7, 0}, all), waits = rub({7, 0}, resting);
+  for (double t = 0.15; t < 0.45; t += 0.01) {
+    EXPECT_EQ(waits->pad_at(t).pose.position.x(), waits->pad_at(0.0).pose.position.x());
+    EXPECT_NEAR(load_of(-waits->pad_at(t).pose.position.z()), 0.2 * load_of(-plain->pad_at(t).pose.position.z()), 1e-9);
+  }
+  for (double t = 0.56; t < 2.0; t += 0.1)
+    EXPECT_NEAR(waits->pad_at(t).pose.position.z(), plain->pad_at(t).pose.position.z(), 1e-15);
+  EXPECT_GT(waits->pad_at(2.0).pose.position.x() - waits->pad_at(0.0).pose.position.x(), 1e-3);
+}
+
 TEST(Rub, TurnsAboutTheSpotAsItWouldSlide) {
   const auto turning = rub({8, 0}, {{"rotation", -0.5}}), sliding = rub({8, 0}, {{"speed", 1e-3}});
   EXPECT_TRUE(turning->turns());

@@ -79,6 +79,30 @@ std::string calibration_drawing(const Json& result) {
   return svg.element("Calibration: share that slips against the probability said");
 }
 
+// Recall or delay against false alarms, and where the detector stands among them.
+std::string alarms_drawing(const Json& result, const char* key, double scale, const std::string& name) {
+  constexpr const char* rate = "false_alarms_per_minute";
+  const Json& own = result.at("all").at("figures");
+  std::vector<std::array<double, 2>> points;
+  std::vector<double> rates, values;
+  const auto add = [&](const Json& at_rate, const Json& value) {
+    if (at_rate.is_null() || value.is_null()) return;
+    points.push_back({at_rate.get<double>(), scale * value.get<double>()});
+    rates.push_back(points.back()[0]);
+    values.push_back(points.back()[1]);
+  };
+  for (const Json& point : result.at("alarms")) add(point.at(rate), point.at(key));
+  const std::size_t curve = points.size();
+  add(own.at(rate).at("value"), own.at(key).at("value"));
+  if (curve == 0 || std::ranges::min(rates) == std::ranges::max(rates)) return {};
+  const Axis across = axis_for(rates, left, right), up = axis_for(values, foot, top);
+  Svg svg = page::chart(frame, name + " against false alarms", across, "false alarms a minute of true stick", up, name);
+  for (std::array<double, 2>& point : points) point = {across.at(point[0]), up.at(point[1])};
+  svg.polyline("s0", std::span(points).first(curve));
+  if (points.size() > curve) svg.dot("s1", points.back()[0], points.back()[1], 4.5);
+  return svg.element(name + " against false alarms a minute; the dot: as judged here");
+}
+
 std::string histogram(const std::vector<double>& delays) {
   constexpr std::size_t bars = 30;
   const Axis across = axis_for(delays, left, right);
@@ -182,6 +206,10 @@ std::string drawings(const Json& result) {
   std::string html;
   if (result.contains("roc")) html += roc_drawing(result);
   if (result.contains("calibration")) html += calibration_drawing(result);
+  if (result.contains("alarms")) {
+    html += alarms_drawing(result, "recall_of_slip", 100.0, "recall of slip [%]");
+    html += alarms_drawing(result, "delay_median_s", ms, "median delay [ms]");
+  }
   std::vector<double> delays;
   for (const Json& trial : result.at("trials")) {
     if (!trial.at("delay_s").is_null()) delays.push_back(ms * trial.at("delay_s").get<double>());

@@ -20,6 +20,7 @@
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/statistics/roc.h"
 #include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/eval/detector_choice.h"
 #include "tools/program/eval/metrics.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/run/recorded_scene.h"
@@ -36,7 +37,8 @@ constexpr std::uint64_t replay_seconds = 100'000;
 // What is known of a trial beside its samples.
 struct Facts {
   std::string material, object, mask;
-  double speed = std::numeric_limits<double>::quiet_NaN();     // m/s, commanded, of the outermost unit
+  std::string named;                                        // the class that the recordings' own set gives the trial; empty: none
+  double speed = std::numeric_limits<double>::quiet_NaN();  // m/s, commanded, of the outermost unit
   double friction = std::numeric_limits<double>::quiet_NaN();  // static, mean over the units
 };
 
@@ -48,8 +50,31 @@ struct Judged {
       as_in_loop;  // whether the dataset's own detector gave the same classes; empty: it read another sensor, or there is none
   std::string loop_detector;
   std::optional<GraspOutcome> grasp;
-  Json sensor;  // name, type, rate
+  std::vector<Judgement> at;       // with each of alarm_thresholds(); empty: the detector has no probability
+  std::vector<std::size_t> named;  // samples by the number of the class that a network names
+  Json sensor;                     // name, type, rate
 };
+
+// Thresholds of a probability, from where nearly all is called slip to where nearly nothing is.
+std::vector<double> alarm_thresholds() {
+  std::vector<double> thresholds;
+  for (double logit = -4.0; logit <= 7.0; logit += 0.5) thresholds.push_back(1.0 / (1.0 + std::exp(-logit)));
+  return thresholds;
+}
+
+// What would be seen with another threshold. `said`: whose probabilities they are.
+Replayed with_threshold(const Replayed& said, const network::Alarm& alarm, double threshold) {
+  Replayed other = said;
+  network::AlarmGate gate(alarm);
+  PadState state = PadState::no_contact;
+  for (std::size_t row = 0; row < said.seen.size(); ++row) {
+    if (!std::isnan(said.probability[row]))
+      state = gate.push(said.probability[row] >= threshold) ? PadState::gross : PadState::non_slip;
+    other.seen[row] = state;
+  }
+  std::ranges::fill(other.probability, std::numeric_limits<double>::quiet_NaN());
+  return other;
+}
 
 // A dataset that is no simulation's has no scene.
 bool has_scene(const DatasetReader& reader) { return !reader.header().scene.empty(); }
@@ -88,6 +113,8 @@ double of_motion(const Scene& scene, const char* name) {
 Facts facts_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor) {
   Facts facts;
   facts.object = object_of(record.params);
+  const Json swept = Json::parse(record.params, nullptr, false);
+  if (swept.is_object() && swept.contains("class") && swept.at("class").is_string()) facts.named = swept.at("class");
   const std::vector<double>& friction = sensor.labels.mu_static;
   if (!friction.empty()) facts.friction = mean_sd(friction).mean;
   if (scene == nullptr) return facts;
@@ -130,7 +157,8 @@ std::vector<SensorRecord> in_order(TrialRecord& record, const std::vector<std::s
   return sensors;
 }
 
-Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Options& options, const Catalogues& catalogues) {
+Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Options& options, const Catalogues& catalogues,
+                    const network::Alarm& alarm) {
   reader.check_recorded(trial);
   TrialRecord record = reader.read_trial(trial);
   const std::vector<std::string> names = ordered_sensors(reader, trial);
@@ -141,7 +169,17 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
   if (has_scene(reader)) scene = recorded_scene(reader, record, catalogues);
   const Scene* const known = scene ? &*scene : nullptr;
   Judged result;
-  result.judgement = judged(trial, truth_of(known, record, sensors[sensor], options.labels), replayed);
+  const Truth truth = truth_of(known, record, sensors[sensor], options.labels);
+  result.judgement = judged(trial, truth, replayed);
+  if (!result.judgement.positives.empty() || !result.judgement.negatives.empty()) {
+    for (const double threshold : alarm_thresholds())
+      result.at.push_back(judged(trial, truth, with_threshold(replayed, alarm, threshold)));
+  }
+  for (const double number : replayed.named) {
+    if (std::isnan(number)) continue;
+    result.named.resize(std::max(result.named.size(), static_cast<std::size_t>(number) + 1));
+    ++result.named[static_cast<std::size_t>(number)];
+  }
   result.judgement.twin = truth_sha256(sensors[sensor].labels);
   result.facts = facts_of(known, record, sensors[sensor]);
   result.grasp = record.outcome.grasp;
@@ -265,6 +303,51 @@ void add_curves(Json& json, const std::vector<Judged>& trials) {
   }
 }
 
+// False alarms a minute, recall and delay with each threshold.
+Json alarms_json(const std::vector<Judged>& trials) {
+  const std::vector<double> thresholds = alarm_thresholds();
+  Json json = Json::array();
+  for (std::size_t k = 0; k < thresholds.size(); ++k) {
+    std::vector<Judgement> at;
+    for (const Judged& trial : trials) {
+      if (!trial.at.empty()) at.push_back(trial.at[k]);
+    }
+    if (at.empty()) return {};
+    const Json found = summary_json(summarised(at, false)).at("figures");
+    json.push_back({{"threshold", thresholds[k]}});
+    for (const char* key : {"false_alarms_per_minute", "recall_of_slip", "balanced_slip_accuracy", "delay_median_s", "missed"})
+      json.back()[key] = found.at(key).at("value");
+  }
+  return json;
+}
+
+// Frames by the set's own class of their trial and by the class that the network finds most probable.
+Json classes_json(const std::vector<Judged>& trials, const std::vector<network::Class>& classes) {
+  std::map<std::string, std::vector<std::size_t>> called;
+  for (const Judged& trial : trials) {
+    const bool known = std::ranges::find(classes, trial.facts.named, &network::Class::name) != classes.end();
+    if (!known || trial.named.empty()) continue;
+    std::vector<std::size_t>& row = called[trial.facts.named];
+    row.resize(classes.size());
+    for (std::size_t k = 0; k < trial.named.size(); ++k) row[k] += trial.named[k];
+  }
+  if (called.empty()) return {};
+  Json json = {{"balanced_accuracy", 0.0}, {"called", Json::object()}};
+  double sum = 0.0;
+  for (std::size_t k = 0; k < classes.size(); ++k) {
+    if (!called.contains(classes[k].name)) continue;
+    const std::vector<std::size_t>& row = called.at(classes[k].name);
+    double all = 0.0;
+    for (std::size_t other = 0; other < row.size(); ++other) {
+      json["called"][classes[k].name][classes[other].name] = row[other];
+      all += static_cast<double>(row[other]);
+    }
+    sum += static_cast<double>(row[k]) / all;
+  }
+  json["balanced_accuracy"] = sum / static_cast<double>(called.size());
+  return json;
+}
+
 // What the dataset's own loop did, where its detector was this one.
 Json loop_json(const std::vector<Judged>& trials) {
   if (std::ranges::none_of(trials, [](const Judged& trial) { return trial.as_in_loop.has_value(); })) return {};
@@ -380,6 +463,7 @@ std::string evaluated(const Options& options) {
   }
   const std::set<std::string> seen = seen_trials(options);
   const Catalogues catalogues = program_catalogues();
+  const std::unique_ptr<network::Engine> network = network_of(options.detector);
   std::vector<Judged> trials;
   Json left_out = Json::array();
   for (const std::size_t trial : reader.trials()) {
@@ -390,7 +474,8 @@ std::string evaluated(const Options& options) {
       continue;
     }
     try {
-      trials.push_back(judged_trial(reader, trial, options, catalogues));
+      trials.push_back(
+          judged_trial(reader, trial, options, catalogues, network ? network->description().alarm : network::Alarm{}));
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: trial {}: {}", reader.files()[reader.file_of(trial)], trial, error.what()));
     }
@@ -415,6 +500,9 @@ std::string evaluated(const Options& options) {
                {"by", breakdowns(trials, left_out.empty())},
                {"failed", reader.failed().size()}};
   add_curves(json, trials);
+  if (Json alarms = alarms_json(trials); !alarms.is_null()) json["alarms"] = std::move(alarms);
+  if (Json classes = network ? classes_json(trials, network->description().classes) : Json(); !classes.is_null())
+    json["classes"] = std::move(classes);
   if (Json loop = loop_json(trials); !loop.is_null()) json["loop"] = std::move(loop);
   json["worst"] = worst_json(trials);
   json["trials"] = Json::array();

@@ -38,6 +38,10 @@ inline constexpr const char* result_key = "slipbench_eval";
 //   failed         trials that failed, which the dataset does not hold
 //   roc            [[threshold, false share, true share]] and
 //   calibration    [{low, high, count, mean, share}], where the detector has a probability and both classes occur
+//   alarms         [{threshold, false_alarms_per_minute, recall_of_slip, balanced_slip_accuracy, delay_median_s, missed}] with other thresholds
+//                  and the network's own frames in a row, where the detector has a probability
+//   classes        {balanced_accuracy, called: {class: {class: samples}}} of a network of more than two, most probable class against the class
+//                  that the recordings' own set gives a trial, where it gives one
 //   loop           what the dataset's own loop did with this detector: {detector, same}; `same`: it gave the same classes in every sample; in
 //                  grasps where it is true: trials, dropped, slip_translation_m, slip_rotation_rad, force_ratio (medians; greatest force over the
 //                  least that holds), reaction_time_s. Absent where the dataset has no detector on that sensor

@@ -165,7 +165,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
   return result;
 }
 
-Summary summarised(std::span<const Judgement> trials) {
+Summary summarised(std::span<const Judgement> trials, bool with_intervals) {
   const std::vector<std::vector<std::size_t>> experiments = experiments_of(trials);
   const auto pool_of = [&](std::span<const std::size_t> drawn) {
     Pool pool;
@@ -179,7 +179,7 @@ Summary summarised(std::span<const Judgement> trials) {
   Summary summary = all.counts;
   const std::vector<double> values = figures_of(all);
   std::vector<Interval> intervals(figures.size(), {nan, nan});
-  if (experiments.size() >= fewest_experiments) {
+  if (with_intervals && experiments.size() >= fewest_experiments) {
     intervals = bootstrap_intervals(experiments.size(), bootstrap_draws, bootstrap_seed,
                                     [&](std::span<const std::size_t> drawn) { return figures_of(pool_of(drawn)); });
   }
@@ -187,6 +187,7 @@ Summary summarised(std::span<const Judgement> trials) {
     summary.estimates[k].value = values[k];
     if (!std::isnan(values[k])) summary.estimates[k].interval = intervals[k];
   }
+  if (!with_intervals) return summary;
   if (summary.slipping > 0 && experiments.size() == trials.size()) {
     summary.estimates[place_of("early")].interval = clopper_pearson(summary.early, summary.slipping);
     summary.estimates[place_of("missed")].interval = clopper_pearson(summary.missed, summary.slipping);

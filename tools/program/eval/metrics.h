@@ -83,7 +83,8 @@ struct Summary {
 // twin, of the AUC Obuchowski's, else by bootstrap with seed 1 and 1000 draws. A percentile bootstrap of a handful covers far less than it says, so
 // fewer than `fewest_experiments` have no such interval.
 inline constexpr std::size_t fewest_experiments = 10;
-Summary summarised(std::span<const Judgement> trials);
+// Without `intervals` there are none, nor an AUC.
+Summary summarised(std::span<const Judgement> trials, bool intervals = true);
 
 // A number; null where it is NaN, which JSON does not have.
 Json number_json(double value);

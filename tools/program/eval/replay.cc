@@ -77,9 +77,9 @@ class Samples {
   std::size_t next_ = 0;
 };
 
-// Where the probability of slip stands among a detector's features.
-std::optional<std::size_t> probability_place(const std::vector<Feature>& features) {
-  const auto found = std::ranges::find(features, probability_feature, &Feature::name);
+// Where a feature stands among a detector's.
+std::optional<std::size_t> place_of(const std::vector<Feature>& features, const char* name) {
+  const auto found = std::ranges::find(features, name, &Feature::name);
   if (found == features.end()) return std::nullopt;
   return static_cast<std::size_t>(found - features.begin());
 }
@@ -92,9 +92,13 @@ double checked_probability(double value, double time) {
 // Writes what is seen at each sample.
 class Rows {
  public:
-  Rows(DelayedDetector& detector, std::size_t samples) : detector_(&detector), place_(probability_place(detector.features())) {
+  Rows(DelayedDetector& detector, std::size_t samples)
+      : detector_(&detector),
+        place_(place_of(detector.features(), probability_feature)),
+        class_place_(place_of(detector.features(), class_feature)) {
     rows_.seen.reserve(samples);
-    for (std::vector<double>* column : {&rows_.seen_since, &rows_.stuck_fraction, &rows_.probability}) column->reserve(samples);
+    for (std::vector<double>* column : {&rows_.seen_since, &rows_.stuck_fraction, &rows_.probability, &rows_.named})
+      column->reserve(samples);
   }
 
   void add(const SensorFrame& frame) {
@@ -107,13 +111,14 @@ class Rows {
     rows_.seen_since.push_back(now.time + now.latency);
     rows_.stuck_fraction.push_back(now.stuck_fraction);
     const bool says = fresh && place_ && *place_ < now.features.size();
+    rows_.named.push_back(fresh && class_place_ && *class_place_ < now.features.size() ? now.features[*class_place_] : unknown);
     rows_.probability.push_back(says ? checked_probability(now.features[*place_], now.time) : unknown);
   }
   Replayed take() { return std::move(rows_); }
 
  private:
   DelayedDetector* detector_;
-  std::optional<std::size_t> place_;
+  std::optional<std::size_t> place_, class_place_;
   double last_ = unknown;
   Replayed rows_;
 };

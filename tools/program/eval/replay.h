@@ -16,6 +16,8 @@ namespace slipbench::eval {
 
 // The feature that holds a probability of slip, 0 to 1, where a detector has one.
 inline constexpr const char* probability_feature = "slip_probability";
+// That which holds the number of the most probable class, where a network tells more than two.
+inline constexpr const char* class_feature = "class";
 
 // A row a sample of the sensor, [T] each.
 struct Replayed {
@@ -23,7 +25,8 @@ struct Replayed {
   std::vector<double> seen_since;      // s, when the estimate that is seen was there; NaN before the first
   std::vector<double> stuck_fraction;  // of that estimate; NaN: not estimated
   std::vector<double>
-      probability;  // of slip, in the first row that sees an estimate; NaN elsewhere, and where the detector has none
+      probability;            // of slip, in the first row that sees an estimate; NaN elsewhere, and where the detector has none
+  std::vector<double> named;  // number of the class, likewise
 };
 
 // Feeds a trial's samples to a detector made for it (make_detector), as the loop does: all channels of its sensor in their order, those of a

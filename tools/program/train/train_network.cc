@@ -1,7 +1,6 @@
 #include "tools/program/train/train_network.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -38,37 +37,40 @@ std::vector<double> probabilities(std::span<const float> logits) {
 
 // What the members say together of a frame.
 struct Answer {
-  std::uint8_t label = 0;
+  std::uint8_t label = 0;           // or `masked`
   std::vector<double> probability;  // of each class
 };
+using Answers = std::vector<std::vector<Answer>>;  // of each sequence
 
-std::vector<Answer> answers_of(std::span<const std::unique_ptr<Network>> members, std::span<const FrameSequence> sequences) {
+Answers answers_of(std::span<const std::unique_ptr<Network>> members, std::span<const FrameSequence> sequences) {
   const std::size_t classes = class_count(members.front()->shape()), before = history_of(members.front()->shape()) - 1;
-  std::vector<Answer> answers;
+  Answers answers;
   for (const FrameSequence& sequence : sequences) {
-    const std::size_t first = answers.size();
+    std::vector<Answer>& these = answers.emplace_back();
+    if (sequence.label.size() <= before) continue;
+    for (std::size_t t = before; t < sequence.label.size(); ++t)
+      these.push_back({sequence.label[t], std::vector<double>(classes, 0.0)});
     for (const std::unique_ptr<Network>& member : members) {
-      if (sequence.label.size() <= before) continue;
       const std::vector<float> logits = member->logits(sequence.features);
-      for (std::size_t t = before; t < sequence.label.size(); ++t) {
-        if (member == members.front()) answers.push_back({sequence.label[t], std::vector<double>(classes, 0.0)});
-        const std::vector<double> one = probabilities(std::span(logits).subspan((t - before) * classes, classes));
-        Answer& answer = answers[first + t - before];
-        for (std::size_t c = 0; c < classes; ++c) answer.probability[c] += one[c] / static_cast<double>(members.size());
+      for (std::size_t t = 0; t < these.size(); ++t) {
+        const std::vector<double> one = probabilities(std::span(logits).subspan(t * classes, classes));
+        for (std::size_t c = 0; c < classes; ++c) these[t].probability[c] += one[c] / static_cast<double>(members.size());
       }
     }
   }
-  std::erase_if(answers, [](const Answer& answer) { return answer.label == masked; });
   return answers;
 }
 
 // Mean of the recalls of the classes that occur.
-double accuracy_of(const std::vector<Answer>& answers, std::size_t classes) {
+double accuracy_of(const Answers& answers, std::size_t classes) {
   std::vector<double> right(classes), all(classes);
-  for (const Answer& answer : answers) {
-    const auto called = static_cast<std::size_t>(std::ranges::max_element(answer.probability) - answer.probability.begin());
-    all[answer.label] += 1.0;
-    right[answer.label] += called == answer.label ? 1.0 : 0.0;
+  for (const std::vector<Answer>& sequence : answers) {
+    for (const Answer& answer : sequence) {
+      if (answer.label == masked) continue;
+      const auto called = static_cast<std::size_t>(std::ranges::max_element(answer.probability) - answer.probability.begin());
+      all[answer.label] += 1.0;
+      right[answer.label] += called == answer.label ? 1.0 : 0.0;
+    }
   }
   double sum = 0.0, occurring = 0.0;
   for (std::size_t c = 0; c < classes; ++c) {
@@ -77,38 +79,6 @@ double accuracy_of(const std::vector<Answer>& answers, std::size_t classes) {
     occurring += 1.0;
   }
   return sum / occurring;
-}
-
-bool class_slips(const network::Class& one) { return one.state == PadState::incipient || one.state == PadState::gross; }
-
-double slip_of(const Answer& answer, const std::vector<network::Class>& classes) {
-  double slip = 0.0;
-  for (std::size_t c = 0; c < classes.size(); ++c) slip += class_slips(classes[c]) ? answer.probability[c] : 0.0;
-  return slip;
-}
-
-// The middle between two probabilities that parts hold and slip best, of equals the one nearest to 1/2; 1/2 where one of them does not occur.
-double best_threshold(const std::vector<Answer>& answers, const std::vector<network::Class>& classes) {
-  std::vector<std::pair<double, bool>> frames;
-  std::array<double, 2> count{};
-  for (const Answer& answer : answers) {
-    frames.emplace_back(slip_of(answer, classes), class_slips(classes[answer.label]));
-    count[frames.back().second ? 1 : 0] += 1.0;
-  }
-  double best = 0.5, accuracy = 0.0;
-  if (count[0] == 0.0 || count[1] == 0.0) return best;
-  std::ranges::sort(frames);
-  double held = 0.0, missed = 0.0;  // below the threshold, by truth
-  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
-    (frames[i].second ? missed : held) += 1.0;
-    if (frames[i].first == frames[i + 1].first) continue;
-    const double here = 0.5 * (frames[i].first + frames[i + 1].first), right = held / count[0] + 1.0 - missed / count[1];
-    if (right > accuracy || (right == accuracy && std::abs(here - 0.5) < std::abs(best - 0.5))) {
-      best = here;
-      accuracy = right;
-    }
-  }
-  return best;
 }
 
 std::vector<std::size_t> trials_of(const std::vector<const Example*>& examples) {
@@ -127,6 +97,21 @@ std::set<std::string> digests_of(const std::vector<const Example*>& learning, co
   }
   digests.erase("");
   return digests;
+}
+
+// The probabilities of slip.
+std::vector<SlipSeries> slip_series(const Answers& answers, const std::vector<network::Class>& classes) {
+  std::vector<SlipSeries> all;
+  for (const std::vector<Answer>& sequence : answers) {
+    SlipSeries& series = all.emplace_back();
+    for (const Answer& answer : sequence) {
+      double slip = 0.0;
+      for (std::size_t c = 0; c < classes.size(); ++c) slip += network::slips(classes[c].state) ? answer.probability[c] : 0.0;
+      series.probability.push_back(slip);
+      series.truth.push_back(answer.label == masked ? masked : std::uint8_t{network::slips(classes[answer.label].state)});
+    }
+  }
+  return all;
 }
 
 // Copies of the frames, scaled.
@@ -159,10 +144,11 @@ void check_classes(const std::string& dataset, const char* part, const std::vect
   }
 }
 
+Json number_json(double value) { return std::isnan(value) ? Json() : Json(value); }
+
 Json counts_json(const Counts& counts) {
-  const auto number = [](double value) { return std::isnan(value) ? Json() : Json(value); };
-  return {{"balanced_accuracy", number(counts.balanced_accuracy())},
-          {"f1", number(counts.f1())},
+  return {{"balanced_accuracy", number_json(counts.balanced_accuracy())},
+          {"f1", number_json(counts.f1())},
           {"slip_called_slip", counts.slip_called_slip},
           {"slip_called_hold", counts.slip_called_hold},
           {"hold_called_slip", counts.hold_called_slip},
@@ -299,14 +285,16 @@ NetworkSummary sizes_of(const Lesson& lesson) {
   return summary;
 }
 
-// Chooses the threshold by `on_validation` and judges by `on_judged`.
-void judge(NetworkSummary& summary, const std::vector<Answer>& on_validation, const std::vector<Answer>& on_judged,
+void judge(NetworkSummary& summary, const NetworkTraining& training, const Answers& on_validation, const Answers& on_judged,
            const std::vector<network::Class>& classes) {
-  summary.threshold = best_threshold(on_validation, classes);
+  const network::Input& input = training.recipe.input;
+  const double period = static_cast<double>(input.stride) / input.rate;
+  const std::vector<SlipSeries> validated = slip_series(on_validation, classes);
+  summary.point = training.alarms ? best_point(validated, period, *training.alarms) : most_accurate_point(validated, period);
   summary.validation = accuracy_of(on_validation, classes.size());
   summary.held_out_accuracy = accuracy_of(on_judged, classes.size());
-  for (const Answer& answer : on_judged)
-    summary.held_out.add(class_slips(classes[answer.label]), slip_of(answer, classes) >= summary.threshold);
+  summary.held_out = counts_at(slip_series(on_judged, classes), summary.point.threshold, summary.point.alarm);
+  summary.held_out_alarms = summary.held_out.alarms_per_minute(period);
 }
 
 // What the file says of its training.
@@ -321,6 +309,7 @@ Json trained_json(const NetworkTraining& training, const Lesson& lesson, const s
                {"split", hd::name_of(split_words, recipe.split)},
                {"held_out", training.held_out},
                {"seed", training.seed},
+               {"alarms_asked_per_minute", training.alarms ? Json(*training.alarms) : Json()},
                {"trials_learnt", trials_of(lesson.learning)},
                {"trials_validated", trials_of(lesson.validating)},
                {"trials_judged", trials_of(lesson.judging)},
@@ -328,10 +317,12 @@ Json trained_json(const NetworkTraining& training, const Lesson& lesson, const s
                {"frames", summary.frames},
                {"parameters", summary.parameters},
                {"steps", steps},
-               {"validation", {{"balanced_accuracy", summary.validation}}},
+               {"validation",
+                {{"balanced_accuracy", summary.validation}, {"alarms_per_minute", number_json(summary.point.alarms_per_minute)}}},
                {"libraries", network_libraries()}};
   if (!lesson.judging.empty()) {
     trained["judged"] = counts_json(summary.held_out);
+    trained["judged"]["alarms_per_minute"] = number_json(summary.held_out_alarms);
     trained["judged"]["all_classes_balanced_accuracy"] = summary.held_out_accuracy;
   }
   return trained;
@@ -356,11 +347,12 @@ NetworkSummary train_network(const NetworkTraining& training, const std::functio
   NetworkSummary summary = sizes_of(lesson);
   summary.parameters = parameter_count(recipe.network);
   summary.steps = ensemble.steps.back();
-  judge(summary, answers_of(ensemble.members, validated), answers_of(ensemble.members, judged), classes);
+  judge(summary, training, answers_of(ensemble.members, validated), answers_of(ensemble.members, judged), classes);
   summary.description = trained_json(training, lesson, ensemble.steps, summary).dump();
 
   network::Description description = described(recipe, scale, classes);
-  description.threshold = summary.threshold;
+  description.threshold = summary.point.threshold;
+  description.alarm = summary.point.alarm;
   description.trained = summary.description;
   const std::string bytes = onnx_model(recipe.network, ensemble.states, description);
   write_checked(training.output, bytes, [&]([[maybe_unused]] const std::string& path) {

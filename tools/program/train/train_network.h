@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "tools/program/train/network/examples.h"
 #include "tools/program/train/network/network.h"
+#include "tools/program/train/network/operating_point.h"
 #include "tools/program/train/network/validation.h"
 #include "tools/program/train/recipes/recipe.h"
 
@@ -19,7 +21,8 @@ struct NetworkTraining {
   std::string sensor;     // empty: every one that fits
   double held_out = 0.2;  // share of the split's groups that judge, 0 to 0.5
   std::uint64_t seed = 1;
-  std::string output;  // detector.onnx
+  std::optional<double> alarms;  // false ones a minute of hold that are borne (best_point); empty: most_accurate_point
+  std::string output;            // detector.onnx
   bool resume = false;
 };
 
@@ -29,10 +32,11 @@ struct NetworkSummary {
   std::size_t frames = 0;                                         // learnt from
   std::size_t parameters = 0;                                     // of one member
   std::size_t steps = 0;                                          // of the best state, of the last member
-  double threshold = 0.5;                                         // chosen on validation
+  OperatingPoint point;                                           // chosen on validation
   double validation = 0.0;                                        // balanced accuracy over all classes there; of the ensemble
-  Counts held_out;                 // slip or not, of the trials that judge; nothing where held_out is 0
+  AlarmCounts held_out;            // slip or not, of the trials that judge; nothing where held_out is 0
   double held_out_accuracy = 0.0;  // balanced, over all classes
+  double held_out_alarms = 0.0;    // false ones a minute of hold; NaN: there is none
   std::string description;         // JSON, as it stands in the file
 };
 
@@ -42,7 +46,7 @@ struct MemberProgress {
   TrainingProgress training;
 };
 
-// The slip threshold is the one with the greatest balanced accuracy of slip on validation. The description's `trained` says: recipe, labels,
+// The operating point is chosen on validation. The description's `trained` says: recipe, labels,
 // command and data_sha256 of the dataset, split, seed, held_out, trials_learnt, trials_validated, trials_judged (numbers of trials),
 // sha256_seen (digests of the trials learnt and validated, by which `eval` knows them in any file), steps,
 // parameters, figures (validation, held_out), libraries; no clock time: the same data and seed give the same bytes. The file is written to a

@@ -205,8 +205,9 @@ TEST(CommandLine, TrainTakesEverything) {
 
 TEST(CommandLine, TrainTakesARecipe) {
   const TrainCommand& command =
-      parsed<TrainCommand>({"train", "a.h5", "-o", "d.onnx", "--recipe", "piezo_fft_gru", "--labels", "latched", "--split",
-                            "object", "--steps", "100", "--held-out", "25", "--seed", "3", "--sensor", "pad", "--resume"});
+      parsed<TrainCommand>({"train",   "a.h5",    "-o",       "d.onnx",  "--recipe", "piezo_fft_gru", "--labels",
+                            "latched", "--split", "object",   "--steps", "100",      "--held-out",    "25",
+                            "--seed",  "3",       "--sensor", "pad",     "--alarms", "30/h",          "--resume"});
   ASSERT_TRUE(command.training.has_value());
   EXPECT_EQ(command.training->dataset, "a.h5");
   EXPECT_EQ(command.training->output, "d.onnx");
@@ -214,6 +215,7 @@ TEST(CommandLine, TrainTakesARecipe) {
   EXPECT_EQ(command.training->seed, 3U);
   EXPECT_DOUBLE_EQ(command.training->held_out, 0.25);
   EXPECT_TRUE(command.training->resume);
+  EXPECT_EQ(command.training->alarms, 0.5);  // a minute
   EXPECT_EQ(command.training->recipe.labels, train::LabelRule::latched);
   EXPECT_EQ(command.training->recipe.split, train::Split::object);
   EXPECT_EQ(command.training->recipe.training.steps, 100U);
@@ -222,6 +224,7 @@ TEST(CommandLine, TrainTakesARecipe) {
   const TrainCommand& plain = parsed<TrainCommand>({"train", "a.h5", "-o", "d.onnx", "--recipe", "piezo_fft_gru"});
   EXPECT_EQ(plain.training->recipe.training.steps, train::find_recipe("piezo_fft_gru").training.steps);
   EXPECT_DOUBLE_EQ(plain.training->held_out, 0.2);
+  EXPECT_EQ(plain.training->alarms, 1.0);
   EXPECT_FALSE(parsed<TrainCommand>({"train", "a.h5", "-o", "m", "--recipe", "gst_hd"}).training.has_value());
 }
 
@@ -239,6 +242,12 @@ TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
   EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--split", "window"}), HasSubstr("allowed: trial, material, object, speed"));
   EXPECT_THAT(refused({"--recipe", "piezo_mlp"}),
               HasSubstr("-o m: a network is an ONNX file; allowed: a name that ends with .onnx"));
+  for (const char* rate : {"1", "-1/min", "1/s", "nan/min", "often"}) {
+    EXPECT_THAT(refusal({"train", "a.h5", "-o", "m.onnx", "--recipe", "piezo_mlp", "--alarms", rate}),
+                HasSubstr("train: --alarms is '" + std::string(rate) + "'; allowed: a number from 0 on and its unit, as 1/min"));
+  }
+  EXPECT_THAT(refused({"--recipe", "myrmex_net1", "--alarms", "1/min"}), HasSubstr("myrmex_net1 draws frames of them"));
+  EXPECT_THAT(refused({"--alarms", "1/min"}), HasSubstr("train: --alarms is of networks"));
   EXPECT_THAT(refused({"--steps", "3"}), HasSubstr("train: --steps is of networks"));
   EXPECT_THAT(refused({"--resume"}), HasSubstr("train: --resume is of networks"));
   EXPECT_THAT(refused({"--labels", "latched"}), HasSubstr("train: --labels is 'latched' with the recipe gst_hd"));

@@ -136,6 +136,11 @@ TEST_F(ImportedFiles, AreJudgedByTheirOwnLabels) {
     // A grasp is one sample, which lasts no time.
     EXPECT_EQ(all["figures"]["false_alarms_per_minute"]["value"].is_null(), format.name == "bts3v2") << format.name;
     EXPECT_THAT(result["worst"].dump(), Not(HasSubstr("nan"))) << format.name;
+    // From a threshold below every probability, where all that slips is called so, to one above, where nothing is.
+    ASSERT_GT(result["alarms"].size(), 10U) << format.name;
+    EXPECT_LT(result["alarms"].front()["threshold"], 0.02);
+    EXPECT_GE(result["alarms"].front()["recall_of_slip"], result["alarms"].back()["recall_of_slip"]) << format.name;
+    EXPECT_FALSE(result.contains("classes")) << format.name;  // two: slip or not
   }
 }
 

@@ -166,6 +166,27 @@ TEST(ShippedScenes, BiotacSlipsInSevenWays) {
   }
 }
 
+// A third of the trials never slips, on every site where others do, and what tells devices apart is drawn.
+TEST(ShippedScenes, LearnBiotacNeverSlipsInAThird) {
+  const TrialPlan plan(shipped("learn/biotac_sp.yaml"), catalogues(), 0, 1);
+  ASSERT_EQ(plan.size(), 2160u);
+  std::set<std::vector<double>> slip_sites, touch_sites;
+  std::size_t touches = 0;
+  for (std::size_t i = 0; i < plan.size(); i += 10) {
+    const Scene scene = plan.trial(i).scene;
+    const Parameters& motion = scene.motion.parameters;
+    const bool slips = motion.number("speed") > 0.0 || motion.number("rotation") != 0.0;
+    (slips ? slip_sites : touch_sites).insert(motion.vector("site"));
+    touches += slips ? 0U : 1U;
+    // 1 times what is drawn of .1 to 1.5.
+    EXPECT_GE(scene.friction.static_coefficient, 0.1);
+    EXPECT_LE(scene.friction.static_coefficient, 1.5);
+    EXPECT_EQ(scene.sensors.at(0).parameters.choice("device"), "redrawn");
+  }
+  EXPECT_EQ(touches, plan.size() / 30);
+  EXPECT_EQ(touch_sites, slip_sites);
+}
+
 const ControlScene& control_of(const Scene& scene, const std::string& actuator) {
   return *std::ranges::find(scene.controls, actuator, &ControlScene::actuator);
 }

@@ -54,7 +54,7 @@ TEST_F(TrainNetwork, WritesADetectorThatSaysWhatItHasSeen) {
   EXPECT_EQ(description.input.sensor, "papillarray");
   EXPECT_EQ(description.input.window, 40U);
   EXPECT_EQ(description.states.size(), 1U);
-  EXPECT_EQ(description.threshold, summary.threshold);
+  EXPECT_EQ(description.threshold, summary.point.threshold);
   const auto trained = nlohmann::json::parse(description.trained);
   EXPECT_EQ(trained["recipe"], "papillarray_gru");
   EXPECT_EQ(trained["labels"], "latched");

@@ -47,6 +47,7 @@ class TrainCommand final : public Command {
   std::string labels_;
   std::optional<train::Split> split_;
   std::optional<std::size_t> steps_, held_out_, turned_;
+  std::string alarms_;
   bool resume_ = false;
 };
 

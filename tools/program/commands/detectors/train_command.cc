@@ -1,6 +1,7 @@
 #include "tools/program/commands/detectors/detector_commands.h"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -28,6 +29,18 @@ namespace {
 std::string one_decimal(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f} %", 100.0 * share); }
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+// False alarms a minute, of a text as 1/min.
+double alarms_a_minute(const std::string& text) {
+  double rate = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rate);
+  const std::string_view unit(end, text.data() + text.size());
+  if (error == std::errc() && rate >= 0.0 && std::isfinite(rate)) {
+    if (unit == "/min") return rate;
+    if (unit == "/h") return rate / 60.0;
+  }
+  throw InputError(fmt::format("train: --alarms is {}; allowed: a number from 0 on and its unit, as 1/min or 10/h", quote(text)));
+}
 
 // One of `names`.
 std::string checked_labels(const std::string& given, const std::string& recipe, const std::vector<std::string>& names) {
@@ -70,8 +83,9 @@ Encoders: shdc (pillars of one frame), sthdc (over a window), gsthdc (with graph
 Bundles: paper starts afresh with every frame, published_core keeps the counts of the pillars over a window, as the gripper's core does.
 
 Any other recipe (`slipbench list recipes`) is a network. What judges is held out first: a fifth of the trials, or of the materials,
-objects or octaves of speed that --split names. A fifth of the rest chooses the best state and the threshold. The ONNX file is a whole
-detector, and says what it has seen. A killed training goes on with --resume, to the same bytes. One thread, one network at a time.
+objects or octaves of speed that --split names. A fifth of the rest chooses the best state and the operating point: threshold, frames in a row
+that begin and end an alarm and the least it lasts, of the greatest balanced accuracy with no more false alarms a minute than --alarms. The ONNX
+file is a whole detector, and says what it has seen. A killed training goes on with --resume, to the same bytes. One thread, one network at a time.
 
 Labels: strict and micro are the truth (a unit slips as a whole, or in part), paper is the rule of the sensor's paper. Of networks:
 latched is micro, and slip until contact is lost; masked leaves out frames that stick again after a slip. Of gst_hd: with has_slipped
@@ -98,6 +112,7 @@ Examples:
   arguments.number("--steps N", steps_, "Network: steps of training (default: the recipe's)", 1, 10'000'000);
   arguments.number("--turned N", turned_,
                    "Network of a Myrmex: copies of each trial with its images turned, 0 to 11 (default: 0)", 0, 11);
+  arguments.text("--alarms RATE", alarms_, "Network: false alarms that are borne, of validation trials (default: 1/min)");
   arguments.flag("--resume", resume_, "Network: go on where a killed training left OUTPUT.checkpoint-0");
   arguments.word("--encoder NAME", encoding_, "gst_hd: {} (default: gsthdc)", encoder_words);
   arguments.flag("--context", context_, "gst_hd: bind with the context of the centre pillar's compression (default with gsthdc)");
@@ -117,6 +132,7 @@ void TrainCommand::read_hd() {
                                     {held_out_.has_value(), "--held-out"},
                                     {steps_.has_value(), "--steps"},
                                     {turned_.has_value(), "--turned"},
+                                    {!alarms_.empty(), "--alarms"},
                                     {resume_, "--resume"}}) {
     if (given) throw InputError(fmt::format("train: {} is of networks; allowed: it with another --recipe than gst_hd", name));
   }
@@ -151,6 +167,11 @@ void TrainCommand::read_network() {
                                  recipe.input.sensor));
   if (!labels_.empty())
     recipe.labels = *hd::value_of(train::label_words, checked_labels(labels_, recipe_, hd::names_of(train::label_words)));
+  if (!alarms_.empty() && recipe.at_most > 0)
+    throw InputError(fmt::format(
+        "train: --alarms counts what whole recordings say, and {} draws frames of them; allowed: none of it", recipe_));
+  std::optional<double> alarms;
+  if (recipe.at_most == 0) alarms = alarms_a_minute(alarms_.empty() ? "1/min" : alarms_);
   if (!options.output.ends_with(".onnx"))
     throw InputError(
         fmt::format("train: -o {}: a network is an ONNX file; allowed: a name that ends with .onnx", options.output));
@@ -165,6 +186,7 @@ void TrainCommand::read_network() {
               options.sequences.sensor,
               0.01 * static_cast<double>(held_out_.value_or(20)),
               options.seed,
+              alarms,
               options.output,
               resume_};
 }
@@ -194,10 +216,12 @@ int TrainCommand::train_network() {
                      : "slipbench: interrupted; nothing is kept\n");
     return exit_interrupted;
   }
+  const network::Alarm& alarm = summary.point.alarm;
   if (json) {
     nlohmann::ordered_json all = nlohmann::ordered_json::parse(summary.description);
     all["output"] = training->output;
-    all["threshold"] = summary.threshold;
+    all["threshold"] = summary.point.threshold;
+    all["alarm"] = {{"on", alarm.on}, {"off", alarm.off}, {"least", alarm.least}};
     return print_json(all);
   }
   const Style style = style_for(stdout);
@@ -206,17 +230,19 @@ int TrainCommand::train_network() {
     table.add({"balanced accuracy, all classes", one_decimal(summary.held_out_accuracy)});
     table.add({"balanced accuracy, slip or not", one_decimal(summary.held_out.balanced_accuracy())});
     table.add({"F1 of slip", one_decimal(summary.held_out.f1())});
+    table.add({"false alarms a minute of hold", fmt::format("{:.1f}", summary.held_out_alarms)});
   } else {
     table.add({"balanced accuracy, all classes", one_decimal(summary.validation)});
   }
   fmt::print(
-      "{}\n{}  {} trials learnt, {} validated ({}), {} held out; {} frames, {} parameters, state of step {}, threshold {:.3f}\n{} {}\n{} slipbench "
-      "eval {} {}\n",
+      "{}\n{}  {} trials learnt, {} validated ({}), {} held out; {} frames, {} parameters, state of step {}\nslip from {} frames in a row at {:.3f} on, for {} "
+      "frames and until {} are below: {:.1f} false alarms a minute of hold in validation\n{} {}\n{} slipbench eval {} {}\n",
       style.heading(
           fmt::format("{}, labels {}", training->recipe.name, hd::name_of(train::label_words, training->recipe.labels))),
       table.text(style), summary.learnt, summary.validated, one_decimal(summary.validation), summary.judged, summary.frames,
-      summary.parameters, summary.steps, summary.threshold, style.good("written:"), training->output, style.dim("next:"),
-      shell_word(training->output), shell_word(training->dataset) + eval_options(summary.sensors));
+      summary.parameters, summary.steps, alarm.on, summary.point.threshold, alarm.least, alarm.off,
+      summary.point.alarms_per_minute, style.good("written:"), training->output, style.dim("next:"), shell_word(training->output),
+      shell_word(training->dataset) + eval_options(summary.sensors));
   return exit_good;
 }
 

@@ -34,7 +34,10 @@ inline constexpr std::array label_words{
 enum class ClassRule {
   slip,  // hold, slip
   kind,  // stable, translation, rotation: of the rigid motion in the pad plane that fits the slip of all units best, the part with more energy
-  direction,  // t (touch), n, e, s, w, cw, aw: that of the trial, by its name or its motion, while something touches, whatever the labels; else masked
+  // t (touch), n, e, s, w, cw, aw: that of the trial, by its name or its motion, while something touches, else masked. Whatever the labels, but by
+  // `latched` and with the truth t until more than half of what touches slips. Masked: frames in which that is so in a trial of t, and those
+  // before it in which a whole unit slips in another.
+  direction,
 };
 // What a network says by that rule: a slip is incipient by the rules micro, latched and masked, else gross.
 std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels);

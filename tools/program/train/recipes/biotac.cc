@@ -128,7 +128,29 @@ std::vector<Recipe> biotac_recipes() {
   conv_lstm.network = biotac::conv_lstm_network(biotac::image_layouts().front(), 2, 8, 5);
   conv_lstm.classes = ClassRule::direction;
   conv_lstm.training.steps = 1000;
-  return {cnn, gcn, lstm, conv_lstm};
+
+  Recipe spreads = biotac_recipe(
+      "biotac_gru",
+      "How much each electrode moves and drifts in 0.1, 0.2 and 0.5 s, through a GRU at 20 Hz; direction of slip, seven classes",
+      "", false);
+  spreads.source =
+      "none published: levels, by which devices differ, are out; spreads in rising order do not tell where it is touched";
+  spreads.assumed =
+      "all of it; touch until more than half of what touches slips, then the class that the motion was told, until contact is lost; Adam at 3e-3";
+  spreads.input.window = 10;
+  spreads.input.stride = 5;
+  spreads.input.transform = network::Transform::spreads;
+  spreads.input.spans = {10, 20, 50};
+  spreads.input.floor = 3.0;  // counts, the noise of an electrode: what is less tells nothing
+  spreads.members = 3;
+  spreads.scaling = Scaling::standard;
+  spreads.network = {5 * electrodes, {Linear{32}, Relu{}, Gru{32}, Linear{7}}};
+  spreads.classes = ClassRule::direction;
+  spreads.labels = LabelRule::latched;
+  spreads.training = {
+      .steps = 2400, .batch = 32, .clip = 30, .optimiser = Optimiser::adam, .learning_rate = 3e-3, .label_smoothing = 0.1};
+  spreads.training.validate_every = 150;
+  return {cnn, gcn, lstm, conv_lstm, spreads};
 }
 
 }  // namespace slipbench::train

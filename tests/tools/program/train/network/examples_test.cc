@@ -144,6 +144,27 @@ TEST(Example, HasTheDirectionOfItsMotion) {
   EXPECT_EQ(example_of(imported, sensor, options).object, R"(object="pen")");
 }
 
+// By `latched`, 600 samples of which 100 touch nothing, then: all stick, a whole unit slips, more than half slip, all stick again.
+TEST(Example, SlipsInItsDirectionFromWhereMoreThanHalfDoes) {
+  SensorRecord sensor = skin(600);
+  set(sensor.labels.state_micro, 0, 600, PadState::non_slip);
+  set(sensor.labels.state_micro, 0, 100, PadState::no_contact);
+  sensor.labels.state = sensor.labels.state_micro;
+  set(sensor.labels.state, 200, 400, PadState::incipient);
+  sensor.labels.stuck_fraction.assign(600, 1.0F);
+  std::fill(sensor.labels.stuck_fraction.begin() + 300, sensor.labels.stuck_fraction.begin() + 400, 0.4F);
+  ExampleOptions options;
+  options.input = find_recipe("piezo_raw_gru").input;
+  options.input.window = 100;
+  options.classes = ClassRule::direction;
+  options.labels = LabelRule::latched;
+  TrialRecord record;
+  record.params = R"({"motion.speed": 0.008, "motion.rotation": 0, "motion.direction": 0})";
+  EXPECT_THAT(example_of(record, sensor, options).frames.label, ElementsAre(masked, 0, masked, 1, 1, 1));
+  record.params = R"({"motion.speed": 0, "motion.rotation": 0, "motion.direction": 0})";
+  EXPECT_THAT(example_of(record, sensor, options).frames.label, ElementsAre(masked, 0, 0, masked, 0, 0));
+}
+
 TEST(Example, KeepsAtMostSoManyOfAClass) {
   SensorRecord sensor = skin(2200);                                 // 21 frames
   set(sensor.labels.state_micro, 1200, 2200, PadState::incipient);  // those that end with 1299 to 2199: ten

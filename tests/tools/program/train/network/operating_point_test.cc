@@ -1,0 +1,62 @@
+#include "tools/program/train/network/operating_point.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace slipbench::train::operating_point_test {
+namespace {
+
+constexpr double period = 0.1;  // s: 600 frames a minute
+
+// 100 frames of hold at .2, in which every tenth is at .9 alone, and 20 of slip at .8.
+std::vector<SlipSeries> spiky() {
+  SlipSeries series;
+  for (int t = 0; t < 120; ++t) {
+    series.truth.push_back(t < 100 ? 0 : 1);
+    series.probability.push_back(t >= 100 ? 0.8 : t % 10 == 5 ? 0.9 : 0.2);
+  }
+  return {series};
+}
+
+// 10 alarms in 10 s of hold are 60 a minute. A frame that is masked is nobody's, and an alarm that began in it is not false.
+TEST(AlarmCounts, AreOfAlarmsThatBeginInHold) {
+  std::vector<SlipSeries> series = spiky();
+  EXPECT_EQ(counts_at(series, 0.5, {}).false_alarms, 10U);
+  EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).alarms_per_minute(period), 60.0);
+  EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).balanced_accuracy(), 0.5 * (1.0 + 0.9));
+  series[0].truth[5] = masked;
+  EXPECT_EQ(counts_at(series, 0.5, {}).false_alarms, 9U);
+  EXPECT_TRUE(std::isnan(counts_at({}, 0.5, {}).alarms_per_minute(period)));
+}
+
+// Above .8 nothing is slip, so no threshold holds the alarms down: two frames in a row do, at the price of the slip's first.
+TEST(OperatingPoint, TakesFramesInARowWhereNoThresholdWillDo) {
+  const OperatingPoint point = best_point(spiky(), period, 1.0);
+  EXPECT_EQ(point.alarm.on, 2U);
+  EXPECT_DOUBLE_EQ(point.threshold, 0.5);  // between hold's .2 and slip's .8
+  EXPECT_EQ(point.alarms_per_minute, 0.0);
+  EXPECT_DOUBLE_EQ(counts_at(spiky(), point.threshold, point.alarm).balanced_accuracy(), 0.5 * (1.0 + 0.95));
+}
+
+TEST(OperatingPoint, HasNoMoreAlarmsThanAreBorneAndUsesThem) {
+  const OperatingPoint none = best_point(spiky(), period, 0.0), all = best_point(spiky(), period, 60.0);
+  EXPECT_EQ(none.alarms_per_minute, 0.0);
+  EXPECT_LE(all.alarms_per_minute, 60.0);
+  EXPECT_GE(counts_at(spiky(), all.threshold, all.alarm).balanced_accuracy(),
+            counts_at(spiky(), none.threshold, none.alarm).balanced_accuracy());
+}
+
+// Hold .1 .3, slip .2 .7: at .5 half of slip and all of hold are right; at .15 all of slip, half of hold; the one nearer to 1/2 is kept.
+TEST(OperatingPoint, MostAccurateIsTheMiddleNearestToAHalf) {
+  const std::vector<SlipSeries> series{{{0.1, 0.2, 0.3, 0.7}, {0, 1, 0, 1}}};
+  EXPECT_DOUBLE_EQ(most_accurate_point(series, period).threshold, 0.5);
+  EXPECT_EQ(most_accurate_point(series, period).alarm.on, 1U);
+  const std::vector<SlipSeries> hold{{{0.1, 0.2}, {0, 0}}};
+  EXPECT_EQ(best_point(hold, period, 1.0).threshold, 0.5);
+  const std::vector<SlipSeries> snapshots{{{0.3}, {0}}, {{0.4}, {1}}};  // which last no time
+  EXPECT_DOUBLE_EQ(best_point(snapshots, period, 1.0).threshold, 0.35);
+}
+
+}  // namespace
+}  // namespace slipbench::train::operating_point_test
