@@ -100,15 +100,20 @@ struct Frames {
     const auto along = [&](std::size_t axis) { return t.at(axis, i) * p.x + t.at(axis + 1, i) * p.y + t.at(axis + 2, i) * p.z; };
     return {along(x_axis), along(y_axis), along(z_axis)};
   }
-  [[nodiscard]] SLIPBENCH_INLINE Vectors place_in(std::size_t i, const Vectors& v) const { return in(i, {v.x - x, v.y - y, v.z - z}); }
+  [[nodiscard]] SLIPBENCH_INLINE Vectors place_in(std::size_t i, const Vectors& v) const {
+    return in(i, {v.x - x, v.y - y, v.z - z});
+  }
   [[nodiscard]] SLIPBENCH_INLINE Vectors out(std::size_t i, const Vectors& v) const {
     if (alike) return turned(outward, v);
-    const auto component = [&](std::size_t k) { return t.at(x_axis + k, i) * v.x + t.at(y_axis + k, i) * v.y + t.at(z_axis + k, i) * v.z; };
+    const auto component = [&](std::size_t k) {
+      return t.at(x_axis + k, i) * v.x + t.at(y_axis + k, i) * v.y + t.at(z_axis + k, i) * v.z;
+    };
     return turned(outward, {component(0), component(1), component(2)});
   }
   // Of the tangent plane's (x, y), out of the frame.
   [[nodiscard]] SLIPBENCH_INLINE Vectors out(std::size_t i, const Ways& way) const {
-    const Lanes lx = t.at(lean_x, i), ly = t.at(lean_y, i), rise = lx * way.x + ly * way.y, share = rise / (1.0 + t.at(cosine, i));
+    const Lanes lx = t.at(lean_x, i), ly = t.at(lean_y, i), rise = lx * way.x + ly * way.y,
+                share = rise / (1.0 + t.at(cosine, i));
     return out(i, Vectors{way.x - share * lx, way.y - share * ly, -rise});
   }
 

@@ -204,7 +204,8 @@ TEST(ElasticSkin, SinksByWhatItsForcesSayAfterManySmallSteps) {
   Eigen::ArrayXd sunk(n * n), x(n * n), y(n * n);
   fresh->press(contact.pressure().data(), sunk.data());
   fresh->shear(contact.friction().col(0).data(), contact.friction().col(1).data(), x.data(), y.data());
-  constexpr double rounding = 1e-10;  // of the largest; a walk of 4000 guesses, each with the last one's way, adds 4000^1.5 times 1e-16
+  constexpr double rounding =
+      1e-10;  // of the largest; a walk of 4000 guesses, each with the last one's way, adds 4000^1.5 times 1e-16
   EXPECT_LT((contact.sunk() - sunk).abs().maxCoeff(), rounding * depth);
   EXPECT_LT((contact.shift().col(0) - x).abs().maxCoeff(), rounding * 1e-5);
   EXPECT_LT((contact.shift().col(1) - y).abs().maxCoeff(), rounding * 1e-5);

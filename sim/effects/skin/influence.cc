@@ -256,12 +256,13 @@ class GridInfluence final : public Influence {
     const int length = static_cast<int>(columns_), height = static_cast<int>(rows_), waves = static_cast<int>(waves_),
               loaded = static_cast<int>(loaded_);
     fftw_complex *const by_rows = by_rows_.get(), *const spectrum = spectrum_[0].get();
-    rows_forward_.reset(fftw_plan_many_dft_r2c(1, &length, loaded, field_.get(), nullptr, 1, length, by_rows, nullptr, 1,
-                                               waves, plan_flags | FFTW_PRESERVE_INPUT));
+    rows_forward_.reset(fftw_plan_many_dft_r2c(1, &length, loaded, field_.get(), nullptr, 1, length, by_rows, nullptr, 1, waves,
+                                               plan_flags | FFTW_PRESERVE_INPUT));
     rows_back_.reset(
         fftw_plan_many_dft_c2r(1, &length, loaded, spectrum, nullptr, 1, waves, way_.get(), nullptr, 1, length, plan_flags));
     const auto columns = [&](fftw_complex* from, int sign, unsigned flags) {
-      return fftw_plan_many_dft(1, &height, waves, from, nullptr, waves, 1, spectrum, nullptr, waves, 1, sign, plan_flags | flags);
+      return fftw_plan_many_dft(1, &height, waves, from, nullptr, waves, 1, spectrum, nullptr, waves, 1, sign,
+                                plan_flags | flags);
     };
     columns_forward_.reset(columns(by_rows, FFTW_FORWARD, FFTW_PRESERVE_INPUT));
     columns_back_.reset(columns(spectrum, FFTW_BACKWARD, 0));
@@ -325,9 +326,9 @@ class GridInfluence final : public Influence {
     transform(&Kernel::xy, true, xy_);
   }
 
-  std::size_t loaded_;                  // rows of the pad
-  std::size_t columns_, rows_, waves_;  // of the doubled grid
-  std::vector<std::uint32_t> place_;    // [n] in it
+  std::size_t loaded_;                                           // rows of the pad
+  std::size_t columns_, rows_, waves_;                           // of the doubled grid
+  std::vector<std::uint32_t> place_;                             // [n] in it
   std::unique_ptr<double, Free> field_, way_;                    // rows of the pad: forces, and ways
   std::unique_ptr<fftw_complex, Free> by_rows_;                  // their transforms, row by row
   std::array<std::unique_ptr<fftw_complex, Free>, 2> spectrum_;  // of both directions

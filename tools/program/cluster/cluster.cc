@@ -151,10 +151,10 @@ std::string python_text(const std::string& text) {
 
 // What is written, in this order: a folder without the last was left by a run that was killed.
 const std::array<std::pair<const char*, std::string_view>, 5> files{{{"README.md", readme},
-                                                                    {"shard.sh", shard_script},
-                                                                    {"array.sbatch", array_script},
-                                                                    {"merge.sh", merge_script},
-                                                                    {"Snakefile", snake_file}}};
+                                                                     {"shard.sh", shard_script},
+                                                                     {"array.sbatch", array_script},
+                                                                     {"merge.sh", merge_script},
+                                                                     {"Snakefile", snake_file}}};
 
 bool is_left_by_a_killed_run(const std::filesystem::path& folder) {
   std::error_code error;

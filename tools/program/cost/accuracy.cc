@@ -22,8 +22,8 @@ constexpr std::size_t most_common = 100;     // of the shortest sampling time, t
 constexpr double most_steps = 1e8;           // of a trial, what a scene may have
 constexpr std::size_t most_checked = 64;     // trials in which a step must be stable
 
-constexpr double tight_tolerance = 1e-6;     // of elastic_skin, at the longest step
-constexpr std::size_t tight_cost = 2;        // as `cost` shows it for scenes/soft_skin/sphere.yaml
+constexpr double tight_tolerance = 1e-6;  // of elastic_skin, at the longest step
+constexpr std::size_t tight_cost = 2;     // as `cost` shows it for scenes/soft_skin/sphere.yaml
 
 const Override no_wish{"accuracy", "none"};
 
@@ -117,7 +117,8 @@ class Search {
   [[nodiscard]] double tolerance_of(const Cut& cut) const {
     constexpr double least = 1e-10;  // that the parameter may be
     const double own = wished_.trial(0).scene.effects[*skin_].parameters.number("tolerance");
-    return std::min(own, std::max(least, tight_tolerance * static_cast<double>(explicit_steps_) / static_cast<double>(cut.steps)));
+    return std::min(own,
+                    std::max(least, tight_tolerance * static_cast<double>(explicit_steps_) / static_cast<double>(cut.steps)));
   }
 
   // What says the setting instead of the wish. The step reads back as the same double.

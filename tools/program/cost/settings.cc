@@ -209,7 +209,8 @@ void add_skin(const Scene& scene, std::vector<Setting>& settings) {
   constexpr std::int64_t most = 64;
   constexpr int halves = 2;
   for (const int factor : {1, 2, 3, 4, 6}) {  // half a time to three times as many along each side
-    if (rows * factor % halves != 0 || columns * factor % halves != 0 || std::max(rows, columns) * factor > most * halves) continue;
+    if (rows * factor % halves != 0 || columns * factor % halves != 0 || std::max(rows, columns) * factor > most * halves)
+      continue;
     const auto key = [&](const char* name) { return fmt::format("sensors.{}.{}", sensor.name, name); };
     const std::int64_t up = rows * factor / halves, across = columns * factor / halves;
     settings.push_back(

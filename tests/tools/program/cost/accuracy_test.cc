@@ -88,7 +88,8 @@ TEST(FindSetting, TightensTheSolverOfASoftSkinWhereTheWishNeedsIt) {
   EXPECT_EQ(loose.find("tolerance"), std::string::npos) << loose;
   EXPECT_NE(tight.find("effects.0.elastic_skin.tolerance"), std::string::npos) << tight;
   // Not where the sweep says it or the effects around it, nor looser than the scene has it.
-  for (const char* const sweep : {"{effects: [[elastic_skin], []]}", "{effects.0: [elastic_skin, stribeck]}", "{effects.0.elastic_skin.tolerance: [1e-3, 1e-6]}"}) {
+  for (const char* const sweep : {"{effects: [[elastic_skin], []]}", "{effects.0: [elastic_skin, stribeck]}",
+                                  "{effects.0.elastic_skin.tolerance: [1e-3, 1e-6]}"}) {
     const FoundSetting swept = found_for(file_of(skin + "accuracy: {force: 5 %}\nsweep: " + sweep + "\n"));
     EXPECT_EQ(swept.reference.find("tolerance"), std::string::npos) << sweep << ": " << swept.reference;
   }

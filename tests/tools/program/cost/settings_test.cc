@@ -74,7 +74,8 @@ TEST(CostSettings, StepsGoFromTenSamplingTimesToATwentieth) {
 
 // Whoever reads a row can run it.
 TEST(CostSettings, EverySettingOfAShippedSceneIsASceneOrRefusedByName) {
-  for (const char* const name : {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml", "biotac_sp/grasp.yaml", "soft_skin/sphere.yaml"}) {
+  for (const char* const name :
+       {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml", "biotac_sp/grasp.yaml", "soft_skin/sphere.yaml"}) {
     const Scene scene = parsed(shipped(name));
     for (const Setting& setting : settings_to_try(scene, {1e-3})) {
       SceneFile file = shipped(name);

@@ -219,7 +219,8 @@ TEST(Report, PaysNothingForAGraspThatIsNotThere) {
 
 // A soft skin has what its closed form needs, of a sphere its radius, and the page what draws it. Others pay nothing for it.
 TEST(Report, SaysWhatASoftSkinTouches) {
-  const std::string skin = "slipbench: 1\nsensors: {pad: {type: taxels}}\nfriction: {static: 0.6, kinetic: 0.5}\neffects: [elastic_skin: {shear_modulus: 1 MPa}]\n";
+  const std::string skin =
+      "slipbench: 1\nsensors: {pad: {type: taxels}}\nfriction: {static: 0.6, kinetic: 0.5}\neffects: [elastic_skin: {shear_modulus: 1 MPa}]\n";
   const Json flat = reported("report_flat_skin", skin, trials(1)).at("skins").at("0");
   EXPECT_EQ(flat, Json({{"sensors", {"pad"}}, {"shear_modulus", 1e6}, {"friction", 0.6}, {"sphere_radius", nullptr}}));
   const Json sphere = reported("report_skin", skin + "surface: {shape: sphere, radius: 30 mm}\n", trials(1)).at("skins").at("0");
