@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t axes = 3;
 constexpr std::size_t most_points = 4096;  // as many as a grid of 64 x 64
 constexpr std::int64_t grid_size = 4;      // rows and columns unless the scene says otherwise
+constexpr double grid_pitch = 4e-3;        // m, likewise
 
 // What a channel reads of a taxel. Its values are called T0_ (of a matrix S0_) and `symbol`, and X, Y, Z where there are several.
 struct Reading {
@@ -62,9 +63,10 @@ struct Description {
     const auto rows = static_cast<std::size_t>(p.integer("rows")), columns = static_cast<std::size_t>(p.integer("columns"));
     const double right = 0.5 * static_cast<double>(columns - 1), top = 0.5 * static_cast<double>(rows - 1), none = std::nan("");
     places = p.table("places").rows;
-    if (!places.empty() &&
-        (p.integer("rows") != grid_size || p.integer("columns") != grid_size || p.choice("scan_order") != "rows"))
-      refuse("places", "stands beside rows, columns or scan_order, which are of a grid; allowed: one of the two");
+    const bool grid = p.integer("rows") != grid_size || p.integer("columns") != grid_size || p.number("pitch") != grid_pitch ||
+                      p.choice("scan_order") != "rows";
+    if (!places.empty() && grid)
+      refuse("places", "stands beside rows, columns, pitch or scan_order, which are of a grid; allowed: one of the two");
     for (std::size_t i = 0; p.table("places").rows.empty() && i < rows * columns; ++i) {
       const auto row = static_cast<double>(i / columns), column = static_cast<double>(i % columns);
       places.push_back(

@@ -204,6 +204,7 @@ TEST(Taxels, AreRefusedWithWhatIsAllowed) {
   bad.rows[1][6] = -1.0;
   EXPECT_THAT(refusal({{"places", bad}}), HasSubstr("taxel 1 has a stiffness that is not above 0 N/m"));
   EXPECT_THAT(refusal({{"places", in_a_row(2)}, {"rows", std::int64_t{3}}}), StartsWith("sensors.skin.places | "));
+  EXPECT_THAT(refusal({{"places", in_a_row(2)}, {"pitch", 2e-3}}), HasSubstr("stands beside rows, columns, pitch or scan_order"));
   EXPECT_THAT(refusal({{"channels", ParameterMap{{"t", "force"}}}}), StartsWith("sensors.skin.channels.t | "));
   EXPECT_THAT(refusal({{"channels", ParameterMap{{"a", "force"}, {"b", "force"}}}}),
               HasSubstr("force is read by another channel"));

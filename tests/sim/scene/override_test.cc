@@ -106,10 +106,10 @@ TEST(Override, TheLastOneWins) {
 }
 
 TEST(Override, GivesAParameterToAnEffectThatIsNamedAlone) {
-  const Scene scene = read({{"effects", "[stribeck, elastic_skin]"}, {"effects.1.elastic_skin.tolerance", "1e-6"}});
-  EXPECT_EQ(scene.effects.at(1).parameters.number("tolerance"), 1e-6);
-  EXPECT_EQ(refusal({{"effects", "[stribeck]"}, {"effects.0.elastic_skin.tolerance", "1e-6"}}),
-            "--set effects.0.elastic_skin.tolerance=1e-6: no key 'elastic_skin' in 'effects.0', which is 'stribeck'");
+  const Scene scene = read({{"effects", "[stribeck, ageing]"}, {"effects.1.ageing.rate", "0.3"}});
+  EXPECT_EQ(scene.effects.at(1).parameters.number("rate"), 0.3);
+  EXPECT_EQ(refusal({{"effects", "[stribeck]"}, {"effects.0.ageing.rate", "0.3"}}),
+            "--set effects.0.ageing.rate=0.3: no key 'ageing' in 'effects.0', which is 'stribeck'");
 }
 
 TEST(Override, IsNamedInMessages) {

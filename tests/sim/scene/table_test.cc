@@ -1,5 +1,8 @@
 // Tables of a scene: rows in the scene itself and in CSV files.
+#include <unistd.h>
+
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -12,6 +15,13 @@ namespace {
 
 const std::string csv = "places.csv";
 
+// One a process, since tests run side by side.
+std::string folder() {
+  const std::string path = testing::TempDir() + "tables_" + std::to_string(getpid()) + "/";
+  std::filesystem::create_directories(path);
+  return path;
+}
+
 Scene scene_of(const std::string& places, const std::string& file = "", const std::string& more = "") {
   Catalogues catalogues = test_catalogues();
   const std::vector<TableColumn> columns{{"x", Quantity::length}, {"y", Quantity::length}, {"weight"}};
@@ -22,8 +32,8 @@ Scene scene_of(const std::string& places, const std::string& file = "", const st
        "",
        {table_spec(2, "places", columns, "doc", "assumed"), table_spec(1, "matrix", {}, "doc", "assumed"),
         map_spec("channels", "doc", "assumed", {"force", "shear"})}});
-  std::ofstream(testing::TempDir() + csv) << file;
-  const std::string path = testing::TempDir() + "table.yaml";
+  std::ofstream(folder() + csv) << file;
+  const std::string path = folder() + "table.yaml";
   std::ofstream(path) << "slipbench: 1\nsensors:\n  pad:\n    type: skin\n    places: " + places + "\n" + more;
   return parse_scene(SceneFile::load(path), catalogues);
 }
@@ -32,7 +42,7 @@ std::vector<std::vector<double>> rows_of(const std::string& places, const std::s
 }
 std::string refusal(const std::string& places, const std::string& file = "", const std::string& more = "") {
   std::string said = refusal_of([&] { static_cast<void>(scene_of(places, file, more)); });
-  for (std::size_t at; (at = said.find(testing::TempDir())) != std::string::npos;) said.erase(at, testing::TempDir().size());
+  for (std::size_t at; (at = said.find(folder())) != std::string::npos;) said.erase(at, folder().size());
   return said;
 }
 
@@ -44,7 +54,7 @@ TEST(SceneTable, RowsStandInTheSceneOrInAFile) {
   EXPECT_TRUE(std::isnan(rows_of(csv, "x,y\n1,2\n")[0][2]));
   EXPECT_TRUE(rows_of("none").empty());
   const Scene scene = scene_of(csv, "x,y\n1,2\n", "    matrix: [[1, 2, 3], [4, 5, 6]]\n");
-  EXPECT_EQ(scene.sensors[0].parameters.table("places").path, testing::TempDir() + csv);
+  EXPECT_EQ(scene.sensors[0].parameters.table("places").path, folder() + csv);
   EXPECT_EQ(scene.sensors[0].parameters.table("matrix").rows[1][2], 6.0);
 }
 

@@ -47,7 +47,7 @@ class LearnedLoop : public ::testing::Test {
 TEST_F(LearnedLoop, NetworkFromSweepToGrip) {
   make_grasps();
   const std::string model = folder_ / "grasp.onnx";
-  const Json trained = json({"train", grasps_, "--recipe", "grasp_gru", "--steps", "60", "-o", model});
+  const Json trained = json({"train", grasps_, "--recipe", "grasp_gru", "--steps", "60", "--alarms", "20/min", "-o", model});
   ASSERT_EQ(trained["recipe"], "grasp_gru");
   const Json judged = json({"eval", model, grasps_, "--labels", "micro"});
   EXPECT_EQ(judged["left_out"].size(), 16U);

@@ -60,7 +60,7 @@ TEST(CostSettings, ASoftSkinHasASolverAndCells) {
     if (setting.series != "grid") continue;
     SceneFile file = shipped("soft_skin/sphere.yaml");
     for (const Override& change : setting.changes) file.apply(change);
-    const Parameters& pad = parsed(file).sensors.front().parameters;
+    const Parameters pad = parsed(file).sensors.front().parameters;
     EXPECT_DOUBLE_EQ(static_cast<double>(pad.integer("rows")) * pad.number("pitch"), 16 * 0.37e-3) << setting.label;
   }
 }
