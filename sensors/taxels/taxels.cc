@@ -68,7 +68,8 @@ struct Description {
     if (!places.empty() && grid)
       refuse("places", "stands beside rows, columns, pitch or scan_order, which are of a grid; allowed: one of the two");
     for (std::size_t i = 0; p.table("places").rows.empty() && i < rows * columns; ++i) {
-      const auto row = static_cast<double>(i / columns), column = static_cast<double>(i % columns);
+      const std::size_t above = i / columns, beside = i % columns;
+      const auto row = static_cast<double>(above), column = static_cast<double>(beside);
       places.push_back(
           {(column - right) * p.number("pitch"), (top - row) * p.number("pitch"), none, none, none, none, none, none});
     }
