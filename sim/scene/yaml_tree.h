@@ -58,7 +58,8 @@ std::vector<std::string> split_path(const std::string& path, const Origin& origi
 const YamlNode* node_at(const YamlNode& root, std::span<const std::string> path);
 
 // The place at `path`, made where it does not exist: missing maps and a missing last key are added, a number selects an existing
-// item of a sequence. A name in a sequence, such as that of an effect, stands for a map of it alone. New keys get `origin`. Throws InputError where the path goes through a scalar or past the end of a sequence.
+// item of a sequence. A name in a sequence, such as that of an effect, stands for a map of it alone. New keys get `origin`. Throws InputError where
+// the path goes through another scalar or past the end of a sequence.
 YamlNode& place_at(YamlNode& root, std::span<const std::string> path, const Origin& origin);
 
 // Puts `value` in `place`, which keeps its key.
