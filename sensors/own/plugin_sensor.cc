@@ -33,7 +33,7 @@ OwnLayout layout_of(const slipbench_readout& readout) {
 class PluginSensor final : public OwnSensor {
  public:
   PluginSensor(const Parameters& parameters, std::uint64_t seed, std::uint64_t trial, const std::string& name)
-      : OwnSensor("sensors." + name + ".library", quote(parameters.path("library"))),
+      : OwnSensor("sensors." + name + ".library", "'" + parameters.path("library") + "'"),
         made_("sensor", parameters, SLIPBENCH_SENSOR_BUILD, "sensors." + name) {
     made_.object.name = name.c_str();
     made_.object.seed = seed;
