@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -31,7 +30,7 @@ namespace nb = nanobind;
 namespace slipbench::python {
 namespace {
 
-using Numbers = std::vector<std::pair<std::string, double>>;
+using Declared = std::vector<std::pair<std::string, std::string>>;  // parameters with their defaults, "5 mm"
 
 // What a frame holds, as numpy arrays by channel that each frame fills anew.
 template <class Real>
@@ -120,7 +119,7 @@ auto locked(const Blame& blame, Work&& work) {
   }
 }
 
-nb::dict keywords_of(const Parameters& parameters, const Numbers& declared) {
+nb::dict keywords_of(const Parameters& parameters, const Declared& declared) {
   nb::dict all;
   for (const auto& [name, value] : declared) all[nb::str(name.c_str())] = parameters.number(name);
   return all;
@@ -136,11 +135,10 @@ nb::dict shapes_of(const std::vector<Channel>& channels) {
   return shapes;
 }
 
-Entry entry_of(const std::string& name, const std::string& summary, const Numbers& declared) {
+Entry entry_of(const std::string& name, const std::string& summary, const Declared& declared) {
   Entry entry{.name = name, .summary = summary, .law = {}, .source = "a Python class", .parameters = {}};
   for (const auto& [parameter, value] : declared)
-    entry.parameters.push_back(
-        number_spec(parameter, Quantity::none, fmt::format("{}", value), any_value, "Of the Python class.", "the class"));
+    entry.parameters.push_back(number_spec(parameter, quantity_of(value), value, any_value, "Of the Python class.", "the class"));
   return entry;
 }
 
@@ -235,7 +233,7 @@ class PythonSensor final : public OwnSensor {
 // A maker holds the class for as long as the process lives: what a scene may name never goes.
 nb::object* kept(const nb::object& type) { return new nb::object(type); }
 
-void add_detector(const std::string& name, const nb::object& type, const std::string& summary, const Numbers& declared) {
+void add_detector(const std::string& name, const nb::object& type, const std::string& summary, const Declared& declared) {
   nb::object* const held = kept(type);
   register_detector(entry_of(name, summary, declared), [=](const Parameters& parameters, const FrameSource& source) {
     const Blame blame{"detector.type", "detector " + name};
@@ -248,7 +246,7 @@ void add_detector(const std::string& name, const nb::object& type, const std::st
   });
 }
 
-void add_controller(const std::string& name, const nb::object& type, const std::string& summary, const Numbers& declared) {
+void add_controller(const std::string& name, const nb::object& type, const std::string& summary, const Declared& declared) {
   nb::object* const held = kept(type);
   register_controller(entry_of(name, summary, declared), [=](const Parameters& parameters, const GripSource& source) {
     const Blame blame{"controller.type", "controller " + name};
@@ -262,7 +260,7 @@ void add_controller(const std::string& name, const nb::object& type, const std::
   });
 }
 
-void add_sensor(const std::string& name, const nb::object& type, const std::string& summary, const Numbers& declared) {
+void add_sensor(const std::string& name, const nb::object& type, const std::string& summary, const Declared& declared) {
   nb::object* const held = kept(type);
   register_sensor(entry_of(name, summary, declared), [=](const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
     const Blame blame{"sensors." + scene.name + ".type", "sensor " + name};

@@ -57,9 +57,17 @@ std::size_t count_of(const YamlNode& node, const std::string& subject) {
 
 class TableSensor final : public Sensor {
  public:
-  TableSensor(const PadLayout& layout, double rate)
-      : layout_(layout), rate_(rate), channels_{channel("force", "N", 'F'), channel("displacement", "m", 'D')} {
-    values_.resize(6 * layout.units.size());
+  TableSensor(const PadLayout& layout, double rate, bool of_elements)
+      : layout_(layout),
+        rate_(rate),
+        of_elements_(of_elements),
+        channels_{channel("force", "N", 'F'), channel("displacement", "m", 'D')} {
+    const std::size_t elements = of_elements ? layout.elements.size() : 0;
+    if (of_elements) {
+      channels_.push_back({"depth", "m", {elements}, {}});
+      channels_.push_back({"shear", "m", {3, elements}, {}});
+    }
+    values_.resize(6 * layout.units.size() + 4 * elements);
     frame_.values = values_;
   }
 
@@ -75,6 +83,11 @@ class TableSensor final : public Sensor {
     using Values = Eigen::Map<Eigen::Array3Xf>;
     Values(values_.data(), 3, units) = truth.force.cast<float>();
     Values(values_.data() + 3 * units, 3, units) = truth.displacement.cast<float>();
+    if (of_elements_) {
+      Eigen::Map<Eigen::ArrayXXf> each(values_.data() + 6 * units, truth.element_depth.size(), 4);
+      each.col(0) = truth.element_depth.cast<float>();
+      each.rightCols<3>() = truth.element_shear.cast<float>();
+    }
     frame_.time = truth.time;
     return frame_;
   }
@@ -93,6 +106,7 @@ class TableSensor final : public Sensor {
 
   PadLayout layout_;
   double rate_;
+  bool of_elements_;
   std::vector<Channel> channels_;
   std::vector<float> values_;
   SensorFrame frame_;
@@ -129,8 +143,8 @@ PadLayout read_element_table(const YamlNode& rows, const YamlNode* units) {
   return layout;
 }
 
-std::unique_ptr<Sensor> make_table_sensor(const PadLayout& layout, double rate) {
-  return std::make_unique<TableSensor>(layout, rate);
+std::unique_ptr<Sensor> make_table_sensor(const PadLayout& layout, double rate, bool of_elements) {
+  return std::make_unique<TableSensor>(layout, rate, of_elements);
 }
 
 }  // namespace slipbench

@@ -24,7 +24,7 @@ constexpr const char* table_type = "elements";
 const ParameterSpec trial_spec = integer_spec("trial", "0", non_negative, "Key of the random draws.", "free");
 const ParameterSpec truth_spec = flag_spec("truth", "false", "Whether the truth follows the sensor's values.", "free");
 const ParameterSpec element_truth_spec =
-    flag_spec("element_truth", "false", "Whether the truth lists each element, too.", "free");
+    choice_spec("element_truth", "false", {"false", "true", "read"}, "Whether the truth lists each element, too.", "free");
 const ParameterSpec solver_spec =
     choice_spec("solver", "explicit", {"explicit", "implicit"}, "How the springs enter the step.", "free");
 const ParameterSpec check_spec =
@@ -251,7 +251,7 @@ const PadLayout& table_of(const Attributes& attributes) {
 
 std::unique_ptr<Sensor> PadConfig::make_sensor(const PadCatalogue& catalogue) const {
   // A table's pad is read at every step: there is no electronics to have a rate of its own.
-  if (!table.empty()) return make_table_sensor(table.front(), 0.0);
+  if (!table.empty()) return make_table_sensor(table.front(), 0.0, reads_elements);
   try {
     return catalogue.make_sensor(sensor, seed, trial);
   } catch (const InputError& error) {
@@ -279,7 +279,9 @@ PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue
         "material and friction are both given, and friction would replace that of the material; allowed: one of them");
   if (attributes.has("elements")) {
     config.table = {table_of(attributes)};
-    config.table.front().element_truth = std::get<bool>(attributes.value(element_truth_spec));
+    const auto element_truth = std::get<std::string>(attributes.value(element_truth_spec));
+    config.table.front().element_truth = element_truth != "false";
+    config.reads_elements = element_truth == "read";
   }
   const Scene& scene = read_contact(attributes, catalogue.catalogues);
   config.sensor = scene.sensors.front();

@@ -25,7 +25,8 @@ namespace slipbench {
 //   elements  [[x, y, z, k_n, k_t], ...]: tip [m] in P and stiffness [N/m] of each element, and its axis in three more columns
 //             [ax, ay, az] where it is not -Z
 //   units     [6, 6, ...]: how many elements each unit of `elements` has; default: one
-//   element_truth  true: the contact of the pad also tells of each element (PadLayout::element_truth), for who reads it in C++
+//   element_truth  true: the contact of the pad also tells of each element (PadLayout::element_truth), for who reads it in C++; read: so do
+//             two more channels of `elements`, depth [E] m and shear [3, E] m
 //   material, friction, effects, seed  as in a scene
 //   trial     keys the random draws together with the seed; default 0
 //   damping   time tau of a dashpot tau*k beside each spring; default 1 ms (assumed)
@@ -45,6 +46,7 @@ struct PadConfig {
   int site = -1;
   std::vector<int> geoms;
   std::vector<PadLayout> table;  // one layout, where `elements` gives it
+  bool reads_elements = false;   // its depth and shear are channels
   SensorScene sensor;            // else
   Friction friction;
   std::vector<Named> effects;

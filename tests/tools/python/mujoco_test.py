@@ -242,6 +242,35 @@ class Read(unittest.TestCase):
 
 
 class Step(unittest.TestCase):
+    def test_a_class_of_ones_own_reads_the_contact_of_each_point(self):
+        class Twin:
+            """Four pillars in pairs: a unit's force is the sum of k times depth and shear of its points."""
+
+            def __init__(self, source):
+                self.made_for = (source.sensor, source.seed, source.trial)
+
+            def layout(self):
+                return slipbench.Layout([(x, y, 0) for x in (-3e-3, 3e-3) for y in (-3e-3, 3e-3)], k_normal=7000.0, k_tangential=4000.0, units=[0, 0, 1, 1],
+                                        channels={"load": ((2, 3), "N"), "force": ((2, 3), "N")})
+
+            def measure(self, frame):
+                each = np.column_stack([4000.0 * frame["shear"][0], 4000.0 * frame["shear"][1], 7000.0 * frame["depth"]])
+                return {"load": each.reshape(2, 2, 3).sum(axis=1), "force": frame["force"]}
+
+        spec = stock()
+        left, _ = held(spec, pad=Twin, seed=3, trial=2)
+        read = left.read(grasp(spec.compile()))
+        self.assertEqual(read.shapes["load"], (2, 3))
+        self.assertEqual(read.units["load"], "N")
+        self.assertGreater(np.abs(read.force).max(), 1.0)
+        np.testing.assert_allclose(read.load, read.force, atol=2e-6)  # float32
+        self.assertEqual(set(read.unit_state), {1.0})
+        Twin.measure = lambda self, frame: {"load": np.full((2, 3), np.nan), "force": frame["force"]}
+        with self.assertRaisesRegex(InputError, r"^measure\(\) returned load that is not finite at 0 s; allowed: finite numbers$"):
+            data = mujoco.MjData(spec.compile())
+            mujoco.mj_forward(data.model, data)
+            left.read(data)
+
     def test_longest_step_is_that_of_the_closed_form(self):
         # 2 kg on a vertical slider over a plate, 4 springs of 1 kN/m: omega = sqrt(4000/2) = 44.7 rad/s, and a step of 1/omega is borne.
         spec = mujoco.MjSpec.from_string("""<mujoco><worldbody><geom name="plate" type="plane" size="1 1 1" contype="0" conaffinity="0"/>

@@ -60,7 +60,7 @@ class HoldPreset:
 class NinePillars:
     """The built-in papillarray: columns from +Y to -Y, each from +X to -X, in metres."""
 
-    parameters = {"rate": 1000.0, "edge_drop": 0.2e-3, "corner_drop": 0.45e-3}
+    parameters = {"rate": "1 kHz", "edge_drop": "0.2 mm", "corner_drop": 0.45e-3}
 
     def __init__(self, source, rate, edge_drop, corner_drop):
         self.rate, self.drop = rate, (0.0, edge_drop, corner_drop)

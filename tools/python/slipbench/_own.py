@@ -244,8 +244,8 @@ DetectorClass = TypeVar("DetectorClass", bound=Callable[..., Detector])
 ControllerClass = TypeVar("ControllerClass", bound=Callable[..., Controller])
 
 
-def _declared(made: Any) -> list[tuple[str, float]]:
-    return [(name, float(value)) for name, value in getattr(made, "parameters", {}).items()]
+def _declared(made: Any) -> list[tuple[str, str]]:
+    return [(name, value if isinstance(value, str) else repr(float(value))) for name, value in getattr(made, "parameters", {}).items()]
 
 
 def _summary(made: Any) -> str:
@@ -268,8 +268,8 @@ def sensor(name: str) -> Callable[[SensorClass], SensorClass]:
 def detector(name: str) -> Callable[[DetectorClass], DetectorClass]:
     """Registers a class as `detector: {type: NAME}`, where NAME is `name`, for the scenes of this process: `@slipbench.detector("mine")`.
 
-    The class has the method of `Detector`. It is made anew for each trial as `cls(source, **parameters)`, where its attribute `parameters`, a dict of
-    numbers, gives names and defaults of what a scene may say beside the type. Raises InputError for a name that is slipbench's own; one of one's own
+    The class has the method of `Detector`. It is made anew for each trial as `cls(source, **parameters)`, where its attribute `parameters`, a dict,
+    gives names and defaults of what a scene may say beside the type: numbers, or texts with a unit, as "5 mm", which the class gets in SI. Raises InputError for a name that is slipbench's own; one of one's own
     is replaced.
     """
 

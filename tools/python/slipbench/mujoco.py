@@ -11,11 +11,12 @@ import itertools
 import json
 import math
 from pathlib import Path
-from typing import Any, Mapping, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
+from slipbench import _own
 from slipbench.bin import _core
 from slipbench.bin._core import InputError
 
@@ -95,6 +96,30 @@ class Reading:
         return [*super().__dir__(), *self._arrays]
 
 
+class _Measured:
+    """A class of one's own that makes its readings of the contact of a pad."""
+
+    contact = ("force", "displacement", "depth", "shear")
+
+    def __init__(self, made: Any) -> None:
+        self._made = made
+        _, elements, units, channels = _own.layout_of(made.layout())
+        self.config = {"elements": json.dumps([row[:3] + row[6:] + row[3:6] for row in elements]), "element_truth": "read",
+                       "units": json.dumps([len(list(same)) for _, same in itertools.groupby(units)])}
+        self._units = {name: unit for name, unit, _ in channels}
+        self._shapes = {name: tuple(shape) for name, _, shape in channels}
+
+    def read(self, time: float, arrays: Mapping[str, npt.NDArray[np.float64]], units: Mapping[str, str]) -> Reading:
+        frame = _own.Frame(time, {name: arrays[name] for name in self.contact})
+        said = {name: values.astype(float) for name, values in
+                zip(self._shapes, _own.readings_of(self._made.measure(frame), self._shapes), strict=True)}
+        for name, values in said.items():
+            if not np.isfinite(values).all():
+                raise InputError(f"measure() returned {name} that is not finite at {time:g} s; allowed: finite numbers")
+        truth = [name for name in arrays if name not in self.contact]
+        return Reading(said | {name: arrays[name] for name in truth}, self._units | {name: units[name] for name in truth})
+
+
 class Pad:
     """A pad of a model, by the name of its plugin instance. After `MjSpec.attach` it is found with the prefix or suffix that it was given.
 
@@ -102,8 +127,9 @@ class Pad:
         name: of the instance, without such a prefix
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, sensor: _Measured | None = None) -> None:
         self.name = name
+        self._sensor = sensor
         self._model: Any = None
         self._address = 0
         self._parts: list[tuple[str, str, tuple[int, ...]]] = []
@@ -117,7 +143,8 @@ class Pad:
             size = math.prod(shape)
             arrays[name] = data.sensordata[start : start + size].reshape(shape)
             start += size
-        return Reading(arrays, {name: unit for name, unit, _ in self._parts})
+        units = {name: unit for name, unit, _ in self._parts}
+        return Reading(arrays, units) if self._sensor is None else self._sensor.read(float(data.time), arrays, units)
 
     def _find(self, model: Any) -> None:
         described = _described(model)
@@ -173,7 +200,7 @@ def max_timestep(model: Any, data: Any = None) -> float:
     return float(_ask("slipbench_longest_step", model._address, scratch._address))
 
 
-def attach_pad(spec: Any, site: Any, touch: Any, *, pad: str | Mapping[str, Any] | npt.ArrayLike = "papillarray", name: str | None = None,
+def attach_pad(spec: Any, site: Any, touch: Any, *, pad: str | Mapping[str, Any] | Callable[[_own.SensorSource], _own.OwnSensor] | npt.ArrayLike = "papillarray", name: str | None = None,
                friction: float | Mapping[str, float] | None = None, material: str | None = None, effects: Sequence[Any] = (),
                solver: str = "explicit", damping: float | None = None, truth: bool = True, seed: int = 0, trial: int = 0, check: str = "error", unloaded: str = "1") -> Pad:
     """Puts a pad on a site of an MjSpec, with a sensor that reads it and all that the model needs for it (`complete()`).
@@ -183,7 +210,8 @@ def attach_pad(spec: Any, site: Any, touch: Any, *, pad: str | Mapping[str, Any]
     touch: what is touched, one or a list: names of geoms, "body:NAME", "subtree:NAME", "group:N", MjsGeom or MjsBody objects. Of a body the geoms
         that can collide, all where none can.
     pad: the name of a sensor (`slipbench.list_names("sensors")`), a mapping with its parameters ({"type": "papillarray", "bristles": 6}), or elements
-        [N,5] x, y, z [m], k_n, k_t [N/m], with three more columns for axes that are not -Z.
+        [N,5] x, y, z [m], k_n, k_t [N/m], with three more columns for axes that are not -Z. Or a class such as `slipbench.sensor()` takes: each
+        `read()` of the pad that is returned is then a sample, which the class makes of the contact as it is; pads found by name give the contact.
     name: of the pad, default that of the site.
     friction: coefficient, or {"static": ..., "kinetic": ...}; material: a named one. Not both.
     solver: "explicit", or "implicit", for which integrator, iterations and cone are set and tendons added.
@@ -212,7 +240,10 @@ def attach_pad(spec: Any, site: Any, touch: Any, *, pad: str | Mapping[str, Any]
     config = {"pad": site_name, "touch": " ".join(_touch_word(item) for item in (touch if isinstance(touch, (list, tuple)) else [touch])),
               "name": own, "solver": solver, "truth": "true" if truth else "false", "seed": str(seed), "trial": str(trial), "check": check,
               "unloaded": unloaded}
-    if isinstance(pad, str):
+    measured = _Measured(pad(_own.SensorSource(own, seed, trial))) if callable(pad) else None
+    if measured is not None:
+        config |= measured.config
+    elif isinstance(pad, str):
         config["sensor"] = json.dumps({"type": pad})
     elif isinstance(pad, Mapping):
         config["sensor"] = json.dumps(dict(pad))
@@ -233,7 +264,7 @@ def attach_pad(spec: Any, site: Any, touch: Any, *, pad: str | Mapping[str, Any]
     sensor = spec.add_sensor(name=own, type=_mujoco.mjtSensor.mjSENS_PLUGIN)
     sensor.plugin.plugin_name, sensor.plugin.name, sensor.plugin.active = _PLUGIN, own, True
     complete(spec)
-    return Pad(own)
+    return Pad(own, measured)
 
 
 def complete(spec: Any) -> None:
