@@ -1,5 +1,7 @@
 #include "tools/studies/grid.h"
 
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
 #include "tools/base/project/project_file.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
@@ -44,6 +46,26 @@ void Grid::with_trial(std::size_t index, const std::function<void(const GridTria
                                  cell.change ? ", but for what the name says" : "", cell.command(seed_), plans_[place].size(),
                                  number));
   }
+}
+
+Packed packed_trials(const std::string& path, const std::function<void(const TrialRecord&, Packed&)>& pack) {
+  return Packed(guarded(path, [&] {
+    const DatasetReader reader(path);
+    ContentCheck check(reader);
+    Packed bytes;
+    for (const std::size_t trial : reader.trials()) {
+      reader.check_recorded(trial);
+      const TrialRecord record = reader.read_trial(trial);
+      check.add(trial);
+      try {
+        pack(record, bytes);
+      } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", path, error.what()));
+      }
+    }
+    check.finish();
+    return bytes.release();
+  }));
 }
 
 void make_dataset(const std::string& path, const char* scene, const std::vector<Override>& overrides, std::size_t draws,

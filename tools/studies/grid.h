@@ -178,6 +178,9 @@ inline void end_if_interrupted() {
   if (InterruptGuard::flag()) throw Interrupted();
 }
 
+// What `pack` makes of each trial of a dataset, which a child process reads and checks. Throws InputError, naming the file.
+Packed packed_trials(const std::string& path, const std::function<void(const TrialRecord&, Packed&)>& pack);
+
 // Runs a scene's sweep under options.seed into the dataset `path`; `draws`: of each of its cells, 0: as many as it says. options.say hears how
 // many of `what` are done; null: nothing. Throws InputError and Interrupted.
 void make_dataset(const std::string& path, const char* scene, const std::vector<Override>& overrides, std::size_t draws,
@@ -191,7 +194,7 @@ train::NetworkSummary teach(const std::string& name, const train::Recipe& recipe
 // Refuses a name of `--only` that none of `names` is. Throws InputError with the nearest.
 void check_only(const std::vector<std::string>& only, const std::vector<std::string>& names);
 
-// Those that `only` names; all where it names none of them.
+// Those of an axis that `only` names; all where it names none of them.
 template <class Named>
 std::vector<Named> chosen(const std::vector<Named>& all, const std::vector<std::string>& only) {
   std::vector<Named> kept;
@@ -206,6 +209,13 @@ std::vector<std::string> names_of(const std::vector<Named>& all) {
   std::vector<std::string> names;
   for (const Named& one : all) names.push_back(one.name);
   return names;
+}
+
+// The rows of a table that options.only names; all where it is empty. Throws as check_only.
+template <class Named>
+std::vector<Named> rows_asked_for(const std::vector<Named>& all, const ReproduceOptions& options) {
+  check_only(options.only, names_of(all));
+  return chosen(all, options.only);
 }
 
 }  // namespace slipbench::reproduce

@@ -90,25 +90,6 @@ void take_mean_off(std::vector<float>& counts) {
   }
 }
 
-std::string packed_grasps(const std::string& path) {
-  const DatasetReader reader(path);
-  ContentCheck check(reader);
-  Json all = Json::array();
-  for (const std::size_t trial : reader.trials()) {
-    reader.check_recorded(trial);
-    const TrialRecord record = reader.read_trial(trial);
-    check.add(trial);
-    try {
-      const Grasp grasp = grasp_of(record);
-      all.push_back({grasp.counts, grasp.object, grasp.palm, grasp.slipped});
-    } catch (const InputError& error) {
-      throw InputError(fmt::format("{}: {}", path, error.what()));
-    }
-  }
-  check.finish();
-  return all.dump();
-}
-
 }  // namespace
 
 Grasp grasp_of(const TrialRecord& record) {
@@ -142,10 +123,15 @@ void check_simulated(const std::string& path) {
 
 std::vector<Grasp> read_grasps(const std::string& path, const ReproduceOptions& options) {
   if (options.say) options.say(fmt::format("reading {}", path));
+  Packed bytes = packed_trials(path, [](const TrialRecord& record, Packed& packed) {
+    const Grasp grasp = grasp_of(record);
+    packed.put(grasp.counts, grasp.object, grasp.palm, grasp.slipped);
+  });
   std::vector<Grasp> grasps;
-  for (const Json& one : Json::parse(guarded(path, [&] { return packed_grasps(path); })))
-    grasps.push_back(
-        {one[0].get<std::vector<float>>(), one[1].get<std::string>(), one[2].get<std::size_t>(), one[3].get<bool>()});
+  while (!bytes.at_end()) {
+    Grasp& grasp = grasps.emplace_back();
+    bytes.take(grasp.counts, grasp.object, grasp.palm, grasp.slipped);
+  }
   return grasps;
 }
 

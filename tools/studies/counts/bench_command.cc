@@ -35,14 +35,6 @@ const TextKind results_kind{"file of results",
                             [](std::string_view beginning) { return beginning.starts_with("{\n \"slipbench_bench\""); }};
 const TextKind drawing_kind{"drawing", [](std::string_view beginning) { return beginning.starts_with("<svg "); }};
 
-// "1,234,567"
-std::string grouped(std::int64_t value) {
-  std::string digits = std::to_string(std::abs(value));
-  for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, ",");
-  return (value < 0 ? "-" : "") + digits;
-}
-std::string grouped(std::uint64_t value) { return grouped(static_cast<std::int64_t>(value)); }
-
 std::string counts_text(const Results& results, const Style& style) {
   Table table({"scene", "simulated s", "steps", "instructions", "a simulated s", "a step", "x real time"});
   for (const SceneCount& scene : results.scenes) {

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
-#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -140,6 +138,12 @@ std::string scene_name(std::string_view path) {
   return std::string(path);
 }
 
+std::string grouped(std::int64_t value) {
+  std::string digits = std::to_string(std::abs(value));
+  for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, ",");
+  return (value < 0 ? "-" : "") + digits;
+}
+
 std::string results_json(const Results& results) {
   Json scenes = Json::array();
   for (const SceneCount& scene : results.scenes) scenes.push_back(scene_json(scene));
@@ -170,11 +174,7 @@ Results read_results(const std::string& path) {
   if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: there is no such file", path));
   if (!std::filesystem::is_regular_file(path, error))
     throw InputError(fmt::format("{}: no file; allowed: results of slipbench bench", path));
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw InputError(fmt::format("{}: it cannot be read", path));
-  return parse_results(text.str(), path);
+  return parse_results(file_text(path), path);
 }
 
 std::string differences(const Facts& there, const Facts& here) {
@@ -275,13 +275,7 @@ std::string short_number(double value) {
   if (value < 1.0) return fmt::format("{:.2g}", value);
   if (value < 999.5) return fmt::format("{:.3g}", value);
   const double step = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
-  const std::string digits = fmt::format("{:.0f}", std::round(value / step) * step);
-  std::string out;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    if (i > 0 && (digits.size() - i) % 3 == 0) out += ',';
-    out += digits[i];
-  }
-  return out;
+  return grouped(std::lround(std::round(value / step) * step));
 }
 
 // Bars of one kind of value, beside the names of their scenes, on an axis of whole decades.

@@ -43,6 +43,10 @@ struct Results {
 // Short name of a scene: "papillarray/stage".
 std::string scene_name(std::string_view path);
 
+// "1,234,567".
+std::string grouped(std::int64_t value);
+inline std::string grouped(std::uint64_t value) { return grouped(static_cast<std::int64_t>(value)); }
+
 // As JSON, with a line for each function.
 std::string results_json(const Results& results);
 

@@ -4,7 +4,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -218,29 +220,10 @@ std::string factor_text(double factor) {
   return factor < 100.0 ? fmt::format("{:.2g} x", factor) : fmt::format("{:.0f} x", factor);
 }
 
-class LatencyTable {
- public:
-  explicit LatencyTable(Result& result) : result_(result) {
-    table_.title = "From a frame to its class";
-    table_.head = {"what", "cycles", "a sample", "faster than the published CPU", "than the published FPGA"};
-    table_.note = "Software from levels to class unless the row says otherwise; medians. Cycles at 100 MHz.";
-  }
-
-  void add(const std::string& what, const std::string& cycles, double seconds) {
-    table_.rows.push_back(
-        {what, cycles, time_text(seconds), factor_text(published_cpu / seconds), factor_text(published_fpga / seconds)});
-    result_.figures[what] = seconds;
-  }
-
-  ResultTable release() { return std::move(table_); }
-
- private:
-  Result& result_;
-  ResultTable table_;
-};
+using AddRow = std::function<void(const std::string& what, const std::string& cycles, double seconds)>;
 
 // Plain C++ and every kernel that this CPU runs.
-void add_software(LatencyTable& table, const ReproduceOptions& options, const hd::Model& model) {
+void add_software(const AddRow& add, const ReproduceOptions& options, const hd::Model& model) {
   const auto say = [&](const std::string& what) {
     if (options.say) options.say(what);
   };
@@ -250,19 +233,19 @@ void add_software(LatencyTable& table, const ReproduceOptions& options, const hd
   const auto displacements = random_displacements();
   say("plain C++");
   const auto reference = hd::make_reference(model, memories);
-  table.add("ours: plain C++, reads like the equations", "-",
-            time_of(*reference, std::span(input).first(reference_frames), reference_passes));
+  add("ours: plain C++, reads like the equations", "-",
+      time_of(*reference, std::span(input).first(reference_frames), reference_passes));
   for (const hd::KernelPath path : hd::kernel_paths()) {
     say("kernel, " + path_name(path));
     const auto kernel = hd::make_kernel(model, memories, path);
-    table.add(fmt::format("ours: kernel, {}", path_name(path)), "-", time_of(*kernel, input, kernel_passes));
-    table.add(fmt::format("ours: kernel, {}, from displacements", path_name(path)), "-", median_time(kernel_passes, frames, [&] {
-                std::uint64_t sum = 0;
-                for (const auto& frame : displacements) {
-                  sum += kernel->update(hd::quantise(frame, hd::Quantiser::fixed_point)).distance[0];
-                }
-                sink = sum;
-              }));
+    add(fmt::format("ours: kernel, {}", path_name(path)), "-", time_of(*kernel, input, kernel_passes));
+    add(fmt::format("ours: kernel, {}, from displacements", path_name(path)), "-", median_time(kernel_passes, frames, [&] {
+          std::uint64_t sum = 0;
+          for (const auto& frame : displacements) {
+            sum += kernel->update(hd::quantise(frame, hd::Quantiser::fixed_point)).distance[0];
+          }
+          sink = sum;
+        }));
   }
 }
 
@@ -274,17 +257,24 @@ Result hd_latency(const ReproduceOptions& options) {
   result.title = "Latency of the hyperdimensional slip detector";
   result.source =
       "Section IV.C and table III of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor\": 5,985 us on a Core i7-10700 in C++, 0.42 us on an xc7a200t FPGA";
-  LatencyTable table(result);
-  table.add("paper: C++ on a Core i7-10700", "-", published_cpu);
-  add_software(table, options, model);
-  table.add("paper: FPGA", "42", published_fpga);
-  table.add("published gripper core, as simulated", "463", published_core);
+  ResultTable table{"From a frame to its class",
+                    {"what", "cycles", "a sample", "faster than the published CPU", "than the published FPGA"},
+                    {},
+                    "Software from levels to class unless the row says otherwise; medians. Cycles at 100 MHz."};
+  const AddRow add = [&](const std::string& what, const std::string& cycles, double seconds) {
+    table.rows.push_back(
+        {what, cycles, time_text(seconds), factor_text(published_cpu / seconds), factor_text(published_fpga / seconds)});
+    result.figures[what] = seconds;
+  };
+  add("paper: C++ on a Core i7-10700", "-", published_cpu);
+  add_software(add, options, model);
+  add("paper: FPGA", "42", published_fpga);
+  add("published gripper core, as simulated", "463", published_core);
   const std::optional<CoreFigures> core = stored_core_figures();
   for (const CoreConfiguration& one : core.value_or(CoreFigures{}).configurations) {
-    table.add(fmt::format("ours: RTL core, {}", one.name), std::to_string(one.cycles),
-              static_cast<double>(one.cycles) / core_clock);
+    add(fmt::format("ours: RTL core, {}", one.name), std::to_string(one.cycles), static_cast<double>(one.cycles) / core_clock);
   }
-  result.tables.push_back(table.release());
+  result.tables.push_back(std::move(table));
   result.setup = {
       fmt::format("CPU: {}; one thread.", cpu_name()),
       fmt::format("Compiler: {}, {}.", build_info().compiler, build_info().flags),

@@ -1,20 +1,42 @@
-#include "tools/studies/hd_papillarray/hd_table1.h"
-
+// Table I of the paper: sHDC, stHDC, gstHDC and CL-gstHDC on a fresh dataset of the published protocol, and what decides the outcome.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/train/hd_json.h"
+#include "tools/program/train/train_hd.h"
 #include "tools/studies/grid.h"
+#include "tools/studies/hd_papillarray/hd_offline.h"
 
 namespace slipbench::reproduce {
-
 namespace {
+
+// Which frames are learnt from and judged.
+enum class KeptFrames {
+  all,
+  until_stop,  // nothing after the motion has ended
+  moving,      // nothing before it has begun either
+};
+
+// One way to make the data, to label it and to encode it.
+struct EncoderVariant {
+  std::string name;
+  std::vector<Override> overrides = {};  // of the scene
+  SlipRule labels = SlipRule::paper;
+  hd::Quantiser quantiser = hd::Quantiser::fixed_point;
+  hd::Model model = {};
+  std::uint64_t other_memories = 0;  // added to the seed of the item memories
+  KeptFrames keep = KeptFrames::all;
+};
 
 const std::vector<Override> no_friction_scatter{{"friction.scale", "1"}};
 const std::vector<Override> no_tilt{{"motion.tilt.0", "0 deg"}, {"motion.tilt.1", "0 deg"}};
@@ -46,8 +68,7 @@ void leave_out(Sequence& sequence, KeptFrames keep) {
   std::fill(sequence.label.begin() + after, sequence.label.end(), PadState::no_contact);
 }
 
-}  // namespace
-
+// sHDC, stHDC, gstHDC and CL-gstHDC, all else as in `base`.
 std::array<hd::Model, 4> ablation(const hd::Model& base) {
   std::array<hd::Model, 4> models{base, base, base, base};
   models[0].encoding = hd::Encoding::spatial;
@@ -58,8 +79,9 @@ std::array<hd::Model, 4> ablation(const hd::Model& base) {
   return models;
 }
 
+// What differs between sequences; all of them need data of their own.
 std::vector<EncoderVariant> scatter_variants() {
-  std::vector<EncoderVariant> all{
+  return {
       {"none, no tilt", joined({no_friction_scatter, no_tilt})},
       {"friction 7 %, no tilt", no_tilt},
       {"none, one tilt for all", no_friction_scatter},
@@ -68,9 +90,9 @@ std::vector<EncoderVariant> scatter_variants() {
       {"friction 7 %, tilt 2 deg", {wide_tilt_x, wide_tilt_y}},
       {"friction 7 %, one tilt for all, preload 0.5 to 1.5 mm", wide_preload},
       {"friction 30 %, tilt 2 deg, preload 0.5 to 1.5 mm", joined({{wide_friction, wide_tilt_x, wide_tilt_y}, wide_preload})}};
-  return all;
 }
 
+// One thing changed at a time.
 std::vector<EncoderVariant> cause_variants() {
   std::vector<EncoderVariant> all;
   const auto add = [&all](std::string name, auto&& change) {
@@ -99,6 +121,35 @@ std::vector<EncoderVariant> cause_variants() {
   add("pillars slip as a whole (1 bristle)", [](EncoderVariant& v) { v.overrides = {{"sensors.pad.bristles", "1"}}; });
   return all;
 }
+
+using EncoderDraws = std::array<std::vector<Evaluation>, 4>;  // of the four models
+
+// Runs variants one after the other. A variant that needs no other dataset than the one before it takes that one's.
+class EncoderAblation {
+ public:
+  // `options` must outlive it.
+  explicit EncoderAblation(const ReproduceOptions& options) : options_(options), seed_(options.seed.value_or(1)) {}
+
+  [[nodiscard]] std::uint64_t seed() const { return seed_; }
+  [[nodiscard]] const TrainingData& data() const { return data_; }  // of the last variant
+
+  // The four models under a variant, split by sequence. `by_frame`: filled as well where given. Throws InputError and
+  // Interrupted.
+  EncoderDraws run(const EncoderVariant& variant, EncoderDraws* by_frame = nullptr);
+
+ private:
+  void read(const EncoderVariant& variant);
+
+  const ReproduceOptions& options_;
+  std::uint64_t seed_;
+  InterruptGuard guard_{"ending after the step at hand"};  // lets the folder be removed
+  ScratchFolder folder_;
+  std::string path_;  // of the dataset at hand
+  std::string key_;   // what made it
+  SlipRule labels_{};
+  KeptFrames keep_ = KeptFrames::all;
+  TrainingData data_;
+};
 
 EncoderDraws EncoderAblation::run(const EncoderVariant& variant, EncoderDraws* by_frame) {
   if (options_.say) options_.say(variant.name);
@@ -136,9 +187,6 @@ void EncoderAblation::read(const EncoderVariant& variant) {
   data_ = read_sequences(path_, {labels_, {}});
   for (Sequence& sequence : data_.sequences) leave_out(sequence, keep_);
 }
-
-// Table I of the paper: sHDC, stHDC, gstHDC and CL-gstHDC on a fresh dataset of the published protocol, and what decides the outcome.
-namespace {
 
 // The paper's own figures [%].
 struct Published {

@@ -17,8 +17,7 @@
 #include "tools/program/eval/detector_choice.h"
 #include "tools/program/eval/evaluate.h"
 #include "tools/studies/grid.h"
-#include "tools/studies/hd_papillarray/hd_table1.h"
-#include "tools/studies/hd_papillarray/hd_table3_figures.h"
+#include "tools/studies/hd_papillarray/hd_offline.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -178,9 +177,8 @@ GruFigures gru_figures(const Json& result) {
 }
 
 Result hd_table3(const ReproduceOptions& options) {
-  check_only(options.only, names_of(gru_rows()));
+  const std::vector<GruRow> rows = rows_asked_for(gru_rows(), options);
   static_cast<void>(train::network_libraries());  // says what is missing before anything is run
-  const std::vector<GruRow> rows = chosen(gru_rows(), options.only);
   const InterruptGuard guard("ending after the step at hand");
   const ScratchFolder folder;
   Result result;

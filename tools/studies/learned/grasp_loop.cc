@@ -170,9 +170,7 @@ Result learned_grasp_loop(const ReproduceOptions& options) {
   using namespace grasp_loop;
   const ScratchFolder folder;
   const Files files{folder.file("grasp.onnx"), folder.file("piezo.onnx"), folder.file("myrmex.onnx"), folder.file("memories")};
-  const std::vector<Loop> all = loops(files);
-  check_only(options.only, names_of(all));
-  const std::vector<Loop> rows = chosen(all, options.only);
+  const std::vector<Loop> rows = rows_asked_for(loops(files), options);
 
   Result result;
   teach_all(rows, files, options.data.empty() ? folder.file("grasps.h5") : options.data, options,

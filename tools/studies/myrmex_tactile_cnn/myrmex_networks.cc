@@ -185,7 +185,7 @@ std::size_t MyrmexValidations::queue(const MyrmexRow& row, MyrmexSplit split, st
   plan.fold_of = window_folds(trials_, plan.places, row.word, split, count, seed);
   const std::set<std::size_t> folds(plan.fold_of.begin(), plan.fold_of.end());  // a small set of trials may leave one empty
   for (const std::size_t fold : folds) {
-    if (fold < last) tasks_.push_back({plans_.size(), fold, row.text});
+    if (fold < last) tasks_.emplace_back(plans_.size(), fold);
   }
   plans_.push_back(std::move(plan));
   results_.emplace_back();
@@ -245,10 +245,10 @@ MyrmexFold MyrmexValidations::judged(const Plan& plan, std::size_t fold) const {
 void MyrmexValidations::run() {
   static_cast<void>(train::network_libraries());  // loaded once, not by every child
   const std::vector<std::vector<MyrmexFold>> done = run_in_processes<MyrmexFold>(
-      tasks_.size(), options_, [this](std::size_t k) { return tasks_[k].name; },
-      [this](std::size_t k) { return std::vector{judged(plans_[tasks_[k].of], tasks_[k].fold)}; });
+      tasks_.size(), options_, [this](std::size_t k) { return plans_[tasks_[k].first].row.text; },
+      [this](std::size_t k) { return std::vector{judged(plans_[tasks_[k].first], tasks_[k].second)}; });
   for (std::size_t k = 0; k < tasks_.size(); ++k) {
-    MyrmexFigures& figures = results_[tasks_[k].of];
+    MyrmexFigures& figures = results_[tasks_[k].first];
     const MyrmexFold& fold = done[k].front();
     figures.folds.push_back(fold.counts);
     figures.late.add(fold.late);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/program/train/network/network.h"
@@ -117,11 +118,6 @@ class MyrmexValidations {
   [[nodiscard]] const MyrmexFigures& figures(std::size_t validation) const { return results_[validation]; }
 
  private:
-  struct Task {
-    std::size_t of;  // validation
-    std::size_t fold;
-    std::string name;
-  };
   struct Plan {
     MyrmexRow row;
     MyrmexSplit split{};
@@ -134,7 +130,7 @@ class MyrmexValidations {
   const MyrmexSize& size_;
   const std::vector<MyrmexTrial>& trials_;
   std::vector<Plan> plans_;
-  std::vector<Task> tasks_;
+  std::vector<std::pair<std::size_t, std::size_t>> tasks_;  // validation and fold
   std::vector<MyrmexFigures> results_;
 };
 

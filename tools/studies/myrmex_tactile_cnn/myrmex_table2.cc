@@ -22,24 +22,17 @@ std::vector<MyrmexRow> all_rows() {
   }
   for (std::size_t net = 1; net <= 3; ++net) rows.push_back(network_row(net, MyrmexInput::spectra, SlipWord::bench));
   rows.push_back(network_row(3, MyrmexInput::spectra, SlipWord::motion));
-  MyrmexRow longer = network_row(3, MyrmexInput::spectra, SlipWord::truth);
-  longer.name = "net_3_longer";
-  longer.text = "net 3, four times the steps";
-  longer.longer = 4;
-  longer.published = std::numeric_limits<double>::quiet_NaN();
-  rows.push_back(longer);
-  MyrmexRow late = longer;
-  late.name = "net_3_late";
-  late.text = "net 3, stable from the last half second alone";
-  late.longer = 1;
-  late.late = true;
-  rows.push_back(late);
-  MyrmexRow still = late;
-  still.name = "static";
-  still.text = "the static image alone, net 3";
-  still.late = false;
-  still.input = MyrmexInput::static_image;
-  rows.push_back(still);
+  const auto other = [&](const char* name, const char* text, auto&& change) {
+    MyrmexRow row = network_row(3, MyrmexInput::spectra, SlipWord::truth);
+    row.name = name;
+    row.text = text;
+    row.published = std::numeric_limits<double>::quiet_NaN();
+    change(row);
+    rows.push_back(row);
+  };
+  other("net_3_longer", "net 3, four times the steps", [](MyrmexRow& row) { row.longer = 4; });
+  other("net_3_late", "net 3, stable from the last half second alone", [](MyrmexRow& row) { row.late = true; });
+  other("static", "the static image alone, net 3", [](MyrmexRow& row) { row.input = MyrmexInput::static_image; });
   const auto shortcut = [&](const char* name, const char* text, MyrmexInput input) {
     MyrmexRow row;
     row.name = name;
@@ -122,8 +115,7 @@ void add_row(const Asked& asked, const MyrmexValidations& validations, ResultTab
 
 Result myrmex_table2(const ReproduceOptions& options) {
   const MyrmexSize size = myrmex_size(options);
-  check_only(options.only, names_of(all_rows()));
-  const std::vector<MyrmexRow> rows = chosen(all_rows(), options.only);
+  const std::vector<MyrmexRow> rows = rows_asked_for(all_rows(), options);
   const std::vector<MyrmexTrial> trials = myrmex_trials(options, size);
   MyrmexValidations validations(options, size, trials);
   std::vector<Asked> asked;
@@ -164,8 +156,7 @@ Result myrmex_table3(const ReproduceOptions& options) {
   const MyrmexSize size = myrmex_size(options);
   std::vector<MyrmexRow> all;
   for (std::size_t net = 1; net <= 3; ++net) all.push_back(network_row(net, MyrmexInput::high_pass, SlipWord::truth));
-  check_only(options.only, names_of(all));
-  const std::vector<MyrmexRow> rows = chosen(all, options.only);
+  const std::vector<MyrmexRow> rows = rows_asked_for(all, options);
   const std::vector<MyrmexTrial> trials = myrmex_trials(options, size);
   MyrmexValidations validations(options, size, trials);
   struct Asked {

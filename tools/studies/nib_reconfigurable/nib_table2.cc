@@ -1,16 +1,77 @@
+// Table II of the nib pad's paper: Algorithm 1 while the normal force falls slowly, and what decides its figures.
 #include "tools/studies/nib_reconfigurable/nib_table2.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "detectors/detector_kinds.h"
 #include "detectors/nib/slip_detectors.h"
+#include "sim/core/parameters.h"
 #include "tools/base/statistics/binomial.h"
+#include "tools/studies/grid.h"
+#include "tools/studies/nib_reconfigurable/nib_signature.h"
 
 namespace slipbench::reproduce {
+
+ReleaseSummary summary_of(const std::vector<ReleaseRun>& runs, const std::string& material) {
+  ReleaseSummary summary;
+  std::vector<double> errors, gross, ways;
+  for (const ReleaseRun& run : runs) {
+    if (!material.empty() && run.material != material) continue;
+    ++summary.runs;
+    if (!run.safe()) continue;
+    ++summary.safe;
+    errors.push_back(std::abs(run.force - run.required));
+    ways.push_back(1e3 * run.way);
+    if (run.gross()) {
+      gross.push_back(errors.back());
+    } else {
+      ++summary.early;
+    }
+  }
+  summary.error = mean_sd(errors);
+  summary.gross_error = mean_sd(gross);
+  summary.slip = mean_sd(ways);
+  return summary;
+}
+
 namespace {
+
+constexpr const char* release_scene = "scenes/nib_pad/release.yaml";
+constexpr std::size_t few_draws = 2;  // trials a cell at most, of every law but the scene's own
+
+// A change of the detector, on the very same trials.
+struct DetectorReading {
+  const char* name;
+  const char* text;
+  std::vector<std::pair<const char*, Parameters::Value>> changes;
+};
+// The scene's own first.
+const std::vector<DetectorReading>& detector_readings() {
+  static const std::vector<DetectorReading> all{
+      {"as_is", "threshold 25, patience 0.5 s, F_S/F_N of counts as equations 1, 2 and 4 have it", {}},
+      {"threshold_15", "threshold 15", {{"threshold", 15.0}}},
+      {"threshold_20", "threshold 20", {{"threshold", 20.0}}},
+      {"threshold_40", "threshold 40", {{"threshold", 40.0}}},
+      {"threshold_80", "threshold 80", {{"threshold", 80.0}}},
+      {"patience_0.25", "patience 0.25 s", {{"patience", 0.25}}},
+      {"patience_1", "patience 1 s", {{"patience", 1.0}}},
+      {"alpha_0", "alpha 0", {{"weight", 0.0}}},
+      {"alpha_5_m_5", "M 5, alpha 5", {{"counter_max", 5.0}, {"weight", 5.0}}},
+      {"forces", "F_S/F_N of newtons", {{"ratio", std::string("forces")}}},
+  };
+  return all;
+}
+
+// All trials under one law.
+struct LawRuns {
+  std::vector<std::vector<ReleaseRun>> by_reading;   // in the order of detector_readings()
+  std::vector<std::optional<Signature>> signatures;  // of each trial
+};
 
 struct ReleaseTrial {
   std::vector<ReleaseRun> runs;  // in the order of detector_readings()
@@ -41,24 +102,7 @@ ReleaseTrial trial_of(const Scene& scene, const TrialRecord& record) {
   return trial;
 }
 
-}  // namespace
-
-const std::vector<DetectorReading>& detector_readings() {
-  static const std::vector<DetectorReading> all{
-      {"as_is", "threshold 25, patience 0.5 s, F_S/F_N of counts as equations 1, 2 and 4 have it", {}},
-      {"threshold_15", "threshold 15", {{"threshold", 15.0}}},
-      {"threshold_20", "threshold 20", {{"threshold", 20.0}}},
-      {"threshold_40", "threshold 40", {{"threshold", 40.0}}},
-      {"threshold_80", "threshold 80", {{"threshold", 80.0}}},
-      {"patience_0.25", "patience 0.25 s", {{"patience", 0.25}}},
-      {"patience_1", "patience 1 s", {{"patience", 1.0}}},
-      {"alpha_0", "alpha 0", {{"weight", 0.0}}},
-      {"alpha_5_m_5", "M 5, alpha 5", {{"counter_max", 5.0}, {"weight", 5.0}}},
-      {"forces", "F_S/F_N of newtons", {{"ratio", std::string("forces")}}},
-  };
-  return all;
-}
-
+// `draws` trials of each cell of the scene's sweep: of each of friction_laws().
 std::vector<LawRuns> run_releases(std::size_t draws, const ReproduceOptions& options) {
   std::vector<GridCell> cells;
   for (const FrictionLaw& law : friction_laws()) {
@@ -76,31 +120,6 @@ std::vector<LawRuns> run_releases(std::size_t draws, const ReproduceOptions& opt
   }
   return laws;
 }
-
-ReleaseSummary summary_of(const std::vector<ReleaseRun>& runs, const std::string& material) {
-  ReleaseSummary summary;
-  std::vector<double> errors, gross, ways;
-  for (const ReleaseRun& run : runs) {
-    if (!material.empty() && run.material != material) continue;
-    ++summary.runs;
-    if (!run.safe()) continue;
-    ++summary.safe;
-    errors.push_back(std::abs(run.force - run.required));
-    ways.push_back(1e3 * run.way);
-    if (run.gross()) {
-      gross.push_back(errors.back());
-    } else {
-      ++summary.early;
-    }
-  }
-  summary.error = mean_sd(errors);
-  summary.gross_error = mean_sd(gross);
-  summary.slip = mean_sd(ways);
-  return summary;
-}
-
-// Table II of the nib pad's paper: Algorithm 1 while the normal force falls slowly, and what decides its figures.
-namespace {
 
 struct PublishedSurface {
   const char* material;

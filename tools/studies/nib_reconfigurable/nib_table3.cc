@@ -1,20 +1,24 @@
+// Table III of the nib pad's paper: a box turned up by rotational slip and released, over weights, centres of mass and surfaces.
 #include "tools/studies/nib_reconfigurable/nib_table3.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
+#include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
-
 namespace {
 
 constexpr std::size_t pose_size = 7;
@@ -74,6 +78,47 @@ Turn turn_of(const TrialRecord& record, double target) {
 
 namespace {
 
+double median_of(const ReorientRuns& runs, double (*figure)(const ReorientRun&)) {
+  std::vector<double> values;
+  for (const ReorientRun& run : runs) {
+    if (const double value = figure(run); !std::isnan(value)) values.push_back(value);
+  }
+  return quantile(std::move(values), 0.5);
+}
+
+}  // namespace
+
+ReorientSummary summary_of(const ReorientRuns& runs) {
+  ReorientSummary summary{.runs = runs.size()};
+  for (const ReorientRun& run : runs) {
+    summary.standing += run.standing ? 1 : 0;
+    summary.turned_up += run.least_tilt < turned_up ? 1 : 0;
+    summary.dropped += run.dropped ? 1 : 0;
+    ++summary.ends.at(static_cast<std::size_t>(run.turn.end));
+  }
+  summary.tilt = median_of(runs, [](const ReorientRun& run) { return run.tilt; });
+  summary.least_tilt = median_of(runs, [](const ReorientRun& run) { return run.least_tilt; });
+  summary.most_force = median_of(runs, [](const ReorientRun& run) { return run.most_force; });
+  summary.released_tilt = median_of(runs, [](const ReorientRun& run) { return run.turn.tilt; });
+  summary.held_by = median_of(runs, [](const ReorientRun& run) { return run.turn.force; });
+  return summary;
+}
+
+namespace {
+
+// What Table III of the nib pad's paper simulates, a box that is turned up and released, and what the trials of a cell come to.
+constexpr const char* reorient_scene = "scenes/nib_pad/reorient.yaml";
+constexpr std::size_t published_runs = 11;
+
+struct ReorientCell {
+  std::string name, text;
+  std::optional<std::size_t> published;  // successes of published_runs; empty: a change of ours
+  std::vector<Override> overrides;
+
+  // With `draws` trials.
+  [[nodiscard]] GridCell grid(std::size_t draws) const { return {name, reorient_scene, overrides, {}, draws}; }
+};
+
 Parameters reorient_defaults() {
   const Catalogues catalogues = program_catalogues();
   return defaults_of(std::ranges::find(catalogues.controllers, "reorient", &Entry::name)->parameters);
@@ -93,11 +138,8 @@ std::vector<ReorientCell> all_cells() {
       {"masonite", "200 g in the middle, masonite", 10, surface("masonite", "0.5")},
       {"wavy", "200 g in the middle, friction of wavy acrylic, without its waves", 10, surface("wavy_acrylic", "0.55")}};
   const Parameters defaults = reorient_defaults();
-  struct Threshold {
-    const char *name, *unit;
-  };
-  for (const auto& [name, unit] : {Threshold{"fl_slip", ""}, Threshold{"fr_slip", ""}, Threshold{"fr_quiet", " s"},
-                                   Threshold{"fr_upright", ""}, Threshold{"released_normal", " N"}}) {
+  for (const auto& [name, unit] :
+       {std::pair{"fl_slip", ""}, {"fr_slip", ""}, {"fr_quiet", " s"}, {"fr_upright", ""}, {"released_normal", " N"}}) {
     for (const double factor : {0.5, 2.0}) {
       cells.push_back({fmt::format("{}_x{}", name, factor),
                        fmt::format("200g with {} x {}", name, factor),
@@ -108,22 +150,6 @@ std::vector<ReorientCell> all_cells() {
   cells.push_back(
       {"stick_slip", "200g with kinetic friction of 0.9 times the static one", std::nullopt, {{"friction.kinetic", "0.585"}}});
   return cells;
-}
-
-double median_of(const ReorientRuns& runs, double (*figure)(const ReorientRun&)) {
-  std::vector<double> values;
-  for (const ReorientRun& run : runs) {
-    if (const double value = figure(run); !std::isnan(value)) values.push_back(value);
-  }
-  return quantile(std::move(values), 0.5);
-}
-
-}  // namespace
-
-std::vector<ReorientCell> reorient_cells(const std::vector<std::string>& only) {
-  const std::vector<ReorientCell> cells = all_cells();
-  check_only(only, names_of(cells));
-  return chosen(cells, only);
 }
 
 std::vector<ReorientRuns> run_reorientations(const std::vector<ReorientCell>& cells, std::size_t trials,
@@ -137,25 +163,6 @@ std::vector<ReorientRuns> run_reorientations(const std::vector<ReorientCell>& ce
                        grasp.turn->least_tilt, grasp.max_grip_force, turn_of(record, target)};
   });
 }
-
-ReorientSummary summary_of(const ReorientRuns& runs) {
-  ReorientSummary summary{.runs = runs.size()};
-  for (const ReorientRun& run : runs) {
-    summary.standing += run.standing ? 1 : 0;
-    summary.turned_up += run.least_tilt < turned_up ? 1 : 0;
-    summary.dropped += run.dropped ? 1 : 0;
-    ++summary.ends.at(static_cast<std::size_t>(run.turn.end));
-  }
-  summary.tilt = median_of(runs, [](const ReorientRun& run) { return run.tilt; });
-  summary.least_tilt = median_of(runs, [](const ReorientRun& run) { return run.least_tilt; });
-  summary.most_force = median_of(runs, [](const ReorientRun& run) { return run.most_force; });
-  summary.released_tilt = median_of(runs, [](const ReorientRun& run) { return run.turn.tilt; });
-  summary.held_by = median_of(runs, [](const ReorientRun& run) { return run.turn.force; });
-  return summary;
-}
-
-// Table III of the nib pad's paper: a box turned up by rotational slip and released, over weights, centres of mass and surfaces.
-namespace {
 
 std::string share_text(std::size_t k, std::size_t n) {
   const Interval share = clopper_pearson(k, n);
@@ -207,7 +214,7 @@ Json cell_json(const ReorientCell& cell, const ReorientSummary& summary, std::ui
 Result nib_table3(const ReproduceOptions& options) {
   const std::uint64_t seed = options.seed.value_or(1);
   const std::size_t trials = options.trials == 0 ? published_runs : options.trials;
-  const std::vector<ReorientCell> cells = reorient_cells(options.only);
+  const std::vector<ReorientCell> cells = rows_asked_for(all_cells(), options);
   const std::vector<ReorientRuns> results = run_reorientations(cells, trials, options);
   Result result;
   result.title = "Reorientation of a box by rotational slip, and its release";

@@ -3,12 +3,9 @@
 
 #include <array>
 #include <cstddef>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "tools/base/record/trial_record.h"
-#include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
 
@@ -40,22 +37,7 @@ struct Turn {
 // not what it takes: the outcome's turn, the bodies `arm` and `box`, and the loop's rows at the same times.
 Turn turn_of(const TrialRecord& record, double target);
 
-// What Table III of the nib pad's paper simulates, a box that is turned up and released, and what the trials of a cell come to.
-inline constexpr const char* reorient_scene = "scenes/nib_pad/reorient.yaml";
-inline constexpr std::size_t published_runs = 11;
-
-struct ReorientCell {
-  std::string name, text;
-  std::optional<std::size_t> published;  // successes of published_runs; empty: a change of ours
-  std::vector<Override> overrides;
-
-  // With `draws` trials.
-  [[nodiscard]] GridCell grid(std::size_t draws) const { return {name, reorient_scene, overrides, {}, draws}; }
-};
-
-// The cells that `only` names, all where it is empty. Throws InputError for a name that no cell has.
-std::vector<ReorientCell> reorient_cells(const std::vector<std::string>& only);
-
+// A trial, and what the trials of a cell come to.
 struct ReorientRun {
   bool standing = false, dropped = false;
   double tilt = 0.0, least_tilt = 0.0;  // rad, at the end and ever
@@ -63,10 +45,6 @@ struct ReorientRun {
   Turn turn;
 };
 using ReorientRuns = std::vector<ReorientRun>;
-
-// The trials of each cell. Throws InputError and Interrupted as run_grid does.
-std::vector<ReorientRuns> run_reorientations(const std::vector<ReorientCell>& cells, std::size_t trials,
-                                             const ReproduceOptions& options);
 
 struct ReorientSummary {
   std::size_t runs = 0, standing = 0, turned_up = 0, dropped = 0;

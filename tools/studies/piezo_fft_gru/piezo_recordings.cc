@@ -7,8 +7,6 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/guarded.h"
-#include "tools/base/dataset/reader.h"
 #include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/grid.h"
 
@@ -154,19 +152,8 @@ std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, st
 }
 
 std::vector<PiezoRecording> read_recordings(const std::string& path, const std::vector<network::Input>& inputs) {
-  return unpack(Packed(guarded(path, [&] {
-    const DatasetReader reader(path);
-    ContentCheck check(reader);
-    Packed bytes;
-    for (const std::size_t trial : reader.trials()) {
-      reader.check_recorded(trial);
-      const TrialRecord record = reader.read_trial(trial);
-      check.add(record.trial);
-      pack(make_recording(record, inputs), bytes);
-    }
-    check.finish();
-    return bytes.release();
-  })));
+  return unpack(
+      packed_trials(path, [&](const TrialRecord& record, Packed& bytes) { pack(make_recording(record, inputs), bytes); }));
 }
 
 }  // namespace slipbench::reproduce

@@ -77,12 +77,6 @@ Result piezo_table2(const ReproduceOptions& options) {
 }
 
 // Table III of the paper: tips that were never learnt.
-namespace {
-
-using train::LabelRule;
-
-}  // namespace
-
 Result piezo_table3(const ReproduceOptions& options) {
   const StudySize size = size_of(options, usual_recordings);
   const std::vector<PiezoRecording> recordings = recordings_for(options, size, {bench_level}, {published_spectra()});

@@ -1,4 +1,4 @@
-// What Table III of the paper says of a detector, out of what `slipbench eval` found.
+// What Tables I and III of the paper, its offline evaluation, share and are made of.
 #pragma once
 
 #include <cstddef>
@@ -7,6 +7,9 @@
 
 namespace slipbench::reproduce {
 
+inline constexpr const char* hexapod_scene = "scenes/papillarray/hexapod.yaml";  // the published protocol
+
+// What Table III says of a detector, out of what `slipbench eval` found.
 struct GruFigures {
   std::size_t trials = 0, slipping = 0, seen = 0, early = 0, missed = 0, false_alarms = 0;  // of the trials that judge
   double balanced = 0.0, auc = 0.0;                                                         // of frames, slip or not, 0 to 1
