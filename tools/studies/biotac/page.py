@@ -109,29 +109,18 @@ def time_series(real, synthetic):
     return "".join(parts)
 
 
-def by_group(real, synthetic, draw, plot_of, caption):
+def by_group(real, synthetic, figure, places, middle, axes, caption):
+    """A plot a group of `figure` at `places`: thick lines are the middles over its recordings, thin ones the quartiles."""
     parts = []
     for group in GROUPS:
-        plot = plot_of()
+        plot = Plot(**axes)
         for whose, recordings in (("real", real), ("synthetic", synthetic)):
-            draw(plot, [r for r in recordings if r.kind in GROUPS[group]], COLOURS[whose])
+            values = np.array([figure(r) for r in recordings if r.kind in GROUPS[group]])
+            plot.line(places, middle(values, axis=0), COLOURS[whose], 1.8)
+            for share in (25, 75):
+                plot.line(places, np.percentile(values, share, axis=0), COLOURS[whose], 0.5)
         parts.append(plot.drawn(f"{group}: {caption}"))
     return "".join(parts)
-
-
-def draw_spectra(plot, recordings, colour):
-    spectra = np.array([rec.active_spectrum(r)[1] for r in recordings])
-    f = rec.active_spectrum(recordings[0])[0]
-    for share, width in ((25, 0.5), (50, 1.8), (75, 0.5)):
-        plot.line(f[1:], np.percentile(spectra[:, 1:], share, axis=0), colour, width)
-
-
-def draw_correlation(plot, recordings, colour):
-    found = np.array([rec.distance_correlation(r) for r in recordings])
-    middles = [(low + high) / 2 for low, high in rec.DISTANCE_BINS]
-    plot.line(middles, found.mean(0), colour, 1.8)
-    for share in (25, 75):
-        plot.line(middles, np.percentile(found, share, axis=0), colour, 0.5)
 
 
 def pattern(recordings):
@@ -149,13 +138,6 @@ def patterns(real, synthetic):
                 plot.dot(place[0], place[2], COLOURS[whose], 1 + 24 * size)
             parts.append(plot.drawn(f"{kind}, {whose}"))
     return "".join(parts)
-
-
-def draw_shares(plot, recordings, colour):
-    shares = np.array([rec.components(r) for r in recordings])
-    plot.line((1, 2, 3), np.median(shares, axis=0), colour, 1.8)
-    for share in (25, 75):
-        plot.line((1, 2, 3), np.percentile(shares, share, axis=0), colour, 0.5)
 
 
 def shown(kind, distance):
@@ -177,12 +159,14 @@ def table(rows, bars):
 
 def drawn(real, synthetic, rows, bars):
     key = " and ".join(f'<b style="color:{colour}">{whose}</b>' for whose, colour in COLOURS.items())
-    spectra = by_group(real, synthetic, draw_spectra, lambda: Plot((0.39, 50), (0.01, 3000), log=(True, True), labels=("Hz", "counts²/Hz")),
+    spectra = by_group(real, synthetic, lambda r: rec.active_spectrum(r)[1][1:], rec.active_spectrum(real[0])[0][1:], np.median,
+                       {"x": (0.39, 50), "y": (0.01, 3000), "log": (True, True), "labels": ("Hz", "counts²/Hz")},
                        "spectrum of the most active electrode")
-    correlations = by_group(real, synthetic, draw_correlation, lambda: Plot((0, 26), (-1, 1), labels=("mm between electrodes", "correlation")),
+    correlations = by_group(real, synthetic, rec.distance_correlation, np.mean(rec.DISTANCE_BINS, axis=1), np.mean,
+                            {"x": (0, 26), "y": (-1, 1), "labels": ("mm between electrodes", "correlation")},
                             "smoothed signals of two electrodes")
-    shares = by_group(real, synthetic, draw_shares, lambda: Plot((1, 3), (0, 1), labels=("principal component", "share")),
-                      "variance of the smoothed signals")
+    shares = by_group(real, synthetic, rec.components, (1, 2, 3), np.median,
+                      {"x": (1, 3), "y": (0, 1), "labels": ("principal component", "share")}, "variance of the smoothed signals")
     return composed("BioTac SP: real and synthetic", f"""<header class="plain"><h1>BioTac SP: real and synthetic recordings</h1>
 <p class="note">{len(real)} recordings {key.split(" and ")[0]}, {len(synthetic)} {key.split(" and ")[1]}. Thick lines are medians (of correlations:
 means), thin ones quartiles. The contact sites, depths and spreads of the synthetic ones were read from these same real ones: this shows how well
