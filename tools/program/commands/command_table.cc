@@ -12,15 +12,11 @@
 namespace slipbench {
 
 Commands command_table() {
-  const auto study = [](const char* name, const char* summary) {
-    return std::make_unique<CommandElsewhere>(name, summary, "slipbench-studies");
-  };
   Commands commands = make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand,
                                     ImportCommand, VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand,
                                     EvalCommand, BenchmarkCommand, CalibrateCommand>();
-  commands.push_back(study("reproduce", "Reproduce a table of a paper"));
+  commands.push_back(std::make_unique<CommandElsewhere>("reproduce", "Reproduce a table of a paper", "slipbench-studies"));
   commands.push_back(std::make_unique<CostCommand>());
-  commands.push_back(study("bench", "Count the instructions of the reference scenes"));
   for (auto& command : make_commands<ListCommand, DescribeCommand, DoctorCommand, PluginPathCommand>())
     commands.push_back(std::move(command));
   return commands;

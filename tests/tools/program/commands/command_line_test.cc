@@ -13,7 +13,6 @@
 #include "tools/program/commands/dataset_commands.h"
 #include "tools/program/commands/detectors/detector_commands.h"
 #include "tools/program/commands/simulation/simulation_commands.h"
-#include "tools/studies/counts/bench_command.h"
 #include "tools/studies/reproduce_command.h"
 
 namespace slipbench {
@@ -23,8 +22,8 @@ using reproduce::ReproduceCommand;
 
 Request parse(const std::vector<std::string>& words) {
   static Commands commands;  // what comes back points to one of them
-  const bool study = !words.empty() && (words.front() == "reproduce" || words.front() == "bench");
-  commands = study ? make_commands<ReproduceCommand, counts::BenchCommand>() : command_table();
+  const bool study = !words.empty() && words.front() == "reproduce";
+  commands = study ? make_commands<ReproduceCommand>() : command_table();
   return parse_command_line(commands, words);
 }
 
@@ -86,18 +85,6 @@ TEST(CommandLine, CheckTakesSeveralScenes) {
   EXPECT_EQ(command.output, "left");
   EXPECT_EQ(refusal({"check", "a.yaml", "--junit", ""}), "check: --junit needs a file name");
   EXPECT_EQ(refusal({"check", "a.yaml", "-o", ""}), "check: -o needs a folder name");
-}
-
-TEST(CommandLine, BenchComparesWithAFileOrTheCommittedResults) {
-  const auto plain = parsed<counts::BenchCommand>({"bench", "-o", "ci.json"});
-  EXPECT_FALSE(plain.compares);
-  EXPECT_EQ(plain.output, "ci.json");
-  const auto committed = parsed<counts::BenchCommand>({"bench", "--compare", "--jobs", "2"});
-  EXPECT_TRUE(committed.compares);
-  EXPECT_EQ(committed.compare_with, "");
-  EXPECT_EQ(committed.jobs, 2U);
-  EXPECT_EQ(parsed<counts::BenchCommand>({"bench", "--compare", "old.json"}).compare_with, "old.json");
-  EXPECT_EQ(refusal({"bench", "-o", ""}), "bench: -o needs a file name");
 }
 
 TEST(CommandLine, WhatIsNotGivenIsEmpty) {
@@ -331,20 +318,17 @@ TEST(CommandLine, AStudyWithoutItsProgramSaysWhatIsMissing) {
 // The program knows of the studies what its help shows, and hands on what it is given.
 TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
   const std::string help = parse({}).help;
-  std::istringstream lines(parse_command_line(make_commands<ReproduceCommand, counts::BenchCommand>(), {}).help);
-  int found = 0;
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with("  reproduce ") && !line.starts_with("  bench ")) continue;
-    ++found;
-    EXPECT_THAT(help, HasSubstr(line + '\n'));
-  }
-  EXPECT_EQ(found, 2) << help;
+  std::istringstream lines(parse_command_line(make_commands<ReproduceCommand>(), {}).help);
+  std::string line;
+  while (!line.starts_with("  reproduce ") && std::getline(lines, line)) continue;
+  ASSERT_THAT(line, StartsWith("  reproduce "));
+  EXPECT_THAT(help, HasSubstr(line + '\n'));
 }
 
 TEST(CommandLine, EveryCommandExplainsItself) {
-  for (const std::string name : {"run",   "sweep",   "check", "report",   "view",   "export",     "import",    "verify",
-                                 "merge", "cluster", "hd",    "train",    "eval",   "benchmark",  "calibrate", "reproduce",
-                                 "cost",  "bench",   "list",  "describe", "doctor", "plugin-path"}) {
+  for (const std::string name :
+       {"run",   "sweep", "check",     "report",    "view",      "export", "import", "verify",   "merge",  "cluster",    "hd",
+        "train", "eval",  "benchmark", "calibrate", "reproduce", "cost",   "list",   "describe", "doctor", "plugin-path"}) {
     const std::string text = parse({name, "--help"}).help;
     EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
     EXPECT_THAT(text, HasSubstr("--json")) << name;
@@ -353,7 +337,7 @@ TEST(CommandLine, EveryCommandExplainsItself) {
 
 TEST(CommandLine, ARefusalSaysWhatIsAllowed) {
   const std::string all =
-      "commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, bench, list, describe, doctor, plugin-path";
+      "commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, list, describe, doctor, plugin-path";
   const std::vector<std::pair<std::vector<std::string>, std::string>> refusals = {
       {{"swep", "s.yaml"}, "unknown command 'swep'; did you mean 'sweep'? " + all},
       {{"xyzzy"}, "unknown command 'xyzzy'; " + all},
