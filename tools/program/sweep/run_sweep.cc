@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
-#include <map>
 #include <memory>
 #include <new>
 #include <numeric>
@@ -84,6 +83,13 @@ struct WorkPlan {
   Recording recording = Recording::full;
   double max_bytes = max_record_bytes;  // of a trial's record
   const std::atomic<bool>* interrupt = nullptr;
+  const HeldFiles& files;
+};
+
+// Says nothing of the trial. So it ends the run, whose finished trials are kept, and is not noted as a failure.
+class EndOfRun : public InputError {
+ public:
+  using InputError::InputError;
 };
 
 FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
@@ -169,13 +175,6 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const 
   }
 }
 
-// Says nothing of the trial, which may run with more memory. So it ends the run, whose finished trials are kept, and is not noted
-// as a failure.
-class OutOfMemory : public InputError {
- public:
-  using InputError::InputError;
-};
-
 // As run_one; what went wrong is told with the trial's number, and with the line of the scene where one is to blame.
 FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
   try {
@@ -187,9 +186,18 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
   } catch (const InputError& error) {
     throw InputError(fmt::format("trial {}: {}", index, error.what()));
   } catch (const std::bad_alloc&) {
-    throw OutOfMemory(fmt::format("trial {}: out of memory; a shorter trial, slower sensors or fewer --jobs need less", index));
+    throw EndOfRun(fmt::format("trial {}: out of memory; a shorter trial, slower sensors or fewer --jobs need less", index));
   } catch (const std::exception& error) {
     throw std::runtime_error(fmt::format("trial {}: {}", index, error.what()));
+  }
+}
+
+// After a trial: whether it read the same files as all others.
+void hold_files(const WorkPlan& plan) {
+  try {
+    plan.files.check();
+  } catch (const InputError& error) {
+    throw EndOfRun(error.what());
   }
 }
 
@@ -199,10 +207,13 @@ OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepO
   std::shared_ptr<TrialEncoder> encoder = options.output.empty() ? nullptr : std::make_shared<TrialEncoder>();
   return [plan, encoder, &trials](std::size_t index) {
     try {
-      return run_numbered(plan, trials[index], encoder.get());
-    } catch (const OutOfMemory&) {
+      FinishedTrial finished = run_numbered(plan, trials[index], encoder.get());
+      hold_files(plan);
+      return finished;
+    } catch (const EndOfRun&) {
       throw;
     } catch (const InputError& error) {
+      hold_files(plan);
       FinishedTrial failed;
       failed.summary.trial = trials[index];
       failed.failure = error.what();
@@ -353,6 +364,7 @@ class RunningSweep {
   const TrialPlan& plan_;
   std::vector<std::size_t> trials_;  // numbers of those that run
   Workforce workforce_;
+  std::optional<HeldFiles> files_;  // that the trials name
   DatasetHeader header_;
   std::optional<KeptTrials> kept_;         // of an earlier run
   std::unique_ptr<DatasetWriter> writer_;  // null: nothing is written
@@ -379,13 +391,14 @@ void RunningSweep::check(const Catalogues& catalogues) {
   std::set<std::string> files;
   workforce_ = check_cells(plan_, options_, trials_, read_.planned.asked, catalogues, files);
   if (options_.on_start) options_.on_start();
+  files_.emplace(files);
   header_ = {SLIPBENCH_VERSION,
              read_.file.text(),
              overrides_json(options_.overrides),
              summary_.seed,
              summary_.command,
              split_rule(summary_.scene),
-             options_.output.empty() ? std::map<std::string, std::string>{} : digests_of(files),
+             files_->digests(),
              {},
              summary_.shard};
 }
@@ -430,7 +443,7 @@ void RunningSweep::run_trials() {
   std::vector<std::size_t> missing;
   std::ranges::copy_if(trials_, std::back_inserter(missing), [&](std::size_t trial) { return !holds(trial); });
   summary_.trials.reserve(summary_.planned);  // growing, it would leave holes of as much again in the heap
-  const WorkPlan work{plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt};
+  const WorkPlan work{plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt, *files_};
   TrialEncoder encoder;
   OrderedWorkers<FinishedTrial> workers(
       missing.size(), workforce_.threads, [&] { return make_work(work, options_, missing); }, options_.interrupt);

@@ -1,9 +1,12 @@
 #include "tools/program/sweep/sweep_shard.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -85,18 +88,38 @@ void add_named_files(const Scene& scene, const Catalogues& catalogues, std::set<
   if (scene.controller) add_paths(catalogues.controllers, scene.controller->name, scene.controller->parameters, paths);
 }
 
-std::map<std::string, std::string> digests_of(const std::set<std::string>& paths) {
-  std::map<std::string, std::string> digests;
+HeldFiles::Stamp HeldFiles::stamp_of(const std::string& path) {
+  struct stat found {};
+  if (stat(path.c_str(), &found) != 0) return {};
+  const auto time = [](const timespec& t) { return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec; };
+  return {static_cast<std::int64_t>(found.st_dev), static_cast<std::int64_t>(found.st_ino), std::int64_t{found.st_size},
+          time(found.st_mtim), time(found.st_ctim)};
+}
+
+HeldFiles::HeldFiles(const std::set<std::string>& paths) {
+  const auto hold = [this](const std::string& path) {
+    stamps_[path] = stamp_of(path);  // before it is read: what changes meanwhile is looked into again
+    digests_[path] = file_sha256(path);
+  };
   for (const std::string& path : paths) {
     if (!std::filesystem::is_directory(path)) {
-      digests[path] = file_sha256(path);
+      hold(path);
       continue;
     }
     for (const auto& entry : std::filesystem::directory_iterator(path)) {
-      if (entry.is_regular_file()) digests[entry.path().string()] = file_sha256(entry.path().string());
+      if (entry.is_regular_file()) hold(entry.path().string());
     }
   }
-  return digests;
+}
+
+void HeldFiles::check() const {
+  for (const auto& [path, stamp] : stamps_) {
+    if (stamp_of(path) == stamp) continue;
+    std::error_code gone;
+    if (std::filesystem::exists(path, gone) && file_sha256(path) == digests_.at(path)) continue;
+    throw InputError(
+        path + " has changed since the first trial began; allowed: the files that a scene names stay as they are until it ends");
+  }
 }
 
 }  // namespace slipbench

@@ -1,6 +1,7 @@
 // Which trials of a sweep a shard has.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -27,7 +28,23 @@ std::vector<std::size_t> trials_of_shard(const TrialPlan& plan, std::size_t tria
 // includes and meshes are not among them.
 void add_named_files(const Scene& scene, const Catalogues& catalogues, std::set<std::string>& paths);
 
-// SHA-256 as 64 hexadecimal digits, by path; a folder stands for the files in it. Throws InputError for what cannot be read.
-std::map<std::string, std::string> digests_of(const std::set<std::string>& paths);
+// Files that are read by trial after trial, and must be for all what they were for the first.
+class HeldFiles {
+ public:
+  // A folder stands for the files in it. Throws InputError for what cannot be read.
+  explicit HeldFiles(const std::set<std::string>& paths);
+
+  // SHA-256 as 64 hexadecimal digits, by path.
+  [[nodiscard]] const std::map<std::string, std::string>& digests() const { return digests_; }
+  // Throws InputError where a file holds something else by now. Looks into those alone that have been written or replaced. For any thread.
+  void check() const;
+
+ private:
+  using Stamp = std::array<std::int64_t, 5>;  // device, inode, size, time of its content and of itself in ns
+  static Stamp stamp_of(const std::string& path);
+
+  std::map<std::string, std::string> digests_;
+  std::map<std::string, Stamp> stamps_;
+};
 
 }  // namespace slipbench

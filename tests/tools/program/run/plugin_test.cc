@@ -56,8 +56,8 @@ TEST(PluginInTrial, LibrariesAreNamedFiles) {
   std::set<std::string> paths;
   add_named_files(scene_of(stage("detector: {type: plugin, library: " + library + "}")), program_catalogues(), paths);
   EXPECT_THAT(paths, ElementsAre(library));
-  EXPECT_THAT(digests_of(paths), ElementsAre(Pair(library, file_sha256(library))));
-  EXPECT_THAT(digests_of({plugins}), Contains(Pair(library, file_sha256(library))));
+  EXPECT_THAT(HeldFiles(paths).digests(), ElementsAre(Pair(library, file_sha256(library))));
+  EXPECT_THAT(HeldFiles({plugins}).digests(), Contains(Pair(library, file_sha256(library))));
   paths.clear();
   add_named_files(scene_of(stage("detector: {type: force_ratio}")), program_catalogues(), paths);
   EXPECT_THAT(paths, IsEmpty());

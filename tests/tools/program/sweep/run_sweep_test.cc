@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <thread>
@@ -386,6 +387,33 @@ TEST_F(SweepTest, SweepInWhichAllFailWritesNothing) {
   EXPECT_EQ(summary.failed.size(), 12U);
   EXPECT_THAT(summary.files, IsEmpty());
   EXPECT_THAT(names(), ElementsAre("scene.yaml"));
+}
+
+// Each trial reads the same files. What is written anew with the same content is the same file.
+TEST_F(SweepTest, AFileThatChangesEndsTheRun) {
+  std::ofstream(path("scene.yaml"))
+      << "slipbench: 1\nduration: 0.4 s\nmotion: {compression: 0.1 mm, start: 0.3 s}\nsensors: {pad: {type: taxels, places: "
+         "places.csv}}\nsweep: {motion.direction: {draw: uniform, min: 0 deg, max: 360 deg}, trials: 300}\n";
+  const auto write = [this](const char* places) {
+    std::ofstream(path("new.csv")) << places;
+    std::filesystem::rename(path("new.csv"), path("places.csv"));
+  };
+  write("x [mm],y [mm]\n0,0\n4,0\n");
+  SweepOptions rewritten = options("out.h5", 1);
+  rewritten.on_trial = [&](const TrialSummary& trial) {
+    if (trial.trial == 0) write("x [mm],y [mm]\n0,0\n4,0\n");
+  };
+  EXPECT_EQ(run(rewritten).trials.size(), 300U);
+  SweepOptions changed = options("other.h5", 1);
+  changed.on_trial = [&](const TrialSummary& trial) {
+    if (trial.trial == 0) write("x [mm],y [mm]\n0,0\n5,0\n");
+  };
+  EXPECT_THAT(refusal_of([&] { run(changed); }),
+              AllOf(StartsWith(path("places.csv") + " has changed since the first trial began; allowed: "),
+                    HasSubstr("; " + path("other.partial.h5") + " holds ")));
+  const DatasetReader kept(path("other.partial.h5")), whole(path("out.h5"));
+  ASSERT_LT(kept.trials().size(), 300U);
+  for (const std::size_t trial : kept.trials()) EXPECT_EQ(kept.trial_sha256(trial), whole.trial_sha256(trial));
 }
 
 // A sanitizer ends the program where there is no memory.
