@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -24,14 +25,14 @@ constexpr const char* no_library = "none";
 constexpr std::size_t max_parameters = 1000;
 constexpr std::size_t max_text = 4096;  // bytes of a name or a text that a library declares
 
-// The system's loader holds a lock while it runs constructors and destructors of a library. A crash in one of them leaves it
-// taken by this thread: any other one that loaded or unloaded a library would wait for ever. So only one thread is inside of the
-// loader, and after such a crash none.
+// The system's loader holds a lock while it runs constructors of a library. A crash in one of them leaves it taken by this thread: any other one
+// that loaded a library would wait for ever. So only one thread is inside of the loader, and after such a crash none.
 std::mutex loader;
 bool loader_lost = false;  // under `loader`
+std::atomic<bool> loaded = false;
 
 // Libraries that may be at work. Whoever calls exit() meanwhile is one of them, or a thread that it has started: the program
-// itself ends once they are closed. Never destroyed, since they are asked after main().
+// itself ends when none is. Never destroyed, since they are asked after main().
 struct WorkingLibraries {
   std::mutex mutex;
   std::vector<std::string> names;
@@ -111,8 +112,7 @@ PluginLibrary::PluginLibrary(std::string part, const std::string& path, const sl
   const std::string file = std::filesystem::absolute(path).string();  // a bare name would be searched for
   {
     const std::lock_guard<std::mutex> lock(loader);
-    if (loader_lost)
-      refuse("cannot be loaded: a library crashed while it was loaded or unloaded; allowed: another start of the program");
+    if (loader_lost) refuse("cannot be loaded: a library crashed while it was loaded; allowed: another start of the program");
     try {
       guarded("a constructor of the library", [&] { handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); });
     } catch (const SceneValueError&) {
@@ -123,35 +123,12 @@ PluginLibrary::PluginLibrary(std::string part, const std::string& path, const sl
       throw SceneValueError(key, "cannot load " + name_ + ": " + dlerror() + "; allowed: a shared library");
     }
   }
-  try {
-    check_build(own);
-    static_cast<void>(symbol("slipbench_make_" + part_));
-  } catch (const SceneValueError&) {
-    close();
-    throw;
-  }
+  loaded = true;
+  check_build(own);
+  static_cast<void>(symbol("slipbench_make_" + part_));
 }
 
-PluginLibrary::~PluginLibrary() {
-  try {
-    close();
-  } catch (const SceneValueError&) {
-    // Another error is under way: whoever has none calls close().
-  }
-}
-
-void PluginLibrary::close() {
-  void* const handle = std::exchange(handle_, nullptr);
-  if (handle == nullptr || crashed_) return;  // what crashed may be in use still, by what it has started
-  const std::lock_guard<std::mutex> lock(loader);
-  if (loader_lost) return;
-  try {
-    guarded("a destructor of the library", [&] { dlclose(handle); });
-  } catch (const SceneValueError&) {
-    loader_lost = crashed_;
-    throw;
-  }
-}
+bool PluginLibrary::any() { return loaded; }
 
 void PluginLibrary::refuse(const std::string& what) const { throw SceneValueError(where_ + ".library", name_ + " " + what); }
 

@@ -17,7 +17,7 @@
 
 namespace slipbench {
 
-// A shared library, loaded as long as the object lives. Whatever it does wrong is a SceneValueError at `where`.library: the
+// A shared library, which stays loaded when the object goes: threads that it has started may run on. Whatever it does wrong is a SceneValueError at `where`.library: the
 // message names the library, and the function where one is to blame. Exception: a call of exit() while the object lives ends the
 // program, as it must, but with status 2 and a line on stderr that names the library.
 class PluginLibrary {
@@ -28,7 +28,9 @@ class PluginLibrary {
   PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where = {});
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
-  ~PluginLibrary();
+
+  // Whether the process has loaded one. Its threads and its destructors may crash while the process ends, so that it should end by std::_Exit().
+  static bool any();
 
   // What the library declares as its parameters, with the values of `given`. Throws SceneValueError at `where`.parameters.<name>
   // for a name that the library does not declare and a value that is not of the declared type, and at `where`.library for a
@@ -76,9 +78,6 @@ class PluginLibrary {
 
   [[nodiscard]] bool has_crashed() const { return crashed_; }
 
-  // Unloads the library, which crashes where a destructor of its own does. Throws SceneValueError then.
-  void close();
-
   // Throws SceneValueError at `where`.library: "'mine.so' " and `what`.
   [[noreturn]] void refuse(const std::string& what) const;
   // Likewise where the library made no object, for the reason that it left in `refusal`, which need not end.
@@ -106,7 +105,7 @@ class PluginLibrary {
   std::string part_, where_;
   std::string name_;  // for messages: the path in quotes
   AtWork at_work_;
-  void* handle_ = nullptr;  // null: closed
+  void* handle_ = nullptr;
   bool crashed_ = false;
 };
 
@@ -155,11 +154,10 @@ class PluginObject {
     library.refuse_scene(object.refusal);
   }
 
-  // Ends the object and unloads the library. Throws SceneValueError where that crashes or throws.
+  // Ends the object. Throws SceneValueError where that crashes or throws.
   void finish() {
     const auto destroy = std::exchange(object.destroy, nullptr);
     if (destroy != nullptr && !library.has_crashed()) library.guarded("destroy", [&] { destroy(object.self); });
-    library.close();
   }
 
   PluginLibrary library;  // outlives what it made

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -15,6 +16,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/own_library.h"
+#include "sim/core/process/plugin_library.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/doctor/build_info.h"
@@ -62,9 +64,7 @@ void occupy_standard_streams() {
   }
 }
 
-}  // namespace
-
-int run_program(const Commands& commands, const std::vector<std::string>& words) {
+int run_to_status(const Commands& commands, const std::vector<std::string>& words) {
   try {
     occupy_standard_streams();
     const int status = dispatch(commands, words);
@@ -88,6 +88,14 @@ int run_program(const Commands& commands, const std::vector<std::string>& words)
     print_error("internal error, please report it: ", error.what());
     return exit_bad_input;
   }
+}
+
+}  // namespace
+
+int run_program(const Commands& commands, const std::vector<std::string>& words) {
+  const int status = run_to_status(commands, words);
+  if (PluginLibrary::any()) std::_Exit(status);  // all is written
+  return status;
 }
 
 void CommandElsewhere::declare(Arguments& arguments) {

@@ -1,7 +1,15 @@
-// A library that crashes while it is unloaded. Without the standard library: what that brings along would keep it from being unloaded.
+// A library that does well, but for a thread that it leaves at work for ever and a crash when the process ends.
+#include <thread>
+
 #include "detectors/plugin_abi.h"
 
 namespace {
+
+volatile unsigned beats = 0;
+
+[[noreturn]] void beat() {
+  while (true) beats = beats + 1;
+}
 
 void update(void* /*self*/, const slipbench_detector_input* /*input*/, slipbench_estimate* estimate) { estimate->state = 1; }
 
@@ -14,4 +22,7 @@ void update(void* /*self*/, const slipbench_detector_input* /*input*/, slipbench
 
 const slipbench_abi slipbench_detector_abi = SLIPBENCH_DETECTOR_BUILD;
 
-void slipbench_make_detector(const slipbench_source* /*source*/, slipbench_detector* detector) { detector->update = update; }
+void slipbench_make_detector(const slipbench_source* /*source*/, slipbench_detector* detector) {
+  std::thread(beat).detach();
+  detector->update = update;
+}
