@@ -25,8 +25,9 @@ class KeptTrials {
 
   [[nodiscard]] std::size_t size() const { return trials_.size(); }
   [[nodiscard]] bool holds(std::size_t trial) const;
-  // The trial's record, whose material is empty.
-  [[nodiscard]] TrialRecord read(std::size_t trial) const { return reader_->read_trial(trial); }
+  // What is told of a trial, and the trial as it is stored, both without its material.
+  [[nodiscard]] TrialRecord read_counts(std::size_t trial) const { return reader_->read_counts(trial); }
+  [[nodiscard]] EncodedTrial read_encoded(std::size_t trial) const { return reader_->read_encoded(trial); }
   // Numbers of the trials that were left too, and whose digest does not hold or which cannot be read: this object does not hold
   // them.
   [[nodiscard]] const std::vector<std::size_t>& damaged() const { return damaged_; }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/base/dataset/stored_trials.h"
 #include "tools/base/hdf5/hdf5_place.h"
 #include "tools/base/record/content_digest.h"
 #include "tools/base/record/encoder.h"
@@ -274,9 +275,9 @@ struct DatasetReader::State {
   }
 
   // The control loop of a demo, empty where it has none. `sensors`: those of the demo. `grasp`: it is one, so the gripper has
-  // columns, and a guided arm one.
+  // columns, and a guided arm one. `counts`: no columns but the detector's.
   [[nodiscard]] static std::optional<ControlRecord> read_control(const Place& demo, const std::vector<SensorRecord>& sensors,
-                                                                 const std::optional<GraspOutcome>& grasp) {
+                                                                 const std::optional<GraspOutcome>& grasp, bool counts) {
     const Place place = demo.below(control_group);
     if (!exists(place)) return std::nullopt;
     if (!sensors.empty() && !sensors.front().labels.truth)
@@ -296,9 +297,13 @@ struct DatasetReader::State {
     const auto read = [&]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
       column = read_column<T>(place.below(name), control.time.size(), tail);
     };
-    for_each_control_column(control, read);
-    if (grasp) for_each_grip_column(control.grip, read);
-    if (grasp && grasp->turn) for_each_arm_column(control.grip, read);
+    if (counts) {
+      control.detector_class = read_column<std::uint8_t>(place.below("detector_class"), control.time.size(), {});
+    } else {
+      for_each_control_column(control, read);
+      if (grasp) for_each_grip_column(control.grip, read);
+      if (grasp && grasp->turn) for_each_arm_column(control.grip, read);
+    }
     static_cast<void>(count_states(place.below("detector_class"), control.detector_class));
     const auto sensor = std::find_if(sensors.begin(), sensors.end(),
                                      [&](const SensorRecord& candidate) { return candidate.name == control.sensor; });
@@ -461,15 +466,38 @@ void settle_old_detection(TrialOutcome& outcome, const Confusion& confusion) {
   settle_detection(outcome, in_samples || !std::isnan(outcome.judged_slip_time));
 }
 
-}  // namespace
-
-TrialRecord DatasetReader::read_trial(std::size_t trial) const {
+// A record with what the demo says of itself.
+TrialRecord record_of(std::size_t trial, DemoInfo demo) {
   TrialRecord record;
-  DemoInfo demo = info(trial);
   record.trial = trial;
   record.seed = demo.seed;
   record.params = std::move(demo.params);
   record.outcome = parse_outcome(demo.outcome);
+  return record;
+}
+
+}  // namespace
+
+TrialRecord DatasetReader::read_counts(std::size_t trial) const {
+  TrialRecord record = record_of(trial, info(trial));
+  for (const std::string& name : sensors(trial)) {
+    const Place demo = state_->demo(trial), labels = demo.below(label_group(name));
+    SensorRecord& sensor = record.sensors.emplace_back();
+    sensor.name = name;
+    sensor.time = read_array<double>(demo.below(sensor_group(name)).below("t")).values;
+    sensor.labels.state = read_column<std::uint8_t>(labels.below("state"), sensor.time.size(), {});
+    sensor.labels.state_count = count_states(labels.below("state"), sensor.labels.state);
+    const auto micro = labels.below("state_micro");
+    sensor.labels.state_micro_count = count_states(micro, read_column<std::uint8_t>(micro, sensor.time.size(), {}));
+  }
+  record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp, true);
+  return record;
+}
+
+EncodedTrial DatasetReader::read_encoded(std::size_t trial) const { return slipbench::read_encoded(state_->demo(trial), trial); }
+
+TrialRecord DatasetReader::read_trial(std::size_t trial) const {
+  TrialRecord record = record_of(trial, info(trial));
   const Place demo_place = state_->demo(trial);
   const Handle demo_object = open_object(demo_place);
   if (H5Aexists(demo_object.get(), "model_sha256") > 0) record.model_sha256 = read_text(demo_place, demo_object, "model_sha256");
@@ -491,7 +519,7 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
     record.bodies.push_back(std::move(columns));
   }
   if (!header().truth.empty() && !record.sensors.empty()) record.body_time = record.sensors.front().time;
-  record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp);
+  record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp, false);
   if (record.control && !record.control->detector.empty() && !record.outcome.detection) {
     settle_old_detection(record.outcome, record.control->confusion);
   }

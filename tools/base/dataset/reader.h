@@ -10,6 +10,7 @@
 
 #include "tools/base/dataset/header.h"
 #include "tools/base/files/sha256.h"
+#include "tools/base/record/encoder.h"
 #include "tools/base/record/trial_record.h"
 
 namespace slipbench {
@@ -80,6 +81,10 @@ class DatasetReader {
   // Everything of one trial. `material` is not stored a trial and stays empty. A file of a version before outcomes had
   // `detection` gets one by today's rule (settle_detection).
   [[nodiscard]] TrialRecord read_trial(std::size_t trial) const;
+  // Of read_trial() the outcome, the samples in each state, and the loop's counts, for which few of the arrays are read. Not of imported recordings.
+  [[nodiscard]] TrialRecord read_counts(std::size_t trial) const;
+  // The trial as it is stored (read_encoded() of stored_trials.h).
+  [[nodiscard]] EncodedTrial read_encoded(std::size_t trial) const;
   // What a sensor is: "papillarray".
   [[nodiscard]] std::string sensor_type(std::size_t trial, const std::string& sensor) const;
   // One sensor's samples and labels.

@@ -264,10 +264,9 @@ std::string StoredTrials::sha256() {
   return text_of(demo, hdf5::open_object(demo), trial_sha256_name);
 }
 
-EncodedTrial StoredTrials::read() {
+EncodedTrial read_encoded(const Place& demo, std::size_t number) {
   EncodedTrial trial;
-  std::tie(trial.trial, trial.material) = trials_[next_];
-  const Place demo = place(fmt::format("/data/demo_{}", trial.trial));
+  trial.trial = number;
   read_from(demo, hdf5::open_object(demo), "", trial);
   std::ranges::sort(trial.arrays, {}, &EncodedArray::path);
   std::ranges::stable_sort(trial.attributes, {}, &EncodedAttribute::path);
@@ -279,6 +278,13 @@ EncodedTrial StoredTrials::read() {
   std::rotate(digest, digest + 1, trial.attributes.end());
   const auto* digits = std::get_if<std::string>(&trial.attributes.back().value);
   trial.digest = digest_of(demo, digits != nullptr ? *digits : "");
+  return trial;
+}
+
+EncodedTrial StoredTrials::read() {
+  const auto& [number, material] = trials_[next_];
+  EncodedTrial trial = read_encoded(place(fmt::format("/data/demo_{}", number)), number);
+  trial.material = material;
   return trial;
 }
 

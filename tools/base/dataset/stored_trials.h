@@ -14,6 +14,10 @@
 
 namespace slipbench {
 
+// Trial `trial` at its place in a file: its chunks are those of the file, and are not unfolded. `material` stays empty. Throws InputError where it
+// is not stored as this program does it.
+EncodedTrial read_encoded(const hdf5::Place& demo, std::size_t trial);
+
 // The trials of one shard of a sweep in ascending order. One of its files is open at a time, and of that one trial in memory. All functions
 // throw InputError when a file is not what it should be. HDF5 itself may crash on damaged bytes: use it inside guarded() (guarded.h).
 class StoredTrials {
@@ -33,7 +37,7 @@ class StoredTrials {
   [[nodiscard]] std::optional<std::size_t> trial();
   // Its attribute sha256, 64 hexadecimal digits.
   [[nodiscard]] std::string sha256();
-  // The trial: its chunks are those of the file, and are not unfolded.
+  // The trial by read_encoded(), with its group.
   [[nodiscard]] EncodedTrial read();
   // Goes to the next one. After the last of a file: throws InputError where the file's content_sha256 is not that of its trials' digests and of
   // what it holds beside them.

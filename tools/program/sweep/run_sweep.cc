@@ -223,13 +223,13 @@ OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepO
 }
 
 // A trial of an earlier run, as it would be handed over by a worker.
-FinishedTrial resumed_trial(const KeptTrials& kept, const WorkPlan& plan, std::size_t index, TrialEncoder& encoder) {
+FinishedTrial resumed_trial(const KeptTrials& kept, const WorkPlan& plan, std::size_t index) {
   TrialResult result;
-  result.record = kept.read(index);
+  result.record = kept.read_counts(index);
   result.units.resize(result.record.sensors.size());
   const Scene scene = plan.trials.trial(index).scene;
-  result.record.material = split_group(scene);
-  FinishedTrial finished{summary_of(result), scene.duration, 0.0, encoder.encode(result.record)};
+  FinishedTrial finished{summary_of(result), scene.duration, 0.0, kept.read_encoded(index)};
+  finished.encoded->material = split_group(scene);
   finished.summary.resumed = true;
   return finished;
 }
@@ -444,7 +444,6 @@ void RunningSweep::run_trials() {
   std::ranges::copy_if(trials_, std::back_inserter(missing), [&](std::size_t trial) { return !holds(trial); });
   summary_.trials.reserve(summary_.planned);  // growing, it would leave holes of as much again in the heap
   const WorkPlan work{plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt, *files_};
-  TrialEncoder encoder;
   OrderedWorkers<FinishedTrial> workers(
       missing.size(), workforce_.threads, [&] { return make_work(work, options_, missing); }, options_.interrupt);
   // What is finished is made safe while nothing else is to be done, and at the latest after a moment: a sync may take a while.
@@ -454,7 +453,7 @@ void RunningSweep::run_trials() {
     end_if(options_.interrupt);
     const bool resumed = holds(trial);
     if (!resumed && unpublished() && !workers.ready_until(due)) writer_->publish();
-    std::optional<FinishedTrial> finished = resumed ? resumed_trial(*kept_, work, trial, encoder) : workers.next();
+    std::optional<FinishedTrial> finished = resumed ? resumed_trial(*kept_, work, trial) : workers.next();
     if (!finished) break;
     take(*finished);
     if (!resumed) workers.give_back(std::move(*finished));

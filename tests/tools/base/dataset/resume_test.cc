@@ -30,9 +30,9 @@ class ResumeTest : public FolderTest {
     DatasetWriter writer(path("out.h5"), header, trials, limit, &kept);
     TrialEncoder encoder;
     for (std::size_t k = 0; k < end; ++k) {
-      TrialRecord record = kept.holds(k) ? kept.read(k) : make_grasp_record(k, rows);
-      record.material = "acrylic";
-      writer.append(encoder.encode(record));
+      EncodedTrial trial = kept.holds(k) ? kept.read_encoded(k) : encoder.encode(make_grasp_record(k, rows));
+      trial.material = "acrylic";
+      writer.append(trial);
     }
     finish(writer);
   }
