@@ -1,4 +1,5 @@
-// A library that does well, but for a thread that it leaves at work for ever and a crash when the process ends.
+// A library that does well, but for what it prints, a thread that it leaves at work for ever, and a crash when the process ends.
+#include <cstdio>
 #include <thread>
 
 #include "detectors/plugin_abi.h"
@@ -24,5 +25,6 @@ const slipbench_abi slipbench_detector_abi = SLIPBENCH_DETECTOR_BUILD;
 
 void slipbench_make_detector(const slipbench_source* /*source*/, slipbench_detector* detector) {
   std::thread(beat).detach();
+  std::puts("made one");
   detector->update = update;
 }

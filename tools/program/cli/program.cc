@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -35,6 +36,7 @@ int print_version(bool json) {
 
 int dispatch(const Commands& commands, const std::vector<std::string>& words) {
   const Request request = parse_command_line(commands, words);
+  if (request.command != nullptr && request.command->json) set_stdout_aside();
   if (request.command != nullptr) return request.command->run();
   if (request.version) return print_version(request.json);
   fmt::print("{}", request.help);
@@ -93,6 +95,10 @@ int run_to_status(const Commands& commands, const std::vector<std::string>& word
 }  // namespace
 
 int run_program(const Commands& commands, const std::vector<std::string>& words) {
+  // Whoever waits for no end of its own (InterruptGuard) ends at once, with the status that the others have.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    if (std::signal(signal, [](int) { _exit(exit_interrupted); }) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
   const int status = run_to_status(commands, words);
   if (PluginLibrary::any()) std::_Exit(status);  // all is written
   return status;
@@ -111,6 +117,7 @@ int CommandElsewhere::run() {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
+  take_stdout_back();
   execv(program.c_str(), pointers.data());
   throw InputError(fmt::format("{}: cannot start {}: {}; it belongs beside slipbench, and its CMake target is {}", name_, program,
                                std::strerror(errno), program_));

@@ -1,10 +1,12 @@
 #include "tools/program/cli/terminal.h"
 
+#include <fcntl.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -97,7 +99,24 @@ std::string suggestion(const std::string& word, const std::vector<std::string>& 
   return nearest.empty() ? ";" : fmt::format("; did you mean '{}'?", nearest);
 }
 
+namespace {
+int stdout_aside = -1;
+}
+
+void set_stdout_aside() {
+  stdout_aside = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
+  if (stdout_aside >= 0) dup2(STDERR_FILENO, STDOUT_FILENO);
+}
+
+void take_stdout_back() {
+  if (stdout_aside < 0) return;
+  std::fflush(stdout);
+  dup2(stdout_aside, STDOUT_FILENO);
+  close(std::exchange(stdout_aside, -1));
+}
+
 int print_json(const nlohmann::ordered_json& result) {
+  take_stdout_back();
   fmt::print("{}\n", result.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   return exit_good;
 }

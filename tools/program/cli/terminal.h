@@ -65,7 +65,11 @@ class Table {
 // What follows "unknown x 'word'" in a message: "; did you mean 'name'?" when a candidate is near, else ";".
 std::string suggestion(const std::string& word, const std::vector<std::string>& candidates);
 
-// The result of `--json`: an object on a line of stdout; bytes that are no UTF-8 are replaced. Returns exit_good.
+// With --json the object alone stands on stdout: what a library of somebody else prints there goes to stderr, until stdout is taken back.
+void set_stdout_aside();
+void take_stdout_back();
+
+// The result of `--json`: an object on a line of stdout, which is taken back; bytes that are no UTF-8 are replaced. Returns exit_good.
 int print_json(const nlohmann::ordered_json& result);
 
 }  // namespace slipbench

@@ -86,7 +86,10 @@ void DoctorCommand::declare(Arguments& arguments) {
 Exit status 0 when everything required is there, 1 otherwise, with the command that installs it.)");
 }
 
-int DoctorCommand::run() { return doctor_main(json); }
+int DoctorCommand::run() {
+  take_stdout_back();
+  return doctor_main(json);
+}
 
 void PluginPathCommand::declare(Arguments& arguments) {
   arguments.about("plugin-path", "Print where the MuJoCo plugin is", R"(

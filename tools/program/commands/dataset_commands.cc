@@ -124,6 +124,7 @@ Examples:
 int ExportCommand::run() {
   if (is_python_format(options.format)) {
     say_failed(dataset);
+    take_stdout_back();
     start_python_export(dataset, output, options, json);
   }
   const std::vector<std::string> files = export_dataset(dataset, output, options, progress_of(json));

@@ -44,10 +44,9 @@ std::string file_text(const std::string& path) {
   return text.str();
 }
 
-// Whether a process has a handler for `signal`: Linux tells its mask as "SigCgt:\t0000000000000002".
-bool catches(pid_t child, int signal) {
+// Whether `signal` is in a mask of a process, as Linux tells it: "SigCgt:\t0000000000000002" of those caught, "SigIgn:" of those ignored.
+bool in_mask(pid_t child, const std::string& name, int signal) {
   const std::string status = file_text("/proc/" + std::to_string(child) + "/status");
-  const std::string name = "SigCgt:";
   const std::size_t at = status.find(name);
   return at != std::string::npos && (std::stoull(status.substr(at + name.size()), nullptr, 16) >> (signal - 1) & 1U) != 0;
 }
@@ -119,7 +118,11 @@ ChildResult run_program_terminal(const std::vector<std::string>& arguments, cons
 ChildResult run_program_interrupted(const std::vector<std::string>& arguments, const std::string& ready, int signal) {
   const TemporaryFolder folder;
   const pid_t child = start_into_files(program_with(arguments), folder / "out", folder / "err");
-  const auto is_ready = [&] { return ready.empty() ? catches(child, signal) : std::filesystem::exists(ready); };
+  const auto is_ready = [&] {
+    if (ready == "started") return in_mask(child, "SigCgt:", signal);
+    if (ready == "guarded") return in_mask(child, "SigIgn:", SIGXFSZ);
+    return std::filesystem::exists(ready);
+  };
   for (int waited_ms = 0; waited_ms < 20000 && !is_ready(); waited_ms += 5) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }

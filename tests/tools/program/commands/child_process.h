@@ -38,8 +38,8 @@ ChildResult run_shell(const std::string& script, const std::string& folder);
 // The same as run_program_file with all streams on a terminal of 120 columns and `environment` ("NAME=value") added; everything it writes is in `out`.
 ChildResult run_program_terminal(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
 
-// Starts the program with its streams in files, sends `signal` as soon as `ready` exists (empty: as soon as the program catches that signal), and waits for
-// the end.
+// Starts the program with its streams in files, sends `signal` as soon as `ready` exists ("started": as soon as the program catches that signal; "guarded": as soon as
+// an InterruptGuard is there), and waits for the end.
 ChildResult run_program_interrupted(const std::vector<std::string>& arguments, const std::string& ready, int signal);
 
 }  // namespace slipbench

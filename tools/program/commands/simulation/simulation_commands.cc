@@ -49,6 +49,7 @@ class TrialsJson {
       throw InputError(fmt::format("cannot write a temporary file: {}", std::strerror(errno)));
     }
     std::rewind(file_.get());
+    take_stdout_back();
     fmt::print("{},\"trials\":[", head.substr(0, head.size() - 1));
     std::array<char, 65536> block{};
     while (const std::size_t count = std::fread(block.data(), 1, block.size(), file_.get()))
