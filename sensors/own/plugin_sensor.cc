@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <memory>
+#include <sstream>
 #include <utility>
 
+#include "sensors/own/bundled_sensor.h"
 #include "sensors/own/own_sensor.h"
 #include "sensors/plugin_abi.h"
 #include "sim/core/error.h"
@@ -30,23 +32,65 @@ OwnLayout layout_of(const slipbench_readout& readout) {
   return said;
 }
 
+// As the source declares them, with the values of `parameters`, which must outlive what is returned.
+std::vector<slipbench_parameter> values_of(const BundledSensor& bundled, const Parameters& parameters) {
+  std::vector<slipbench_parameter> values;
+  for (const slipbench_parameter* row = bundled.parameters; *row->name != '\0'; ++row) {
+    slipbench_parameter& value = values.emplace_back(*row);
+    switch (row->type) {
+      case SLIPBENCH_NUMBER: value.number = parameters.number(row->name); break;
+      case SLIPBENCH_BOOLEAN: value.number = parameters.flag(row->name) ? 1.0 : 0.0; break;
+      default: value.text = parameters.choice(row->name).c_str();
+    }
+  }
+  return values;
+}
+
+ParameterSpec spec_of(const slipbench_parameter& row, const slipbench_note& note) {
+  if (row.type == SLIPBENCH_BOOLEAN) return flag_spec(row.name, row.number != 0.0 ? "true" : "false", note.doc, note.source);
+  if (row.type == SLIPBENCH_NUMBER) {
+    const Quantity quantity = *row.unit == '\0' ? Quantity::none : quantity_of(std::string("1 ") + row.unit);
+    const Range range = note.least == 0.0 && note.most == 0.0 ? any_value : Range{note.least, note.most};
+    return number_spec(row.name, quantity, format_quantity(row.number, quantity), range, note.doc, note.source);
+  }
+  std::vector<std::string> choices;
+  std::istringstream text(note.choices);
+  for (std::string choice; std::getline(text, choice, '|');) choices.push_back(choice);
+  return choice_spec(row.name, row.text, choices, note.doc, note.source);
+}
+
 class PluginSensor final : public OwnSensor {
  public:
   PluginSensor(const Parameters& parameters, std::uint64_t seed, std::uint64_t trial, const std::string& name)
       : OwnSensor("sensors." + name + ".library", quote(parameters.path("library"))),
         made_("sensor", parameters, SLIPBENCH_SENSOR_BUILD, "sensors." + name) {
-    made_.object.name = name.c_str();
-    made_.object.seed = seed;
-    made_.object.trial = trial;
+    hand_over(seed, trial, name);
     made_.make<decltype(slipbench_make_sensor)>(parameters, {}, 0, &slipbench_readout::measure);
-    OwnLayout said;
-    made_.library.guarded("slipbench_make_sensor", [&] { said = layout_of(made_.object); });
-    set(std::move(said));
+    take_layout();
+  }
+  PluginSensor(const BundledSensor& bundled, const Parameters& parameters, std::uint64_t seed, std::uint64_t trial,
+               const std::string& name)
+      : OwnSensor("sensors." + name + ".type", quote(bundled.type)), made_("sensor", bundled.type, "sensors." + name) {
+    hand_over(seed, trial, name);
+    made_.make(bundled.make, values_of(bundled, parameters), {}, 0, &slipbench_readout::measure);
+    take_layout();
   }
 
   void finish() override { made_.finish(); }
 
  private:
+  void hand_over(std::uint64_t seed, std::uint64_t trial, const std::string& name) {
+    made_.object.name = name.c_str();
+    made_.object.seed = seed;
+    made_.object.trial = trial;
+  }
+
+  void take_layout() {
+    OwnLayout said;
+    made_.library.guarded("slipbench_make_sensor", [&] { said = layout_of(made_.object); });
+    set(std::move(said));
+  }
+
   void read(const ContactFrame& truth, std::span<float> values) override {
     const slipbench_contact contact{.time = truth.time,
                                     .force = truth.force.data(),
@@ -62,6 +106,18 @@ class PluginSensor final : public OwnSensor {
 };
 
 }  // namespace
+
+std::vector<ParameterSpec> specs_of(const BundledSensor& bundled) {
+  std::vector<ParameterSpec> specs;
+  for (std::size_t i = 0; *bundled.parameters[i].name != '\0'; ++i)
+    specs.push_back(spec_of(bundled.parameters[i], bundled.about->notes[i]));
+  return specs;
+}
+
+std::unique_ptr<Sensor> make_bundled(const BundledSensor& bundled, const Parameters& parameters, std::uint64_t seed,
+                                     std::uint64_t trial, const std::string& name) {
+  return std::make_unique<PluginSensor>(bundled, parameters, seed, trial, name);
+}
 
 SensorKind plugin_sensor() {
   return {

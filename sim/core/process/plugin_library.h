@@ -17,7 +17,7 @@
 
 namespace slipbench {
 
-// A shared library, loaded as long as the object lives. Whatever it does wrong is a SceneValueError at `where`.library: the
+// A shared library, loaded as long as the object lives, or code of the same interface that the program is built with. Whatever it does wrong is a SceneValueError at `where`.library, or .type: the
 // message names the library, and the function where one is to blame. Exception: a call of exit() while the object lives ends the
 // program, as it must, but with status 2 and a line on stderr that names the library.
 class PluginLibrary {
@@ -26,6 +26,8 @@ class PluginLibrary {
   // with. Throws SceneValueError where no library is named, where there is no such file, where it cannot be loaded, lacks a
   // symbol or was built with anything else than `own`. `where`: the part in the scene, "sensors.pad"; "": `part`.
   PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where = {});
+  // What the program is built with as `type`: calls are guarded alike, and nothing is loaded. For guarded(), refuse() and close() alone.
+  static PluginLibrary built_in(std::string part, const std::string& type, std::string where);
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
   ~PluginLibrary();
@@ -79,12 +81,13 @@ class PluginLibrary {
   // Unloads the library, which crashes where a destructor of its own does. Throws SceneValueError then.
   void close();
 
-  // Throws SceneValueError at `where`.library: "'mine.so' " and `what`.
+  // Throws SceneValueError at `where`.library, or .type: "'mine.so' " and `what`.
   [[noreturn]] void refuse(const std::string& what) const;
   // Likewise where the library made no object, for the reason that it left in `refusal`, which need not end.
   [[noreturn]] void refuse_scene(const char (&refusal)[SLIPBENCH_REFUSAL_SIZE]) const;
 
  private:
+  PluginLibrary(std::string part, std::string where, std::string key, std::string name);
   [[nodiscard]] void* symbol(const std::string& name) const;
   void check_build(const slipbench_abi& own);
   void settle(const std::string& function, int signal, const std::string& thrown);
@@ -103,8 +106,8 @@ class PluginLibrary {
     std::string name_;
   };
 
-  std::string part_, where_;
-  std::string name_;  // for messages: the path in quotes
+  std::string part_, where_, key_;
+  std::string name_;  // for messages: the path or type in quotes
   AtWork at_work_;
   void* handle_ = nullptr;  // null: closed
   bool crashed_ = false;
@@ -128,6 +131,9 @@ class PluginObject {
   // Loads the library that `parameters` name; the rest as PluginLibrary.
   PluginObject(const std::string& part, const Parameters& parameters, const slipbench_abi& own, std::string where = {})
       : library(part, parameters.path("library"), own, std::move(where)), function_("slipbench_make_" + part) {}
+  // Of what the program is built with as `type`.
+  PluginObject(const std::string& part, const std::string& type, std::string where)
+      : library(PluginLibrary::built_in(part, type, std::move(where))), function_("slipbench_make_" + part) {}
   PluginObject(const PluginObject&) = delete;  // owns what the library made
   PluginObject& operator=(const PluginObject&) = delete;
   ~PluginObject() {
@@ -143,13 +149,20 @@ class PluginObject {
   template <class Make, class Function>
   void make(const Parameters& parameters, const std::vector<SensorSource>& sensors, std::size_t own, Function Object::*works) {
     const PluginLibrary::Values values = library.parameters(parameters.map("parameters"));
+    make(library.maker<Make>(), values.handed(), sensors, own, works);
+  }
+
+  // Likewise by `made`, from these parameters.
+  template <class Make, class Function>
+  void make(Make* made, std::span<const slipbench_parameter> parameters, const std::vector<SensorSource>& sensors,
+            std::size_t own, Function Object::*works) {
     const PluginSensors seen(sensors);
     const slipbench_source about{.sensors = seen.handed().data(),
                                  .sensor_count = seen.handed().size(),
                                  .sensor = own,
-                                 .parameters = values.handed().data(),
-                                 .parameter_count = values.handed().size()};
-    library.guarded(function_, [&, make = library.maker<Make>()] { make(&about, &object); });
+                                 .parameters = parameters.data(),
+                                 .parameter_count = parameters.size()};
+    library.guarded(function_, [&] { made(&about, &object); });
     if (object.*works != nullptr) return;
     finish();
     library.refuse_scene(object.refusal);
