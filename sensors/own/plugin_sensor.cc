@@ -3,9 +3,7 @@
 #include <sstream>
 #include <utility>
 
-#include "sensors/own/bundled_sensor.h"
 #include "sensors/own/own_sensor.h"
-#include "sensors/plugin_abi.h"
 #include "sim/core/error.h"
 #include "sim/core/process/plugin_library.h"
 #include "sim/core/sensor_kind.h"
@@ -61,35 +59,30 @@ ParameterSpec spec_of(const slipbench_parameter& row, const slipbench_note& note
 
 class PluginSensor final : public OwnSensor {
  public:
-  PluginSensor(const Parameters& parameters, std::uint64_t seed, std::uint64_t trial, const std::string& name)
-      : OwnSensor("sensors." + name + ".library", quote(parameters.path("library"))),
-        made_("sensor", parameters, SLIPBENCH_SENSOR_BUILD, "sensors." + name) {
-    hand_over(seed, trial, name);
-    made_.make<decltype(slipbench_make_sensor)>(parameters, {}, 0, &slipbench_readout::measure);
-    take_layout();
-  }
-  PluginSensor(const BundledSensor& bundled, const Parameters& parameters, std::uint64_t seed, std::uint64_t trial,
+  // `bundled`: null where the scene names a library.
+  PluginSensor(const BundledSensor* bundled, const Parameters& parameters, std::uint64_t seed, std::uint64_t trial,
                const std::string& name)
-      : OwnSensor("sensors." + name + ".type", quote(bundled.type)), made_("sensor", bundled.type, "sensors." + name) {
-    hand_over(seed, trial, name);
-    made_.make(bundled.make, values_of(bundled, parameters), {}, 0, &slipbench_readout::measure);
-    take_layout();
+      : OwnSensor("sensors." + name + (bundled != nullptr ? ".type" : ".library"),
+                  quote(bundled != nullptr ? bundled->type : parameters.path("library"))),
+        made_(bundled != nullptr ? Made("sensor", bundled->type, "sensors." + name)
+                                 : Made("sensor", parameters, SLIPBENCH_SENSOR_BUILD, "sensors." + name)) {
+    made_.object.name = name.c_str();
+    made_.object.seed = seed;
+    made_.object.trial = trial;
+    if (bundled != nullptr) {
+      made_.make(bundled->make, values_of(*bundled, parameters), {}, 0, &slipbench_readout::measure);
+    } else {
+      made_.make<decltype(slipbench_make_sensor)>(parameters, {}, 0, &slipbench_readout::measure);
+    }
+    OwnLayout said;
+    made_.library.guarded("slipbench_make_sensor", [&] { said = layout_of(made_.object); });
+    set(std::move(said));
   }
 
   void finish() override { made_.finish(); }
 
  private:
-  void hand_over(std::uint64_t seed, std::uint64_t trial, const std::string& name) {
-    made_.object.name = name.c_str();
-    made_.object.seed = seed;
-    made_.object.trial = trial;
-  }
-
-  void take_layout() {
-    OwnLayout said;
-    made_.library.guarded("slipbench_make_sensor", [&] { said = layout_of(made_.object); });
-    set(std::move(said));
-  }
+  using Made = PluginObject<slipbench_readout>;
 
   void read(const ContactFrame& truth, std::span<float> values) override {
     const slipbench_contact contact{.time = truth.time,
@@ -102,7 +95,7 @@ class PluginSensor final : public OwnSensor {
     made_.library.guarded("measure", [&] { made_.object.measure(made_.object.self, &contact, values.data()); });
   }
 
-  PluginObject<slipbench_readout> made_;
+  Made made_;
 };
 
 }  // namespace
@@ -116,7 +109,7 @@ std::vector<ParameterSpec> specs_of(const BundledSensor& bundled) {
 
 std::unique_ptr<Sensor> make_bundled(const BundledSensor& bundled, const Parameters& parameters, std::uint64_t seed,
                                      std::uint64_t trial, const std::string& name) {
-  return std::make_unique<PluginSensor>(bundled, parameters, seed, trial, name);
+  return std::make_unique<PluginSensor>(&bundled, parameters, seed, trial, name);
 }
 
 SensorKind plugin_sensor() {
@@ -128,7 +121,7 @@ SensorKind plugin_sensor() {
       .electronics = {},
       .create = [](const Parameters& parameters, const std::vector<Named>&, std::uint64_t seed, std::uint64_t trial,
                    const std::string& name) -> std::unique_ptr<Sensor> {
-        return std::make_unique<PluginSensor>(parameters, seed, trial, name);
+        return std::make_unique<PluginSensor>(nullptr, parameters, seed, trial, name);
       }};
 }
 

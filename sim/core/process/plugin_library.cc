@@ -106,10 +106,6 @@ PluginLibrary::PluginLibrary(std::string part, std::string where, std::string ke
       name_(std::move(name)),
       at_work_(name_) {}
 
-PluginLibrary PluginLibrary::built_in(std::string part, const std::string& type, std::string where) {
-  return {std::move(part), std::move(where), "type", quote(type)};
-}
-
 PluginLibrary::PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where)
     : PluginLibrary(std::move(part), std::move(where), "library", "'" + path + "'") {
   if (path == no_library) throw SceneValueError(key_, "no library is named; allowed: the path of a shared library");

@@ -26,8 +26,8 @@ class PluginLibrary {
   // with. Throws SceneValueError where no library is named, where there is no such file, where it cannot be loaded, lacks a
   // symbol or was built with anything else than `own`. `where`: the part in the scene, "sensors.pad"; "": `part`.
   PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where = {});
-  // What the program is built with as `type`: calls are guarded alike, and nothing is loaded. For guarded(), refuse() and close() alone.
-  static PluginLibrary built_in(std::string part, const std::string& type, std::string where);
+  // What the program is built with, `key` being the scene's for it: nothing is loaded. For guarded(), refuse() and close() alone.
+  PluginLibrary(std::string part, std::string where, std::string key, std::string name);
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
   ~PluginLibrary();
@@ -87,7 +87,6 @@ class PluginLibrary {
   [[noreturn]] void refuse_scene(const char (&refusal)[SLIPBENCH_REFUSAL_SIZE]) const;
 
  private:
-  PluginLibrary(std::string part, std::string where, std::string key, std::string name);
   [[nodiscard]] void* symbol(const std::string& name) const;
   void check_build(const slipbench_abi& own);
   void settle(const std::string& function, int signal, const std::string& thrown);
@@ -133,7 +132,7 @@ class PluginObject {
       : library(part, parameters.path("library"), own, std::move(where)), function_("slipbench_make_" + part) {}
   // Of what the program is built with as `type`.
   PluginObject(const std::string& part, const std::string& type, std::string where)
-      : library(PluginLibrary::built_in(part, type, std::move(where))), function_("slipbench_make_" + part) {}
+      : library(part, std::move(where), "type", quote(type)), function_("slipbench_make_" + part) {}
   PluginObject(const PluginObject&) = delete;  // owns what the library made
   PluginObject& operator=(const PluginObject&) = delete;
   ~PluginObject() {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sensors/own/bundled_sensor.h"
+#include "sensors/own/own_sensor.h"
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
 #include "tools/program/catalogue/program_catalogues.h"
