@@ -1,8 +1,6 @@
 // Slip from how unequally the markers of a gel move under the object: two published rules.
 #include <cmath>
 #include <map>
-#include <memory>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,17 +12,34 @@ namespace slipbench {
 namespace {
 
 using Markers = Eigen::Ref<const Eigen::Array2Xd>;  // x and y of each
-// The class, from the places [px] and motions [m] of the markers that touch, at least one.
-using Rule = SlipEstimate (*)(const Markers& places, const Markers& moves, const Parameters& parameters);
+// Rules: the class, from places [px] and motions [m] of the markers that touch, at least one.
+
+// The turn is small; it takes in how many metres a pixel is.
+SlipEstimate by_deviation(const Markers& places, const Markers& moves, const Parameters& parameters) {
+  const Eigen::Array2Xd p = places.colwise() - places.rowwise().mean(), u = moves.colwise() - moves.rowwise().mean();
+  const double spread = p.square().sum(), limit = parameters.number("deviation");
+  const double turn = spread > 0.0 ? (p.row(0) * u.row(1) - p.row(1) * u.row(0)).sum() / spread : 0.0;
+  const auto off = (u.row(0) + turn * p.row(1)).square() + (u.row(1) - turn * p.row(0)).square() >= limit * limit;
+  return estimate_of({static_cast<std::size_t>(off.size()), static_cast<std::size_t>(off.count())}, 0.0);
+}
+
+SlipEstimate by_entropy(const Markers& /*places*/, const Markers& moves, const Parameters& parameters) {
+  std::map<double, double> shares;  // of the bins
+  for (const auto& move : moves.colwise())
+    shares[std::floor(move.matrix().norm() / parameters.number("bin"))] += 1.0 / static_cast<double>(moves.cols());
+  double entropy = 0.0;
+  for (const auto& [bin, share] : shares) entropy -= share * std::log2(share);
+  return {.state = entropy < parameters.number("entropy") ? PadState::non_slip : PadState::incipient};
+}
 
 // Sees the markers that are pressed in. Each one's motion counts from the frame in which it began to touch.
+template <SlipEstimate rule(const Markers& places, const Markers& moves, const Parameters& parameters)>
 class MarkerDetector final : public Detector {
  public:
-  MarkerDetector(const Parameters& parameters, const FrameSource& source, const std::string& name, Rule rule)
+  MarkerDetector(const Parameters& parameters, const FrameSource& source)
       : parameters_(parameters),
-        rule_(rule),
-        displacement_(vector_channel(source, "displacement", name)),
-        pixel_(vector_channel(source, "pixel", name, 2)),
+        displacement_(vector_channel(source, "displacement", "a detector of markers")),
+        pixel_(vector_channel(source, "pixel", "a detector of markers", 2)),
         touches_(displacement_.units, false),
         began_(2, displacement_.units),
         places_(began_),
@@ -44,38 +59,19 @@ class MarkerDetector final : public Detector {
       places_.col(count) = Eigen::Array2d(pixel[0], -pixel[1]);
       moves_.col(count++) = now - began;
     }
-    estimate_ = count > 0 ? rule_(places_.leftCols(count), moves_.leftCols(count), parameters_) : SlipEstimate{};
+    estimate_ = count > 0 ? rule(places_.leftCols(count), moves_.leftCols(count), parameters_) : SlipEstimate{};
     estimate_.time = frame.time;
     return estimate_;
   }
 
  private:
   Parameters parameters_;
-  Rule rule_;
   ChannelPlace displacement_, pixel_;
   std::vector<bool> touches_;
   Eigen::Array2Xd began_;           // m, of all markers
   Eigen::Array2Xd places_, moves_;  // of those that touch
   SlipEstimate estimate_;
 };
-
-// The turn is small; it takes in how many metres a pixel is.
-SlipEstimate by_deviation(const Markers& places, const Markers& moves, const Parameters& parameters) {
-  const Eigen::Array2Xd p = places.colwise() - places.rowwise().mean(), u = moves.colwise() - moves.rowwise().mean();
-  const double spread = p.square().sum(), limit = parameters.number("deviation");
-  const double turn = spread > 0.0 ? (p.row(0) * u.row(1) - p.row(1) * u.row(0)).sum() / spread : 0.0;
-  const auto off = (u.row(0) + turn * p.row(1)).square() + (u.row(1) - turn * p.row(0)).square() >= limit * limit;
-  return estimate_of({static_cast<std::size_t>(off.size()), static_cast<std::size_t>(off.count())}, 0.0);
-}
-
-SlipEstimate by_entropy(const Markers& /*places*/, const Markers& moves, const Parameters& parameters) {
-  std::map<double, double> shares;  // of the bins
-  for (const auto& move : moves.colwise())
-    shares[std::floor(move.matrix().norm() / parameters.number("bin"))] += 1.0 / static_cast<double>(moves.cols());
-  double entropy = 0.0;
-  for (const auto& [bin, share] : shares) entropy -= share * std::log2(share);
-  return {.state = entropy < parameters.number("entropy") ? PadState::non_slip : PadState::incipient};
-}
 
 ParameterSpec indentation_spec() {
   return number_spec("touch", Quantity::length, "0.1 mm", positive, "Indentation from which on a marker counts as touching.",
@@ -97,9 +93,7 @@ DetectorKind marker_deviation_detector() {
        .parameters = {number_spec("deviation", Quantity::length, "50 um", positive,
                                   "From the rigid motion; several times the noise of 6 um.", "assumed"),
                       indentation_spec()}},
-      [](const Parameters& parameters, const FrameSource& source) -> std::unique_ptr<Detector> {
-        return std::make_unique<MarkerDetector>(parameters, source, "marker_deviation", by_deviation);
-      }};
+      created<MarkerDetector<by_deviation>>};
 }
 
 DetectorKind marker_entropy_detector() {
@@ -115,9 +109,7 @@ DetectorKind marker_entropy_detector() {
                       number_spec("entropy", Quantity::none, "2", positive, "Bits from which on the motion is uneven.",
                                   "assumed"),
                       indentation_spec()}},
-      [](const Parameters& parameters, const FrameSource& source) -> std::unique_ptr<Detector> {
-        return std::make_unique<MarkerDetector>(parameters, source, "marker_entropy", by_entropy);
-      }};
+      created<MarkerDetector<by_entropy>>};
 }
 
 }  // namespace slipbench

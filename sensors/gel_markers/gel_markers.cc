@@ -50,7 +50,7 @@ static const slipbench_note notes[] = {
     GEL_NUMBERS(GEL_NOTE)};
 const slipbench_about slipbench_sensor_about = {
     "A gel with markers on its skin and a camera behind it, after GelSight Mini.",
-    "u: displacement of the skin, bilinear between its elements, u = shear - depth n; n: direction out of the pad\n"
+    "u: displacement of the skin, bilinear between its elements, u = shear across n - depth n; n: direction out of the pad\n"
     "marker: x = x0 + u; a straight path from frame to frame is blurred to its mean over the exposure\n"
     "pixel = middle + f (x, -y)/(distance - z), f = width distance/field, seen from behind: x to the right, y up\n"
     "displacement: pixel and height back in the pad's frame, less the place at rest; a marker that is not seen, or lies outside of the picture, repeats what it showed last",
@@ -107,10 +107,7 @@ class Gel {
     skin_.resize(elements_.size());
     last_.resize(elements_.size());
     markers_ = grid(is_[marker_columns], is_[marker_rows], is_[marker_pitch], is_[marker_pitch]);
-    for (const Point& marker : markers_) {
-      const auto [x, y] = pixel_of(marker.rest);
-      shown_.push_back({0.0F, 0.0F, 0.0F, static_cast<float>(x), static_cast<float>(y)});
-    }
+    for (const Point& marker : markers_) shown_.push_back(marker.rest);
     const double map_rows = std::round(is_[map] * is_[rows] / is_[columns]);
     map_ = grid(is_[map], map_rows, across() / std::max(1.0, is_[map] - 1.0), along() / std::max(1.0, map_rows - 1.0));
     shapes_ = {markers_.size(), 3, markers_.size(), 2, static_cast<std::size_t>(map_rows), static_cast<std::size_t>(is_[map])};
@@ -131,8 +128,9 @@ class Gel {
     float* const seen = pixels + 2 * markers_.size();
     for (std::size_t i = 0; i < markers_.size(); ++i) {
       seen[i] = look(i) ? 1.0F : 0.0F;
-      std::copy_n(shown_[i].data(), 3, values + 3 * i);
-      std::copy_n(shown_[i].data() + 3, 2, pixels + 2 * i);
+      const auto pixel = pixel_of(shown_[i]);
+      for (std::size_t k = 0; k < 3; ++k) values[3 * i + k] = static_cast<float>(shown_[i][k] - markers_[i].rest[k]);
+      for (std::size_t k = 0; k < 2; ++k) pixels[2 * i + k] = static_cast<float>(pixel[k]);
     }
     std::transform(map_.begin(), map_.end(), seen + markers_.size(),
                    [&](const Point& point) { return static_cast<float>(place_of(point)[2]); });
@@ -140,21 +138,25 @@ class Gel {
   }
 
  private:
-  // The displacement of the skin at each element, in P, as a frame shows it.
+  // The displacement of the skin at each element, in P, as a frame shows it. Depth is how far an elastic skin has sunk where its loaded surface is, so
+  // what the surface's slope adds to the shear along n is in it already.
   void move_skin(const slipbench_contact& contact) {
     const double back = frames_ == 0 ? 0.0 : 0.5 * is_[exposure] * is_[rate];
     for (std::size_t e = 0; e < elements_.size(); ++e) {
+      const double *const n = elements_[e].direction, *const s = contact.shear + e;
+      const std::size_t next = contact.elements;
+      const double along = s[0] * n[0] + s[next] * n[1] + s[2 * next] * n[2] + contact.depth[e];
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double now = contact.shear[axis * contact.elements + e] - contact.depth[e] * elements_[e].direction[axis];
+        const double now = s[axis * next] - along * n[axis];
         skin_[e][axis] = now + back * (last_[e][axis] - now);
         last_[e][axis] = now;
       }
     }
   }
 
-  // Whether the camera sees marker i; it then shows what it saw.
+  // Whether the camera sees marker i, which is then shown where it was seen.
   bool look(std::size_t i) {
-    const Vector rest = markers_[i].rest, place = place_of(markers_[i]);
+    const Vector place = place_of(markers_[i]);
     auto [x, y] = pixel_of(place);
     double z = place[2];
     if (is_[noise] > 0.0) {
@@ -165,9 +167,7 @@ class Gel {
     const bool missed = is_[dropout] > 0.0 && uniform(8 * i + 6) < is_[dropout];
     if (missed || z >= is_[distance] || x < 0.0 || x > is_[width] || y < 0.0 || y > is_[height]) return false;
     const double scale = (is_[distance] - z) / focal_length();
-    const std::array<double, 5> shown{(x - 0.5 * is_[width]) * scale - rest[0], (0.5 * is_[height] - y) * scale - rest[1],
-                                      z - rest[2], x, y};
-    std::transform(shown.begin(), shown.end(), shown_[i].begin(), [](double value) { return static_cast<float>(value); });
+    shown_[i] = {(x - 0.5 * is_[width]) * scale, (0.5 * is_[height] - y) * scale, z};
     return true;
   }
 
@@ -215,9 +215,9 @@ class Gel {
   std::uint64_t key_, frames_ = 0;
   std::vector<double> is_;  // the parameters, by Key
   std::vector<slipbench_element> elements_;
-  std::vector<Vector> skin_, last_;
+  std::vector<Vector> skin_, last_;  // displacement of each element, as this frame shows it and when the last one ended
+  std::vector<Vector> shown_;        // where each marker was seen last
   std::vector<Point> markers_, map_;
-  std::vector<std::array<float, 5>> shown_;  // of each marker displacement and pixel, as last seen
   std::array<std::size_t, 6> shapes_;
   std::array<slipbench_channel, 4> channels_;
 };
