@@ -6,16 +6,15 @@
 
 namespace slipbench {
 
-ChannelPlace vector_channel(const FrameSource& source, std::string_view name, const std::string& detector) {
-  constexpr std::size_t axes = 3;
+ChannelPlace vector_channel(const FrameSource& source, std::string_view name, const std::string& detector, std::size_t axes) {
   std::size_t first = 0;
   for (const Channel& channel : source.channels) {
     if (channel.name == name && channel.shape.size() == 2 && channel.shape[1] == axes) return {first, channel.shape[0]};
     first += channel.size();
   }
-  throw SceneValueError("detector.sensor", detector + " reads a " + std::string(name) + " in three axes, which the " +
-                                               source.type + " " + quote(source.sensor) +
-                                               " does not have; allowed: a sensor that has it");
+  throw SceneValueError("detector.sensor", detector + " reads a " + std::string(name) +
+                                               (axes == 3 ? " in three axes" : " in two axes") + ", which the " + source.type +
+                                               " " + quote(source.sensor) + " does not have; allowed: a sensor that has it");
 }
 
 std::size_t scalar_channel(const FrameSource& source, std::string_view name, const std::string& detector) {

@@ -20,9 +20,9 @@ struct ChannelPlace {
   std::size_t units = 0;  // extent of the channel's first axis
 };
 
-// The channel `name` of `source`, which must hold three axes for each of its units: extents {N, 3}. `detector` names who asks.
+// The channel `name` of `source`, which must hold `axes`, 2 or 3, values for each of its units: extents {N, axes}. `detector` names who asks.
 // Throws SceneValueError at detector.sensor where the sensor has no such channel.
-ChannelPlace vector_channel(const FrameSource& source, std::string_view name, const std::string& detector);
+ChannelPlace vector_channel(const FrameSource& source, std::string_view name, const std::string& detector, std::size_t axes = 3);
 
 // Index into SensorFrame::values of the channel `name`, which must hold one value: extents {1}. `detector` names who asks. Throws
 // SceneValueError at detector.sensor where the sensor has no such channel.

@@ -30,6 +30,10 @@ stuck_fraction_detector();  // and "displacement" {N,3} [m]: which pillars stick
 DetectorKind
 shear_rate_detector();  // of "force": a unit slips when its shear no longer grows with the load; the stuck fraction, too
 
+// An estimate a frame of a gel, of "displacement" {N,3} [m] and "pixel" {N,2}: how unequally the markers under the object move.
+DetectorKind marker_deviation_detector();  // from a rigid motion
+DetectorKind marker_entropy_detector();    // entropy of the distances
+
 // An estimate a frame; it changes when a window is complete. The power of the channel "signal" {1} in a band of frequencies: a threshold with
 // hysteresis, without training. Refuses a band without a bin of the window's spectrum.
 DetectorKind band_energy_detector();

@@ -115,6 +115,15 @@ def closer(axes, pad, _):
     axes.set(xlabel="time after slip (ms)", ylabel="signal (counts)")
 
 
+def markers(axes, pad, at):
+    draw_units(axes, pad.labels.unit_positions, pad.labels.unit_state[at], 30)
+    places, moved = pad.channels["pixel"][0], 1000 * pad.channels["displacement"][at]
+    scale = 16.0 / np.ptp(places[:, 0])  # mm a pixel: nine markers span 16 mm
+    axes.quiver(scale * (places[:, 0] - 160), scale * (120 - places[:, 1]), *moved.T[:2], angles="xy", scale_units="xy", scale=0.2, width=0.012, zorder=3)
+    axes.set_title("markers' motion, five-fold", fontsize=9)
+    axes.set(xlim=(-7, 7), ylim=(-7, 7))
+
+
 def grip(axes, record, _):
     axes.plot(record.control.time, record.control.grip_force, label="grip force (N)")
     box = record.bodies["box"]
@@ -199,6 +208,7 @@ PICTURES = {
     "benchmark": benchmark,
     "biotac_sp": lambda: trial_picture("BioTac SP slides and turns", "biotac_sp/slip.yaml", "pad", counts("electrodes", "six electrodes")),
     "bodies": lambda: trial_picture("A block on a pad comes to rest", "bodies/sliding_block.yaml", "sole", speed),
+    "gel_markers": lambda: trial_picture("A sphere is dragged over a gel with markers", "gel_markers/gelsight_mini.yaml", "gel", whole, draw_pad=markers),
     "grasp": lambda: trial_picture("A gripper lifts a box", "grasp/lift.yaml", "pad", grip),
     "mujoco": plain_mujoco,
     "myrmex": lambda: trial_picture("Two arms let an object slip", "myrmex/slip.yaml", "left", whole, draw_pad=image),

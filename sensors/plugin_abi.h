@@ -69,6 +69,22 @@ SLIPBENCH_EXPORT void slipbench_make_sensor(const struct slipbench_source* sourc
 // A third one that may be left out: the parameters of the library, ended by SLIPBENCH_NO_MORE.
 SLIPBENCH_EXPORT extern const struct slipbench_parameter slipbench_sensor_parameters[];
 
+// A fourth one for a sensor that the program is to be built with (sensors/README.md): what `slipbench describe` says of it. Of a library it is not
+// read.
+struct slipbench_note {  // of a parameter
+  const char* doc;       // one sentence, what it does
+  const char* source;    // of its default: a paper, a data sheet, "assumed"
+  double least, most;    // of a number; both 0: any
+  const char* choices;   // of a text: "rows|columns|zigzag"
+};
+struct slipbench_about {
+  const char* summary;                 // one line
+  const char* law;                     // the equations with their symbols
+  const char* source;                  // where they come from
+  const struct slipbench_note* notes;  // in the order of slipbench_sensor_parameters, as many
+};
+SLIPBENCH_EXPORT extern const struct slipbench_about slipbench_sensor_about;
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <memory>
+#include <sstream>
 #include <utility>
 
 #include "sensors/own/own_sensor.h"
-#include "sensors/plugin_abi.h"
 #include "sim/core/error.h"
 #include "sim/core/process/plugin_library.h"
 #include "sim/core/sensor_kind.h"
@@ -30,15 +30,50 @@ OwnLayout layout_of(const slipbench_readout& readout) {
   return said;
 }
 
+// As the source declares them, with the values of `parameters`, which must outlive what is returned.
+std::vector<slipbench_parameter> values_of(const BundledSensor& bundled, const Parameters& parameters) {
+  std::vector<slipbench_parameter> values;
+  for (const slipbench_parameter* row = bundled.parameters; *row->name != '\0'; ++row) {
+    slipbench_parameter& value = values.emplace_back(*row);
+    switch (row->type) {
+      case SLIPBENCH_NUMBER: value.number = parameters.number(row->name); break;
+      case SLIPBENCH_BOOLEAN: value.number = parameters.flag(row->name) ? 1.0 : 0.0; break;
+      default: value.text = parameters.choice(row->name).c_str();
+    }
+  }
+  return values;
+}
+
+ParameterSpec spec_of(const slipbench_parameter& row, const slipbench_note& note) {
+  if (row.type == SLIPBENCH_BOOLEAN) return flag_spec(row.name, row.number != 0.0 ? "true" : "false", note.doc, note.source);
+  if (row.type == SLIPBENCH_NUMBER) {
+    const Quantity quantity = *row.unit == '\0' ? Quantity::none : quantity_of(std::string("1 ") + row.unit);
+    const Range range = note.least == 0.0 && note.most == 0.0 ? any_value : Range{note.least, note.most};
+    return number_spec(row.name, quantity, format_quantity(row.number, quantity), range, note.doc, note.source);
+  }
+  std::vector<std::string> choices;
+  std::istringstream text(note.choices);
+  for (std::string choice; std::getline(text, choice, '|');) choices.push_back(choice);
+  return choice_spec(row.name, row.text, choices, note.doc, note.source);
+}
+
 class PluginSensor final : public OwnSensor {
  public:
-  PluginSensor(const Parameters& parameters, std::uint64_t seed, std::uint64_t trial, const std::string& name)
-      : OwnSensor("sensors." + name + ".library", "'" + parameters.path("library") + "'"),
-        made_("sensor", parameters, SLIPBENCH_SENSOR_BUILD, "sensors." + name) {
+  // `bundled`: null where the scene names a library.
+  PluginSensor(const BundledSensor* bundled, const Parameters& parameters, std::uint64_t seed, std::uint64_t trial,
+               const std::string& name)
+      : OwnSensor("sensors." + name + (bundled != nullptr ? ".type" : ".library"),
+                  "'" + (bundled != nullptr ? bundled->type : parameters.path("library")) + "'"),
+        made_(bundled != nullptr ? Made("sensor", bundled->type, "sensors." + name)
+                                 : Made("sensor", parameters, SLIPBENCH_SENSOR_BUILD, "sensors." + name)) {
     made_.object.name = name.c_str();
     made_.object.seed = seed;
     made_.object.trial = trial;
-    made_.make<decltype(slipbench_make_sensor)>(parameters, {}, 0, &slipbench_readout::measure);
+    if (bundled != nullptr) {
+      made_.make(bundled->make, values_of(*bundled, parameters), {}, 0, &slipbench_readout::measure);
+    } else {
+      made_.make<decltype(slipbench_make_sensor)>(parameters, {}, 0, &slipbench_readout::measure);
+    }
     OwnLayout said;
     made_.library.guarded("slipbench_make_sensor", [&] { said = layout_of(made_.object); });
     set(std::move(said));
@@ -47,6 +82,8 @@ class PluginSensor final : public OwnSensor {
   void finish() override { made_.finish(); }
 
  private:
+  using Made = PluginObject<slipbench_readout>;
+
   void read(const ContactFrame& truth, std::span<float> values) override {
     const slipbench_contact contact{.time = truth.time,
                                     .force = truth.force.data(),
@@ -58,10 +95,22 @@ class PluginSensor final : public OwnSensor {
     made_.library.guarded("measure", [&] { made_.object.measure(made_.object.self, &contact, values.data()); });
   }
 
-  PluginObject<slipbench_readout> made_;
+  Made made_;
 };
 
 }  // namespace
+
+std::vector<ParameterSpec> specs_of(const BundledSensor& bundled) {
+  std::vector<ParameterSpec> specs;
+  for (std::size_t i = 0; *bundled.parameters[i].name != '\0'; ++i)
+    specs.push_back(spec_of(bundled.parameters[i], bundled.about->notes[i]));
+  return specs;
+}
+
+std::unique_ptr<Sensor> make_bundled(const BundledSensor& bundled, const Parameters& parameters, std::uint64_t seed,
+                                     std::uint64_t trial, const std::string& name) {
+  return std::make_unique<PluginSensor>(&bundled, parameters, seed, trial, name);
+}
 
 SensorKind plugin_sensor() {
   return {
@@ -72,7 +121,7 @@ SensorKind plugin_sensor() {
       .electronics = {},
       .create = [](const Parameters& parameters, const std::vector<Named>&, std::uint64_t seed, std::uint64_t trial,
                    const std::string& name) -> std::unique_ptr<Sensor> {
-        return std::make_unique<PluginSensor>(parameters, seed, trial, name);
+        return std::make_unique<PluginSensor>(nullptr, parameters, seed, trial, name);
       }};
 }
 

@@ -100,14 +100,20 @@ PluginLibrary::AtWork::~AtWork() {
   libraries.names.erase(std::ranges::find(libraries.names, name_));
 }
 
+PluginLibrary::PluginLibrary(std::string part, std::string where, std::string key, std::string name)
+    : part_(std::move(part)),
+      where_(where.empty() ? part_ : std::move(where)),
+      key_(where_ + "." + std::move(key)),
+      name_(std::move(name)),
+      at_work_(name_) {}
+
 PluginLibrary::PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where)
-    : part_(std::move(part)), where_(where.empty() ? part_ : std::move(where)), name_("'" + path + "'"), at_work_(name_) {
-  const std::string key = where_ + ".library";
-  if (path == no_library) throw SceneValueError(key, "no library is named; allowed: the path of a shared library");
+    : PluginLibrary(std::move(part), std::move(where), "library", "'" + path + "'") {
+  if (path == no_library) throw SceneValueError(key_, "no library is named; allowed: the path of a shared library");
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     const bool there = std::filesystem::exists(path, error);
-    throw SceneValueError(key, (there ? name_ + " is no file" : "no file " + name_) + "; allowed: the path of a shared library");
+    throw SceneValueError(key_, (there ? name_ + " is no file" : "no file " + name_) + "; allowed: the path of a shared library");
   }
   const std::string file = std::filesystem::absolute(path).string();  // a bare name would be searched for
   {
@@ -120,7 +126,7 @@ PluginLibrary::PluginLibrary(std::string part, const std::string& path, const sl
       throw;
     }
     if (handle_ == nullptr) {
-      throw SceneValueError(key, "cannot load " + name_ + ": " + dlerror() + "; allowed: a shared library");
+      throw SceneValueError(key_, "cannot load " + name_ + ": " + dlerror() + "; allowed: a shared library");
     }
   }
   loaded = true;
@@ -130,7 +136,7 @@ PluginLibrary::PluginLibrary(std::string part, const std::string& path, const sl
 
 bool PluginLibrary::any() { return loaded; }
 
-void PluginLibrary::refuse(const std::string& what) const { throw SceneValueError(where_ + ".library", name_ + " " + what); }
+void PluginLibrary::refuse(const std::string& what) const { throw SceneValueError(key_, name_ + " " + what); }
 
 void PluginLibrary::refuse_scene(const char (&refusal)[SLIPBENCH_REFUSAL_SIZE]) const {
   const std::string why(refusal, strnlen(refusal, sizeof refusal));

@@ -17,7 +17,8 @@
 
 namespace slipbench {
 
-// A shared library, which stays loaded when the object goes: threads that it has started may run on. Whatever it does wrong is a SceneValueError at `where`.library: the
+// A shared library, which stays loaded when the object goes since threads that it has started may run on, or code of the same interface that the
+// program is built with. Whatever it does wrong is a SceneValueError at `where`.library, or .type: the
 // message names the library, and the function where one is to blame. Exception: a call of exit() while the object lives ends the
 // program, as it must, but with status 2 and a line on stderr that names the library.
 class PluginLibrary {
@@ -26,6 +27,8 @@ class PluginLibrary {
   // with. Throws SceneValueError where no library is named, where there is no such file, where it cannot be loaded, lacks a
   // symbol or was built with anything else than `own`. `where`: the part in the scene, "sensors.pad"; "": `part`.
   PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where = {});
+  // What the program is built with, `key` being the scene's for it: nothing is loaded. For guarded(), refuse() and close() alone.
+  PluginLibrary(std::string part, std::string where, std::string key, std::string name);
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
 
@@ -78,7 +81,7 @@ class PluginLibrary {
 
   [[nodiscard]] bool has_crashed() const { return crashed_; }
 
-  // Throws SceneValueError at `where`.library: "'mine.so' " and `what`.
+  // Throws SceneValueError at `where`.library, or .type: "'mine.so' " and `what`.
   [[noreturn]] void refuse(const std::string& what) const;
   // Likewise where the library made no object, for the reason that it left in `refusal`, which need not end.
   [[noreturn]] void refuse_scene(const char (&refusal)[SLIPBENCH_REFUSAL_SIZE]) const;
@@ -102,8 +105,8 @@ class PluginLibrary {
     std::string name_;
   };
 
-  std::string part_, where_;
-  std::string name_;  // for messages: the path in quotes
+  std::string part_, where_, key_;
+  std::string name_;  // for messages: the path or type in quotes
   AtWork at_work_;
   void* handle_ = nullptr;
   bool crashed_ = false;
@@ -127,6 +130,9 @@ class PluginObject {
   // Loads the library that `parameters` name; the rest as PluginLibrary.
   PluginObject(const std::string& part, const Parameters& parameters, const slipbench_abi& own, std::string where = {})
       : library(part, parameters.path("library"), own, std::move(where)), function_("slipbench_make_" + part) {}
+  // Of what the program is built with as `type`.
+  PluginObject(const std::string& part, const std::string& type, std::string where)
+      : library(part, std::move(where), "type", quote(type)), function_("slipbench_make_" + part) {}
   PluginObject(const PluginObject&) = delete;  // owns what the library made
   PluginObject& operator=(const PluginObject&) = delete;
   ~PluginObject() {
@@ -142,13 +148,20 @@ class PluginObject {
   template <class Make, class Function>
   void make(const Parameters& parameters, const std::vector<SensorSource>& sensors, std::size_t own, Function Object::*works) {
     const PluginLibrary::Values values = library.parameters(parameters.map("parameters"));
+    make(library.maker<Make>(), values.handed(), sensors, own, works);
+  }
+
+  // Likewise by `made`, from these parameters.
+  template <class Make, class Function>
+  void make(Make* made, std::span<const slipbench_parameter> parameters, const std::vector<SensorSource>& sensors,
+            std::size_t own, Function Object::*works) {
     const PluginSensors seen(sensors);
     const slipbench_source about{.sensors = seen.handed().data(),
                                  .sensor_count = seen.handed().size(),
                                  .sensor = own,
-                                 .parameters = values.handed().data(),
-                                 .parameter_count = values.handed().size()};
-    library.guarded(function_, [&, make = library.maker<Make>()] { make(&about, &object); });
+                                 .parameters = parameters.data(),
+                                 .parameter_count = parameters.size()};
+    library.guarded(function_, [&] { made(&about, &object); });
     if (object.*works != nullptr) return;
     finish();
     library.refuse_scene(object.refusal);

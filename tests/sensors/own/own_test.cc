@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sensors/own/own_sensor.h"
 #include "sim/scene/parser.h"
 #include "tests/expect.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -109,6 +110,27 @@ TEST(OwnSensor, PlantedFaultOfAnEndlessLayoutIsNamed) {
   const std::string at = "sensors.pad.library: IT ";
   EXPECT_THAT(outcome(wrong("endless")),
               AnyOf(StartsWith(at + "crashed in slipbench_make_sensor: SIG"), StartsWith(at + "has a layout of 4097 elements")));
+}
+
+// wrong.cc is a part of this program as well: as a bundled sensor it says and fails the same, under the scene's type.
+TEST(OwnSensor, OfTheProgramItselfIsCheckedAsALibrary) {
+  static constexpr slipbench_note note{"What goes wrong.", "the test's", 0.0, 0.0,
+                                       "none|refuses|rate|bare|soft|gap|mute|empty|times|nan|throws|crashes|ends badly"};
+  static constexpr slipbench_about about{"A sensor with a fault.", "", "the test's", &note};
+  static constexpr BundledSensor bundled{"faulty", slipbench_sensor_parameters, &about, &slipbench_make_sensor};
+  const auto make = [](const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) {
+    return make_bundled(bundled, scene.parameters, seed, trial, scene.name);
+  };
+  register_sensor({bundled.type, about.summary, about.law, about.source, specs_of(bundled)}, make);
+  const Catalogues catalogues = program_catalogues();
+  for (const std::string& fault : catalogues.sensors.back().parameters[0].choices) {
+    std::string expected = outcome(wrong(fault));
+    const std::string library = "library: IT";
+    if (const std::size_t at = expected.find(library); at != std::string::npos)
+      expected.replace(at, library.size(), "type: 'faulty'");
+    EXPECT_EQ(outcome("type: faulty, fault: " + fault), expected);
+  }
+  EXPECT_THAT(outcome("type: faulty, fault: nun"), HasSubstr("did you mean 'nan'?"));
 }
 
 // Of four trials two run; the others are noted with the line of the scene.

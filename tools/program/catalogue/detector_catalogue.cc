@@ -13,9 +13,10 @@ namespace {
 
 const std::vector<DetectorKind>& detector_catalogue() {
   static const std::vector<DetectorKind> kinds{
-      force_ratio_detector(), stuck_fraction_detector(), shear_rate_detector(),      band_energy_detector(),
-      gst_hd_detector(),      gst_hd_rtl_detector(),     nib_linear_slip_detector(), nib_slip_kind_detector(),
-      network_detector(),     plugin_detector(),         {oracle_entry(), nullptr},
+      force_ratio_detector(),     stuck_fraction_detector(), shear_rate_detector(), marker_deviation_detector(),
+      marker_entropy_detector(),  band_energy_detector(),    gst_hd_detector(),     gst_hd_rtl_detector(),
+      nib_linear_slip_detector(), nib_slip_kind_detector(),  network_detector(),    plugin_detector(),
+      {oracle_entry(), nullptr},
   };
   return kinds;
 }

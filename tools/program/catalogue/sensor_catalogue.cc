@@ -16,6 +16,7 @@
   SENSOR(biotac_sp)               \
   SENSOR(myrmex)                  \
   SENSOR(taxels)                  \
+  SENSOR(gel_markers)             \
   SENSOR(plugin)
 
 namespace slipbench {

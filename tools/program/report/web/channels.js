@@ -57,10 +57,11 @@ class Spectrogram extends sb.TimeChart {
   }
 }
 
-// Values of a channel in groups small enough for one chart: those whose names begin alike ("T4_W", "T4_N"), or all of them.
+// Values of a channel in groups small enough for one chart: those whose names differ in their last part ("T4_W", "T4_N"), or all of them.
 function groupsOf(channel) {
   if (channel.names.length <= 4) return [{name: '', columns: d3.range(channel.names.length)}];
-  const groups = d3.nest().key(i => channel.names[i].split('_')[0]).entries(d3.range(channel.names.length));
+  const groups = d3.nest().key(i => channel.names[i].replace(/_[^_]*$/, '')).entries(d3.range(channel.names.length));
+  if (groups.length === 1) return channel.names.map((name, i) => ({name, columns: [i]}));
   return groups.map(({key, values}) => ({name: key, columns: values}));
 }
 

@@ -1,0 +1,237 @@
+// A gel pad with markers on its skin and a camera behind it. Against sensors/plugin_abi.h alone, as a library of one's own:
+// slipbench_bundled_sensor builds it into the program, and `c++ -std=c++17 -shared -fPIC` makes a library of it.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sensors/plugin_abi.h"
+
+// name, default, unit, smallest, largest, sentence, source
+#define GEL_SHEET "GelSight Mini data sheet"
+#define GEL_SDK "gelsightinc/gsrobotics: 7 x 9 markers, 31 px of 0.0634 mm apart, in pictures of 320 x 240"
+#define GEL_SPRING "assumed: E A/t, G A/t of 1 mm2, 4.25 mm, G 0.15 MPa; elastic_skin takes its place"
+#define GEL_NUMBERS(NUMBER)                                                                                                     \
+  NUMBER(rate, 25.0, "Hz", 1.0, 1e5, "Frames a second.", GEL_SHEET)                                                             \
+  NUMBER(columns, 20.0, "", 2.0, 64.0, "Elements of the skin along X, a whole number.", "assumed: they reach past the picture") \
+  NUMBER(rows, 16.0, "", 2.0, 64.0, "Elements along Y, alike.", "assumed: they reach past the picture")                         \
+  NUMBER(pitch, 1e-3, "m", 1e-5, 1.0, "Distance of elements along X and Y.", "assumed: a quarter of the gel's 4.25 mm")         \
+  NUMBER(dome, 0.0, "m", 0.0, 10.0, "Radius of a domed surface; 0: flat.", "GelSight Mini is flat")                             \
+  NUMBER(k_normal, 106.0, "N/m", 1e-6, 1e9, "Normal stiffness of an element.", GEL_SPRING)                                      \
+  NUMBER(k_tangential, 35.0, "N/m", 1e-6, 1e9, "Tangential stiffness of an element.", GEL_SPRING)                               \
+  NUMBER(marker_columns, 9.0, "", 1.0, 512.0, "Markers along X, a whole number.", GEL_SDK)                                      \
+  NUMBER(marker_rows, 7.0, "", 1.0, 512.0, "Markers along Y, alike.", GEL_SDK)                                                  \
+  NUMBER(marker_pitch, 2e-3, "m", 1e-5, 1.0, "Distance of markers.", GEL_SDK)                                                   \
+  NUMBER(width, 320.0, "", 1.0, 1e5, "Width of the picture in pixels.", GEL_SDK)                                                \
+  NUMBER(height, 240.0, "", 1.0, 1e5, "Height of the picture in pixels.", GEL_SDK)                                              \
+  NUMBER(field, 18.6e-3, "m", 1e-4, 1.0, "Width of the gel at rest that the picture shows.", GEL_SHEET)                         \
+  NUMBER(distance, 28.25e-3, "m", 1e-3, 1.0, "From the pinhole to the surface.", "TacEx: 24 mm; gel: 4.25 mm")                  \
+  NUMBER(exposure, 0.0, "s", 0.0, 1.0, "Time over which a frame blurs, up to the time of a frame.", "free")                     \
+  NUMBER(noise, 0.0, "", 0.0, 100.0, "Standard deviation of a marker's place in the picture [px].", "free")                     \
+  NUMBER(height_noise, 0.0, "m", 0.0, 1e-2, "That of a marker's height.", "free")                                               \
+  NUMBER(dropout, 0.0, "", 0.0, 1.0, "Share of the markers that a frame misses.", "free")                                       \
+  NUMBER(map, 0.0, "", 0.0, 1024.0, "Columns of the picture of heights, a whole number; 0: none.", "free")
+
+enum Key : std::size_t {
+#define GEL_KEY(name, ...) name,
+  GEL_NUMBERS(GEL_KEY)
+};
+const slipbench_parameter slipbench_sensor_parameters[] = {
+#define GEL_ROW(name, value, unit, ...) SLIPBENCH_A_NUMBER(#name, value, unit),
+    GEL_NUMBERS(GEL_ROW) SLIPBENCH_NO_MORE,
+};
+static const slipbench_note notes[] = {
+#define GEL_NOTE(name, value, unit, least, most, doc, source) {doc, source, least, most, ""},
+    GEL_NUMBERS(GEL_NOTE)};
+const slipbench_about slipbench_sensor_about = {
+    "A gel with markers on its skin and a camera behind it, after GelSight Mini.",
+    "u: displacement of the skin, bilinear between its elements, u = shear across n - depth n; n: direction out of the pad\n"
+    "marker: x = x0 + u; a straight path from frame to frame is blurred to its mean over the exposure\n"
+    "pixel = middle + f (x, -y)/(distance - z), f = width distance/field, seen from behind: x to the right, y up\n"
+    "displacement: pixel and height back in the pad's frame, less the place at rest; a marker that is not seen, or lies outside of the picture, repeats what it showed last",
+    "W. Yuan, S. Dong, E. H. Adelson, Sensors 17(12), 2762 (2017): gel, markers, camera; pinhole camera without refraction",
+    notes};
+const slipbench_abi slipbench_sensor_abi = SLIPBENCH_SENSOR_BUILD;
+
+namespace {
+
+using Vector = std::array<double, 3>;
+
+// A point of the skin: at rest, and how much of the displacement of four elements it takes.
+struct Point {
+  Vector rest;
+  std::array<std::size_t, 4> elements;
+  std::array<double, 4> shares;
+};
+
+// SplitMix64's mix (Steele, Lea, Flood, OOPSLA 2014). A random number is the mix of what it is for, so none shifts another one.
+std::uint64_t mixed(std::uint64_t x) {
+  x += UINT64_C(0x9e3779b97f4a7c15);
+  x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+  x = (x ^ (x >> 27)) * UINT64_C(0x94d049bb133111eb);
+  return x ^ (x >> 31);
+}
+
+class Gel {
+ public:
+  Gel(const slipbench_parameter* parameters, const slipbench_readout& asked) : key_(mixed(mixed(asked.seed) ^ asked.trial)) {
+    for (std::size_t i = 0; i < std::size(notes); ++i) is_.push_back(parameters[i].number);
+    for (const char* letter = asked.name; *letter != '\0'; ++letter) key_ = mixed(key_ ^ static_cast<unsigned char>(*letter));
+  }
+
+  // Why there is no such pad; "": there is.
+  std::string fault() const {
+    for (const Key key : {columns, rows, marker_columns, marker_rows, map}) {
+      if (is_[key] != std::floor(is_[key]))
+        return slipbench_sensor_parameters[key].name + (" is " + std::to_string(is_[key])) + "; allowed: a whole number";
+    }
+    if ((is_[marker_columns] - 1.0) * is_[marker_pitch] > across() || (is_[marker_rows] - 1.0) * is_[marker_pitch] > along())
+      return "markers reach past the elements; allowed: none that does";
+    if (is_[dome] > 0.0 && std::hypot(across(), along()) >= 2.0 * is_[dome])
+      return "dome is too narrow; allowed: over half the pad's diagonal";
+    return is_[exposure] * is_[rate] > 1.0 ? "exposure is longer than a frame; allowed: up to 1/rate" : "";
+  }
+
+  void lay_out(slipbench_readout& readout) {
+    const double curved = is_[dome] > 0.0 ? 1.0 / is_[dome] : 0.0;
+    for (const Point& point : grid(is_[columns], is_[rows], is_[pitch], is_[pitch])) {
+      const auto [x, y, z] = point.rest;
+      elements_.push_back(
+          {{x, y, z}, {x * curved, y * curved, z * curved - 1.0}, is_[k_normal], is_[k_tangential], elements_.size()});
+    }
+    skin_.resize(elements_.size());
+    last_.resize(elements_.size());
+    markers_ = grid(is_[marker_columns], is_[marker_rows], is_[marker_pitch], is_[marker_pitch]);
+    for (const Point& marker : markers_) shown_.push_back(marker.rest);
+    const double map_rows = std::round(is_[map] * is_[rows] / is_[columns]);
+    map_ = grid(is_[map], map_rows, across() / std::max(1.0, is_[map] - 1.0), along() / std::max(1.0, map_rows - 1.0));
+    shapes_ = {markers_.size(), 3, markers_.size(), 2, static_cast<std::size_t>(map_rows), static_cast<std::size_t>(is_[map])};
+    channels_ = {{{"displacement", "m", &shapes_[0], 2, 0, 0},
+                  {"pixel", "px", &shapes_[2], 2, 0, 0},
+                  {"seen", "", &shapes_[0], 1, 0, 0},
+                  {"height", "m", &shapes_[4], 2, 0, 0}}};
+    readout.rate = is_[rate];
+    readout.elements = elements_.data();
+    readout.element_count = elements_.size();
+    readout.channels = channels_.data();
+    readout.channel_count = map_.empty() ? 3 : 4;
+  }
+
+  void measure(const slipbench_contact& contact, float* values) {
+    move_skin(contact);
+    float* const pixels = values + 3 * markers_.size();
+    float* const seen = pixels + 2 * markers_.size();
+    for (std::size_t i = 0; i < markers_.size(); ++i) {
+      seen[i] = look(i) ? 1.0F : 0.0F;
+      const auto pixel = pixel_of(shown_[i]);
+      for (std::size_t k = 0; k < 3; ++k) values[3 * i + k] = static_cast<float>(shown_[i][k] - markers_[i].rest[k]);
+      for (std::size_t k = 0; k < 2; ++k) pixels[2 * i + k] = static_cast<float>(pixel[k]);
+    }
+    std::transform(map_.begin(), map_.end(), seen + markers_.size(),
+                   [&](const Point& point) { return static_cast<float>(place_of(point)[2]); });
+    ++frames_;
+  }
+
+ private:
+  // The displacement of the skin at each element, in P, as a frame shows it. Depth is how far an elastic skin has sunk where its loaded surface is, so
+  // what the surface's slope adds to the shear along n is in it already.
+  void move_skin(const slipbench_contact& contact) {
+    const double back = frames_ == 0 ? 0.0 : 0.5 * is_[exposure] * is_[rate];
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      const double *const n = elements_[e].direction, *const s = contact.shear + e;
+      const std::size_t next = contact.elements;
+      const double along = s[0] * n[0] + s[next] * n[1] + s[2 * next] * n[2] + contact.depth[e];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double now = s[axis * next] - along * n[axis];
+        skin_[e][axis] = now + back * (last_[e][axis] - now);
+        last_[e][axis] = now;
+      }
+    }
+  }
+
+  // Whether the camera sees marker i, which is then shown where it was seen.
+  bool look(std::size_t i) {
+    const Vector place = place_of(markers_[i]);
+    auto [x, y] = pixel_of(place);
+    double z = place[2];
+    if (is_[noise] > 0.0) {
+      x += is_[noise] * gaussian(8 * i);
+      y += is_[noise] * gaussian(8 * i + 2);
+    }
+    if (is_[height_noise] > 0.0) z += is_[height_noise] * gaussian(8 * i + 4);
+    const bool missed = is_[dropout] > 0.0 && uniform(8 * i + 6) < is_[dropout];
+    if (missed || z >= is_[distance] || x < 0.0 || x > is_[width] || y < 0.0 || y > is_[height]) return false;
+    const double scale = (is_[distance] - z) / focal_length();
+    shown_[i] = {(x - 0.5 * is_[width]) * scale, (0.5 * is_[height] - y) * scale, z};
+    return true;
+  }
+
+  Vector place_of(const Point& point) const {
+    Vector place = point.rest;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t k = 0; k < 4; ++k) place[axis] += point.shares[k] * skin_[point.elements[k]][axis];
+    }
+    return place;
+  }
+
+  double focal_length() const { return is_[width] * is_[distance] / is_[field]; }  // px
+  std::array<double, 2> pixel_of(const Vector& place) const {
+    const double scale = focal_length() / (is_[distance] - place[2]);
+    return {0.5 * is_[width] + scale * place[0], 0.5 * is_[height] - scale * place[1]};
+  }
+
+  double across() const { return (is_[columns] - 1.0) * is_[pitch]; }  // m, from the first element to the last
+  double along() const { return (is_[rows] - 1.0) * is_[pitch]; }
+
+  // Points about the middle, in rows from +Y to -Y, each from -X to +X.
+  std::vector<Point> grid(double wide, double high, double right, double down) const {
+    std::vector<Point> points;
+    for (double i = 0.0; i < wide * high; ++i) {
+      const double x = (std::fmod(i, wide) - 0.5 * (wide - 1.0)) * right, y = (0.5 * (high - 1.0) - std::floor(i / wide)) * down;
+      const double z = is_[dome] > 0.0 ? is_[dome] - std::sqrt(is_[dome] * is_[dome] - x * x - y * y) : 0.0;
+      const double u = (x + 0.5 * across()) / is_[pitch], v = (0.5 * along() - y) / is_[pitch];
+      const double column = std::clamp(std::floor(u), 0.0, is_[columns] - 2.0),
+                   row = std::clamp(std::floor(v), 0.0, is_[rows] - 2.0);
+      const double s = u - column, t = v - row;
+      const auto corner = static_cast<std::size_t>(row * is_[columns] + column),
+                 below = corner + static_cast<std::size_t>(is_[columns]);
+      points.push_back(
+          {{x, y, z}, {corner, corner + 1, below, below + 1}, {(1.0 - s) * (1.0 - t), s * (1.0 - t), (1.0 - s) * t, s * t}});
+    }
+    return points;
+  }
+
+  // Number `which` of this frame, in [0, 1); from it and the next one a normal one (Box, Muller).
+  double uniform(std::size_t which) const { return static_cast<double>(mixed(mixed(key_ + frames_) + which) >> 11) * 0x1p-53; }
+  double gaussian(std::size_t which) const {
+    return std::sqrt(-2.0 * std::log1p(-uniform(which))) * std::cos(6.283185307179586 * uniform(which + 1));
+  }
+
+  std::uint64_t key_, frames_ = 0;
+  std::vector<double> is_;  // the parameters, by Key
+  std::vector<slipbench_element> elements_;
+  std::vector<Vector> skin_, last_;  // displacement of each element, as this frame shows it and when the last one ended
+  std::vector<Vector> shown_;        // where each marker was seen last
+  std::vector<Point> markers_, map_;
+  std::array<std::size_t, 6> shapes_;
+  std::array<slipbench_channel, 4> channels_;
+};
+
+}  // namespace
+
+void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* readout) {
+  auto gel = std::make_unique<Gel>(source->parameters, *readout);
+  std::snprintf(readout->refusal, sizeof readout->refusal, "%s", gel->fault().c_str());
+  if (readout->refusal[0] != '\0') return;
+  gel->lay_out(*readout);
+  readout->measure = [](void* self, const slipbench_contact* contact, float* values) {
+    static_cast<Gel*>(self)->measure(*contact, values);
+  };
+  readout->destroy = [](void* self) { delete static_cast<Gel*>(self); };
+  readout->self = gel.release();
+}

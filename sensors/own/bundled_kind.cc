@@ -1,0 +1,24 @@
+// The SensorKind of one bundled sensor: built into the library of each (slipbench_bundled_sensor in cmake/SlipbenchLibrary.cmake), which says its name
+// and renames what its source exports, so that several fit into one program.
+#include "sensors/own/own_sensor.h"
+#include "sim/core/sensor_kind.h"
+
+namespace slipbench {
+namespace {
+
+constexpr BundledSensor bundled{SLIPBENCH_BUNDLED_TYPE, slipbench_sensor_parameters, &slipbench_sensor_about,
+                                &slipbench_make_sensor};
+
+}  // namespace
+
+SensorKind SLIPBENCH_BUNDLED_KIND();
+
+SensorKind SLIPBENCH_BUNDLED_KIND() {
+  const slipbench_about& about = *bundled.about;
+  return {.about = {bundled.type, about.summary, about.law, about.source, specs_of(bundled)},
+          .electronics = {},
+          .create = [](const Parameters& parameters, const std::vector<Named>&, std::uint64_t seed, std::uint64_t trial,
+                       const std::string& name) { return make_bundled(bundled, parameters, seed, trial, name); }};
+}
+
+}  // namespace slipbench
