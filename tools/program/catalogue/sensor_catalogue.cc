@@ -16,6 +16,7 @@
   SENSOR(biotac_sp)               \
   SENSOR(myrmex)                  \
   SENSOR(taxels)                  \
+  SENSOR(magnetic_skin)           \
   SENSOR(plugin)
 
 namespace slipbench {
