@@ -101,12 +101,6 @@ def counts(channel, words):
     return draw
 
 
-def field(axes, _, pad):
-    axes.plot(pad.time, pad.channels["field"][:, 5] / 1000, linewidth=0.8, label=["x", "y", "z"])
-    axes.legend(fontsize=8, loc="center left")
-    axes.set_ylabel("change of field\nbehind a cell (mT)")
-
-
 def image(axes, pad, at):
     shown = axes.imshow(pad.channels["taxels"][at], cmap="viridis", origin="lower")
     axes.set_title(f"taxels at {pad.time[at]:.2f} s", fontsize=9)
@@ -206,7 +200,7 @@ PICTURES = {
     "biotac_sp": lambda: trial_picture("BioTac SP slides and turns", "biotac_sp/slip.yaml", "pad", counts("electrodes", "six electrodes")),
     "bodies": lambda: trial_picture("A block on a pad comes to rest", "bodies/sliding_block.yaml", "sole", speed),
     "grasp": lambda: trial_picture("A gripper lifts a box", "grasp/lift.yaml", "pad", grip),
-    "magnetic_skin": lambda: trial_picture("A ball drags a magnetic skin", "magnetic_skin/uskin.yaml", "skin", field),
+    "magnetic_skin": lambda: trial_picture("A ball drags a magnetic skin", "magnetic_skin/uskin.yaml", "skin", counts("counts", "six axes")),
     "mujoco": plain_mujoco,
     "myrmex": lambda: trial_picture("Two arms let an object slip", "myrmex/slip.yaml", "left", whole, draw_pad=image),
     "nib_pad": lambda: trial_picture("A plate turns under a nib pad", "nib_pad/rotational.yaml", "pad", counts("fr", "two clusters")),

@@ -67,22 +67,20 @@ namespace {
 
 const char* const chip = "Melexis MLX90393, data sheet";
 const char* const measured = "measured: public recordings of these chips, sensors/magnetic_skin/README.md";
-const char* const free_choice = "free";
-const char* const assumed = "assumed";
 
 const slipbench_note notes[] = {
-    {"Samples a second.", free_choice, 0.1, 1e4, ""},
+    {"Samples a second.", "free", 0.1, 1e4, ""},
     {"Cells along Y, each with a dipole.", "uSkin (Tomo and others 2018): 4 x 4", 1.0, 64.0, ""},
     {"Cells along X.", "alike", 1.0, 64.0, ""},
     {"Edge of a cell.", "assumed, after the XR1944, a uSkin", 1e-4, 0.1, ""},
     {"Of a cell; elastic_skin takes its place.", "assumed: silicone of 0.25 MPa, E pitch^2/thickness", 1e-3, 1e9, ""},
     {"Alike.", "assumed: a third of it, as an incompressible body's G/E", 1e-3, 1e9, ""},
-    {"Of the skin, from its surface to its rigid back.", assumed, 1e-4, 0.1, ""},
-    {"Of a dipole's middle below the surface.", assumed, 0.0, 0.1, ""},
+    {"Of the skin, from its surface to its rigid back.", "assumed", 1e-4, 0.1, ""},
+    {"Of a dipole's middle below the surface.", "assumed", 0.0, 0.1, ""},
     {"Of a magnet, a disc; 0: the whole cell is magnetised.", "assumed: the smallest NdFeB discs", 0.0, 0.1, ""},
-    {"Of a magnet, or of the magnetised layer.", assumed, 1e-6, 0.1, ""},
+    {"Of a magnet, or of the magnetised layer.", "assumed", 1e-6, 0.1, ""},
     {"Of its material [T], along +Z.", "NdFeB of grade N50: 1.40 to 1.45 T", 0.0, 2.0, ""},
-    {"Edge of squares that are magnetised up and down by turns; 0: all are alike.", free_choice, 0.0, 1.0, ""},
+    {"Edge of squares that are magnetised up and down by turns; 0: all are alike.", "free", 0.0, 1.0, ""},
     {"grid: a magnetometer behind each cell; cross: one in the middle, one to the left, right, up and down.",
      "uSkin: grid. ReSkin (Bhirangi and others 2021): cross", 0.0, 0.0, "grid|cross"},
     {"From the middle of a cross to its ends.", "ReSkin's board", 1e-4, 1.0, ""},
@@ -91,10 +89,10 @@ const slipbench_note notes[] = {
     {"uT a count along Z.", chip, 1e-3, 100.0, ""},
     {"Standard deviation of a reading, in counts.", measured, 0.0, 1e4, ""},
     {"Standard deviation of an axis' offset, in counts.", "assumed: Earth's field, 50 uT from anywhere", 0.0, 3e4, ""},
-    {"How much warmer skin and chips get in the end [K].", free_choice, -100.0, 100.0, ""},
-    {"Time constant of that.", assumed, 1e-3, 1e9, ""},
+    {"How much warmer skin and chips get in the end [K].", "free", -100.0, 100.0, ""},
+    {"Time constant of that.", "assumed", 1e-3, 1e9, ""},
     {"Share of the magnets' field that each K takes.", "NdFeB: reversible coefficient of remanence", -0.1, 0.1, ""},
-    {"Counts that each K adds to an axis, whose sign is drawn.", assumed, 0.0, 1e4, ""},
+    {"Counts that each K adds to an axis, whose sign is drawn.", "assumed", 0.0, 1e4, ""},
 };
 
 constexpr double most_counts = 32767.0, pi = 3.141592653589793;
@@ -189,20 +187,18 @@ void measure(void* self, const slipbench_contact* contact, float* values) {
   }
 }
 
-void destroy(void* self) { delete static_cast<Skin*>(self); }
-
 // The places in the pad's frame: cells in rows from +Y to -Y, each from -X to +X; the surface at 0, the magnetometers above.
 void place(Skin& skin) {
   const auto& is = skin.is;
-  const auto many = static_cast<std::size_t>(is[rows]), beside = static_cast<std::size_t>(is[columns]);
   const double edge = is[pitch], radius = 0.5 * is[magnet_diameter], pole = is[pole_pitch];
   const double area = radius > 0.0 ? pi * radius * radius : edge * edge;
   const double strength = 1e6 * is[remanence] * area * is[magnet_thickness] / (4.0 * pi);
   const double back = is[thickness] + is[gap], end = is[chip_pitch];
   const auto odd = [&](double at) { return static_cast<long>(std::floor(at / pole)) % 2 != 0; };
-  for (std::size_t i = 0; i < many * beside; ++i) {
-    const double x = (static_cast<double>(i % beside) - 0.5 * (is[columns] - 1.0)) * edge;
-    const double y = (0.5 * (is[rows] - 1.0) - static_cast<double>(i / beside)) * edge;
+  const double right = 0.5 * (is[columns] - 1.0), top = 0.5 * (is[rows] - 1.0);
+  for (std::size_t i = 0; static_cast<double>(i) < is[rows] * is[columns]; ++i) {
+    const double above = std::floor(static_cast<double>(i) / is[columns]), beside = static_cast<double>(i) - above * is[columns];
+    const double x = (beside - right) * edge, y = (top - above) * edge;
     skin.magnets.push_back({{x, y, is[magnet_depth]}, pole > 0.0 && odd(x) != odd(y) ? -strength : strength});
     skin.elements.push_back({{x, y, 0.0}, {0.0, 0.0, -1.0}, is[k_normal], is[k_tangential], i});
     if (skin.forces) skin.magnetometers.push_back({x, y, back});
@@ -228,14 +224,15 @@ const slipbench_about slipbench_sensor_about = {
 void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* readout) {
   Skin* skin = new Skin{};
   readout->self = skin;
-  readout->destroy = destroy;
+  readout->destroy = [](void* self) { delete static_cast<Skin*>(self); };
   for (std::size_t k = 0; k < skin->is.size(); ++k) skin->is[k] = source->parameters[k].number;
   const auto& is = skin->is;
-  const bool whole = is[rows] == std::floor(is[rows]) && is[columns] == std::floor(is[columns]);
-  if (!whole || is[magnet_depth] >= is[thickness]) {
-    std::snprintf(readout->refusal, sizeof readout->refusal,
-                  whole ? "magnet_depth reaches the back of the skin; allowed: less than thickness"
-                        : "rows or columns is no whole number; allowed: 1, 2, 3 and so on");
+  const char* wrong = nullptr;
+  if (is[magnet_depth] >= is[thickness]) wrong = "magnet_depth is too deep; allowed: less than thickness";
+  if (is[rows] != std::floor(is[rows]) || is[columns] != std::floor(is[columns]))
+    wrong = "rows or columns is broken; allowed: whole numbers";
+  if (wrong != nullptr) {
+    std::snprintf(readout->refusal, sizeof readout->refusal, "%s", wrong);
     return;
   }
   skin->forces = source->parameters[chips].text[0] == 'g';

@@ -1,16 +1,17 @@
-// The magnetic skin against fields of dipoles in closed form, asked through its plain C interface, with contacts made by hand.
+// The magnetic skin against fields of dipoles in closed form.
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <string>
-#include <vector>
 
-#include <Eigen/Core>
-
-#include "sensors/plugin_abi.h"
+#include "sim/core/contact_frame.h"
+#include "sim/core/sensor.h"
+#include "sim/core/sensor_kind.h"
 #include "tests/expect.h"
 
 namespace slipbench {
+
+SensorKind magnetic_skin_sensor();
+
 namespace {
 
 using Eigen::Vector3d;
@@ -20,27 +21,16 @@ using Rows = Eigen::MatrixX3d;
 // Without noise and offset unless `given` says otherwise.
 class Skin {
  public:
-  explicit Skin(const Given& given, const char* chips = "cross", std::uint64_t trial = 1, const char* name = "pad") {
-    std::vector<slipbench_parameter> all;
-    for (const slipbench_parameter* row = slipbench_sensor_parameters; *row->name != '\0'; ++row) {
-      const std::string key = row->name;
-      all.push_back(*row);
-      if (key == "noise" || key == "offset") all.back().number = 0;
-      if (key == "chips") all.back().text = chips;
-      if (given.contains(key)) all.back().number = given.at(key);
-      values_[key] = all.back().number;
-    }
-    readout_.name = name;
-    readout_.trial = trial;
-    const slipbench_source source{nullptr, 0, 0, all.data(), all.size()};
-    slipbench_make_sensor(&source, &readout_);
+  explicit Skin(Given given, const std::string& chips = "cross", std::uint64_t trial = 1, const std::string& name = "pad") {
+    given.insert({{"noise", 0}, {"offset", 0}});
+    for (const auto& [key, value] : given) is_.set(key, value);
+    is_.set("chips", chips);
+    sensor_ = magnetic_skin_sensor().create(is_, {}, 7, trial, name);
   }
-  ~Skin() { readout_.destroy(readout_.self); }
 
-  [[nodiscard]] double of(const std::string& key) const { return values_.at(key); }
-  [[nodiscard]] std::string refusal() const { return readout_.refusal; }
+  [[nodiscard]] double of(const std::string& key) const { return is_.number(key); }
   [[nodiscard]] Vector3d magnet(int cell) const {
-    return {readout_.elements[cell].tip[0], readout_.elements[cell].tip[1], of("magnet_depth")};
+    return sensor_->layout().elements[static_cast<std::size_t>(cell)].tip + Vector3d(0, 0, of("magnet_depth"));
   }
   // Of a magnetometer above a magnet at rest; what the surface's displacement is times, there.
   [[nodiscard]] double height() const { return of("thickness") + of("gap") - of("magnet_depth"); }
@@ -52,16 +42,14 @@ class Skin {
 
   // Channel `channel`, 0 field, 1 counts, 2 force, with the surface of each cell moved by `moved`; +Z goes into the pad.
   Rows read(std::size_t channel, const Rows& moved, double time = 0) {
-    Rows shear = moved;
-    shear.col(2).setZero();
-    const auto cells = static_cast<std::size_t>(moved.rows());
-    const slipbench_contact contact{time, nullptr, nullptr, moved.col(2).data(), shear.data(), cells, cells};
-    const std::size_t count = readout_.channels[channel].shape[0];
-    std::vector<float> values(3 * count * readout_.channel_count, NAN);
-    readout_.measure(readout_.self, &contact, values.data());
-    return Eigen::Map<Eigen::Matrix3Xf>(&values[3 * count * channel], 3, static_cast<Eigen::Index>(count))
-        .transpose()
-        .cast<double>();
+    ContactFrame truth;
+    truth.time = time;
+    truth.element_depth = moved.col(2);
+    truth.element_shear = moved;
+    truth.element_shear.col(2) = 0;
+    const std::size_t count = sensor_->channels()[channel].shape[0];
+    const float* values = sensor_->measure(truth).values.data() + 3 * count * channel;
+    return Eigen::Map<const Eigen::Matrix3Xf>(values, 3, static_cast<Eigen::Index>(count)).transpose().cast<double>();
   }
   // Half a count of each axis is as near as readings come to `expected` [uT], with the field at rest in it.
   void expect_total(const Vector3d& counts, const Vector3d& expected) const {
@@ -70,8 +58,8 @@ class Skin {
   }
 
  private:
-  std::map<std::string, double> values_;
-  slipbench_readout readout_{};
+  Parameters is_ = defaults_of(magnetic_skin_sensor().about.parameters);
+  std::unique_ptr<Sensor> sensor_;
 };
 
 Given one(Given more = {}) {
@@ -159,8 +147,9 @@ TEST(MagneticSkin, CountsSaturateScatterAndDrift) {
 }
 
 TEST(MagneticSkin, RefusesWhatDoesNotGoTogether) {
-  EXPECT_THAT(Skin({{"rows", 1.5}}).refusal(), HasSubstr("no whole number; allowed: 1, 2, 3"));
-  EXPECT_THAT(Skin({{"magnet_depth", 4e-3}}).refusal(), HasSubstr("allowed: less than thickness"));
+  const auto refused = [](const Given& given) { return scene_refusal_of([&] { Skin{given}; }); };
+  EXPECT_THAT(refused({{"rows", 1.5}}), HasSubstr("allowed: whole numbers'"));
+  EXPECT_THAT(refused({{"magnet_depth", 4e-3}}), HasSubstr("allowed: less than thickness'"));
 }
 
 }  // namespace

@@ -39,17 +39,19 @@ class Block {
     if (!is_plain_name(text)) fail(at(key).origin, path(key) + " is " + quote(text) + "; allowed: a text of one line");
     return text;
   }
-  // Of every cell; 1 where nothing is said.
-  [[nodiscard]] double scale(Range allowed) const {
-    return has("scale")
-               ? std::get<double>(scalar(at("scale"), path("scale"), number_spec("", Quantity::none, "1", allowed, "", "")))
-               : 1.0;
+  // The spec's default where nothing is said.
+  template <class Value>
+  [[nodiscard]] Value value(const ParameterSpec& spec) const {
+    return std::get<Value>(has(spec.name) ? scalar(at(spec.name), path(spec.name), spec) : default_of(spec));
   }
 
  private:
   const YamlNode& node_;
   std::string where_;
 };
+
+// Of every cell.
+ParameterSpec scale_spec(Range allowed) { return number_spec("scale", Quantity::none, "1", allowed, "", ""); }
 
 struct MappedChannel {
   SensorColumn column;              // without values
@@ -59,11 +61,10 @@ struct MappedChannel {
 };
 
 struct ColumnMap {
-  std::string sensor, type;
-  std::string time;         // title of the column
+  SensorRecord sensor;      // without channels and samples
+  std::string time, state;  // titles; no state: empty
   double time_scale = 1.0;  // s
-  std::vector<MappedChannel> channels = {};
-  std::string state = {}, rule = {};  // title; both empty: none
+  std::vector<MappedChannel> channels;
 };
 
 MappedChannel channel_of(const YamlNode& node) {
@@ -73,14 +74,12 @@ MappedChannel channel_of(const YamlNode& node) {
   MappedChannel channel;
   channel.column.name = node.key;
   channel.column.unit = block.text("unit");
-  channel.scale = block.scale(any_value);
-  if (block.has("components"))
-    channel.components = static_cast<std::size_t>(std::get<std::int64_t>(
-        scalar(block.at("components"), block.path("components"), integer_spec("", "1", {1.0, 1e6}, "", ""))));
+  channel.scale = block.value<double>(scale_spec(any_value));
+  channel.components = static_cast<std::size_t>(block.value<std::int64_t>(integer_spec("components", "1", {1.0, 1e6}, "", "")));
   const YamlNode& columns = block.at("columns");
   if (columns.kind != YamlNode::Kind::sequence || columns.children.empty())
     fail(columns.origin,
-         block.path("columns") + " is " + described(columns) + "; allowed: a sequence of titles, or of FIRST .. LAST");
+         block.path("columns") + " is " + described(columns) + "; allowed: titles, or FIRST .. LAST, in a sequence");
   for (const YamlNode& title : columns.children) channel.titles.push_back(text_of(title, block.path("columns"), "a title"));
   return channel;
 }
@@ -89,16 +88,22 @@ ColumnMap read_map(const std::string& path) {
   const SceneFile file = SceneFile::load(path);
   const Block root(file.root(), "the column map", {"channels", "sensor", "state", "time", "type"});
   const Block time(root.at("time"), "time", {"column", "scale"});
-  ColumnMap map{
-      .sensor = root.text("sensor"), .type = root.text("type"), .time = time.text("column"), .time_scale = time.scale(positive)};
-  if (!is_identifier(map.sensor))
-    fail(root.at("sensor").origin, quote(map.sensor) + " is no sensor's name; allowed: letters, digits and '_', no digit first");
+  ColumnMap map;
+  map.sensor.name = root.text("sensor");
+  if (!is_identifier(map.sensor.name))
+    fail(root.at("sensor").origin, quote(map.sensor.name) + " is no name; allowed: letters, digits and '_', no digit first");
+  map.sensor.type = root.text("type");
+  map.sensor.frame = "as the recordings' own tables have it";
+  map.sensor.labels.truth = false;
+  map.time = time.text("column");
+  map.time_scale = time.value<double>(scale_spec(positive));
   require_map(root.at("channels"), "channels", "channels by their names");
+  if (root.at("channels").children.empty()) fail(root.at("channels").origin, "channels is empty; allowed: one at least");
   for (const YamlNode& channel : root.at("channels").children) map.channels.push_back(channel_of(channel));
   if (!root.has("state")) return map;
   const Block state(root.at("state"), "state", {"column", "rule"});
   map.state = state.text("column");
-  map.rule = state.text("rule");
+  map.sensor.labels.rule = state.text("rule");
   return map;
 }
 
@@ -137,12 +142,7 @@ void read_mapped_csv(const SourceFile& file, const AddRecording& add) {
   if (!table.next()) table.fail("the file is empty; allowed: a header and a row a sample");
   const std::vector<std::string> titles(table.cells().begin(), table.cells().end());
   const std::size_t time = place_of(table, titles, map.time), state = map.state.empty() ? 0 : place_of(table, titles, map.state);
-  SensorRecord sensor;
-  sensor.name = map.sensor;
-  sensor.type = map.type;
-  sensor.frame = "as the recordings' own tables have it";
-  sensor.labels.truth = false;
-  sensor.labels.rule = map.rule;
+  SensorRecord sensor = map.sensor;
   std::vector<std::vector<std::size_t>> places;
   for (const MappedChannel& channel : map.channels) {
     const std::vector<std::size_t>& own = places.emplace_back(places_of(table, titles, channel));

@@ -275,13 +275,9 @@ sweep: {motion: [{direction: 0 deg}, {direction: 100 deg, compression: 0.4 mm}, 
   ExportOptions tables;
   tables.format = ExportFormat::csv;
   export_dataset(path("made.h5"), path("csv"), tables);
-  std::ofstream(path("map.yaml")) << R"(sensor: skin
-type: taxels
-time: {column: "t [s]"}
-channels:
-  force: {unit: N, components: 3, columns: ["T0_FX [N] .. T15_FZ [N]"]}
-  counts: {unit: counts, columns: ["T0_C [counts] .. T15_C [counts]"]}
-)";
+  std::ofstream(path("map.yaml")) << R"({sensor: skin, type: taxels, time: {column: "t [s]"}, channels: {
+  force: {unit: N, components: 3, columns: ["T0_FX [N] .. T15_FZ [N]"]},
+  counts: {unit: counts, columns: ["T0_C [counts] .. T15_C [counts]"]}}})";
   wanted.recordings = import_recordings({{path("csv")}, &import_format("csv"), path("mine.h5"), 1, path("map.yaml")}).files;
   wanted.synthetic_truth = false;
   const Json result = fitted(wanted);

@@ -136,7 +136,7 @@ TEST_F(ImportErrors, TablesByAColumnMapAreChecked) {
   refused(with(map, "components", "component"), table,
           ":2: unknown key 'component' in channels.force; did you mean 'components'? allowed: columns, components, scale, unit");
   refused(with(map, "[a .. c]", "a"), table,
-          ":2: channels.force.columns is 'a'; allowed: a sequence of titles, or of FIRST .. LAST");
+          ":2: channels.force.columns is 'a'; allowed: titles, or FIRST .. LAST, in a sequence");
   refused(map, with(table, "c,", "d,"), ":1: has no column 'c'; allowed: t, a, b, d, slip");
   refused(map, with(table, "7,", "5,"), ":3: column 1, t, is 0.005 s after 0.005 s; allowed: rising times");
   refused(map, with(table, "6,3", "6,4"), ":3: column 5, slip, is '4'; allowed: 0, 1, 2, 3");
