@@ -210,6 +210,7 @@ PICTURES = {
     "bodies": lambda: trial_picture("A block on a pad comes to rest", "bodies/sliding_block.yaml", "sole", speed),
     "gel_markers": lambda: trial_picture("A sphere is dragged over a gel with markers", "gel_markers/gelsight_mini.yaml", "gel", whole, draw_pad=markers),
     "grasp": lambda: trial_picture("A gripper lifts a box", "grasp/lift.yaml", "pad", grip),
+    "magnetic_skin": lambda: trial_picture("A ball drags a magnetic skin", "magnetic_skin/uskin.yaml", "skin", counts("counts", "six axes")),
     "mujoco": plain_mujoco,
     "myrmex": lambda: trial_picture("Two arms let an object slip", "myrmex/slip.yaml", "left", whole, draw_pad=image),
     "nib_pad": lambda: trial_picture("A plate turns under a nib pad", "nib_pad/rotational.yaml", "pad", counts("fr", "two clusters")),

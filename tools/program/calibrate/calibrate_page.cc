@@ -103,7 +103,7 @@ std::string parameters_html(const Json& result) {
 std::string profiles_html(const Json& result) {
   std::string html;
   for (const Json& parameter : result.at("parameters")) {
-    if (!parameter.contains("profile")) continue;
+    if (parameter.value("profile", Json::array()).empty()) continue;  // of a recording's own value, and of electronics
     const FitKey key = key_of(parameter);
     // A rise of 3.84 is the end of a 95 % interval; far above it nothing more is learned.
     constexpr double most = 40.0;

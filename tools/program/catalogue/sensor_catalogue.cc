@@ -17,6 +17,7 @@
   SENSOR(myrmex)                  \
   SENSOR(taxels)                  \
   SENSOR(gel_markers)             \
+  SENSOR(magnetic_skin)           \
   SENSOR(plugin)
 
 namespace slipbench {

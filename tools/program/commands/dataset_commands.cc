@@ -147,13 +147,15 @@ Formats:
 {}
 Examples:
   slipbench import logs --format papillarray-csv -o recorded.h5
-  slipbench import training --format training-csv -o published.h5 --seed 3)",
+  slipbench import training --format training-csv -o published.h5 --seed 3
+  slipbench import mine --format csv --map columns.yaml -o mine.h5)",
                               import_formats_text()));
   arguments.texts("SOURCE ...", options.sources, "Files, and folders whose .csv files are all meant").required();
   arguments
       .read("--format NAME", fmt::format("{}, see below", fmt::join(import_format_names(), " or ")),
             [this](const std::string& name) { options.format = &import_format(name); })
       .required();
+  arguments.file("--map FILE.yaml", options.map, "Of the format csv: which column is what");
   arguments.file("-o,--output FILE.h5", options.output, "Dataset to write (default: none, the sources are only checked)");
   arguments.number("--seed N", options.seed, "Of the split into training, validation and test (default: 1)", 0);
 }

@@ -17,7 +17,7 @@ namespace slipbench {
 namespace {
 
 // All formats in the order of the help, a line each.
-constexpr std::array<ImportFormat, 4> import_catalogue{{
+constexpr std::array<ImportFormat, 5> import_catalogue{{
     {"bts3v2", "grasps with three BioTac SP, a row a grasp: object, whether it slipped, 72 electrodes before the lift", "object",
      &count_lines, &read_bts3v2},
     {"biotacsp-dos", "a BioTac SP that slides, turns or rests, CLASS/OBJECT<number>.csv: 24 electrodes, 100 rows a second",
@@ -26,6 +26,8 @@ constexpr std::array<ImportFormat, 4> import_catalogue{{
      &read_papillarray_csv},
     {"training-csv", "the PapillArray's published training files: 73 columns, no header, a file a recording", "trial", &count_one,
      &read_training_csv},
+    {"csv", "tables of your own with a header, a file a recording; --map says what their columns are", "trial", &count_one,
+     &read_mapped_csv},
 }};
 
 // A link to a folder is not followed.
@@ -73,6 +75,7 @@ std::vector<SourceFile> source_files(const std::vector<std::string>& sources) {
 std::string canonical_import(const ImportOptions& options) {
   std::string command = "slipbench import";
   for (const std::string& source : options.sources) command += " " + shell_word(source);
+  if (!options.map.empty()) command += " --map " + shell_word(options.map);
   return command + fmt::format(" --format {} --seed {}", options.format->name, options.seed);
 }
 
@@ -137,7 +140,11 @@ void for_each_recording(const std::vector<std::string>& sources, const ImportFor
 }
 
 ImportSummary import_recordings(const ImportOptions& options) {
-  const std::vector<SourceFile> sources = source_files(options.sources);
+  std::vector<SourceFile> sources = source_files(options.sources);
+  if (!options.map.empty() && options.format->read != &read_mapped_csv)
+    throw InputError(
+        fmt::format("--map {}: the format {} has no column map; allowed: --format csv", options.map, options.format->name));
+  for (SourceFile& file : sources) file.map = options.map;
   ImportSummary summary;
   summary.sources = sources.size();
   std::optional<Target> target;

@@ -19,6 +19,7 @@ struct ImportOptions {
   const ImportFormat* format = nullptr;  // of the catalogue
   std::string output;                    // HDF5 file; empty: the sources are read and checked, and nothing is written
   std::uint64_t seed = 1;                // of the split
+  std::string map = {};                  // YAML file of the format csv; empty: none
 };
 
 struct ImportSummary {

@@ -14,8 +14,9 @@
 namespace slipbench {
 
 struct SourceFile {
-  std::string path;  // as messages name it
-  std::string name;  // below the folder that the user named: "n/case112.csv"
+  std::string path;      // as messages name it
+  std::string name;      // below the folder that the user named: "n/case112.csv"
+  std::string map = {};  // the column map of the format csv; empty: none
 };
 
 // Takes the next recording, and how many rows of its source were left out because they say the one before again, word for word. Number and
@@ -37,6 +38,7 @@ void read_bts3v2(const SourceFile& file, const AddRecording& add);
 void read_biotacsp_dos(const SourceFile& file, const AddRecording& add);
 void read_papillarray_csv(const SourceFile& file, const AddRecording& add);
 void read_training_csv(const SourceFile& file, const AddRecording& add);
+void read_mapped_csv(const SourceFile& file, const AddRecording& add);  // also throws InputError "MAP:LINE: ..."
 
 // ImportFormat::count of a file with a recording in every line below its header, and of one that is a single recording.
 std::size_t count_lines(const SourceFile& file);

@@ -34,7 +34,8 @@ std::string unit_name(const Sensor& sensor, std::size_t unit) {
   const std::size_t units = sensor.layout().units.size();
   if (first.shape.front() == units) {
     const std::string& name = first.channel_names.at(unit * (first.size() / units));
-    if (const std::size_t end = name.find('_'); end != std::string::npos) return name.substr(0, end);
+    const bool own = name.starts_with(first.name + '_');  // "force_3_0" of a sensor of one's own
+    if (const std::size_t end = name.find('_'); end != std::string::npos && !own) return name.substr(0, end);
   }
   return std::to_string(unit);
 }

@@ -3,6 +3,7 @@
 
 #include "tests/expect.h"
 #include "tests/tools/program/import/sources.h"
+#include "tools/base/dataset/reader.h"
 
 namespace slipbench::import_errors_test {
 namespace {
@@ -109,7 +110,7 @@ TEST_F(ImportErrors, SourcesAreChecked) {
   ::mkfifo(path("pipe").c_str(), 0600);
   EXPECT_THAT(refusal({path("pipe")}), HasSubstr("pipe: is a pipe, no file"));
   EXPECT_EQ(refusal_of([] { import_format("bts3"); }),
-            "unknown format 'bts3'; did you mean 'bts3v2'? allowed: bts3v2, biotacsp-dos, papillarray-csv, training-csv");
+            "unknown format 'bts3'; did you mean 'bts3v2'? allowed: bts3v2, biotacsp-dos, papillarray-csv, training-csv, csv");
 }
 
 // The dataset's own name is checked before a row is read.
@@ -119,6 +120,31 @@ TEST_F(ImportErrors, SourceIsNotReplaced) {
   EXPECT_THAT(refusal_of([&] { run({file}, "bts3v2", "a.csv"); }), HasSubstr("exists and is no dataset"));
   EXPECT_EQ(slipbench::testing::bytes_of(file), before);
   EXPECT_THAT(names(), ElementsAre("a.csv"));
+}
+
+TEST_F(ImportErrors, TablesByAColumnMapAreChecked) {
+  const std::string map =
+                        "{sensor: skin, type: taxels, time: {column: t, scale: 1e-3}, state: {column: slip, rule: a button},\n"
+                        "channels: {force: {unit: N, scale: 1e-3, components: 3, columns: [a .. c]}}}\n",
+                    table = "t,a,b,c,slip\n5,1,2,3,1\n7,4,5,6,3\n";
+  const auto refused = [&](const std::string& mapped, const std::string& text, const std::string& message) {
+    const std::string file = source("a.csv", text), columns = source("map.yaml", mapped);
+    EXPECT_EQ(refusal_of([&] { run({file}, "csv", "out.h5", columns); }), (mapped == map ? file : columns) + message);
+    EXPECT_EQ(names(), (std::vector<std::string>{"a.csv", "map.yaml"}));
+  };
+  refused(with(map, "type: taxels, ", ""), table, ":1: the column map has no key 'type'; allowed: one that has");
+  refused(with(map, "components", "component"), table,
+          ":2: unknown key 'component' in channels.force; did you mean 'components'? allowed: columns, components, scale, unit");
+  refused(with(map, "[a .. c]", "a"), table,
+          ":2: channels.force.columns is 'a'; allowed: titles, or FIRST .. LAST, in a sequence");
+  refused(map, with(table, "c,", "d,"), ":1: has no column 'c'; allowed: t, a, b, d, slip");
+  refused(map, with(table, "7,", "5,"), ":3: column 1, t, is 0.005 s after 0.005 s; allowed: rising times");
+  refused(map, with(table, "6,3", "6,4"), ":3: column 5, slip, is '4'; allowed: 0, 1, 2, 3");
+
+  run({source("a.csv", table)}, "csv", "out.h5", source("map.yaml", map));
+  const SensorRecord skin = DatasetReader(path("out.h5")).read_sensor(0, "skin");
+  EXPECT_THAT(skin.channels.at(0).values, ElementsAre(1e-3F, 2e-3F, 3e-3F, 4e-3F, 5e-3F, 6e-3F));
+  EXPECT_THAT(skin.labels.state_paper, ElementsAre(1, 3));
 }
 
 }  // namespace

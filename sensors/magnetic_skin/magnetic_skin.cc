@@ -1,0 +1,265 @@
+// A magnetic skin: magnets in an elastomer move with its surface, and magnetometers of three axes behind it read their field. Written as a sensor
+// of one's own, against one header: g++ -shared -fPIC makes a library of it, and the program is built with it as `type: magnetic_skin`.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <iterator>
+#include <vector>
+
+#include "sensors/plugin_abi.h"
+
+// In the order of the declarations below.
+enum : std::size_t {
+  rate,
+  rows,
+  columns,
+  pitch,
+  k_normal,
+  k_tangential,
+  thickness,
+  magnet_depth,
+  magnet_diameter,
+  magnet_thickness,
+  remanence,
+  pole_pitch,
+  chips,
+  chip_pitch,
+  gap,
+  sensitivity,
+  sensitivity_z,
+  noise,
+  offset,
+  warming,
+  warming_time,
+  fading,
+  drift
+};
+const slipbench_parameter slipbench_sensor_parameters[] = {
+    SLIPBENCH_A_NUMBER("rate", 100.0, "Hz"),
+    SLIPBENCH_A_NUMBER("rows", 4.0, ""),
+    SLIPBENCH_A_NUMBER("columns", 4.0, ""),
+    SLIPBENCH_A_NUMBER("pitch", 4.7e-3, "m"),
+    SLIPBENCH_A_NUMBER("k_normal", 1400.0, "N/m"),
+    SLIPBENCH_A_NUMBER("k_tangential", 470.0, "N/m"),
+    SLIPBENCH_A_NUMBER("thickness", 4e-3, "m"),
+    SLIPBENCH_A_NUMBER("magnet_depth", 1e-3, "m"),
+    SLIPBENCH_A_NUMBER("magnet_diameter", 1.6e-3, "m"),
+    SLIPBENCH_A_NUMBER("magnet_thickness", 0.5e-3, "m"),
+    SLIPBENCH_A_NUMBER("remanence", 1.4, ""),
+    SLIPBENCH_A_NUMBER("pole_pitch", 0.0, "m"),
+    SLIPBENCH_A_TEXT("chips", "grid"),
+    SLIPBENCH_A_NUMBER("chip_pitch", 7e-3, "m"),
+    SLIPBENCH_A_NUMBER("gap", 1e-3, "m"),
+    SLIPBENCH_A_NUMBER("sensitivity", 0.601, ""),
+    SLIPBENCH_A_NUMBER("sensitivity_z", 0.968, ""),
+    SLIPBENCH_A_NUMBER("noise", 7.3, ""),
+    SLIPBENCH_A_NUMBER("offset", 80.0, ""),
+    SLIPBENCH_A_NUMBER("warming", 0.0, ""),
+    SLIPBENCH_A_NUMBER("warming_time", 600.0, "s"),
+    SLIPBENCH_A_NUMBER("fading", 0.0011, ""),
+    SLIPBENCH_A_NUMBER("drift", 1.0, ""),
+    SLIPBENCH_NO_MORE,
+};
+
+namespace {
+
+const char* const chip = "Melexis MLX90393, data sheet";
+const char* const measured = "measured: public recordings of these chips, sensors/magnetic_skin/README.md";
+
+const slipbench_note notes[] = {
+    {"Samples a second.", "free", 0.1, 1e4, ""},
+    {"Cells along Y, each with a dipole.", "uSkin (Tomo and others 2018): 4 x 4", 1.0, 64.0, ""},
+    {"Cells along X.", "alike", 1.0, 64.0, ""},
+    {"Edge of a cell.", "assumed, after the XR1944, a uSkin", 1e-4, 0.1, ""},
+    {"Of a cell; elastic_skin takes its place.", "assumed: silicone of 0.25 MPa, E pitch^2/thickness", 1e-3, 1e9, ""},
+    {"Alike.", "assumed: a third of it, as an incompressible body's G/E", 1e-3, 1e9, ""},
+    {"Of the skin, from its surface to its rigid back.", "assumed", 1e-4, 0.1, ""},
+    {"Of a dipole's middle below the surface.", "assumed", 0.0, 0.1, ""},
+    {"Of a magnet, a disc; 0: the whole cell is magnetised.", "assumed: the smallest NdFeB discs", 0.0, 0.1, ""},
+    {"Of a magnet, or of the magnetised layer.", "assumed", 1e-6, 0.1, ""},
+    {"Of its material [T], along +Z.", "NdFeB of grade N50: 1.40 to 1.45 T", 0.0, 2.0, ""},
+    {"Edge of squares that are magnetised up and down by turns; 0: all are alike.", "free", 0.0, 1.0, ""},
+    {"grid: a magnetometer behind each cell; cross: one in the middle, one to the left, right, up and down.",
+     "uSkin: grid. ReSkin (Bhirangi and others 2021): cross", 0.0, 0.0, "grid|cross"},
+    {"From the middle of a cross to its ends.", "ReSkin's board", 1e-4, 1.0, ""},
+    {"From the back of the skin to where the magnetometers measure.", "assumed: a package is 1 mm high", 1e-5, 0.1, ""},
+    {"uT a count along X and Y; 16 bits saturate.", chip, 1e-3, 100.0, ""},
+    {"uT a count along Z.", chip, 1e-3, 100.0, ""},
+    {"Standard deviation of a reading, in counts.", measured, 0.0, 1e4, ""},
+    {"Standard deviation of an axis' offset, in counts.", "assumed: Earth's field, 50 uT from anywhere", 0.0, 3e4, ""},
+    {"How much warmer skin and chips get in the end [K].", "free", -100.0, 100.0, ""},
+    {"Time constant of that.", "assumed", 1e-3, 1e9, ""},
+    {"Share of the magnets' field that each K takes.", "NdFeB: reversible coefficient of remanence", -0.1, 0.1, ""},
+    {"Counts that each K adds to an axis, whose sign is drawn.", "assumed", 0.0, 1e4, ""},
+};
+
+constexpr double most_counts = 32767.0, pi = 3.141592653589793;
+
+using Vector = std::array<double, 3>;
+
+struct Magnet {
+  Vector at;        // m, undeformed
+  double strength;  // uT m^3: mu0 m/(4 pi), + or - along Z
+};
+
+struct Skin {
+  std::array<double, std::size(slipbench_sensor_parameters) - 1> is;  // the parameters that are numbers
+  std::vector<slipbench_element> elements;
+  std::vector<Magnet> magnets, moved;  // a cell each
+  std::vector<Vector> magnetometers;
+  std::vector<std::size_t> shape;  // of every channel
+  std::vector<slipbench_channel> channels;
+  std::vector<double> offset, drift, rest;  // counts of an axis: of the chip, a K, and without load, not rounded
+  Vector sensitivity;                       // uT
+  double share;                             // of the surface's displacement at a magnet's depth
+  bool forces;                              // a magnetometer behind each magnet: it knows which one it reads
+  std::uint64_t random;
+};
+
+// SplitMix64 (Steele, Lea and Flood 2014).
+double uniform(std::uint64_t& state) {
+  std::uint64_t z = state += UINT64_C(0x9e3779b97f4a7c15);
+  z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+  z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+  return (static_cast<double>((z ^ (z >> 31)) >> 11) + 0.5) / 9007199254740992.0;
+}
+
+// Box and Muller.
+double normal(std::uint64_t& state) {
+  const double radius = std::sqrt(-2.0 * std::log(uniform(state)));
+  return radius * std::cos(2.0 * pi * uniform(state));
+}
+
+// uT, of all dipoles at one place: s (3 r (z.r)/r^5 - z/r^3), r from the dipole to there.
+Vector field_at(const Vector& place, const std::vector<Magnet>& magnets) {
+  Vector field{};
+  for (const auto& [at, strength] : magnets) {
+    const double x = place[0] - at[0], y = place[1] - at[1], z = place[2] - at[2];
+    const double square = x * x + y * y + z * z, cubed = strength / (square * std::sqrt(square));
+    const double along = 3.0 * z * cubed / square;
+    field[0] += along * x;
+    field[1] += along * y;
+    field[2] += along * z - cubed;
+  }
+  return field;
+}
+
+// N, of a lone dipole straight below the magnetometer that now reads `field`: where it must be, times what its cell's springs make of that. With t
+// the tangent of the angle of r to Z, B_t/B_z = 3 t/(2 - t^2) and B = s sqrt(1 + 3 cos^2)/r^3.
+Vector force_of(const Skin& skin, const Vector& field, const Magnet& magnet, double height) {
+  const double sign = magnet.strength < 0.0 ? -1.0 : 1.0, z = sign * field[2], across = std::hypot(field[0], field[1]);
+  const double tangent = 4.0 * across / (3.0 * z + std::sqrt(9.0 * z * z + 8.0 * across * across));
+  const double cosine = 1.0 / std::hypot(1.0, tangent);
+  const double distance = std::cbrt(std::abs(magnet.strength) * std::sqrt(1.0 + 3.0 * cosine * cosine) / std::hypot(z, across));
+  const double beside = across > 0.0 ? -sign * skin.is[k_tangential] * distance * cosine * tangent / (across * skin.share) : 0.0;
+  return {beside * field[0], beside * field[1], skin.is[k_normal] * (height - distance * cosine) / skin.share};
+}
+
+void measure(void* self, const slipbench_contact* contact, float* values) {
+  Skin& skin = *static_cast<Skin*>(self);
+  const double warmer = -skin.is[warming] * std::expm1(-contact->time / skin.is[warming_time]),
+               left = 1.0 - skin.is[fading] * warmer;
+  skin.moved = skin.magnets;
+  for (std::size_t i = 0; i < contact->elements; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      skin.moved[i].at[axis] +=
+          skin.share * (contact->shear[axis * contact->elements + i] + (axis == 2 ? contact->depth[i] : 0.0));
+  }
+  const std::size_t count = skin.magnetometers.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector field = field_at(skin.magnetometers[i], skin.moved);
+    float *change = values + 3 * i, *counts = change + 3 * count, *forces = counts + 3 * count;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t k = 3 * i + axis;
+      double read = left * field[axis] / skin.sensitivity[axis] + skin.offset[k] + skin.drift[k] * warmer;
+      if (skin.is[noise] > 0.0) read += skin.is[noise] * normal(skin.random);
+      read = std::clamp(std::nearbyint(read), -most_counts - 1.0, most_counts);
+      counts[axis] = static_cast<float>(read);
+      change[axis] = static_cast<float>((read - skin.rest[k]) * skin.sensitivity[axis]);
+    }
+    if (!skin.forces) continue;
+    const Magnet& own = skin.magnets[i];
+    const double height = skin.magnetometers[i][2] - own.at[2], alone = 2.0 * own.strength / (height * height * height);
+    const Vector force = force_of(skin, {change[0], change[1], alone + change[2]}, own, height);
+    std::transform(force.begin(), force.end(), forces, [](double value) { return static_cast<float>(value); });
+  }
+}
+
+// The places in the pad's frame: cells in rows from +Y to -Y, each from -X to +X; the surface at 0, the magnetometers above.
+void place(Skin& skin) {
+  const auto& is = skin.is;
+  const double edge = is[pitch], radius = 0.5 * is[magnet_diameter], pole = is[pole_pitch];
+  const double area = radius > 0.0 ? pi * radius * radius : edge * edge;
+  const double strength = 1e6 * is[remanence] * area * is[magnet_thickness] / (4.0 * pi);
+  const double back = is[thickness] + is[gap], end = is[chip_pitch];
+  const auto odd = [&](double at) { return static_cast<long>(std::floor(at / pole)) % 2 != 0; };
+  const double right = 0.5 * (is[columns] - 1.0), top = 0.5 * (is[rows] - 1.0);
+  for (std::size_t i = 0; static_cast<double>(i) < is[rows] * is[columns]; ++i) {
+    const double above = std::floor(static_cast<double>(i) / is[columns]), beside = static_cast<double>(i) - above * is[columns];
+    const double x = (beside - right) * edge, y = (top - above) * edge;
+    skin.magnets.push_back({{x, y, is[magnet_depth]}, pole > 0.0 && odd(x) != odd(y) ? -strength : strength});
+    skin.elements.push_back({{x, y, 0.0}, {0.0, 0.0, -1.0}, is[k_normal], is[k_tangential], i});
+    if (skin.forces) skin.magnetometers.push_back({x, y, back});
+  }
+  if (!skin.forces)
+    skin.magnetometers = {{0.0, 0.0, back}, {-end, 0.0, back}, {end, 0.0, back}, {0.0, end, back}, {0.0, -end, back}};
+}
+
+}  // namespace
+
+const slipbench_abi slipbench_sensor_abi = SLIPBENCH_SENSOR_BUILD;
+
+const slipbench_about slipbench_sensor_about = {
+    "Magnetic skin: magnets in an elastomer, or magnetised elastomer, above magnetometers of three axes.",
+    "u = (1 - magnet_depth/thickness) u_surface: a dipole moves less than the surface above it, in a straight line to the rigid back\n"
+    "B = sum of Br V/(4 pi) (3 r (z.r)/r^5 - z/r^3) [T], r from a dipole to the magnetometer, V its volume; nothing tilts\n"
+    "counts = round(B (1 - fading T)/sensitivity + offset + drift T + noise), T = warming (1 - exp(-t/warming_time)), saturated at 16 bits\n"
+    "field [uT] = (counts - counts at rest) sensitivity: the change since the skin was free and cold\n"
+    "force (grid alone): of a lone dipole that makes this field, times k_normal and k_tangential; neighbours show as cross-talk",
+    "Point dipoles: Jackson, Classical Electrodynamics, 5.6. Skins: Tomo and others, IEEE RA-L 3, 2018 (uSkin); Bhirangi and others, CoRL 2021 (ReSkin)",
+    notes};
+
+void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* readout) {
+  Skin* skin = new Skin{};
+  readout->self = skin;
+  readout->destroy = [](void* self) { delete static_cast<Skin*>(self); };
+  for (std::size_t k = 0; k < skin->is.size(); ++k) skin->is[k] = source->parameters[k].number;
+  const auto& is = skin->is;
+  const char* wrong = nullptr;
+  if (is[magnet_depth] >= is[thickness]) wrong = "magnet_depth is too deep; allowed: less than thickness";
+  if (is[rows] != std::floor(is[rows]) || is[columns] != std::floor(is[columns]))
+    wrong = "rows or columns is broken; allowed: whole numbers";
+  if (wrong != nullptr) {
+    std::snprintf(readout->refusal, sizeof readout->refusal, "%s", wrong);
+    return;
+  }
+  skin->forces = source->parameters[chips].text[0] == 'g';
+  skin->share = 1.0 - is[magnet_depth] / is[thickness];
+  skin->sensitivity = {is[sensitivity], is[sensitivity], is[sensitivity_z]};
+  place(*skin);
+
+  skin->random = readout->seed * UINT64_C(0xd1342543de82ef95) + readout->trial;
+  for (const char* letter = readout->name; *letter != '\0'; ++letter)
+    skin->random = (skin->random ^ static_cast<unsigned char>(*letter)) * UINT64_C(0x100000001b3);
+  for (const Vector& at : skin->magnetometers) {
+    const Vector field = field_at(at, skin->magnets);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      skin->offset.push_back(is[offset] * normal(skin->random));
+      skin->drift.push_back(uniform(skin->random) < 0.5 ? -is[drift] : is[drift]);
+      skin->rest.push_back(
+          std::clamp(field[axis] / skin->sensitivity[axis] + skin->offset.back(), -most_counts - 1.0, most_counts));
+    }
+  }
+
+  skin->shape = {skin->magnetometers.size(), 3};
+  skin->channels = {{"field", "uT", skin->shape.data(), 2, 0, 0}, {"counts", "counts", skin->shape.data(), 2, 0, 0}};
+  if (skin->forces) skin->channels.push_back({"force", "N", skin->shape.data(), 2, 0, 0});
+  readout->rate = is[rate];
+  readout->elements = skin->elements.data();
+  readout->element_count = skin->elements.size();
+  readout->channels = skin->channels.data();
+  readout->channel_count = skin->channels.size();
+  readout->measure = measure;
+}

@@ -1,0 +1,156 @@
+// The magnetic skin against fields of dipoles in closed form.
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "sim/core/contact_frame.h"
+#include "sim/core/sensor.h"
+#include "sim/core/sensor_kind.h"
+#include "tests/expect.h"
+
+namespace slipbench {
+
+SensorKind magnetic_skin_sensor();
+
+namespace {
+
+using Eigen::Vector3d;
+using Given = std::map<std::string, double>;
+using Rows = Eigen::MatrixX3d;
+
+// Without noise and offset unless `given` says otherwise.
+class Skin {
+ public:
+  explicit Skin(Given given, const std::string& chips = "cross", std::uint64_t trial = 1, const std::string& name = "pad") {
+    given.insert({{"noise", 0}, {"offset", 0}});
+    for (const auto& [key, value] : given) is_.set(key, value);
+    is_.set("chips", chips);
+    sensor_ = magnetic_skin_sensor().create(is_, {}, 7, trial, name);
+  }
+
+  [[nodiscard]] double of(const std::string& key) const { return is_.number(key); }
+  [[nodiscard]] Vector3d magnet(int cell) const {
+    return sensor_->layout().elements[static_cast<std::size_t>(cell)].tip + Vector3d(0, 0, of("magnet_depth"));
+  }
+  // Of a magnetometer above a magnet at rest; what the surface's displacement is times, there.
+  [[nodiscard]] double height() const { return of("thickness") + of("gap") - of("magnet_depth"); }
+  [[nodiscard]] double share() const { return 1 - of("magnet_depth") / of("thickness"); }
+  // uT m^3: mu0 m/(4 pi) with m = Br V/mu0, of a disc.
+  [[nodiscard]] double strength() const {
+    return 1e6 * of("remanence") * std::pow(of("magnet_diameter") / 4, 2) * of("magnet_thickness");
+  }
+
+  // Channel `channel`, 0 field, 1 counts, 2 force, with the surface of each cell moved by `moved`; +Z goes into the pad.
+  Rows read(std::size_t channel, const Rows& moved, double time = 0) {
+    ContactFrame truth;
+    truth.time = time;
+    truth.element_depth = moved.col(2);
+    truth.element_shear = moved;
+    truth.element_shear.col(2) = 0;
+    const std::size_t count = sensor_->channels()[channel].shape[0];
+    const float* values = sensor_->measure(truth).values.data() + 3 * count * channel;
+    return Eigen::Map<const Eigen::Matrix3Xf>(values, 3, static_cast<Eigen::Index>(count)).transpose().cast<double>();
+  }
+  // Half a count of each axis is as near as readings come to `expected` [uT], with the field at rest in it.
+  void expect_total(const Vector3d& counts, const Vector3d& expected) const {
+    const Vector3d count{of("sensitivity"), of("sensitivity"), of("sensitivity_z")};
+    EXPECT_LT((counts - expected.cwiseQuotient(count)).cwiseAbs().maxCoeff(), 0.501) << counts.transpose();
+  }
+
+ private:
+  Parameters is_ = defaults_of(magnetic_skin_sensor().about.parameters);
+  std::unique_ptr<Sensor> sensor_;
+};
+
+Given one(Given more = {}) {
+  more.insert({{"rows", 1}, {"columns", 1}});
+  return more;
+}
+Rows moved(double x, double y, double z) { return Eigen::RowVector3d(x, y, z); }
+const Rows still = moved(0, 0, 0);
+
+// On the axis of m a dipole's field is 2 mu0 m/(4 pi h^3), on its equator -mu0 m/(4 pi d^3), both along m.
+TEST(MagneticSkin, DipoleOnAxisAndEquator) {
+  Skin skin(one({{"chip_pitch", 4e-3}}));
+  skin.expect_total(skin.read(1, still).row(0), {0, 0, 2 * skin.strength() / std::pow(skin.height(), 3)});
+  // Pressed until it is level with the magnetometers: those at the ends are on its equator. The middle one is not quite met.
+  const Rows level = skin.read(1, moved(0, 1e-6, skin.height() / skin.share()));
+  for (const int end : {1, 2}) skin.expect_total(level.row(end), {0, 0, -skin.strength() / std::pow(4e-3, 3)});
+}
+
+// d(2/h^3)/dh = -6/h^4; a magnet that moves by e to the side makes B_x = -3 e/h^4. The second order is 2 e/h = 0.6 %, and half a count 0.1 %.
+TEST(MagneticSkin, GradientUnderASmallDisplacement) {
+  Skin skin(one({{"sensitivity", 0.01}, {"sensitivity_z", 0.01}, {"remanence", 0.1}}));
+  const double e = 12e-6, u = e / skin.share(), slope = e * skin.strength() / std::pow(skin.height(), 4);
+  const Rows beside = skin.read(0, moved(u, -2 * u, 0)) / slope, down = skin.read(0, moved(0, 0, u)) / slope;
+  EXPECT_NEAR(beside(0, 0), -3, 0.03);
+  EXPECT_NEAR(beside(0, 1), 6, 0.06);
+  EXPECT_NEAR(down(0, 2), 6, 0.06);
+}
+
+// B = mu0/(4 pi) (3 r (m.r)/r^5 - m/r^3) as vectors, of 3 x 4 magnets that have moved, with poles up and down by turns in squares of two cells.
+TEST(MagneticSkin, SumOfMagnets) {
+  Skin skin({{"rows", 3}, {"columns", 4}, {"pole_pitch", 9.4e-3}}, "grid");
+  Rows displaced(12, 3);
+  for (int k = 0; k < 12; ++k) displaced.row(k) = 1e-4 * Eigen::RowVector3d(std::sin(k), std::cos(2 * k), 3 + 0.25 * k);
+  const Rows found = skin.read(1, displaced);
+  ASSERT_EQ(found.rows(), 12);
+  for (int j = 0; j < 12; ++j) {
+    Vector3d field(0, 0, 0);
+    for (int i = 0; i < 12; ++i) {
+      const bool down = (skin.magnet(i).x() < 0) != (skin.magnet(i).y() < -1e-3);
+      const Vector3d m(0, 0, down ? -skin.strength() : skin.strength());
+      const Vector3d r =
+          skin.magnet(j) + Vector3d(0, 0, skin.height()) - skin.magnet(i) - skin.share() * displaced.row(i).transpose();
+      field += 3 * r * m.dot(r) / std::pow(r.norm(), 5) - m / std::pow(r.norm(), 3);
+    }
+    skin.expect_total(found.row(j), field);
+  }
+}
+
+// A lone magnet tells where it is, however far it has moved: forces are the springs', but for half a count of up to 1 uT. At rest B_x changes by 3 K/h^4 a
+// metre, far off by less: twice that is allowed.
+TEST(MagneticSkin, ForceOfALoneMagnet) {
+  Skin skin(one(), "grid");
+  const double metre = skin.strength() / std::pow(skin.height(), 4) * skin.share();
+  const Eigen::RowVector3d k{skin.of("k_tangential"), skin.of("k_tangential"), skin.of("k_normal")};
+  for (const Rows& u : {still, moved(0, 0, 1e-3), moved(8e-4, -3e-4, 6e-4), moved(-1e-3, 0, 2e-4)}) {
+    const Rows found = skin.read(2, u).cwiseQuotient(k);
+    EXPECT_LT((found - u).cwiseAbs().maxCoeff(), 1 / (3 * metre)) << u;
+  }
+}
+
+TEST(MagneticSkin, CountsSaturateScatterAndDrift) {
+  Skin strong(one({{"magnet_diameter", 4e-3}, {"magnet_thickness", 4e-3}}));  // 175 mT on the axis; the converter ends at 32 mT
+  EXPECT_EQ(strong.read(1, still)(0, 2), 32767);
+  EXPECT_EQ(strong.read(0, still)(0, 2), 0);  // no change is seen from there
+
+  // 6,000 values: the sd of their sd is 1 %. Rounding adds 1/12.
+  const Given loud = one({{"noise", 7}});
+  Skin noisy(loud), again(loud), other(loud, "cross", 2), named(loud, "cross", 1, "left");
+  const Rows quiet = Skin(one()).read(1, still);
+  double square = 0;
+  for (int sample = 0; sample < 400; ++sample) {
+    const Rows counts = noisy.read(1, still);
+    EXPECT_EQ(counts, again.read(1, still));
+    EXPECT_NE(counts, other.read(1, still));
+    EXPECT_NE(counts, named.read(1, still));
+    square += (counts - quiet).squaredNorm() / 6000;
+  }
+  EXPECT_NEAR(std::sqrt(square), std::sqrt(49 + 1.0 / 12), 0.04 * 7);
+
+  // 10 K warmer in the end, all but 1/e of it after a time constant; each K takes 0.11 %.
+  Skin warm(one({{"warming", 10}, {"warming_time", 60}, {"drift", 0}}));
+  const double cold = warm.read(1, still)(0, 2);
+  EXPECT_NEAR(warm.read(1, still, 60)(0, 2), cold * (1 - 0.011 * (1 - 1 / std::numbers::e)), 1);
+  EXPECT_NEAR(warm.read(1, still, 6e4)(0, 2), cold * (1 - 0.011), 1);
+}
+
+TEST(MagneticSkin, RefusesWhatDoesNotGoTogether) {
+  const auto refused = [](const Given& given) { return scene_refusal_of([&] { Skin{given}; }); };
+  EXPECT_THAT(refused({{"rows", 1.5}}), HasSubstr("allowed: whole numbers'"));
+  EXPECT_THAT(refused({{"magnet_depth", 4e-3}}), HasSubstr("allowed: less than thickness'"));
+}
+
+}  // namespace
+}  // namespace slipbench
