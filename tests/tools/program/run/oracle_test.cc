@@ -32,6 +32,10 @@ Scene scene_with(const std::string& detector) {
     file.apply({"time_step", "auto"});
     file.apply({"motion.compression", "0.3 mm"});
   }
+  if (detector.find("type: marker_") != std::string::npos) {  // of springs; under a sphere those at the rim slip first
+    file.apply({"sensors", "{pad: {type: gel_markers, rate: 1 kHz, noise: 0.1}}"});
+    file.apply({"surface", "{material: acrylic, shape: sphere, radius: 20 mm}"});
+  }
   file.apply({"sensors.pad.electronics", "typical"});
   if (hears) file.apply({"duration", "2 s"});
   file.apply({"detector", detector});
