@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <iterator>
 #include <vector>
 
 #include "sensors/plugin_abi.h"
@@ -33,8 +32,7 @@ enum : std::size_t {
   offset,
   warming,
   warming_time,
-  fading,
-  drift
+  fading
 };
 const slipbench_parameter slipbench_sensor_parameters[] = {
     SLIPBENCH_A_NUMBER("rate", 100.0, "Hz"),
@@ -59,14 +57,12 @@ const slipbench_parameter slipbench_sensor_parameters[] = {
     SLIPBENCH_A_NUMBER("warming", 0.0, ""),
     SLIPBENCH_A_NUMBER("warming_time", 600.0, "s"),
     SLIPBENCH_A_NUMBER("fading", 0.0011, ""),
-    SLIPBENCH_A_NUMBER("drift", 1.0, ""),
     SLIPBENCH_NO_MORE,
 };
 
 namespace {
 
 const char* const chip = "Melexis MLX90393, data sheet";
-const char* const measured = "measured: public recordings of these chips, sensors/magnetic_skin/README.md";
 
 const slipbench_note notes[] = {
     {"Samples a second.", "free", 0.1, 1e4, ""},
@@ -81,24 +77,22 @@ const slipbench_note notes[] = {
     {"Of a magnet, or of the magnetised layer.", "assumed", 1e-6, 0.1, ""},
     {"Of its material [T], along +Z.", "NdFeB of grade N50: 1.40 to 1.45 T", 0.0, 2.0, ""},
     {"Edge of squares that are magnetised up and down by turns; 0: all are alike.", "free", 0.0, 1.0, ""},
-    {"grid: a magnetometer behind each cell; cross: one in the middle, one to the left, right, up and down.",
-     "uSkin: grid. ReSkin (Bhirangi and others 2021): cross", 0.0, 0.0, "grid|cross"},
+    {"Magnetometers: one behind each cell, or five.", "uSkin: grid. ReSkin (Bhirangi and others 2021): cross", 0.0, 0.0,
+     "grid|cross"},
     {"From the middle of a cross to its ends.", "ReSkin's board", 1e-4, 1.0, ""},
     {"From the back of the skin to where the magnetometers measure.", "assumed: a package is 1 mm high", 1e-5, 0.1, ""},
     {"uT a count along X and Y; 16 bits saturate.", chip, 1e-3, 100.0, ""},
     {"uT a count along Z.", chip, 1e-3, 100.0, ""},
-    {"Standard deviation of a reading, in counts.", measured, 0.0, 1e4, ""},
+    {"Standard deviation of a reading, in counts.", "measured: public recordings, sensors/magnetic_skin/README.md", 0.0, 1e4, ""},
     {"Standard deviation of an axis' offset, in counts.", "assumed: Earth's field, 50 uT from anywhere", 0.0, 3e4, ""},
-    {"How much warmer skin and chips get in the end [K].", "free", -100.0, 100.0, ""},
+    {"How much warmer the skin gets in the end [K].", "free", -100.0, 100.0, ""},
     {"Time constant of that.", "assumed", 1e-3, 1e9, ""},
     {"Share of the magnets' field that each K takes.", "NdFeB: reversible coefficient of remanence", -0.1, 0.1, ""},
-    {"Counts that each K adds to an axis, whose sign is drawn.", "assumed", 0.0, 1e4, ""},
 };
 
 constexpr double most_counts = 32767.0, pi = 3.141592653589793;
 
 using Vector = std::array<double, 3>;
-
 struct Magnet {
   Vector at;        // m, undeformed
   double strength;  // uT m^3: mu0 m/(4 pi), + or - along Z
@@ -111,10 +105,10 @@ struct Skin {
   std::vector<Vector> magnetometers;
   std::vector<std::size_t> shape;  // of every channel
   std::vector<slipbench_channel> channels;
-  std::vector<double> offset, drift, rest;  // counts of an axis: of the chip, a K, and without load, not rounded
-  Vector sensitivity;                       // uT
-  double share;                             // of the surface's displacement at a magnet's depth
-  bool forces;                              // a magnetometer behind each magnet: it knows which one it reads
+  std::vector<double> offset, rest;  // counts of an axis: of the chip, and without load, not rounded
+  Vector sensitivity;                // uT
+  double share;                      // of the surface's displacement at a magnet's depth
+  bool forces;                       // a magnetometer behind each magnet: it knows which one it reads
   std::uint64_t random;
 };
 
@@ -173,7 +167,7 @@ void measure(void* self, const slipbench_contact* contact, float* values) {
     float *change = values + 3 * i, *counts = change + 3 * count, *forces = counts + 3 * count;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t k = 3 * i + axis;
-      double read = left * field[axis] / skin.sensitivity[axis] + skin.offset[k] + skin.drift[k] * warmer;
+      double read = left * field[axis] / skin.sensitivity[axis] + skin.offset[k];
       if (skin.is[noise] > 0.0) read += skin.is[noise] * normal(skin.random);
       read = std::clamp(std::nearbyint(read), -most_counts - 1.0, most_counts);
       counts[axis] = static_cast<float>(read);
@@ -203,8 +197,7 @@ void place(Skin& skin) {
     skin.elements.push_back({{x, y, 0.0}, {0.0, 0.0, -1.0}, is[k_normal], is[k_tangential], i});
     if (skin.forces) skin.magnetometers.push_back({x, y, back});
   }
-  if (!skin.forces)
-    skin.magnetometers = {{0.0, 0.0, back}, {-end, 0.0, back}, {end, 0.0, back}, {0.0, end, back}, {0.0, -end, back}};
+  if (!skin.forces) skin.magnetometers = {{0, 0, back}, {-end, 0, back}, {end, 0, back}, {0, end, back}, {0, -end, back}};
 }
 
 }  // namespace
@@ -215,7 +208,7 @@ const slipbench_about slipbench_sensor_about = {
     "Magnetic skin: magnets in an elastomer, or magnetised elastomer, above magnetometers of three axes.",
     "u = (1 - magnet_depth/thickness) u_surface: a dipole moves less than the surface above it, in a straight line to the rigid back\n"
     "B = sum of Br V/(4 pi) (3 r (z.r)/r^5 - z/r^3) [T], r from a dipole to the magnetometer, V its volume; nothing tilts\n"
-    "counts = round(B (1 - fading T)/sensitivity + offset + drift T + noise), T = warming (1 - exp(-t/warming_time)), saturated at 16 bits\n"
+    "counts = round(B (1 - fading T)/sensitivity + offset + noise), T = warming (1 - exp(-t/warming_time)), saturated at 16 bits\n"
     "field [uT] = (counts - counts at rest) sensitivity: the change since the skin was free and cold\n"
     "force (grid alone): of a lone dipole that makes this field, times k_normal and k_tangential; neighbours show as cross-talk",
     "Point dipoles: Jackson, Classical Electrodynamics, 5.6. Skins: Tomo and others, IEEE RA-L 3, 2018 (uSkin); Bhirangi and others, CoRL 2021 (ReSkin)",
@@ -230,7 +223,7 @@ void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* re
   const char* wrong = nullptr;
   if (is[magnet_depth] >= is[thickness]) wrong = "magnet_depth is too deep; allowed: less than thickness";
   if (is[rows] != std::floor(is[rows]) || is[columns] != std::floor(is[columns]))
-    wrong = "rows or columns is broken; allowed: whole numbers";
+    wrong = "rows or columns is no whole number; allowed: 1, 2, 3";
   if (wrong != nullptr) {
     std::snprintf(readout->refusal, sizeof readout->refusal, "%s", wrong);
     return;
@@ -247,7 +240,6 @@ void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* re
     const Vector field = field_at(at, skin->magnets);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       skin->offset.push_back(is[offset] * normal(skin->random));
-      skin->drift.push_back(uniform(skin->random) < 0.5 ? -is[drift] : is[drift]);
       skin->rest.push_back(
           std::clamp(field[axis] / skin->sensitivity[axis] + skin->offset.back(), -most_counts - 1.0, most_counts));
     }

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "sim/core/parameters.h"
@@ -17,8 +16,6 @@
 
 namespace slipbench {
 namespace {
-
-constexpr double latest = 1e10;  // s, before and after 0: beyond any clock's
 
 // A map of the column map with these keys.
 class Block {
@@ -154,7 +151,8 @@ void read_mapped_csv(const SourceFile& file, const AddRecording& add) {
   while (table.next()) {
     table.expect_cells(titles.size());
     table.expect_room(sensor.time.size() + 1, sizeof(double) + titles.size() * sizeof(float));
-    const double now = map.time_scale * table.number(time, map.time, -latest / map.time_scale, latest / map.time_scale);
+    const double latest = 1e10 / map.time_scale;  // beyond any clock's
+    const double now = map.time_scale * table.number(time, map.time, -latest, latest);
     if (!sensor.time.empty() && !(now > sensor.time.back()))
       table.fail(
           fmt::format("column {}, {}, is {} s after {} s; allowed: rising times", time + 1, map.time, now, sensor.time.back()));
