@@ -290,7 +290,7 @@ ConeLaw cone_law(const Scene& scene, std::size_t index) {
   }
   const std::unique_ptr<Sensor> sensor = make_sensor(scene.sensors.at(index), scene.seed, 0);
   if (has_sums(sensor->layout())) {
-    if (is_curved(sensor->layout()) && (scene.dynamic() || scene.surface.name != "plane")) {
+    if (scene.surface.name != "plane" || (is_curved(sensor->layout()) && scene.dynamic())) {
       leave_out({&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
                 "all but margin >= 0: elements of one unit meet faces of several directions");
     } else {

@@ -78,6 +78,19 @@ TEST_F(VerifyTest, SoundDatasetHolds) {
   ASSERT_EQ(labels.state.at(sliding), 3U);
 }
 
+// The points of a unit meet a sphere's faces of several directions, whose margins add up to no margin of the unit's force.
+TEST_F(VerifyTest, UnitsOfSeveralPointsOnASphereHold) {
+  const std::string text =
+      "slipbench: 1\nduration: 1 s\nsurface: {shape: sphere, radius: 20 mm}\nmotion: {compression: 0.6 mm, start: 0.5 s}\n"
+      "sensors: {pad: {type: taxels, points: 3}}\n";
+  const Scene scene = parse_scene(SceneFile::from_text(text, "scene"), program_catalogues());
+  DatasetWriter writer(path("a.h5"), {"1.2.3", text, "{}", scene.seed, "slipbench run a.yaml"}, 1);
+  writer.append(TrialEncoder().encode(run_trial(scene, 0, Recording::full).record));
+  writer.commit();
+  const Verified verified = verify_datasets({path("a.h5")});
+  EXPECT_TRUE(verified.holds) << verified.datasets.dump(1);
+}
+
 TEST_F(VerifyTest, ConeIsHeldForEveryUnit) {
   const auto with_pull = [&](std::size_t sample, double share) {
     return failures([=](TrialRecord& record) {
