@@ -97,6 +97,9 @@ struct Frames::State {
         rows(about.window) {
     const std::size_t values = places.size();
     const std::size_t features = frame_size(input, values);
+    if (input.transform == Transform::units && values % 3 != 0) {
+      throw InputError("the network reads units by " + std::to_string(values) + " values; allowed: x, y, z of each unit");
+    }
     if (features == 0) throw InputError("the network's frame is empty; allowed: one feature at least");
     for (const std::size_t span : input.spans) rows = std::max(rows, span);
     if (std::max(rows, input.median) > most_kept / values || features > most_kept) {
@@ -117,7 +120,7 @@ struct Frames::State {
     window.resize(rows * values);
     means.resize(values);
     frame.resize(features);
-    if (input.transform == Transform::spreads) return;
+    if (!input.spans.empty()) return;
     if (input.transform == Transform::samples) {
       if (!input.pixels.empty()) before_pixels.resize(input.window * values);
       return;
@@ -151,24 +154,52 @@ struct Frames::State {
     return double{window[(next + rows - count + n) % rows * places.size() + value]};
   }
 
+  struct Trend {
+    double mean = 0.0, sd = 0.0, change = 0.0;  // change: n times the slope of the straight line that fits best
+  };
+  // Of the latest `span` samples, of those there are.
+  [[nodiscard]] Trend trend(std::size_t span, std::size_t value) const {
+    const std::size_t count = std::min(span, seen);
+    const double n = static_cast<double>(count), middle = 0.5 * (n - 1.0);
+    Trend one;
+    for (std::size_t i = 0; i < count; ++i) one.mean += recent(i, count, value) / n;
+    double square = 0.0, moment = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double x = recent(i, count, value) - one.mean;
+      square += x * x;
+      moment += (static_cast<double>(i) - middle) * x;
+    }
+    one.sd = std::sqrt(square / n);
+    one.change = 12.0 * moment / (n * n - 1.0);  // the squares of 0 to n - 1 less their mean add up to n (n^2 - 1)/12
+    return one;
+  }
+
+  void units(std::span<float> out) const {
+    std::size_t at = 0;
+    const auto put = [&](double feature) { out[at++] = static_cast<float>(feature); };
+    for (std::size_t v = 0; v < places.size(); v += 3) {
+      const double x = trend(input.spans[0], v).mean, y = trend(input.spans[0], v + 1).mean,
+                   z = trend(input.spans[0], v + 2).mean, shear = std::hypot(x, y);
+      put(std::asinh(z / input.floor));
+      put(shear / (std::abs(z) + input.floor));
+      for (const std::size_t span : input.spans) {
+        const double dx = trend(span, v).change, dy = trend(span, v + 1).change;
+        put(std::asinh(std::hypot(dx, dy) / input.floor));
+        put(shear > 0.0 ? std::asinh((dx * x + dy * y) / (shear * input.floor)) : 0.0);
+        put(std::asinh(trend(span, v + 2).change / input.floor));
+      }
+    }
+  }
+
   void spreads(std::span<float> out) const {
     const std::size_t values = places.size();
     const std::span<float> by_value = out.last(2 * values);
     for (std::size_t k = 0; k < input.spans.size(); ++k) {
-      const std::size_t count = std::min(input.spans[k], seen);
-      const double n = static_cast<double>(count), middle = 0.5 * (n - 1.0);
       const std::span<float> rising = out.subspan(k * values, values);
       for (std::size_t v = 0; v < values; ++v) {
-        double mean = 0.0, square = 0.0, moment = 0.0;
-        for (std::size_t i = 0; i < count; ++i) mean += recent(i, count, v) / n;
-        for (std::size_t i = 0; i < count; ++i) {
-          const double x = recent(i, count, v) - mean;
-          square += x * x;
-          moment += (static_cast<double>(i) - middle) * x;
-        }
-        by_value[v] = rising[v] = static_cast<float>(std::log(std::sqrt(square / n) + input.floor));
-        // The squares of 0 to n - 1 less their mean add up to n (n^2 - 1)/12.
-        by_value[values + v] = static_cast<float>(std::asinh(12.0 * moment / ((n * n - 1.0) * input.floor)));
+        const Trend one = trend(input.spans[k], v);
+        by_value[v] = rising[v] = static_cast<float>(std::log(one.sd + input.floor));
+        by_value[values + v] = static_cast<float>(std::asinh(one.change / input.floor));
       }
       std::ranges::sort(rising, before);
     }
@@ -186,6 +217,7 @@ struct Frames::State {
   // What stands before the pixels: [window, values] or [values, bins].
   void transform(std::span<float> out) {
     if (input.transform == Transform::spreads) return spreads(out);
+    if (input.transform == Transform::units) return units(out);
     const std::size_t values = places.size();
     if (input.transform == Transform::samples) {
       for (std::size_t n = 0; n < input.window; ++n) {

@@ -227,6 +227,27 @@ TEST(Frames, SpreadsAreOfTheLatestSamplesThereAreWhateverTheLevel) {
   }
 }
 
+// Unit 0 is pulled by 0.3 k along (3, 4)/5 while z falls by 0.1 a sample: of the latest two samples of 9 the shear is 0.3 x 8.5 and z is 2 - 0.85. Over n
+// samples the pull changes by 0.3 n, all of it along the shear, and z by -0.1 n. Unit 1 rests at (0, 0, 1).
+TEST(Frames, UnitsAreLevelsAndRatesOfEachUnitsForce) {
+  Input input = input_of({{"force", {}}});
+  input.window = 2;
+  input.transform = Transform::units;
+  input.spans = {2, 5};
+  input.floor = 0.01;
+  Frames frames = frames_of(input);
+  for (int k = 0; k < 10; ++k) {
+    const auto n = static_cast<float>(k);
+    frames.push(std::vector<float>{0.18F * n, 0.24F * n, 2.0F - 0.1F * n, 0, 0, 1, 0});
+  }
+  const auto of = [](double x) { return static_cast<float>(std::asinh(x / 0.01)); };
+  const std::vector<float> expected{of(1.15), 2.55F / 1.16F, of(0.6), of(0.6), of(-0.2), of(1.5), of(1.5), of(-0.5),
+                                    of(1.0),  0.0F,          0.0F,    0.0F,    0.0F,     0.0F,    0.0F,    0.0F};
+  EXPECT_THAT(frames.latest(), ::testing::Pointwise(::testing::FloatNear(1e-4F), expected));
+  input.channels = {{"force", {0, 1}}};
+  EXPECT_THAT(refusal_of([&] { frames_of(input); }), HasSubstr("units by 2 values; allowed: x, y, z of each unit"));
+}
+
 TEST(Frames, APixelOfSpectraIsTheirMeanBinByBin) {
   Input input = spectrum_of({{"force", {0, 1}}}, 200.0, 300.0);
   input.pixels = {{0, 1}, {1}};

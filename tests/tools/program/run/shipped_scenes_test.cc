@@ -187,6 +187,23 @@ TEST(ShippedScenes, LearnBiotacNeverSlipsInAThird) {
   EXPECT_EQ(touch_sites, slip_sites);
 }
 
+// Likewise: 8 of 24 cells go no further than 72 um, or turn no further than 0.36 degrees, in 3.6 s.
+TEST(ShippedScenes, LearnPapillarrayNeverSlidesInAThird) {
+  const TrialPlan plan(shipped("learn/papillarray.yaml"), catalogues(), 0, 1);
+  ASSERT_EQ(plan.size() % 24, 0u);
+  std::size_t rests = 0;
+  for (std::size_t i = 0; i < plan.size(); i += plan.size() / 24) {
+    const Scene scene = plan.trial(i).scene;
+    const Parameters& motion = scene.motion.parameters;
+    rests += 3.6 * motion.number("speed") < 80e-6 && 3.6 * std::abs(motion.number("rotation")) < 7e-3 ? 1U : 0U;
+    EXPECT_GE(scene.friction.static_coefficient, 0.1);
+    EXPECT_LE(scene.friction.static_coefficient, 1.5);
+    EXPECT_LE(scene.friction.kinetic_coefficient, scene.friction.static_coefficient);
+    EXPECT_EQ(scene.sensors.at(0).parameters.choice("device"), "redrawn");
+  }
+  EXPECT_EQ(rests, 8u);
+}
+
 const ControlScene& control_of(const Scene& scene, const std::string& actuator) {
   return *std::ranges::find(scene.controls, actuator, &ControlScene::actuator);
 }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "detectors/network/engine.h"
+#include "sim/core/random.h"
 #include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
 #include "tools/base/dataset/reader.h"
@@ -109,6 +110,35 @@ TEST_F(TrainNetwork, RefusesWhatDoesNotFit) {
   training.dataset = dataset({{"sweep.motion.speed", "[0.001 mm/s, 0.002 mm/s]"}}, "still.h5");  // at most 0.4 um: nothing slips
   EXPECT_THAT(refusal(training), HasSubstr("have a class without a frame: 150 hold, 0 slip"));
   EXPECT_FALSE(std::filesystem::exists(training.output));
+}
+
+// A constant answer has 1/2. The small scene slips within some 30 ms of its start, so nearly all of its frames can be told.
+TEST_F(TrainNetwork, SlipGruLearnsFromAFewTrials) {
+  NetworkTraining training = small("slip_gru");
+  training.recipe.training.steps = 60;
+  training.recipe.training.validate_every = 10;
+  training.recipe.training.batch = 8;
+  const NetworkSummary summary = train_network(training);
+  EXPECT_GT(summary.held_out_accuracy, 0.8);
+}
+
+// Weights are shared and what they make is pooled: units in another order are the same to it.
+TEST(SlipGru, DoesNotCareWhichUnitIsWhich) {
+  const NetworkShape& shape = find_recipe("slip_gru").network;
+  const std::unique_ptr<Network> network = make_network(shape, 1);
+  constexpr std::size_t frames = 4, units = 9;
+  const std::size_t features = shape.inputs / units;
+  std::vector<float> some(frames * shape.inputs), reversed(some.size());
+  RandomStream random(1, 0, "units");
+  for (float& x : some) x = static_cast<float>(random.normal());
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    const std::size_t frame = i / shape.inputs, unit = i / features % units;
+    reversed[(frame * units + units - 1 - unit) * features + i % features] = some[i];
+  }
+  EXPECT_THAT(network->logits(reversed), ::testing::Pointwise(::testing::FloatNear(1e-5F), network->logits(some)));
+  std::swap(some[0], some[features + 1]);  // another feature of another unit
+  EXPECT_THAT(network->logits(some),
+              ::testing::Not(::testing::Pointwise(::testing::FloatNear(1e-5F), network->logits(reversed))));
 }
 
 TEST_F(TrainNetwork, KeepsAFileThatIsNoDetector) {

@@ -77,6 +77,10 @@ Shape shape_of(const GlobalAverage& /*average*/, const Shape& in) {
   need_image(in);
   return {in[0]};
 }
+Shape shape_of(const PoolUnits& pool, const Shape& in) {
+  need(in.size() == 2, "a frame is no list of units");
+  return pool.beside ? Shape{in[0], 3 * in[1]} : Shape{2 * in[1]};
+}
 Shape shape_of(const GraphConvolution& graph, const Shape& in) {
   need(in.size() == 2 && graph.adjacency.size() == in[0] * in[0], "a frame is no list of nodes of that graph");
   return {in[0], graph.units};

@@ -39,6 +39,10 @@ struct Conv2d {  // [C, H, W] -> [channels, H', W'], H' = H + 2 padding - kernel
 };
 struct MaxPool {};        // [C, H, W] -> [C, H/2, W/2], the largest of 2 x 2; an odd row or column is left out
 struct GlobalAverage {};  // [C, H, W] -> [C]
+// The mean of each place over the units, and the greatest: [units, F] -> [2 F], or beside each unit's own, [units, 3 F].
+struct PoolUnits {
+  bool beside = false;
+};
 // [nodes, F] -> [nodes, units]: y = A x W + b (Kipf and Welling, ICLR 2017), each frame. `adjacency` [nodes, nodes]: A.
 struct GraphConvolution {
   std::size_t units = 1;
@@ -56,7 +60,7 @@ struct Last {
   std::size_t frames = 1;
 };
 
-using Layer = std::variant<Linear, Relu, Tanh, BatchNorm, Gru, Lstm, ConvLstm, Conv1d, Conv2d, MaxPool, GlobalAverage,
+using Layer = std::variant<Linear, Relu, Tanh, BatchNorm, Gru, Lstm, ConvLstm, Conv1d, Conv2d, MaxPool, GlobalAverage, PoolUnits,
                            GraphConvolution, Flatten, Reshape, Permute, Last>;
 using Layers = std::vector<Layer>;
 

@@ -277,6 +277,18 @@ class Writer {
   void write(const GlobalAverage&, const Shape& after) {
     value_ = graph_.reshaped(graph_.node("GlobalAveragePool", {value_}), with_front(length_, after));
   }
+  void write(const PoolUnits& pool, const Shape& after) {
+    std::vector<std::string> parts;
+    if (pool.beside) parts.push_back(value_);
+    for (const char* kind : {"ReduceMean", "ReduceMax"}) {
+      std::string& part = parts.emplace_back(graph_.node(kind, {value_}));
+      graph_.with("axes", Ints{1});
+      if (pool.beside) part = graph_.node("Expand", {part, graph_.integers(with_front(length_, frame_))});
+    }
+    value_ = graph_.node("Concat", parts);
+    graph_.with("axis", 2);
+    if (!pool.beside) value_ = graph_.reshaped(value_, with_front(length_, after));
+  }
   void write(const GraphConvolution& graph, const Shape&) {
     const std::vector<float> adjacency(graph.adjacency.begin(), graph.adjacency.end());
     const std::string weight = take_as(sizes_of({frame_[1], graph.units})), bias = take_as(sizes_of({graph.units}));

@@ -110,6 +110,10 @@ class Forward {
     return each_frame(x, [](const Tensor& frames) { return torch::max_pool2d(frames, 2); });
   }
   static Tensor apply(const GlobalAverage&, const Tensor& x) { return x.mean({3, 4}); }
+  static Tensor apply(const PoolUnits& pool, const Tensor& x) {
+    const Tensor both = torch::cat({x.mean(2, true), x.amax(2, true)}, 3);
+    return pool.beside ? torch::cat({x, both.expand({-1, -1, x.size(2), -1})}, 3) : both.squeeze(2);
+  }
   Tensor apply(const GraphConvolution& graph, const Tensor& x) {
     const Tensor &weight = take(), &bias = take();
     const std::vector<float> adjacency(graph.adjacency.begin(), graph.adjacency.end());

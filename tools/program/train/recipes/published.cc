@@ -19,6 +19,28 @@ Recipe grasp_gru() {
   return grasp;
 }
 
+Recipe slip_gru() {
+  Recipe slip = begun_recipe(
+      "slip_gru", "Forces of units, their ratio and rates, each unit by the same weights, pooled, through a GRU at 100 Hz",
+      "none published: for scenes/learn, where stiffness, load, friction and the way differ from trial to trial", "papillarray",
+      1000.0, {{"force", {}}});
+  slip.assumed = "all of it; frames that stick again after a slip teach nothing; Adam at 3e-3";
+  slip.input.window = 10;
+  slip.input.stride = 10;
+  slip.input.transform = network::Transform::units;
+  slip.input.spans = {10, 20, 40, 80, 160};
+  slip.input.floor = 1e-3;  // N, the noise of a pillar: what is less tells nothing
+  slip.scaling = Scaling::common;
+  const std::size_t features = 2 + 3 * slip.input.spans.size();
+  slip.network = {9 * features,
+                  {Reshape{{9, features}}, BatchNorm{1}, Linear{32}, Relu{}, PoolUnits{true}, Linear{48}, Relu{}, PoolUnits{},
+                   Linear{48}, Relu{}, Gru{48}, Linear{2}}};
+  slip.labels = LabelRule::masked;
+  slip.training = {.steps = 2400, .batch = 32, .clip = 150, .optimiser = Optimiser::adam, .learning_rate = 3e-3};
+  slip.training.validate_every = 100;
+  return slip;
+}
+
 }  // namespace
 
 std::vector<Recipe> papillarray_recipes() {
@@ -47,7 +69,7 @@ std::vector<Recipe> papillarray_recipes() {
   five.name = "papillarray_gru5";
   five.summary = "Five such networks, whose probabilities are averaged in one graph";
   five.members = 5;
-  return {one, five, grasp_gru()};
+  return {one, five, grasp_gru(), slip_gru()};
 }
 
 namespace {

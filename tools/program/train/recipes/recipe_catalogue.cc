@@ -24,6 +24,9 @@ std::string text(const Conv2d& layer) {
 }
 std::string text(const MaxPool&) { return "max pool 2 x 2"; }
 std::string text(const GlobalAverage&) { return "global average"; }
+std::string text(const PoolUnits& layer) {
+  return fmt::format("mean and greatest of units{}", layer.beside ? " beside each" : "");
+}
 std::string text(const GraphConvolution& layer) { return fmt::format("graph convolution {}", layer.units); }
 std::string text(const Flatten&) { return "flatten"; }
 std::string text(const Reshape& layer) { return fmt::format("as {}", fmt::join(layer.shape, " x ")); }

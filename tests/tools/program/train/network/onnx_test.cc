@@ -97,6 +97,9 @@ TEST_F(Onnx, SaysWhatLibtorchSays) {
   expect_same("graph", {8,
                         {Reshape{{4, 2}}, GraphConvolution{3, normalised_adjacency(4, std::vector<Edge>{{0, 1}, {1, 2}})},
                          BatchNorm{1}, Relu{}, Flatten{}, Linear{2}}});
+  expect_same(
+      "units",
+      {15, {Reshape{{5, 3}}, BatchNorm{1}, Linear{4}, PoolUnits{true}, Linear{3}, Relu{}, PoolUnits{}, Gru{3}, Linear{2}}});
   expect_same("conv_lstm", {24, {Reshape{{2, 4, 3}}, ConvLstm{3, 3}, ConvLstm{2, 3}, Last{5}, GlobalAverage{}, Linear{2}}});
   expect_same("carried_conv_lstm", {24, {Reshape{{2, 4, 3}}, ConvLstm{3, 3}, GlobalAverage{}, Linear{2}}});
 }
