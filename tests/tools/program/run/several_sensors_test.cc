@@ -24,7 +24,7 @@ using testing_run::expect_same_sensor;
 // Press and slide with motors that shake; `types` are the sensors, each named as its type, in that order.
 Scene scene_of(const std::vector<std::string>& types, const std::string& effects, const std::string& read) {
   std::string text =
-      "slipbench: 1\nseed: 3\nduration: 0.5 s\nmotion: {compression: 0.3 mm, start: 0.3 s, speed: 8 mm/s, acceleration: 500 mm/s2, vibration: 1}\neffects: " +
+      "slipbench: 1\nseed: 3\nduration: 0.6 s\nmotion: {compression: 0.3 mm, start: 0.3 s, speed: 8 mm/s, acceleration: 500 mm/s2, vibration: 1}\neffects: " +
       effects + "\nsensors:\n";
   for (const std::string& type : types) text += "  " + type + ": {type: " + type + ", electronics: typical}\n";
   if (!read.empty()) text += "detector: {type: truth, sensor: " + read + ", latency: 3 ms, flip: 0.1}\n";
