@@ -40,7 +40,8 @@ def build_of(build, valgrind):
     doctor = subprocess.run([build / "bin/slipbench", "doctor", "--json"], capture_output=True, text=True).stdout
     found = {check["name"]: check["found"] for check in json.loads(doctor)["checks"]}
     found["flags"] = " ".join(word for word in found["flags"].split() if not word.startswith("-W"))
-    found["sources"] = re.search(r"^CMAKE_UNITY_BUILD:\w+=(\w+)$", (build / "CMakeCache.txt").read_text(), re.M)[1]
+    unity = re.search(r"^CMAKE_UNITY_BUILD:\w+=(\w+)$", (build / "CMakeCache.txt").read_text(), re.M)
+    found["sources"] = unity[1] if unity else "OFF"
     found["valgrind"] = subprocess.run([valgrind, "--version"], capture_output=True, text=True).stdout.strip()
     found["C library"] = os.confstr("CS_GNU_LIBC_VERSION")
     return {name: found[name] for name in ("compiler", "flags", "sources", "SIMD path", "valgrind", "C library", "Eigen", "yaml-cpp", "MuJoCo")}
@@ -96,6 +97,9 @@ def compared(before, now):
     """Prints what changed; the names of the scenes that take over LIMIT more."""
     grew = []
     for scene, counted in now.items():
+        if scene not in before:
+            print(f"{scene:20} is new, and not compared")
+            continue
         was = before[scene]["instructions"]
         growth = counted["instructions"] / was - 1.0
         print(f"{scene:20} {was:>15,} before {counted['instructions']:>15,} now  {100 * growth:+.2f} %", "GREW" if growth > LIMIT else "")

@@ -199,6 +199,18 @@ TEST(PluginDetector, ThatCrashesIsNamedWithItsFunction) {
   }
 }
 
+// The loader would take it for the one that it knows by that name.
+TEST(PluginDetector, ThatIsBuiltAnewNeedsAnotherStart) {
+  const std::string path = testing::TempDir() + "rebuilt_" + std::to_string(::getpid()) + ".so";
+  std::filesystem::copy_file(file("ratio_gate"), path, std::filesystem::copy_options::overwrite_existing);
+  const std::string first = outcome(path);
+  std::filesystem::remove(path);
+  std::filesystem::copy_file(file("ears"), path);
+  EXPECT_THAT(first, Not(HasSubstr("has changed")));
+  EXPECT_THAT(outcome(path), HasSubstr("has changed since it was loaded; allowed: another start of the program"));
+  std::filesystem::remove(path);
+}
+
 // A crash inside of the loader is named as well; no library is loaded after it, so it runs in a process of its own.
 TEST(PluginDetectorDeathTest, ThatCrashesWhileItIsLoadedIsNamed) {
   testing::GTEST_FLAG(death_test_style) = "threadsafe";

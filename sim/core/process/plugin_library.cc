@@ -6,11 +6,13 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 #include <utility>
@@ -29,7 +31,15 @@ constexpr std::size_t max_text = 4096;  // bytes of a name or a text that a libr
 // that loaded a library would wait for ever. So only one thread is inside of the loader, and after such a crash none.
 std::mutex loader;
 bool loader_lost = false;  // under `loader`
-std::atomic<bool> loaded = false;
+std::atomic<bool> any_loaded = false;
+
+// Under `loader`: what tells each library that has been loaded from another one of its name, which the loader would take it for.
+using Stamp = std::pair<std::uintmax_t, std::filesystem::file_time_type>;  // size, time of its content
+std::map<std::string, Stamp>& stamps() {
+  static auto* const known = new std::map<std::string, Stamp>;
+  return *known;
+}
+Stamp stamp_of(const std::string& file) { return {std::filesystem::file_size(file), std::filesystem::last_write_time(file)}; }
 
 // Libraries that may be at work. Whoever calls exit() meanwhile is one of them, or a thread that it has started: the program
 // itself ends when none is. Never destroyed, since they are asked after main().
@@ -104,8 +114,7 @@ PluginLibrary::PluginLibrary(std::string part, std::string where, std::string ke
     : part_(std::move(part)),
       where_(where.empty() ? part_ : std::move(where)),
       key_(where_ + "." + std::move(key)),
-      name_(std::move(name)),
-      at_work_(name_) {}
+      name_(std::move(name)) {}
 
 PluginLibrary::PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where)
     : PluginLibrary(std::move(part), std::move(where), "library", "'" + path + "'") {
@@ -115,10 +124,15 @@ PluginLibrary::PluginLibrary(std::string part, const std::string& path, const sl
     const bool there = std::filesystem::exists(path, error);
     throw SceneValueError(key_, (there ? name_ + " is no file" : "no file " + name_) + "; allowed: the path of a shared library");
   }
+  at_work_.emplace(name_);
   const std::string file = std::filesystem::absolute(path).string();  // a bare name would be searched for
   {
     const std::lock_guard<std::mutex> lock(loader);
     if (loader_lost) refuse("cannot be loaded: a library crashed while it was loaded; allowed: another start of the program");
+    const Stamp stamp = stamp_of(file);
+    if (stamps().emplace(file, stamp).first->second != stamp)
+      refuse("has changed since it was loaded; allowed: another start of the program");
+    any_loaded = true;  // its destructors run at the end of the process even where a constructor crashes
     try {
       guarded("a constructor of the library", [&] { handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); });
     } catch (const SceneValueError&) {
@@ -126,15 +140,15 @@ PluginLibrary::PluginLibrary(std::string part, const std::string& path, const sl
       throw;
     }
     if (handle_ == nullptr) {
+      stamps().erase(file);
       throw SceneValueError(key_, "cannot load " + name_ + ": " + dlerror() + "; allowed: a shared library");
     }
   }
-  loaded = true;
   check_build(own);
   static_cast<void>(symbol("slipbench_make_" + part_));
 }
 
-bool PluginLibrary::any() { return loaded; }
+bool PluginLibrary::any() { return any_loaded; }
 
 void PluginLibrary::refuse(const std::string& what) const { throw SceneValueError(key_, name_ + " " + what); }
 

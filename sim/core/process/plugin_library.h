@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -27,12 +28,12 @@ class PluginLibrary {
   // with. Throws SceneValueError where no library is named, where there is no such file, where it cannot be loaded, lacks a
   // symbol or was built with anything else than `own`. `where`: the part in the scene, "sensors.pad"; "": `part`.
   PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where = {});
-  // What the program is built with, `key` being the scene's for it: nothing is loaded. For guarded(), refuse() and close() alone.
+  // What the program is built with, `key` being the scene's for it: nothing is loaded. For guarded() and refuse() alone.
   PluginLibrary(std::string part, std::string where, std::string key, std::string name);
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
 
-  // Whether the process has loaded one. Its threads and its destructors may crash while the process ends, so that it should end by std::_Exit().
+  // Whether the process has loaded one, or tried to. Its threads and its destructors may crash while the process ends, so that it should end by std::_Exit().
   static bool any();
 
   // What the library declares as its parameters, with the values of `given`. Throws SceneValueError at `where`.parameters.<name>
@@ -106,8 +107,8 @@ class PluginLibrary {
   };
 
   std::string part_, where_, key_;
-  std::string name_;  // for messages: the path or type in quotes
-  AtWork at_work_;
+  std::string name_;               // for messages: the path or type in quotes
+  std::optional<AtWork> at_work_;  // of a library
   void* handle_ = nullptr;
   bool crashed_ = false;
 };

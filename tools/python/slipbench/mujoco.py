@@ -117,6 +117,8 @@ class _Measured:
             if not np.isfinite(values).all():
                 raise InputError(f"measure() returned {name} that is not finite at {time:g} s; allowed: finite numbers")
         truth = [name for name in arrays if name not in self.contact]
+        if both := self._shapes.keys() & set(truth):
+            raise InputError(f"the channel {min(both)!r} has a name of the truth; allowed: another name, or truth=False")
         return Reading(said | {name: arrays[name] for name in truth}, self._units | {name: units[name] for name in truth})
 
 
