@@ -223,7 +223,7 @@ void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* re
   const char* wrong = nullptr;
   if (is[magnet_depth] >= is[thickness]) wrong = "magnet_depth is too deep; allowed: less than thickness";
   if (is[rows] != std::floor(is[rows]) || is[columns] != std::floor(is[columns]))
-    wrong = "rows or columns is no whole number; allowed: 1, 2, 3";
+    wrong = "rows or columns is a fraction; allowed: a whole number";
   if (wrong != nullptr) {
     std::snprintf(readout->refusal, sizeof readout->refusal, "%s", wrong);
     return;

@@ -39,7 +39,10 @@ std::map<std::string, Stamp>& stamps() {
   static auto* const known = new std::map<std::string, Stamp>;
   return *known;
 }
-Stamp stamp_of(const std::string& file) { return {std::filesystem::file_size(file), std::filesystem::last_write_time(file)}; }
+Stamp stamp_of(const std::string& file) {
+  std::error_code gone;  // who cannot be looked at cannot be loaded either, and dlopen() says why
+  return {std::filesystem::file_size(file, gone), std::filesystem::last_write_time(file, gone)};
+}
 
 // Libraries that may be at work. Whoever calls exit() meanwhile is one of them, or a thread that it has started: the program
 // itself ends when none is. Never destroyed, since they are asked after main().

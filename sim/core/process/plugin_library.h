@@ -18,9 +18,9 @@
 
 namespace slipbench {
 
-// A shared library, which stays loaded when the object goes since threads that it has started may run on, or code of the same interface that the
-// program is built with. Whatever it does wrong is a SceneValueError at `where`.library, or .type: the
-// message names the library, and the function where one is to blame. Exception: a call of exit() while the object lives ends the
+// A shared library, or code of the same interface that the program is built with. A library stays loaded when the object goes, since threads that
+// it has started may run on; one that has changed since needs another start of the program. Whatever it does wrong is a SceneValueError at
+// `where`.library, or .type: the message names the library, and the function where one is to blame. Exception: a call of exit() while the object lives ends the
 // program, as it must, but with status 2 and a line on stderr that names the library.
 class PluginLibrary {
  public:
@@ -33,7 +33,8 @@ class PluginLibrary {
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
 
-  // Whether the process has loaded one, or tried to. Its threads and its destructors may crash while the process ends, so that it should end by std::_Exit().
+  // Whether the process has loaded one, or tried to. Its threads and its destructors may crash while the process ends, so that it should end by
+  // std::_Exit().
   static bool any();
 
   // What the library declares as its parameters, with the values of `given`. Throws SceneValueError at `where`.parameters.<name>

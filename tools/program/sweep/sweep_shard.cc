@@ -113,10 +113,15 @@ HeldFiles::HeldFiles(const std::set<std::string>& paths) {
 }
 
 void HeldFiles::check() const {
-  for (const auto& [path, stamp] : stamps_) {
-    if (stamp_of(path) == stamp) continue;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (auto& [path, stamp] : stamps_) {
+    const Stamp now = stamp_of(path);  // before it is read
+    if (now == stamp) continue;
     std::error_code gone;
-    if (std::filesystem::exists(path, gone) && file_sha256(path) == digests_.at(path)) continue;
+    if (std::filesystem::exists(path, gone) && file_sha256(path) == digests_.at(path)) {
+      stamp = now;
+      continue;
+    }
     throw InputError(
         path + " has changed since the first trial began; allowed: the files that a scene names stay as they are until it ends");
   }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <set>
 #include <string>
 #include <vector>
@@ -44,7 +45,9 @@ class HeldFiles {
   static Stamp stamp_of(const std::string& path);
 
   std::map<std::string, std::string> digests_;
-  std::map<std::string, Stamp> stamps_;
+  mutable std::mutex mutex_;
+  mutable std::map<std::string, Stamp>
+      stamps_;  // under mutex_; that of a file written anew with the same content takes the place of the old one
 };
 
 }  // namespace slipbench

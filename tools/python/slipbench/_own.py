@@ -269,8 +269,8 @@ def detector(name: str) -> Callable[[DetectorClass], DetectorClass]:
     """Registers a class as `detector: {type: NAME}`, where NAME is `name`, for the scenes of this process: `@slipbench.detector("mine")`.
 
     The class has the method of `Detector`. It is made anew for each trial as `cls(source, **parameters)`, where its attribute `parameters`, a dict,
-    gives names and defaults of what a scene may say beside the type: numbers, or texts with a unit, as "5 mm", which the class gets in SI. Raises InputError for a name that is slipbench's own; one of one's own
-    is replaced.
+    gives names and defaults of what a scene may say beside the type: numbers, or texts with a unit, as "5 mm", which the class gets in SI. Raises
+    InputError for a name that is slipbench's own; one of one's own is replaced.
     """
 
     def register(made: DetectorClass) -> DetectorClass:

@@ -202,7 +202,8 @@ def max_timestep(model: Any, data: Any = None) -> float:
     return float(_ask("slipbench_longest_step", model._address, scratch._address))
 
 
-def attach_pad(spec: Any, site: Any, touch: Any, *, pad: str | Mapping[str, Any] | Callable[[_own.SensorSource], _own.OwnSensor] | npt.ArrayLike = "papillarray", name: str | None = None,
+def attach_pad(spec: Any, site: Any, touch: Any, *,
+               pad: str | Mapping[str, Any] | Callable[[_own.SensorSource], _own.OwnSensor] | npt.ArrayLike = "papillarray", name: str | None = None,
                friction: float | Mapping[str, float] | None = None, material: str | None = None, effects: Sequence[Any] = (),
                solver: str = "explicit", damping: float | None = None, truth: bool = True, seed: int = 0, trial: int = 0, check: str = "error", unloaded: str = "1") -> Pad:
     """Puts a pad on a site of an MjSpec, with a sensor that reads it and all that the model needs for it (`complete()`).
