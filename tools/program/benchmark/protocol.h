@@ -6,13 +6,15 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/program/train/network/operating_point.h"
+
 namespace slipbench::benchmark {
 
 inline constexpr std::string_view protocol_name = "slip-1";
 
 // Constants of the score (score.h).
-inline constexpr double half_delay = 0.1;   // s, a slip seen so late earns half
-inline constexpr double alarm_limit = 1.0;  // false alarms a minute up to which credit counts in full
+using train::alarm_limit;
+using train::half_delay;
 inline constexpr double worst_force_ratio =
     2.5;  // greatest grip force over the least that holds, from which on a grasp earns nothing
 

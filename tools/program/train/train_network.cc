@@ -290,10 +290,11 @@ void judge(NetworkSummary& summary, const NetworkTraining& training, const Answe
   const network::Input& input = training.recipe.input;
   const double period = static_cast<double>(input.stride) / input.rate;
   const std::vector<SlipSeries> validated = slip_series(on_validation, classes);
-  summary.point = training.alarms ? best_point(validated, period, *training.alarms) : most_accurate_point(validated, period);
+  const bool whole = training.by_score || training.alarms;
+  summary.point = whole ? best_point(validated, period, training.alarms) : most_accurate_point(validated, period);
   summary.validation = accuracy_of(on_validation, classes.size());
   summary.held_out_accuracy = accuracy_of(on_judged, classes.size());
-  summary.held_out = counts_at(slip_series(on_judged, classes), summary.point.threshold, summary.point.alarm);
+  summary.held_out = counts_at(slip_series(on_judged, classes), period, summary.point.threshold, summary.point.alarm);
   summary.held_out_alarms = summary.held_out.alarms_per_minute(period);
 }
 
@@ -310,6 +311,7 @@ Json trained_json(const NetworkTraining& training, const Lesson& lesson, const s
                {"held_out", training.held_out},
                {"seed", training.seed},
                {"alarms_asked_per_minute", training.alarms ? Json(*training.alarms) : Json()},
+               {"by_score", training.by_score},
                {"trials_learnt", trials_of(lesson.learning)},
                {"trials_validated", trials_of(lesson.validating)},
                {"trials_judged", trials_of(lesson.judging)},

@@ -21,6 +21,7 @@ struct NetworkTraining {
   std::string sensor;     // empty: every one that fits
   double held_out = 0.2;  // share of the split's groups that judge, 0 to 0.5
   std::uint64_t seed = 1;
+  bool by_score = false;         // the operating point of best_point(); else:
   std::optional<double> alarms;  // false ones a minute of hold that are borne (best_point); empty: most_accurate_point
   std::string output;            // detector.onnx
   bool resume = false;

@@ -235,6 +235,8 @@ TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
   }
   EXPECT_THAT(refused({"--recipe", "myrmex_net1", "--alarms", "1/min"}), HasSubstr("myrmex_net1 draws frames of them"));
   EXPECT_THAT(refused({"--alarms", "1/min"}), HasSubstr("train: --alarms is of networks"));
+  EXPECT_THAT(refused({"--recipe", "slip_gru", "--alarms", "1/min", "--score"}),
+              HasSubstr("--score and --alarms are two choices"));
   EXPECT_THAT(refused({"--steps", "3"}), HasSubstr("train: --steps is of networks"));
   EXPECT_THAT(refused({"--resume"}), HasSubstr("train: --resume is of networks"));
   EXPECT_THAT(refused({"--labels", "latched"}), HasSubstr("train: --labels is 'latched' with the recipe gst_hd"));

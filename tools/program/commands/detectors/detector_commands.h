@@ -48,6 +48,7 @@ class TrainCommand final : public Command {
   std::optional<train::Split> split_;
   std::optional<std::size_t> steps_, held_out_, turned_;
   std::string alarms_;
+  bool score_ = false;
   bool resume_ = false;
 };
 

@@ -84,8 +84,8 @@ Bundles: paper starts afresh with every frame, published_core keeps the counts o
 
 Any other recipe (`slipbench list recipes`) is a network. What judges is held out first: a fifth of the trials, or of the materials,
 objects or octaves of speed that --split names. A fifth of the rest chooses the best state and the operating point: threshold, frames in a row
-that begin and end an alarm and the least it lasts, of the greatest balanced accuracy with no more false alarms a minute than --alarms. The ONNX
-file is a whole detector, and says what it has seen. A killed training goes on with --resume, to the same bytes. One thread, one network at a time.
+that begin and end an alarm and the least it lasts, of the greatest balanced accuracy with no more false alarms a minute than --alarms, or of
+the greatest score of a board (`slipbench benchmark`) with --score. The ONNX file is a whole detector, and says what it has seen. A killed training goes on with --resume, to the same bytes. One thread, one network at a time.
 
 Labels: strict and micro are the truth (a unit slips as a whole, or in part), paper is the rule of the sensor's paper. Of networks:
 latched is micro, and slip until contact is lost; masked leaves out frames that stick again after a slip. Of gst_hd: with has_slipped
@@ -113,6 +113,7 @@ Examples:
   arguments.number("--turned N", turned_,
                    "Network of a Myrmex: copies of each trial with its images turned, 0 to 11 (default: 0)", 0, 11);
   arguments.text("--alarms RATE", alarms_, "Network: false alarms that are borne, of validation trials (default: 1/min)");
+  arguments.flag("--score", score_, "Network: in place of --alarms, the operating point of the greatest score of a board");
   arguments.flag("--resume", resume_, "Network: go on where a killed training left OUTPUT.checkpoint-0");
   arguments.word("--encoder NAME", encoding_, "gst_hd: {} (default: gsthdc)", encoder_words);
   arguments.flag("--context", context_, "gst_hd: bind with the context of the centre pillar's compression (default with gsthdc)");
@@ -133,6 +134,7 @@ void TrainCommand::read_hd() {
                                     {steps_.has_value(), "--steps"},
                                     {turned_.has_value(), "--turned"},
                                     {!alarms_.empty(), "--alarms"},
+                                    {score_, "--score"},
                                     {resume_, "--resume"}}) {
     if (given) throw InputError(fmt::format("train: {} is of networks; allowed: it with another --recipe than gst_hd", name));
   }
@@ -167,11 +169,12 @@ void TrainCommand::read_network() {
                                  recipe.input.sensor));
   if (!labels_.empty())
     recipe.labels = *hd::value_of(train::label_words, checked_labels(labels_, recipe_, hd::names_of(train::label_words)));
-  if (!alarms_.empty() && recipe.at_most > 0)
-    throw InputError(fmt::format(
-        "train: --alarms counts what whole recordings say, and {} draws frames of them; allowed: none of it", recipe_));
+  if (score_ && !alarms_.empty()) throw InputError("train: --score and --alarms are two choices; allowed: one of them");
+  if ((score_ || !alarms_.empty()) && recipe.at_most > 0)
+    throw InputError(fmt::format("train: {} counts what whole recordings say, and {} draws frames of them; allowed: none of it",
+                                 score_ ? "--score" : "--alarms", recipe_));
   std::optional<double> alarms;
-  if (recipe.at_most == 0) alarms = alarms_a_minute(alarms_.empty() ? "1/min" : alarms_);
+  if (recipe.at_most == 0 && !score_) alarms = alarms_a_minute(alarms_.empty() ? "1/min" : alarms_);
   if (!options.output.ends_with(".onnx"))
     throw InputError(
         fmt::format("train: -o {}: a network is an ONNX file; allowed: a name that ends with .onnx", options.output));
@@ -186,6 +189,7 @@ void TrainCommand::read_network() {
               options.sequences.sensor,
               0.01 * static_cast<double>(held_out_.value_or(20)),
               options.seed,
+              score_,
               alarms,
               options.output,
               resume_};

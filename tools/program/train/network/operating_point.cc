@@ -36,16 +36,25 @@ double AlarmCounts::alarms_per_minute(double period) const {
   return held > 0.0 ? 60.0 * static_cast<double>(false_alarms) / held : std::numeric_limits<double>::quiet_NaN();
 }
 
-AlarmCounts counts_at(std::span<const SlipSeries> series, double threshold, const network::Alarm& alarm) {
+double AlarmCounts::score(double period) const {
+  const double rate = alarms_per_minute(period), held = static_cast<double>(hold_called_slip + hold_called_hold);
+  return credit / static_cast<double>(slips) * std::min(1.0, alarm_limit / rate) - static_cast<double>(hold_called_slip) / held;
+}
+
+AlarmCounts counts_at(std::span<const SlipSeries> series, double period, double threshold, const network::Alarm& alarm) {
   AlarmCounts counts;
   for (const SlipSeries& one : series) {
+    const std::size_t onset = static_cast<std::size_t>(std::ranges::find(one.truth, 1) - one.truth.begin());
+    counts.slips += onset < one.truth.size() ? 1 : 0;
     network::AlarmGate gate(alarm);
-    bool before = false;
+    bool before = false, ever = false;
     for (std::size_t t = 0; t < one.truth.size(); ++t) {
       const bool said = gate.push(one.probability[t] >= threshold), begins = !std::exchange(before, said) && said;
       if (one.truth[t] == masked) continue;
       counts.add(one.truth[t] == 1, said);
       counts.false_alarms += begins && one.truth[t] == 0 ? 1U : 0U;
+      if (said && !std::exchange(ever, true) && t >= onset)
+        counts.credit += half_delay / (half_delay + static_cast<double>(t - onset) * period);
     }
   }
   return counts;
@@ -71,11 +80,11 @@ OperatingPoint most_accurate_point(std::span<const SlipSeries> series, double pe
       }
     }
   }
-  point.alarms_per_minute = counts_at(series, point.threshold, point.alarm).alarms_per_minute(period);
+  point.alarms_per_minute = counts_at(series, period, point.threshold, point.alarm).alarms_per_minute(period);
   return point;
 }
 
-OperatingPoint best_point(std::span<const SlipSeries> series, double period, double alarms) {
+OperatingPoint best_point(std::span<const SlipSeries> series, double period, std::optional<double> alarms) {
   const auto [hold, slip] = sorted_by_truth(series);
   const bool timeless = std::ranges::all_of(series, [](const SlipSeries& one) { return one.truth.size() < 2; });
   if (timeless || hold.empty() || slip.empty()) return most_accurate_point(series, period);
@@ -92,15 +101,16 @@ OperatingPoint best_point(std::span<const SlipSeries> series, double period, dou
     rows.insert(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(seconds / period))));
 
   OperatingPoint best;
-  std::pair<double, double> worth{-std::numeric_limits<double>::infinity(), 0.0};  // less alarms too many, then accuracy
+  std::pair<double, double> worth{-std::numeric_limits<double>::infinity(), 0.0};  // less alarms too many, then accuracy or score
   for (const std::size_t on : rows) {
     for (const std::size_t off : rows) {
       for (const std::size_t least : {std::size_t{1}, *rows.rbegin()}) {
         for (const double threshold : thresholds) {
           const network::Alarm alarm{on, off, least};
-          const AlarmCounts counts = counts_at(series, threshold, alarm);
+          const AlarmCounts counts = counts_at(series, period, threshold, alarm);
           const double rate = counts.alarms_per_minute(period);
-          const std::pair here{-std::max(rate - alarms, 0.0), counts.balanced_accuracy()};
+          const std::pair here = alarms ? std::pair{-std::max(rate - *alarms, 0.0), counts.balanced_accuracy()}
+                                        : std::pair{0.0, counts.score(period)};
           if (here <= worth) continue;
           worth = here;
           best = {threshold, alarm, rate};

@@ -22,12 +22,12 @@ std::vector<SlipSeries> spiky() {
 // 10 alarms in 10 s of hold are 60 a minute. A frame that is masked is nobody's, and an alarm that began in it is not false.
 TEST(AlarmCounts, AreOfAlarmsThatBeginInHold) {
   std::vector<SlipSeries> series = spiky();
-  EXPECT_EQ(counts_at(series, 0.5, {}).false_alarms, 10U);
-  EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).alarms_per_minute(period), 60.0);
-  EXPECT_DOUBLE_EQ(counts_at(series, 0.5, {}).balanced_accuracy(), 0.5 * (1.0 + 0.9));
+  EXPECT_EQ(counts_at(series, period, 0.5, {}).false_alarms, 10U);
+  EXPECT_DOUBLE_EQ(counts_at(series, period, 0.5, {}).alarms_per_minute(period), 60.0);
+  EXPECT_DOUBLE_EQ(counts_at(series, period, 0.5, {}).balanced_accuracy(), 0.5 * (1.0 + 0.9));
   series[0].truth[5] = masked;
-  EXPECT_EQ(counts_at(series, 0.5, {}).false_alarms, 9U);
-  EXPECT_TRUE(std::isnan(counts_at({}, 0.5, {}).alarms_per_minute(period)));
+  EXPECT_EQ(counts_at(series, period, 0.5, {}).false_alarms, 9U);
+  EXPECT_TRUE(std::isnan(counts_at({}, period, 0.5, {}).alarms_per_minute(period)));
 }
 
 // Above .8 nothing is slip, so no threshold holds the alarms down: two frames in a row do, at the price of the slip's first.
@@ -36,15 +36,34 @@ TEST(OperatingPoint, TakesFramesInARowWhereNoThresholdWillDo) {
   EXPECT_EQ(point.alarm.on, 2U);
   EXPECT_DOUBLE_EQ(point.threshold, 0.5);  // between hold's .2 and slip's .8
   EXPECT_EQ(point.alarms_per_minute, 0.0);
-  EXPECT_DOUBLE_EQ(counts_at(spiky(), point.threshold, point.alarm).balanced_accuracy(), 0.5 * (1.0 + 0.95));
+  EXPECT_DOUBLE_EQ(counts_at(spiky(), period, point.threshold, point.alarm).balanced_accuracy(), 0.5 * (1.0 + 0.95));
 }
 
 TEST(OperatingPoint, HasNoMoreAlarmsThanAreBorneAndUsesThem) {
   const OperatingPoint none = best_point(spiky(), period, 0.0), all = best_point(spiky(), period, 60.0);
   EXPECT_EQ(none.alarms_per_minute, 0.0);
   EXPECT_LE(all.alarms_per_minute, 60.0);
-  EXPECT_GE(counts_at(spiky(), all.threshold, all.alarm).balanced_accuracy(),
-            counts_at(spiky(), none.threshold, none.alarm).balanced_accuracy());
+  EXPECT_GE(counts_at(spiky(), period, all.threshold, all.alarm).balanced_accuracy(),
+            counts_at(spiky(), period, none.threshold, none.alarm).balanced_accuracy());
+}
+
+// 60 frames of hold at .1, slip at .6, .6, .9, .9, and another 60 of hold with a spike of .7. At .5 the first slip is seen at once (credit 1) and the spike
+// is the only alarm in 12 s of hold, 5 a minute: 1/5 less 1/120. At .8, between .7 and .9, the slip is seen .2 s late, T/(T + .2 s) = 1/3, without an alarm.
+TEST(OperatingPoint, OfTheGreatestScoreWeighsDelayAgainstAlarms) {
+  SlipSeries slip{std::vector<double>(60, 0.1), std::vector<std::uint8_t>(60, 0)};
+  SlipSeries hold = slip;
+  hold.probability[30] = 0.7;
+  slip.probability.insert(slip.probability.end(), {0.6, 0.6, 0.9, 0.9});
+  slip.truth.insert(slip.truth.end(), 4, 1);
+  const std::vector<SlipSeries> series{slip, hold};
+  EXPECT_DOUBLE_EQ(counts_at(series, period, 0.5, {}).score(period), 1.0 / 5.0 - 1.0 / 120.0);
+  EXPECT_DOUBLE_EQ(counts_at(series, period, 0.8, {}).score(period), 1.0 / 3.0);
+  const OperatingPoint point = best_point(series, period, std::nullopt);
+  // Two frames in a row at .5 pass the spike by and see the slip .1 s late, which earns 1/2.
+  EXPECT_EQ(point.alarm.on, 2U);
+  EXPECT_DOUBLE_EQ(counts_at(series, period, point.threshold, point.alarm).score(period), 0.5);
+  slip.probability[59] = 0.9;  // said before it slips: nothing is earned
+  EXPECT_LT(counts_at(std::vector{slip}, period, 0.8, {}).score(period), 0.0);
 }
 
 // Hold .1 .3, slip .2 .7: at .5 half of slip and all of hold are right; at .15 all of slip, half of hold; the one nearer to 1/2 is kept.
