@@ -31,6 +31,9 @@ std::string input_text(const network::Input& input) {
       fmt::format("{} to {}", format_quantity(input.low, Quantity::frequency), format_quantity(input.high, Quantity::frequency));
   if (input.transform == network::Transform::log_psd) text += fmt::format(", log10 of its power spectral density, {}", band);
   if (input.transform == network::Transform::amplitude) text += fmt::format(", amplitude of its spectrum, {}", band);
+  if (input.transform == network::Transform::units)
+    text +=
+        ", or of any sensor of three-axis units at 200 Hz or more, as many ms each; each unit for itself: force, ratio, changes";
   if (!input.pixels.empty()) text += fmt::format(", as an image of {} pixels", input.pixels.size());
   return text;
 }
@@ -55,6 +58,8 @@ std::string training_text(const train::TrainingOptions& training) {
                                  training.optimiser == train::Optimiser::adam ? "Adam" : "RMSProp", training.learning_rate,
                                  training.learning_rate * training.final_rate, training.steps, training.batch, training.clip,
                                  training.balance == train::Balance::drawing ? "classes drawn alike" : "classes weighted alike");
+  if (training.onset_frames > 0)
+    text += fmt::format("; of a slip the first {} frames and each tenth teach", training.onset_frames);
   if (training.label_smoothing > 0.0) text += fmt::format("; label smoothing {:g}", training.label_smoothing);
   if (training.change_penalty > 0.0)
     text += fmt::format("; change of the logits times {:g} from step {} on", training.change_penalty, training.change_from);

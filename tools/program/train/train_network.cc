@@ -174,7 +174,7 @@ std::string identity_of(const NetworkTraining& training, const Examples& example
               {"turned", training.recipe.turned},
               {"training",
                {options.steps, options.batch, options.clip, options.learning_rate, options.final_rate, options.label_smoothing,
-                options.change_penalty, options.change_from, options.validate_every, options.patience}},
+                options.change_penalty, options.change_from, options.validate_every, options.patience, options.onset_frames}},
               {"libraries", network_libraries()}}
       .dump();
 }
@@ -226,6 +226,19 @@ Lesson read_lesson(const NetworkTraining& training) {
     throw InputError(fmt::format("{}: {}", training.dataset, error.what()));
   }
   return lesson;
+}
+
+// With a recipe of units as it is for the sensor that is there.
+NetworkTraining fitted(NetworkTraining training) {
+  Recipe& recipe = training.recipe;
+  if (recipe.input.transform != network::Transform::units) return training;
+  const auto [input, units] = units_input(training.dataset, training.sensor, recipe.input);
+  if (units == 0) return training;
+  recipe.input = input;
+  Reshape& apart = std::get<Reshape>(recipe.network.layers.front());
+  apart.shape.front() = units;
+  recipe.network.inputs = units * apart.shape.back();
+  return training;
 }
 
 // What the file says of its input and classes.
@@ -332,10 +345,11 @@ Json trained_json(const NetworkTraining& training, const Lesson& lesson, const s
 
 }  // namespace
 
-NetworkSummary train_network(const NetworkTraining& training, const std::function<void(const MemberProgress&)>& report) {
-  const Recipe& recipe = training.recipe;
-  check_output(training);
+NetworkSummary train_network(const NetworkTraining& asked, const std::function<void(const MemberProgress&)>& report) {
+  check_output(asked);
   static_cast<void>(network_libraries());  // says what is missing before anything is read
+  const NetworkTraining training = fitted(asked);
+  const Recipe& recipe = training.recipe;
   const Lesson lesson = read_lesson(training);
   const std::vector<network::Class> classes = classes_of(recipe.classes, recipe.labels);
   check_classes(training.dataset, "to learn from", lesson.learning, classes, history_of(recipe.network));

@@ -122,6 +122,21 @@ TEST_F(TrainNetwork, SlipGruLearnsFromAFewTrials) {
   EXPECT_GT(summary.held_out_accuracy, 0.8);
 }
 
+// A sensor of one's own: six taxels at 500 Hz, so that 10 ms are five samples.
+TEST_F(TrainNetwork, SlipGruLearnsFromAnySensorOfUnits) {
+  NetworkTraining training = small("slip_gru");
+  training.dataset = dataset({{"sensors.pad", "{type: taxels, rate: 500 Hz, rows: 2, columns: 3, pitch: 4 mm}"}}, "taxels.h5");
+  train_network(training);
+  const std::unique_ptr<network::Engine> engine = network::load_engine(training.output);
+  const network::Input& input = engine->description().input;
+  EXPECT_EQ(input.sensor, "taxels");
+  EXPECT_EQ(input.rate, 500.0);
+  EXPECT_EQ(input.window, 5U);
+  EXPECT_EQ(input.stride, 5U);
+  EXPECT_THAT(input.spans, ElementsAre(5, 10, 20, 40, 80));
+  EXPECT_EQ(input.scale.size(), 1U);  // common to all
+}
+
 // Weights are shared and what they make is pooled: units in another order are the same to it.
 TEST(SlipGru, DoesNotCareWhichUnitIsWhich) {
   const NetworkShape& shape = find_recipe("slip_gru").network;

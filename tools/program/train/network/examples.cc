@@ -266,10 +266,32 @@ std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const
                                wanted(options.input)));
 }
 
+DatasetReader whole_dataset(const std::string& path) {
+  DatasetReader reader(path);
+  if (!reader.complete()) throw InputError(path + ": its run did not come to its end; allowed: a whole dataset");
+  if (reader.trials().empty()) throw InputError(path + ": holds no trial");
+  return reader;
+}
+
+std::string packed_units(const std::string& dataset_path, const std::string& wanted, const std::string& channel) {
+  constexpr double slowest = 200.0;  // Hz
+  const DatasetReader reader = whole_dataset(dataset_path);
+  reader.check_recorded(reader.trials().front());
+  const TrialRecord record = reader.read_trial(reader.trials().front());
+  Packed bytes;
+  for (const SensorRecord& sensor : record.sensors) {
+    const auto column = std::ranges::find(sensor.channels, channel, &SensorColumn::name);
+    if ((!wanted.empty() && sensor.name != wanted) || column == sensor.channels.end() || column->shape.back() != 3 ||
+        sensor.rate < slowest)
+      continue;
+    bytes.put(sensor.type, sensor.rate, extent_of(column->shape) / 3);
+    break;
+  }
+  return bytes.release();
+}
+
 std::string packed_examples(const std::string& dataset_path, const ExampleOptions& options) {
-  const DatasetReader reader(dataset_path);
-  if (!reader.complete()) throw InputError(dataset_path + ": its run did not come to its end; allowed: a whole dataset");
-  if (reader.trials().empty()) throw InputError(dataset_path + ": holds no trial");
+  const DatasetReader reader = whole_dataset(dataset_path);
   Packed bytes;
   bytes.put(reader.header().command, reader.content_sha256().size());
   for (const std::string& digest : reader.content_sha256()) bytes.put(digest);
@@ -358,6 +380,20 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
     if (!truth.empty()) example.truth.push_back(static_cast<PadState>(truth[ends[t]]));
   }
   return example;
+}
+
+UnitsInput units_input(const std::string& dataset_path, const std::string& sensor, const network::Input& input) {
+  Packed bytes(guarded(dataset_path, [&] { return packed_units(dataset_path, sensor, input.channels.front().name); }));
+  UnitsInput there{input};
+  if (bytes.at_end()) return there;
+  bytes.take(there.input.sensor, there.input.rate, there.units);
+  const auto rated = [&](std::size_t& samples) {
+    samples = static_cast<std::size_t>(std::lround(static_cast<double>(samples) * there.input.rate / input.rate));
+  };
+  rated(there.input.window);
+  rated(there.input.stride);
+  std::ranges::for_each(there.input.spans, rated);
+  return there;
 }
 
 Examples read_examples(const std::string& dataset_path, const ExampleOptions& options) {

@@ -78,6 +78,16 @@ struct Examples {
   std::vector<Example> all;         // by trial, then by sensor
 };
 
+// What a network that sees units alike (Transform::units) reads of a dataset, whatever the sensor and however many its units: `input` with type
+// and rate of the first sensor of the first trial, or of `sensor`, that has its channel in threes at 200 Hz or more; samples of window, stride
+// and spans in the ratio of the rates. units: how many there are, 0 where none is, and the input is as it was. Throws InputError as
+// read_examples.
+struct UnitsInput {
+  network::Input input;
+  std::size_t units = 0;
+};
+UnitsInput units_input(const std::string& dataset_path, const std::string& sensor, const network::Input& input);
+
 // Reads every trial, all shards, in a child process (tools/base/dataset/guarded.h), and checks what it reads against its digests. A frame's label
 // is that of its last sample. Throws InputError, naming the file: no whole dataset, no sensor that fits, labels that are not there.
 Examples read_examples(const std::string& dataset_path, const ExampleOptions& options);

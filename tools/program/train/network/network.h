@@ -58,6 +58,9 @@ struct TrainingOptions {
   std::size_t clip =
       128;  // answers a clip, which has history_of() - 1 frames more; fewer where the longest sequence has fewer, 1 with Last. A shorter sequence is
             // a clip as a whole, behind which its last frame stands still and teaches nothing
+  // Of a run of a class other than 0, as a slip: so many frames from its first on teach, then each tenth, since a loop acts on the beginning and
+  // recordings slip on for seconds. 0: all.
+  std::size_t onset_frames = 0;
   Optimiser optimiser = Optimiser::rmsprop;
   double learning_rate = 8e-4;  // at the first step
   double final_rate = 0.1;      // share of it at the last step; it falls in a straight line

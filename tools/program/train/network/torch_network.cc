@@ -167,10 +167,14 @@ class Clips {
         throw std::invalid_argument("features do not fit the labels");
       if (sequence.label.size() <= before_) throw std::invalid_argument("a sequence is shorter than what an answer is made of");
       longest = std::max(longest, sequence.label.size() - before_);
-      for (std::size_t t = before_; t < sequence.label.size(); ++t) {
-        if (sequence.label[t] == masked) continue;
-        if (sequence.label[t] >= of_class_.size()) throw std::invalid_argument("a label is no class");
-        of_class_[sequence.label[t]].push_back({s, t});
+      std::vector<std::uint8_t>& labels = labels_.emplace_back(sequence.label);
+      std::size_t run = 0;
+      for (std::size_t t = 0; t < labels.size(); ++t) {
+        run = t > 0 && sequence.label[t] == sequence.label[t - 1] ? run + 1 : 1;
+        if (labels[t] == masked) continue;
+        if (labels[t] >= of_class_.size()) throw std::invalid_argument("a label is no class");
+        if (labels[t] > 0 && options.onset_frames > 0 && run > options.onset_frames && run % 10 != 0) labels[t] = masked;
+        if (labels[t] != masked && t >= before_) of_class_[labels[t]].push_back({s, t});
       }
     }
     answers_ = std::min(answers_, longest);
@@ -209,7 +213,7 @@ class Clips {
         into_features = std::copy_n(sequence.features.end() - extent(inputs_), inputs_, into_features);
       std::int64_t* const into = classes.data_ptr<std::int64_t>() + b * answers_;
       for (std::size_t t = 0; t < answers_; ++t) {
-        const std::uint8_t label = before_ + t < there ? sequence.label[place.frame + before_ + t] : masked;
+        const std::uint8_t label = before_ + t < there ? labels_[place.sequence][place.frame + before_ + t] : masked;
         into[t] = label == masked ? ignored : label;
       }
     }
@@ -239,8 +243,9 @@ class Clips {
 
   std::span<const FrameSequence> sequences_;
   const TrainingOptions& options_;
-  std::size_t inputs_, before_, answers_ = 0;  // frames before the first answer of a clip, answers of a clip
-  std::vector<std::vector<Place>> of_class_;   // the frames that have an answer, by class
+  std::vector<std::vector<std::uint8_t>> labels_;  // of each sequence, those that teach
+  std::size_t inputs_, before_, answers_ = 0;      // frames before the first answer of a clip, answers of a clip
+  std::vector<std::vector<Place>> of_class_;       // the frames that have an answer, by class
 };
 
 // One network works at a time: with the BLAS of Debian (libopenblas0-serial) two at a time give other weights now and then.

@@ -36,8 +36,9 @@ Recipe slip_gru() {
                   {Reshape{{9, features}}, BatchNorm{1}, Linear{32}, Relu{}, PoolUnits{true}, Linear{48}, Relu{}, PoolUnits{},
                    Linear{48}, Relu{}, Gru{48}, Linear{2}}};
   slip.labels = LabelRule::masked;
-  slip.training = {.steps = 2400, .batch = 32, .clip = 150, .optimiser = Optimiser::adam, .learning_rate = 3e-3};
-  slip.training.validate_every = 100;
+  slip.training = {.steps = 5000, .batch = 32, .clip = 150, .optimiser = Optimiser::adam, .learning_rate = 3e-3};
+  slip.training.validate_every = 250;
+  slip.training.onset_frames = 20;
   return slip;
 }
 

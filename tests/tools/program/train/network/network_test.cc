@@ -217,6 +217,28 @@ TEST(Network, IgnoresMaskedFrames) {
   EXPECT_GT(judged(*network, gaussians(20, 400, 8)).balanced_accuracy(), 0.8);
 }
 
+// With onset_frames 5 a slip of 30 frames teaches by its frames 1 to 5, 10, 20 and 30: as if the others were masked.
+TEST(Network, TheBeginningOfASlipTeachesAndEachTenthFrame) {
+  std::vector<FrameSequence> sequences = gaussians(4, 40, 5);
+  for (FrameSequence& sequence : sequences) std::fill(std::fill_n(sequence.label.begin(), 10, 0), sequence.label.end(), 1);
+  const auto trained = [&](std::size_t onset_frames) {
+    const std::unique_ptr<Network> network = make_network(gru(1, 8), 1);
+    TrainingOptions options = quick;
+    options.steps = 20;
+    options.onset_frames = onset_frames;
+    network->train(sequences, {}, options);
+    return network->state();
+  };
+  const auto all = trained(0), some = trained(5);
+  for (FrameSequence& sequence : sequences) {
+    for (std::size_t run = 6; run <= 30; ++run) {
+      if (run % 10 != 0) sequence.label[9 + run] = masked;
+    }
+  }
+  EXPECT_EQ(trained(0), some);
+  EXPECT_NE(all, some);
+}
+
 TEST(Network, TheSameSeedGivesTheSameWeights) {
   const std::vector<FrameSequence> sequences = gaussians(4, 100, 5);
   const auto trained = [&](std::uint64_t seed, std::uint64_t clips) {
