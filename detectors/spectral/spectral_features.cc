@@ -19,7 +19,7 @@ struct RealFft::Plan {
   explicit Plan(std::size_t n) : size(n), in(fftw_alloc_real(n)), out(fftw_alloc_complex(n / 2 + 1)) {
     const std::lock_guard lock(fftw_planner());
     if (in != nullptr && out != nullptr) {
-      plan = fftw_plan_dft_r2c_1d(static_cast<int>(n), in, out, FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
+      plan = fftw_plan_dft_r2c_1d(static_cast<int>(n), in, out, fftw_plan_flags | FFTW_PRESERVE_INPUT);
     }
     if (plan == nullptr) {
       free();

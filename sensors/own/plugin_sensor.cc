@@ -65,7 +65,8 @@ class PluginSensor final : public OwnSensor {
       : OwnSensor("sensors." + name + (bundled != nullptr ? ".type" : ".library"),
                   "'" + (bundled != nullptr ? bundled->type : parameters.path("library")) + "'"),
         made_(bundled != nullptr ? Made("sensor", bundled->type, "sensors." + name)
-                                 : Made("sensor", parameters, SLIPBENCH_SENSOR_BUILD, "sensors." + name)) {
+                                 : Made("sensor", parameters, SLIPBENCH_SENSOR_BUILD, "sensors." + name)),
+        trusted_(bundled != nullptr) {
     made_.object.name = name.c_str();
     made_.object.seed = seed;
     made_.object.trial = trial;
@@ -84,7 +85,9 @@ class PluginSensor final : public OwnSensor {
  private:
   using Made = PluginObject<slipbench_readout>;
 
-  void read(const ContactFrame& truth, std::span<float> values) override {
+  void read(const ContactFrame& frame, std::span<float> values) override {
+    // A copy for a library, which may cast `const` away: the labels are read of the same arrays.
+    const ContactFrame& truth = trusted_ ? frame : (copy_ = frame);
     const slipbench_contact contact{.time = truth.time,
                                     .force = truth.force.data(),
                                     .displacement = truth.displacement.data(),
@@ -96,6 +99,8 @@ class PluginSensor final : public OwnSensor {
   }
 
   Made made_;
+  bool trusted_;  // a part of the program
+  ContactFrame copy_;
 };
 
 }  // namespace

@@ -18,6 +18,11 @@ def readelf(option, path):
     return subprocess.run(["readelf", "--wide", option, path], capture_output=True, text=True, check=True).stdout
 
 
+# What may come of libm: what IEEE 754 rounds. All else is rounded by the processor's means, and the program has its own (sim/core/CMakeLists.txt).
+LIBM = set(re.findall(r"(?:FUNC|IFUNC) .* (\w+)@@", readelf("--dyn-syms", "/lib/x86_64-linux-gnu/libm.so.6")))
+LIBM -= {"ceil", "fegetround", "fesetround", "fmax", "fmin", "fmod", "ldexp", "nearbyint", "nearbyintf", "round"}
+
+
 def faults(path):
     """What is wrong with a program or a module, a line each."""
     segments, dynamic = readelf("--program-headers", path), readelf("--dynamic", path)
@@ -32,6 +37,8 @@ def faults(path):
         # An empty place is the folder that a user happens to be in.
         if any(not place.startswith("$ORIGIN/") for place in places.split(":")):
             found.append(f"it looks for libraries in '{places}'")
+    rounded = sorted(LIBM.intersection(re.findall(r" UND (\w+)@", readelf("--dyn-syms", path))))
+    found += [f"it rounds by the processor: {rounded}"] if rounded else []
     bytes_of = path.read_bytes()
     found += [f"it holds {place}" for place in (ROOT, BUILD) if str(place).encode() in bytes_of]
     return found

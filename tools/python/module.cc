@@ -8,6 +8,7 @@
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/program/plugin/plugin_builds.h"
+#include "tools/python/own_libm.h"
 
 namespace nb = nanobind;
 
@@ -19,6 +20,7 @@ std::vector<slipbench::Override> slipbench::python::overrides_of(const Pairs& pa
 
 // The extension `_core`: what the package `slipbench` is made of, which documents it.
 NB_MODULE(_core, module) {
+  slipbench::python::give_own_libm();
   nb::set_leak_warnings(false);  // detectors that a user registers live as long as the process
   nb::exception<slipbench::InputError>(module, "InputError", PyExc_ValueError).attr("__doc__") =
       "Bad input, a ValueError, with the program's own message: file:line, what was found, what is allowed.";

@@ -26,9 +26,6 @@ namespace {
 
 using std::numbers::pi;
 
-// The last is FFTW_NO_SIMD of FFTW's own api/fftw3.h.
-constexpr unsigned plan_flags = FFTW_ESTIMATE | 1U << 17U;
-
 // Of a unit force on a cell, at a point: normal, and the three tangential ones [m/N].
 struct Kernel {
   double normal, xx, yy, xy;
@@ -257,12 +254,12 @@ class GridInfluence final : public Influence {
               loaded = static_cast<int>(loaded_);
     fftw_complex *const by_rows = by_rows_.get(), *const spectrum = spectrum_[0].get();
     rows_forward_.reset(fftw_plan_many_dft_r2c(1, &length, loaded, field_.get(), nullptr, 1, length, by_rows, nullptr, 1, waves,
-                                               plan_flags | FFTW_PRESERVE_INPUT));
+                                               fftw_plan_flags | FFTW_PRESERVE_INPUT));
     rows_back_.reset(
-        fftw_plan_many_dft_c2r(1, &length, loaded, spectrum, nullptr, 1, waves, way_.get(), nullptr, 1, length, plan_flags));
+        fftw_plan_many_dft_c2r(1, &length, loaded, spectrum, nullptr, 1, waves, way_.get(), nullptr, 1, length, fftw_plan_flags));
     const auto columns = [&](fftw_complex* from, int sign, unsigned flags) {
       return fftw_plan_many_dft(1, &height, waves, from, nullptr, waves, 1, spectrum, nullptr, waves, 1, sign,
-                                plan_flags | flags);
+                                fftw_plan_flags | flags);
     };
     columns_forward_.reset(columns(by_rows, FFTW_FORWARD, FFTW_PRESERVE_INPUT));
     columns_back_.reset(columns(spectrum, FFTW_BACKWARD, 0));
@@ -303,7 +300,7 @@ class GridInfluence final : public Influence {
     {
       const std::lock_guard lock(fftw_planner());
       plan.reset(fftw_plan_dft_r2c_2d(static_cast<int>(rows_), static_cast<int>(columns_), field.data(),
-                                      reinterpret_cast<fftw_complex*>(whole.data()), plan_flags));
+                                      reinterpret_cast<fftw_complex*>(whole.data()), fftw_plan_flags));
     }
     if (!plan) throw std::bad_alloc();
     const auto transform = [&](double Kernel::*component, bool odd, std::vector<double>& spectrum) {

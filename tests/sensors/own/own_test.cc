@@ -1,5 +1,6 @@
 // Sensors of one's own inside whole trials: a library, and the PapillArray told in three ways.
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -100,9 +101,16 @@ TEST(OwnSensor, ThatFailsIsNamedWithItsFunction) {
   EXPECT_EQ(outcome(wrong("nan")), at + "says in measure nan for force_1_1 at 0 s; allowed: a finite number");
   EXPECT_EQ(outcome(wrong("infinite")), at + "says in measure inf for force_1_2 at 0 s; allowed: a finite number");
   EXPECT_EQ(outcome(wrong("throws")), at + "threw 'out of ideas' in measure; allowed: no exceptions");
+  EXPECT_EQ(outcome(wrong("moves")), at + "was at work when the process's folder changed; allowed: no chdir");
+  EXPECT_NE(std::filesystem::current_path(), "/");
   EXPECT_EQ(outcome(wrong("crashes")), at + "crashed in measure: SIGSEGV (segmentation fault)");
   EXPECT_EQ(outcome(wrong("ends badly")), at + "crashed in destroy: SIGSEGV (segmentation fault)");
   EXPECT_THAT(outcome(wrong("address")), StartsWith(at + "crashed in slipbench_make_sensor: SIG"));
+}
+
+TEST(OwnSensor, ThatCastsConstAwayChangesNoLabel) {
+  const auto truth = [](const std::string& fault) { return record_of(wrong(fault)).sensors[0].labels.force; };
+  EXPECT_EQ(truth("writes"), truth("none"));
 }
 
 // Elements without end are read past those that there are: a crash, or too many.

@@ -1,0 +1,67 @@
+#include "tools/python/own_libm.h"
+
+#include <dlfcn.h>
+#include <link.h>
+#include <math.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <map>
+#include <span>
+#include <string_view>
+#include <system_error>
+
+namespace slipbench::python {
+namespace {
+
+using Functions = std::map<std::string_view, void*>;
+
+template <class Function>
+void* address(Function* function) {
+  return reinterpret_cast<void*>(function);
+}
+
+// What the three call and IEEE 754 does not round.
+Functions own_functions() {
+  using Of1 = double(double);
+  using Of2 = double(double, double);
+  return {{"acos", address<Of1>(acos)}, {"asin", address<Of1>(asin)}, {"atan2", address<Of2>(atan2)}, {"atan2f", address(atan2f)},
+          {"cbrt", address<Of1>(cbrt)}, {"cos", address<Of1>(cos)},   {"cosf", address(cosf)},        {"exp", address<Of1>(exp)},
+          {"log", address<Of1>(log)},   {"log10f", address(log10f)},  {"pow", address<Of2>(pow)},     {"powf", address(powf)},
+          {"sin", address<Of1>(sin)},   {"sincos", address(sincos)},  {"sinf", address(sinf)},        {"tan", address<Of1>(tan)}};
+}
+
+void give(const link_map& library, const Functions& functions) {
+  std::map<ElfW(Sxword), ElfW(Addr)> dynamic;
+  for (const ElfW(Dyn)* entry = library.l_ld; entry->d_tag != DT_NULL; ++entry) dynamic[entry->d_tag] = entry->d_un.d_ptr;
+  const auto* const names = reinterpret_cast<const char*>(dynamic.at(DT_STRTAB));
+  const auto* const symbols = reinterpret_cast<const ElfW(Sym)*>(dynamic.at(DT_SYMTAB));
+  const std::span calls(reinterpret_cast<const ElfW(Rela)*>(dynamic.at(DT_JMPREL)), dynamic.at(DT_PLTRELSZ) / sizeof(ElfW(Rela)));
+  const auto page = static_cast<ElfW(Addr)>(::sysconf(_SC_PAGESIZE));
+  for (const auto& call : calls) {
+    const auto function = functions.find(names + symbols[ELF64_R_SYM(call.r_info)].st_name);
+    if (function == functions.end()) continue;
+    const ElfW(Addr) place = library.l_addr + call.r_offset;
+    const auto protect = [&](int access) { return ::mprotect(reinterpret_cast<void*>(place / page * page), page, access); };
+    if (protect(PROT_READ | PROT_WRITE) != 0) throw std::system_error(errno, std::generic_category(), library.l_name);
+    *reinterpret_cast<void**>(place) = function->second;
+    if ((dynamic[DT_FLAGS] & DF_BIND_NOW) != 0) protect(PROT_READ);  // as the loader leaves the table where it fills it at once
+  }
+}
+
+}  // namespace
+
+void give_own_libm() {
+  const Functions functions = own_functions();
+  link_map* library = nullptr;
+  if (::dlinfo(::dlopen(nullptr, RTLD_LAZY), RTLD_DI_LINKMAP, &library) != 0)
+    throw std::system_error(errno, std::generic_category(), ::dlerror());
+  for (; library != nullptr; library = library->l_next) {
+    const std::string_view path = library->l_name;
+    const std::string_view name = path.substr(path.rfind('/') + 1);
+    if (name.starts_with("libmujoco") || name.starts_with("libfftw3") || name.starts_with("libnlopt")) give(*library, functions);
+  }
+}
+
+}  // namespace slipbench::python
