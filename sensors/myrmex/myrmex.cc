@@ -24,12 +24,11 @@ PadLayout make_layout(const Parameters& parameters) {
   layout.unit_height = parameters.number("thickness");
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t column = 0; column < columns; ++column) {
-      Element element;
-      element.tip = {(static_cast<double>(column) - right) * pitch, (top - static_cast<double>(row)) * pitch, 0.0};
-      element.k_normal = stiffness;
-      element.k_tangential = parameters.number("shear_share") * stiffness;
       layout.units.push_back({layout.elements.size(), 1});
-      layout.elements.push_back(element);
+      layout.elements.push_back(
+          {.tip = {(static_cast<double>(column) - right) * pitch, (top - static_cast<double>(row)) * pitch, 0.0},
+           .k_normal = stiffness,
+           .k_tangential = parameters.number("shear_share") * stiffness});
     }
   }
   return layout;

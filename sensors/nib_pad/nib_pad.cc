@@ -24,12 +24,11 @@ PadLayout make_layout(const Parameters& parameters, RandomStream stream) {
   for (std::size_t nib = 0; nib < nibs; ++nib) {
     const double taller = parameters.number("height_sd") * stream.normal();
     const std::size_t column = nib % rows, row = nib / rows;
-    Element element;
-    element.tip = {(static_cast<double>(column) - 2.5) * pitch, (2.5 - static_cast<double>(row)) * pitch, -taller};
-    element.k_normal = parameters.number("k_normal");
-    element.k_tangential = parameters.number("k_tangential");
     layout.units.push_back({nib, 1});
-    layout.elements.push_back(element);
+    layout.elements.push_back(
+        {.tip = {(static_cast<double>(column) - 2.5) * pitch, (2.5 - static_cast<double>(row)) * pitch, -taller},
+         .k_normal = parameters.number("k_normal"),
+         .k_tangential = parameters.number("k_tangential")});
   }
   return layout;
 }

@@ -134,11 +134,9 @@ PadLayout make_layout(const Parameters& parameters, RandomStream stream) {
     for (std::size_t bristle = 0; bristle < count; ++bristle) {
       const double place = count == 1 ? 0.5 : static_cast<double>(bristle) / static_cast<double>(count - 1);
       const double weight = 2.0 - spread - 2.0 * (1.0 - spread) * place;  // from 2-w to w, mean 1
-      Element element;
-      element.tip = tip_of(pillar, parameters.number("edge_drop"), parameters.number("corner_drop"));
-      element.k_normal = scatter * stiffness.normal / static_cast<double>(count) * weight;
-      element.k_tangential = scatter * stiffness.tangential / static_cast<double>(count);
-      layout.elements.push_back(element);
+      layout.elements.push_back({.tip = tip_of(pillar, parameters.number("edge_drop"), parameters.number("corner_drop")),
+                                 .k_normal = scatter * stiffness.normal / static_cast<double>(count) * weight,
+                                 .k_tangential = scatter * stiffness.tangential / static_cast<double>(count)});
     }
   }
   return layout;

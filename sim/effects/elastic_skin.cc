@@ -1,7 +1,4 @@
-#include <cmath>
-#include <limits>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "sim/core/error.h"

@@ -67,12 +67,10 @@ PadLayout second_pad(const Parameters& grip, const PadLayout& sensor) {
   PadLayout layout;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      Element element;
-      element.tip = {size[0] * ((column + 0.5) / columns - 0.5), size[1] * ((row + 0.5) / rows - 0.5), 0.0};
-      element.k_normal = stiffness[0] / (columns * rows);
-      element.k_tangential = stiffness[1] / (columns * rows);
       layout.units.push_back({layout.elements.size(), 1});
-      layout.elements.push_back(element);
+      layout.elements.push_back({.tip = {size[0] * ((column + 0.5) / columns - 0.5), size[1] * ((row + 0.5) / rows - 0.5), 0.0},
+                                 .k_normal = stiffness[0] / (columns * rows),
+                                 .k_tangential = stiffness[1] / (columns * rows)});
     }
   }
   return layout;
@@ -83,9 +81,7 @@ PadLayout box_corners(const Parameters& box, const Eigen::Vector3d& box_size) {
   PadLayout layout;
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d side((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0, (corner & 4) != 0 ? 1.0 : -1.0);
-    Element element;
-    element.tip = 0.5 * side.cwiseProduct(box_size);
-    element.axis = side.normalized();
+    Element element{.tip = 0.5 * side.cwiseProduct(box_size), .axis = side.normalized()};
     element.k_normal = element.k_tangential = box.number("table_stiffness") / standing;
     layout.units.push_back({layout.elements.size(), 1});
     layout.elements.push_back(element);

@@ -7,9 +7,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "sim/scene/parser.h"
+#include "tests/scenes.h"
 #include "tests/sensors/myrmex/rig.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::myrmex_test {
@@ -27,9 +26,7 @@ void image(benchmark::State& state, const std::vector<std::string>& names) {
 }
 
 void trial(benchmark::State& state, std::size_t cell, bool typical) {
-  const Catalogues catalogues = program_catalogues();
-  const TrialPlan plan(SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/myrmex/dataset.yaml"), catalogues, 1, 1);
-  Scene scene = plan.trial(cell).scene;
+  Scene scene = TrialPlan(shipped("myrmex/dataset.yaml"), catalogues(), 1, 1).trial(cell).scene;
   for (SensorScene& sensor : scene.sensors) {
     if (!typical) sensor.electronics.clear();
   }

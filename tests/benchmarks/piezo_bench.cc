@@ -22,11 +22,9 @@ constexpr int elements = 20;
 PadLayout patch() {
   PadLayout pad;
   for (int i = 0; i < elements; ++i) {
-    Element element;
-    element.tip = {2e-3 * (i % 5 - 2), 2e-3 * (i / 5), 1e-5 * i};
-    element.k_normal = force / depth / elements;
-    element.k_tangential = 6e3 / elements;
-    pad.elements.push_back(element);
+    pad.elements.push_back({.tip = {2e-3 * (i % 5 - 2), 2e-3 * (i / 5), 1e-5 * i},
+                            .k_normal = force / depth / elements,
+                            .k_tangential = 6e3 / elements});
   }
   pad.units.push_back({0, elements});
   return pad;

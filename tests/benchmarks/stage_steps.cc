@@ -1,5 +1,4 @@
 // Steps the press-and-slide bench without effects, for instruction counts: stage_steps TICKS
-#include <cstdlib>
 #include <iostream>
 
 #include "sim/motion/motion.h"

@@ -9,10 +9,10 @@ namespace slipbench::controllers::reorient_test {
 namespace {
 
 GripSource nib_source() {
-  GripSource source;
-  source.channels = {{"si", "counts", {9, 4}, {}}, {"fl", "counts", {2}, {}}, {"fr", "counts", {2}, {}}};
-  source.features = {{"moment", "N m"}, {"fl_0_6", "counts"}, {"fr_0_6", "counts"}, {"fr_6_8", "counts"}, {"normal", "N"}};
-  source.guided = true;
+  GripSource source{
+      .channels = {{"si", "counts", {9, 4}, {}}, {"fl", "counts", {2}, {}}, {"fr", "counts", {2}, {}}},
+      .features = {{"moment", "N m"}, {"fl_0_6", "counts"}, {"fr_0_6", "counts"}, {"fr_6_8", "counts"}, {"normal", "N"}},
+      .guided = true};
   return source;
 }
 

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "tests/expect.h"
 #include "tools/program/catalogue/controller_catalogue.h"
 
 namespace slipbench::controllers {

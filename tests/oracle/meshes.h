@@ -8,8 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Geometry>
-
 namespace slipbench::oracle {
 
 struct Mesh {

@@ -24,11 +24,7 @@ inline PadLayout nine_pillars(std::size_t bristles = 1, double k_n = 7100.0, dou
       for (std::size_t j = 0; j < bristles; ++j) {
         const double n = static_cast<double>(bristles);
         const double weight = bristles == 1 ? 1.0 : 1.6 - 1.2 * static_cast<double>(j) / (n - 1.0);
-        Element element;
-        element.tip = {x, y, drop};
-        element.k_normal = k_n * weight / n;
-        element.k_tangential = k_t / n;
-        pad.elements.push_back(element);
+        pad.elements.push_back({.tip = {x, y, drop}, .k_normal = k_n * weight / n, .k_tangential = k_t / n});
       }
     }
   }
@@ -40,12 +36,9 @@ inline PadLayout square_grid(int n, double side, double k_n, double k_t) {
   PadLayout pad;
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {
-      Element element;
-      element.tip = {side * ((i + 0.5) / n - 0.5), side * ((j + 0.5) / n - 0.5), 0.0};
-      element.k_normal = k_n;
-      element.k_tangential = k_t;
       pad.units.push_back({pad.elements.size(), 1});
-      pad.elements.push_back(element);
+      pad.elements.push_back(
+          {.tip = {side * ((i + 0.5) / n - 0.5), side * ((j + 0.5) / n - 0.5), 0.0}, .k_normal = k_n, .k_tangential = k_t});
     }
   }
   return pad;
@@ -53,10 +46,7 @@ inline PadLayout square_grid(int n, double side, double k_n, double k_t) {
 
 // A pose turned by `angle` about the pad's normal around the origin, then moved.
 inline Pose turned(double angle, const Eigen::Vector3d& position) {
-  Pose pose;
-  pose.rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  pose.position = position;
-  return pose;
+  return {.rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix(), .position = position};
 }
 
 // Steps a field through `pose(t)` for t = 0, dt, ..., duration and hands every frame to `look`.

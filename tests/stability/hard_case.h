@@ -5,7 +5,6 @@
 #include <cmath>
 #include <memory>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,10 +14,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "sim/core/quantity.h"
 #include "sim/mujoco/bodies/dynamic_simulation.h"
-#include "sim/scene/parser.h"
 #include "tests/expect.h"
+#include "tests/oracle/pads.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"
 
 namespace slipbench::hard {
@@ -33,18 +31,7 @@ inline constexpr double pitch = 0.02;
 
 // n x n flat elements, one every `spacing` [m], each with `k_normal` and `k_tangential` [N/m]; one unit each.
 inline PadLayout flat_square(int n, double spacing, double k_normal, double k_tangential) {
-  PadLayout pad;
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      Element element;
-      element.tip = {spacing * (i - 0.5 * (n - 1)), spacing * (j - 0.5 * (n - 1)), 0.0};
-      element.k_normal = k_normal;
-      element.k_tangential = k_tangential;
-      pad.units.push_back({pad.elements.size(), 1});
-      pad.elements.push_back(element);
-    }
-  }
-  return pad;
+  return oracle::square_grid(n, n * spacing, k_normal, k_tangential);
 }
 
 inline std::string exact(double value) {
@@ -148,7 +135,7 @@ class CaseRun {
           const std::vector<const PadLayout*>& pads) {
     register_plugin_once();
     folder_.write(file, model);
-    const Scene read = parse_scene(SceneFile::from_text(scene, folder_.file("scene.yaml")), program_catalogues());
+    const Scene read = parsed(SceneFile::from_text(scene, folder_.file("scene.yaml")));
     simulation_ = std::make_unique<DynamicSimulation>(read, pads, std::vector<double>(pads.size(), 1.0 / longest_sample), 0);
   }
 
@@ -164,12 +151,7 @@ class CaseRun {
     simulation_->step();
     ++done_;
   }
-  [[nodiscard]] const BodyState& body(const std::string& name) const {
-    for (const NamedBody& body : simulation_->bodies()) {
-      if (body.name == name) return body.state;
-    }
-    throw std::out_of_range(name);
-  }
+  [[nodiscard]] const BodyState& body(const std::string& name) const { return body_of(*simulation_, name); }
   // Of the box in the world [N s].
   [[nodiscard]] Eigen::Vector3d momentum() const {
     const BodyState& box = body("box");
@@ -238,10 +220,7 @@ inline BoxOnPad put_down(BoxOnPad box) {
 }
 
 inline BoxOnPad box_of(double mass, double stiffer, double mu) {
-  BoxOnPad box;
-  box.mass = mass;
-  box.mu = mu;
-  box.pad = flat_square(3, pitch, stiffer * k_n, stiffer * k_t);
+  BoxOnPad box{.mass = mass, .mu = mu, .pad = flat_square(3, pitch, stiffer * k_n, stiffer * k_t)};
   return put_down(box);
 }
 

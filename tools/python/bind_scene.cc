@@ -174,13 +174,12 @@ class Scene {
 
   [[nodiscard]] nb::typed<nb::dict, nb::str, nb::any> check(std::size_t draws, std::optional<std::uint64_t> seed,
                                                             std::size_t jobs, const std::string& folder) const {
-    CheckOptions options;
-    options.scene_path = options_.scene_path;
-    options.overrides = options_.overrides;
-    options.trials = draws;
-    options.seed = seed;
-    options.jobs = jobs;
-    options.folder = folder;
+    CheckOptions options{.scene_path = options_.scene_path,
+                         .overrides = options_.overrides,
+                         .seed = seed,
+                         .trials = draws,
+                         .jobs = jobs,
+                         .folder = folder};
     SceneCheck result;
     {
       const SharedInterrupt guard;

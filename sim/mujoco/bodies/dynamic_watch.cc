@@ -1,6 +1,5 @@
 // DynamicSimulation's watch over the run (watch.h).
 #include <algorithm>
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>

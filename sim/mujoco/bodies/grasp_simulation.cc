@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <span>
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -199,9 +198,7 @@ BodyState GraspSimulation::State::finger_now(const Finger& finger) const {
   const mjData* d = simulation->data();
   const mjtNum *position = d->qpos + finger.qpos, *velocity = d->qvel + finger.dof;
   const Eigen::Quaterniond turn(position[3], position[4], position[5], position[6]);
-  BodyState state;
-  state.pose = {turn.toRotationMatrix(), Eigen::Vector3d::Map(position)};
-  state.velocity = Eigen::Vector3d::Map(velocity);
+  BodyState state{.pose = {turn.toRotationMatrix(), Eigen::Vector3d::Map(position)}, .velocity = Eigen::Vector3d::Map(velocity)};
   state.angular_velocity = state.pose.rotation * Eigen::Vector3d::Map(velocity + 3);
   return state;
 }

@@ -20,7 +20,6 @@
 #include <functional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "sim/core/pad_layout.h"
 #include "sim/mujoco/bodies/gripper_model.h"

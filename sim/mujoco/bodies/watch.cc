@@ -1,7 +1,5 @@
 #include "sim/mujoco/bodies/watch.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 

@@ -23,9 +23,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
-
-#include <Eigen/Core>
 
 #include "sim/core/pose.h"
 #include "sim/field/field.h"

@@ -14,7 +14,6 @@
 // robot's size. linear_model.h has the limits of a step.
 #pragma once
 
-#include <cstddef>
 #include <span>
 
 #include <Eigen/Core>

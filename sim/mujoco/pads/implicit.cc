@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 #include <random>
-#include <stdexcept>
 
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "sim/core/error.h"
-#include "sim/core/quantity.h"
 #include "sim/mujoco/pads/element_table.h"
 #include "sim/scene/scene_reader.h"
 #include "sim/scene/scene_values.h"

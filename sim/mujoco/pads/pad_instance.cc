@@ -222,14 +222,12 @@ PadInstance::Parts PadInstance::parts(const mjModel* model, mjData* data) const 
     rest = rest.subspan(size);
     return part;
   };
-  Parts result;
-  result.header = take(header_size);
-  result.fields = take(began_with_.size());
-  result.implicit = take(implicit_values(config_));
-  result.memory = take(rest.size() - readings_);
-  result.held = take(readings_ - truth_);
-  result.truth = take(truth_);
-  return result;
+  return {.header = take(header_size),
+          .fields = take(began_with_.size()),
+          .implicit = take(implicit_values(config_)),
+          .memory = take(rest.size() - readings_),
+          .held = take(readings_ - truth_),
+          .truth = take(truth_)};
 }
 
 // Whether poses and velocities are those of the call before. Cheaper than working out the same ones again.

@@ -1,7 +1,6 @@
 // Mistakes in a user's model that would go unnoticed: the simulation would run, and be wrong.
 #pragma once
 
-#include <span>
 #include <string>
 #include <vector>
 

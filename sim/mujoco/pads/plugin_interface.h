@@ -3,8 +3,6 @@
 
 #include <string>
 
-#include "sim/mujoco/pads/pad_catalogue.h"
-
 struct mjModel_;
 struct mjData_;
 

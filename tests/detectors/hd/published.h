@@ -46,10 +46,7 @@ inline Frame published_frame(const PublishedRow& row) {
 
 // The models of the columns "A", "P1" and "P0".
 inline Model published_model(const std::string& column) {
-  Model model;
-  model.ties = column == "P0" ? Ties::zero : Ties::one;
-  model.compat = column == "A" ? Compat::published_core : Compat::paper;
-  return model;
+  return {.ties = column == "P0" ? Ties::zero : Ties::one, .compat = column == "A" ? Compat::published_core : Compat::paper};
 }
 
 }  // namespace slipbench::hd

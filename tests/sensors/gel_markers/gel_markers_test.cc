@@ -6,9 +6,8 @@
 
 #include "sim/core/sensor.h"
 #include "sim/core/sensor_kind.h"
-#include "sim/scene/parser.h"
 #include "tests/expect.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/scenes.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench {
@@ -132,9 +131,7 @@ TEST(GelMarkers, MoveAsTheHalfSpaceUnderASphere) {
       "motion: {compression: 0.15 mm, gap: 0.1 mm, speed: 0.2 mm/s, acceleration: inf, start: 0.4 s}\neffects: [elastic_skin]\n"
       "sensors:\n  gel: {type: gel_markers, rate: 10 Hz, columns: 20, rows: 20, pitch: 0.45 mm, marker_columns: 11, marker_rows: 11, "
       "marker_pitch: 0.8 mm}\n";
-  const SensorRecord gel =
-      run_trial(parse_scene(SceneFile::from_text(scene, "sphere.yaml"), program_catalogues()), 0, Recording::full)
-          .record.sensors[0];
+  const SensorRecord gel = run_trial(parsed(scene), 0, Recording::full).record.sensors[0];
   const double R = 40e-3, d = 0.15e-3, a = std::sqrt(R * d), share = 0.4 / (std::numbers::pi * R);
   for (const std::size_t frame :
        {std::size_t{3}, std::size_t{15}}) {  // pressed; and 0.22 mm on, where 3/2 mu d = 0.09 mm make all slide

@@ -3,7 +3,6 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/effects/install.h"
 #include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"
 

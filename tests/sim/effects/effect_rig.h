@@ -74,9 +74,7 @@ inline Pose at(double x, double y, double z) {
 // One unit of `bristles` equal elements at the origin, with k_n and k_t in all.
 inline PadLayout one_unit(double k_n, double k_t, std::size_t bristles = 1) {
   PadLayout pad;
-  Element element;
-  element.k_normal = k_n / static_cast<double>(bristles);
-  element.k_tangential = k_t / static_cast<double>(bristles);
+  Element element{.k_normal = k_n / static_cast<double>(bristles), .k_tangential = k_t / static_cast<double>(bristles)};
   pad.elements.assign(bristles, element);
   pad.units = {{0, bristles}};
   return pad;

@@ -4,18 +4,14 @@
 #include <vector>
 
 #include "sim/grasp/grasp.h"
-#include "sim/scene/parser.h"
 #include "tests/expect.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/scenes.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {
 
-Scene scene_of(const std::string& text) {
-  return parse_scene(SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray}}\n" + text, "scene.yaml"),
-                     pad_catalogues());
-}
+Scene scene_of(const std::string& text) { return parsed("slipbench: 1\nsensors: {pad: {type: papillarray}}\n" + text); }
 
 std::string refusal(const std::string& text) {
   return refusal_of([&] {
@@ -112,9 +108,7 @@ TEST(GraspScene, OneScatterDoesNotShiftAnother) {
 }
 
 TEST(GraspScene, SecondPadIsAGridOrTheSensorsOwn) {
-  PadLayout sensor;
-  sensor.elements = {{{0.001, 0.0, 0.0}, {0.0, 0.0, -1.0}, 10.0, 5.0, 0.0, 0.0}};
-  sensor.units = {{0, 1}};
+  PadLayout sensor{.elements = {{{0.001, 0.0, 0.0}, {0.0, 0.0, -1.0}, 10.0, 5.0, 0.0, 0.0}}, .units = {{0, 1}}};
   const PadLayout silicone = second_pad(scene_of("grip: {}\n").grasp->grip, sensor);
   ASSERT_EQ(silicone.elements.size(), 24U);
   double normal = 0.0, tangential = 0.0;
@@ -173,9 +167,7 @@ TEST(GraspScene, RefusesWhatDoesNotBelongTogether) {
 
 TEST(GraspScene, EverySensorButTheFirstFollows) {
   const auto of_sensors = [](const std::string& sensors) {
-    return refusal_of([&] {
-      parse_scene(SceneFile::from_text("slipbench: 1\ngrip: {}\nsensors:\n" + sensors, "scene.yaml"), program_catalogues());
-    });
+    return refusal_of([&] { parsed("slipbench: 1\ngrip: {}\nsensors:\n" + sensors); });
   };
   const std::string pad = "  pad: {type: papillarray}\n";
   EXPECT_EQ(of_sensors(pad + "  skin: {type: piezo_skin, follows: pad}\n  nib: {type: nib_pad, follows: second_pad}\n"),
@@ -191,7 +183,7 @@ TEST(GraspScene, EverySensorButTheFirstFollows) {
 }
 
 TEST(GraspScene, ShippedTwoSkinsReadOneContact) {
-  const Scene scene = parse_scene(SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/grasp/two_skins.yaml"), program_catalogues());
+  const Scene scene = parsed(shipped("grasp/two_skins.yaml"));
   ASSERT_EQ(scene.sensors.size(), 3U);
   EXPECT_EQ(scene.sensors[0].type, "papillarray");
   EXPECT_EQ(scene.sensors[0].follows, "");
@@ -204,8 +196,8 @@ TEST(GraspScene, ShippedTwoSkinsReadOneContact) {
 }
 
 TEST(GraspScene, ShippedLiftIsAsRecordedAndTakesWhatIsSet) {
-  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/grasp/lift.yaml");
-  const Scene scene = parse_scene(file, program_catalogues());
+  SceneFile file = shipped("grasp/lift.yaml");
+  const Scene scene = parsed(file);
   EXPECT_EQ(scene.material, "ptfe");
   EXPECT_EQ(scene.grasp->grip.number("preset"), 4.0);
   EXPECT_EQ(scene.motion.parameters.number("speed"), 0.043);
@@ -218,7 +210,7 @@ TEST(GraspScene, ShippedLiftIsAsRecordedAndTakesWhatIsSet) {
                                  {"grip.protocol", "as_printed"}}) {
     file.apply(change);
   }
-  const Scene changed = parse_scene(file, program_catalogues());
+  const Scene changed = parsed(file);
   EXPECT_EQ(changed.material, "wet_felt");
   EXPECT_EQ(changed.grasp->box.number("mass"), 0.5);
   EXPECT_EQ(changed.grasp->grip.number("preset"), 1.0);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "tests/expect.h"
-#include "tests/tools/base/record/test_records.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce::hd_table3_test {

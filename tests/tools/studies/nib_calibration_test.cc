@@ -1,5 +1,6 @@
 // The nib pad's calibration: polynomial, split, reference, and what makes partial loads worse.
 #include "tools/studies/nib_reconfigurable/nib_calibration.h"
+#include "tests/scenes.h"
 
 #include <algorithm>
 #include <numeric>
@@ -8,9 +9,6 @@
 #include <string>
 
 #include <gtest/gtest.h>
-
-#include "sim/scene/parser.h"
-#include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench::reproduce::nib_calibration_test {
 namespace {
@@ -90,15 +88,12 @@ TEST(WrenchOnPad, IsForceAndMomentAboutThePadsOrigin) {
   EXPECT_LT((wrench_on_pad(layout, truth) - expected).cwiseAbs().maxCoeff(), 1e-15);
 }
 
-Scene shipped(const std::string& name, const std::vector<Override>& changes, std::size_t trial = 0) {
-  SceneFile file = SceneFile::load(std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/nib_pad/" + name + ".yaml");
-  for (const Override& change : changes) file.apply(change);
-  static const Catalogues catalogues = program_catalogues();
-  return TrialPlan(file, catalogues, trial + 1, 1).trial(trial).scene;
+Scene pressed(const std::string& name, const std::vector<Override>& changes, std::size_t trial = 0) {
+  return TrialPlan(shipped("nib_pad/" + name + ".yaml", changes), catalogues(), trial + 1, 1).trial(trial).scene;
 }
 
 TEST(RecordCalibration, AveragesTheReferenceAsTheSensorAveragesSi) {
-  const CalibrationRecording all = record_calibration(shipped("calibrate_uniform", {{"duration", "3 s"}}), 0);
+  const CalibrationRecording all = record_calibration(pressed("calibrate_uniform", {{"duration", "3 s"}}), 0);
   // An image takes 30 ms: 100 in 3 s, of which 16 are complete by 0.5 s and tell the reading at rest.
   ASSERT_EQ(all.size(), 84U);
   for (Eigen::Index row = 4; row < all.wrench.rows(); ++row) {
@@ -116,7 +111,7 @@ CalibrationRecording images_of(const std::string& name, const std::string& capac
                                       {"sensors.pad.scan", "simultaneous"}, {"sensors.pad.average", "1"},
                                       {"motion.bandwidth", "10 Hz"},        {"duration", "3 s"}};
   std::vector<CalibrationRecording> trials;
-  for (std::size_t trial = 0; trial < 30; ++trial) trials.push_back(record_calibration(shipped(name, changes, trial), trial));
+  for (std::size_t trial = 0; trial < 30; ++trial) trials.push_back(record_calibration(pressed(name, changes, trial), trial));
   return joined(trials);
 }
 

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/scene/parser.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/scenes.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::reproduce::nib_signature_test {
@@ -17,9 +16,7 @@ namespace {
 
 // The slow release of the scene's own plate, paper pulled by 3 N, under a law of friction_laws().
 std::optional<Signature> signature_under(const std::string& law) {
-  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/nib_pad/release.yaml");
-  file.apply({"sweep", "{}"});
-  Scene scene = parse_scene(file, program_catalogues());
+  Scene scene = parsed(shipped("nib_pad/release.yaml", {{"sweep", "{}"}}));
   std::ranges::find(friction_laws(), law, &FrictionLaw::name)->change(scene);
   return signature_of(scene, NibTrace(run_trial(scene, 0, Recording::full).record));
 }

@@ -4,7 +4,6 @@
 
 #include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
-#include "tools/base/workers/interrupt.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {

@@ -244,12 +244,16 @@ DetectorClass = TypeVar("DetectorClass", bound=Callable[..., Detector])
 ControllerClass = TypeVar("ControllerClass", bound=Callable[..., Controller])
 
 
-def _declared(made: Any) -> list[tuple[str, str]]:
-    return [(name, value if isinstance(value, str) else repr(float(value))) for name, value in getattr(made, "parameters", {}).items()]
+def _registering(register: Callable[..., None], name: str) -> Callable[[Any], Any]:
+    """A decorator that hands a class to `register` with its summary and its parameters."""
 
+    def decorate(made: Any) -> Any:
+        summary = ((made.__doc__ or "").strip() or "A Python class.").splitlines()[0]
+        declared = getattr(made, "parameters", {}).items()
+        register(name, made, summary, [(key, value if isinstance(value, str) else repr(float(value))) for key, value in declared])
+        return made
 
-def _summary(made: Any) -> str:
-    return ((made.__doc__ or "").strip() or "A Python class.").splitlines()[0]
+    return decorate
 
 
 def sensor(name: str) -> Callable[[SensorClass], SensorClass]:
@@ -257,12 +261,7 @@ def sensor(name: str) -> Callable[[SensorClass], SensorClass]:
 
     It is made as `cls(source, **parameters)` with a `SensorSource`, anew for each trial and where the program looks at the scene.
     """
-
-    def register(made: SensorClass) -> SensorClass:
-        _core.register_sensor(name, made, _summary(made), _declared(made))
-        return made
-
-    return register
+    return _registering(_core.register_sensor, name)
 
 
 def detector(name: str) -> Callable[[DetectorClass], DetectorClass]:
@@ -272,19 +271,9 @@ def detector(name: str) -> Callable[[DetectorClass], DetectorClass]:
     gives names and defaults of what a scene may say beside the type: numbers, or texts with a unit, as "5 mm", which the class gets in SI. Raises
     InputError for a name that is slipbench's own; one of one's own is replaced.
     """
-
-    def register(made: DetectorClass) -> DetectorClass:
-        _core.register_detector(name, made, _summary(made), _declared(made))
-        return made
-
-    return register
+    return _registering(_core.register_detector, name)
 
 
 def controller(name: str) -> Callable[[ControllerClass], ControllerClass]:
     """Registers a class as `controller: {type: NAME}`, where NAME is `name`, as `detector()` does. The class has the method of `Controller`."""
-
-    def register(made: ControllerClass) -> ControllerClass:
-        _core.register_controller(name, made, _summary(made), _declared(made))
-        return made
-
-    return register
+    return _registering(_core.register_controller, name)

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 
 #include "sim/field/contact_labels.h"
 #include "sim/mujoco/articulated/articulated_stage.h"

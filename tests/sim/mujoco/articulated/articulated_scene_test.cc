@@ -38,9 +38,7 @@ TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
   DynamicRig rig(motion +
                  "bodies: {floor: {shape: plane}}\n"
                  "sensors: {pad: {type: papillarray, touches: [floor], damping: 0 s}}\n");
-  const Scene prescribed =
-      parse_scene(SceneFile::from_text("slipbench: 1\n" + motion + "sensors: {pad: {type: papillarray}}\n", "scene.yaml"),
-                  program_catalogues());
+  const Scene prescribed = parsed("slipbench: 1\n" + motion + "sensors: {pad: {type: papillarray}}\n");
   const std::unique_ptr<Sensor> sensor = make_sensor(prescribed.sensors.front(), 0, 0);
   const PadLayout* layout = &sensor->layout();
   const double rate = 1000.0;

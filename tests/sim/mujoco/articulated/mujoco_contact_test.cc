@@ -187,7 +187,7 @@ class ContactScene : public testing::Test {
       "motion: {kind: stage, compression: 0.8 mm, speed: 8 mm/s, start: 0.5 s}\nsensors: {pad: {type: papillarray}}\n";
 
   static std::unique_ptr<ArticulatedSimulation> bench_of(const std::string& more) {
-    const Scene scene = parse_scene(SceneFile::from_text(stage + more, "scene.yaml"), program_catalogues());
+    const Scene scene = parsed(stage + more);
     const std::unique_ptr<Sensor> sensor = make_sensor(scene.sensors.front(), 0, 0);
     const PadLayout* layout = &sensor->layout();
     const double rate = 1000.0;

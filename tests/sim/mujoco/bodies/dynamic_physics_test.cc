@@ -1,7 +1,6 @@
 // Scenes whose bodies move by forces, against closed forms and against the same model without the bench.
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include <gtest/gtest.h>
 

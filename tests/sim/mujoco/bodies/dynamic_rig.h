@@ -1,7 +1,7 @@
 // Scenes whose bodies move by forces, from text.
 #pragma once
 
-#include <cstdint>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -13,14 +13,17 @@
 
 #include "sim/mujoco/bodies/dynamic_simulation.h"
 #include "sim/mujoco/pads/register_plugin.h"
-#include "sim/scene/parser.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/scenes.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
 
 inline void register_plugin_once() {
   [[maybe_unused]] static const bool registered = (register_bench_plugin({pad_catalogues(), &make_sensor}), true);
+}
+
+inline const BodyState& body_of(const Simulation& bench, const std::string& name) {
+  return std::ranges::find(bench.bodies(), name, &NamedBody::name)->state;
 }
 
 // A folder of its own for model files, gone with the object.
@@ -52,7 +55,7 @@ class DynamicRig {
   // `text`: a scene without its first line; `name`: where it would lie, for the paths in it. `layout`: in place of every sensor's own.
   explicit DynamicRig(const std::string& text, const std::string& name = "scene.yaml",
                       const DynamicSimulationOptions& options = {}, const PadLayout* layout = nullptr)
-      : scene_(parse_scene(SceneFile::from_text("slipbench: 1\n" + text, name), program_catalogues())) {
+      : scene_(parsed(SceneFile::from_text("slipbench: 1\n" + text, name))) {
     register_plugin_once();
     std::vector<const PadLayout*> pads;
     std::vector<double> rates;
@@ -79,12 +82,7 @@ class DynamicRig {
     for (; done_ < simulation_->ticks(0); ++done_) simulation_->step();
   }
 
-  [[nodiscard]] const BodyState& body(const std::string& name) const {
-    for (const NamedBody& body : simulation_->bodies()) {
-      if (body.name == name) return body.state;
-    }
-    throw std::out_of_range(name);
-  }
+  [[nodiscard]] const BodyState& body(const std::string& name) const { return body_of(*simulation_, name); }
 
  private:
   Scene scene_;

@@ -133,9 +133,7 @@ TEST(GraspMotion, PadThatPressesHarderThanItsFingerCanIsCaught) {
 }
 
 TEST(GraspMotion, RefusesASensorThatIsNamedAsTheOtherPad) {
-  Scene scene =
-      parse_scene(SceneFile::from_text("slipbench: 1\nsensors: {second_pad: {type: papillarray}}\ngrip: {}\n", "scene.yaml"),
-                  program_catalogues());
+  Scene scene = parsed("slipbench: 1\nsensors: {second_pad: {type: papillarray}}\ngrip: {}\n");
   register_plugin_once();
   const auto sensor = make_sensor(scene.sensors.front(), 0, 0);
   const PadLayout* pad = &sensor->layout();

@@ -7,7 +7,6 @@
 
 #include "sim/mujoco/bodies/grasp_simulation.h"
 #include "sim/mujoco/pads/field_plugin.h"
-#include "sim/scene/parser.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"
 
 namespace slipbench {
@@ -17,9 +16,7 @@ class GraspRig {
   // `text`: a scene without its first line and its sensor, which has the `sensor` parameters beside its type.
   explicit GraspRig(const std::string& text, std::uint64_t trial = 0, const DynamicSimulationOptions& options = {},
                     const std::string& sensor = "")
-      : scene_(parse_scene(
-            SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray" + sensor + "}}\n" + text, "scene.yaml"),
-            pad_catalogues())) {
+      : scene_(parsed("slipbench: 1\nsensors: {pad: {type: papillarray" + sensor + "}}\n" + text)) {
     register_plugin_once();
     sensor_ = make_sensor(scene_.sensors.front(), scene_.seed, trial);
     const std::array<const PadLayout*, 1> pads{&sensor_->layout()};
@@ -63,12 +60,7 @@ class GraspRig {
     }
     return sum;
   }
-  [[nodiscard]] const BodyState& body(const std::string& name) const {
-    for (const NamedBody& body : simulation_->bodies()) {
-      if (body.name == name) return body.state;
-    }
-    throw std::out_of_range(name);
-  }
+  [[nodiscard]] const BodyState& body(const std::string& name) const { return body_of(*simulation_, name); }
   // The box's middle in the arm's frame [m].
   [[nodiscard]] Eigen::Vector3d box_in_arm() const { return (body("arm").pose.inverse() * body("box").pose).position; }
 

@@ -6,14 +6,13 @@
 #include <optional>
 #include <string>
 
-#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "tests/expect.h"
 #include "tests/sim/mujoco/bodies/grasp_rig.h"
-#include "tests/sim/mujoco/pads/two_pads.h"
+#include "tests/sim/mujoco/pads/models.h"
 
 namespace slipbench {
 namespace {
@@ -37,10 +36,7 @@ struct Hand3 {
     mj_forward(model.get(), data.get());
   }
   [[nodiscard]] int id(const char* body) const { return mj_name2id(model.get(), mjOBJ_BODY, body); }
-  [[nodiscard]] Pose pose(int body) const {
-    return {Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data->xmat + 9 * body),
-            Eigen::Map<const Eigen::Vector3d>(data->xpos + 3 * body)};
-  }
+  [[nodiscard]] Pose pose(int body) const { return pose_of(data->xpos + 3 * body, data->xmat + 9 * body); }
 
   Model model;
   Data data;

@@ -1,5 +1,4 @@
 // A held box against closed forms: weight, friction limit, stiffness, creep.
-#include <cmath>
 #include <string>
 
 #include <fmt/format.h>

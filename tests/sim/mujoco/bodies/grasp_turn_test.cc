@@ -1,5 +1,4 @@
 // A box that is gripped beside its middle and lifted: whether it turns on its far edge by rotational slip or lifts off, and how fast it turns.
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -15,11 +14,8 @@ namespace {
 PadLayout layout_of(const std::vector<Eigen::Vector2d>& places, double stiffness) {
   PadLayout pad;
   for (const Eigen::Vector2d& place : places) {
-    Element element;
-    element.tip = {place.x(), place.y(), 0.0};
-    element.k_normal = element.k_tangential = stiffness;
     pad.units.push_back({pad.elements.size(), 1});
-    pad.elements.push_back(element);
+    pad.elements.push_back({.tip = {place.x(), place.y(), 0.0}, .k_normal = stiffness, .k_tangential = stiffness});
   }
   return pad;
 }
@@ -43,11 +39,9 @@ TEST(GraspTurn, BoxIsTwoMasses) {
   // 118 g spread evenly, and 200 g that are 20 mm towards +Y and 5 mm up. Common centre 200/318 of that; the reduced mass 118 x 200/318 g.
   TurnRig rig(two_abreast(), 0.5, 4, "gravity: 9.81 m/s2\n");
   EXPECT_NEAR(rig->ideal_force(), TurnBox::load / (2.0 * 0.5), 1e-12);
-  const Scene scene = parse_scene(
-      SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray}}\ngrip: {height: 27 mm}\n"
-                           "box: {mass: 118 g, weight: 200 g, weight_place: [0 mm, 20 mm, 5 mm], size: [33 mm, 155 mm, 54 mm]}\n",
-                           "scene.yaml"),
-      pad_catalogues());
+  const Scene scene = parsed(
+      "slipbench: 1\nsensors: {pad: {type: papillarray}}\ngrip: {height: 27 mm}\n"
+      "box: {mass: 118 g, weight: 200 g, weight_place: [0 mm, 20 mm, 5 mm], size: [33 mm, 155 mm, 54 mm]}\n");
   const PadLayout layout = two_abreast();
   const std::array<const PadLayout*, 1> pads{&layout};
   GraspSimulation simulation(scene, pads, std::array{1000.0}, 0);

@@ -2,16 +2,12 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <memory>
-#include <numbers>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "sim/mujoco/bodies/grasp_simulation.h"
-#include "sim/mujoco/pads/field_plugin.h"
-#include "sim/scene/parser.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"
 
 namespace slipbench {
@@ -27,9 +23,7 @@ class TurnRig {
  public:
   // `pad`: of both fingers. `counts`: how far the fingers close beyond the position at which both pads touch. `more`: keys of the scene.
   TurnRig(PadLayout pad, double friction, int counts, const std::string& more = "", const DynamicSimulationOptions& options = {})
-      : scene_(parse_scene(SceneFile::from_text(text(friction, more), "scene.yaml"), pad_catalogues())),
-        pad_(std::move(pad)),
-        counts_(counts) {
+      : scene_(parsed(text(friction, more))), pad_(std::move(pad)), counts_(counts) {
     register_plugin_once();
     const std::array<const PadLayout*, 1> pads{&pad_};
     simulation_ = std::make_unique<GraspSimulation>(scene_, pads, std::array{1000.0}, 0, options);
@@ -61,12 +55,7 @@ class TurnRig {
     while (static_cast<double>(done_) * simulation_->time_step(0) <= until + 1e-9) step();
   }
 
-  [[nodiscard]] const BodyState& body(const std::string& name) const {
-    for (const NamedBody& body : simulation_->bodies()) {
-      if (body.name == name) return body.state;
-    }
-    throw std::out_of_range(name);
-  }
+  [[nodiscard]] const BodyState& body(const std::string& name) const { return body_of(*simulation_, name); }
   // The edge on which the box turns [m], in the world: the lower one of the far end.
   [[nodiscard]] Eigen::Vector3d edge() const {
     return body("box").pose * Eigen::Vector3d(0.0, -0.5 * TurnBox::length, -0.5 * TurnBox::height);

@@ -12,11 +12,10 @@ namespace {
 std::string weighed(double share, const Eigen::Vector3d& momentum_rate = Eigen::Vector3d::Zero(), double pad_speed = 0.0) {
   WeightRule rule{WatchLimits{}};
   for (int tick = 0; tick < 500; ++tick) {
-    WatchedBody body;
-    body.mass = 0.1;
-    body.weight = {0.0, 0.0, -weight_of_100_g};
-    body.force = {0.0, 0.0, share * weight_of_100_g};
-    body.momentum = 1e-3 * tick * momentum_rate;
+    WatchedBody body{.mass = 0.1,
+                     .weight = {0.0, 0.0, -weight_of_100_g},
+                     .momentum = 1e-3 * tick * momentum_rate,
+                     .force = {0.0, 0.0, share * weight_of_100_g}};
     WatchedDashpot dashpot{64.0, 0.01, {}};  // 1 ms * 64 kN/m
     dashpot.pad.position.z() = 1e-3 * tick * pad_speed;
     body.dashpots = {dashpot};

@@ -1,5 +1,4 @@
 // Surfaces of compiled geoms against MuJoCo's own distances, and meshes against what MuJoCo's distances cannot say.
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -9,10 +8,10 @@
 #include <mujoco/mujoco.h>
 
 #include "sim/core/random.h"
-#include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/pads/geom_surface.h"
 #include "tests/expect.h"
 #include "tests/oracle/meshes.h"
+#include "tests/sim/mujoco/pads/models.h"
 
 namespace slipbench {
 namespace {
@@ -25,11 +24,7 @@ class World {
   explicit World(const std::string& geom, const std::string& asset = "") {
     const std::string xml = "<mujoco><asset>" + asset + "</asset><worldbody><geom name='touched' " + geom +
                             "/><geom type='sphere' size='" + std::to_string(probe_radius) + "'/></worldbody></mujoco>";
-    std::array<char, 500> error{};
-    spec_.reset(mj_parseXMLString(xml.c_str(), nullptr, error.data(), static_cast<int>(error.size())));
-    if (!spec_) throw std::runtime_error(error.data());
-    model_.reset(mj_compile(spec_.get(), nullptr));
-    if (!model_) throw std::runtime_error(mjs_getError(spec_.get()));
+    model_ = compile(parse(xml).get());
     data_.reset(mj_makeData(model_.get()));
     mj_forward(model_.get(), data_.get());
   }
@@ -44,16 +39,12 @@ class World {
 
   // Of the surface in the world.
   [[nodiscard]] Pose pose(const GeomSurface& surface) const {
-    Pose geom;
-    geom.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data_->geom_xmat);
-    geom.position = Eigen::Map<const Eigen::Vector3d>(data_->geom_xpos);
-    return geom * surface.in_geom;
+    return pose_of(data_->geom_xpos, data_->geom_xmat) * surface.in_geom;
   }
 
  private:
-  SpecPointer spec_;
-  ModelPointer model_;
-  DataPointer data_;
+  Model model_;
+  Data data_;
 };
 
 // What an element meets at a point of the world with its axis along `axis`.
@@ -65,8 +56,7 @@ SurfacePoint met(const Surface& shape, const Pose& pose, const Eigen::Vector3d& 
 const std::string turned = " pos='0.1 -0.2 0.3' euler='20 -40 70'";
 
 // Points around the turned geom, at up to twice its size `reach` [m], against MuJoCo's distance to `tolerance` [m]. Outside only:
-// inside MuJoCo takes the nearest face and we the one that was entered, which surface_distance_test and surface_test compare
-// where both are the same.
+// inside MuJoCo takes the nearest face and we the one that was entered.
 template <class Shape>
 void compare(const std::string& geom, double reach, double tolerance) {
   World world(geom + turned);
@@ -92,6 +82,29 @@ TEST(GeomSurface, DistancesAreThoseOfMuJoCo) {
   compare<Cylinder>("type='cylinder' size='0.03 0.05'", 0.05, 1e-9);
   compare<Capsule>("type='capsule' size='0.03 0.05'", 0.08, 1e-9);
   compare<Ellipsoid>("type='ellipsoid' size='0.03 0.02 0.05'", 0.05, 1e-6);  // MuJoCo iterates to 1e-6
+}
+
+// On both sides of the surface, where the nearest face is also the one that the axis enters by, so that both speak of the same distance.
+TEST(GeomSurface, DepthsAreThoseOfMuJoCoWhereOneFaceIsMeant) {
+  struct Case {
+    std::string geom;
+    Eigen::Vector3d low, high;  // m
+  };
+  for (const Case& one : {Case{"type='plane' size='1 1 1'", {-0.05, -0.05, -0.002}, {0.05, 0.05, 0.002}},
+                          Case{"type='sphere' size='0.03'", {-0.01, -0.01, 0.026}, {0.01, 0.01, 0.032}},
+                          Case{"type='box' size='0.03 0.02 0.05'", {-0.025, -0.015, 0.048}, {0.025, 0.015, 0.052}},
+                          Case{"type='cylinder' size='0.03 0.05'", {-0.015, -0.015, 0.048}, {0.015, 0.015, 0.052}}}) {
+    World world(one.geom);
+    const GeomSurface surface = surface_of_geom(world.model(), 0);
+    const Pose pose = world.pose(surface);
+    RandomStream draw(1, 0, "points");
+    for (int i = 0; i < 2000; ++i) {
+      Eigen::Vector3d point;
+      for (int k = 0; k < 3; ++k) point[k] = draw.uniform(one.low[k], one.high[k]);
+      ASSERT_NEAR(met(surface.shape, pose, point, {0.0, 0.0, -1.0}).gap, world.distance(point), 1e-9)
+          << one.geom << " at " << point.transpose();
+    }
+  }
 }
 
 TEST(GeomSurface, APlaneHasNoEnd) {

@@ -1,5 +1,4 @@
 // Many simulations of one model at once: threads with an mjData each, and MuJoCo's batch API, give the bits of a loop.
-#include <functional>
 #include <thread>
 
 #include <gtest/gtest.h>

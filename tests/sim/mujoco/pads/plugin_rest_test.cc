@@ -1,8 +1,6 @@
 // A pad far from what it touches rests. Nobody may see that: with check="off" it never does, and gives the same bytes.
 #include <cstring>
 
-#include <gmock/gmock.h>
-
 #include "tests/sim/mujoco/pads/plugin_rig.h"
 
 namespace slipbench::testing_plugin {

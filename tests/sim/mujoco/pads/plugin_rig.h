@@ -6,27 +6,22 @@
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
-#include <memory>
 #include <numbers>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <mujoco/mujoco.h>
 #include <Eigen/Core>
 
-#include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/pads/field_plugin.h"
 #include "sim/mujoco/pads/register_plugin.h"
+#include "tests/sim/mujoco/pads/models.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench::testing_plugin {
 
 inline constexpr double g = 9.81;  // m/s2, MuJoCo's default
-
-using Model = ModelPointer;
-using Data = DataPointer;
 
 inline void know_the_plugin() {
   [[maybe_unused]] static const bool once = [] {
@@ -35,17 +30,9 @@ inline void know_the_plugin() {
   }();
 }
 
-// Throws std::runtime_error with MuJoCo's text when the model is refused.
 inline Model load(const std::string& xml) {
   know_the_plugin();
-  std::array<char, 2000> error{};
-  mjSpec* spec = mj_parseXMLString(xml.c_str(), nullptr, error.data(), static_cast<int>(error.size()));
-  if (spec == nullptr) throw std::runtime_error(error.data());
-  Model model(mj_compile(spec, nullptr));
-  const std::string why = model ? "" : mjs_getError(spec);
-  mj_deleteSpec(spec);
-  if (!model) throw std::runtime_error(why);
-  return model;
+  return compile(parse(xml).get());
 }
 
 inline Data data_of(const Model& model) { return Data(mj_makeData(model.get())); }
@@ -137,8 +124,8 @@ inline std::string figure(double value) {
 // Force [N] in the world on what the pad touches, from its truth.
 inline Eigen::Vector3d force_of_pad(const mjModel* model, const mjData* data, int instance) {
   const PadInstance& pad = *pad_of(model, data, instance);
-  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(data->site_xmat + 9 * pad.config().site);
-  return -(axes * pad.truth().force.rowwise().sum().matrix());
+  const int site = pad.config().site;
+  return -(pose_of(data->site_xpos + 3 * site, data->site_xmat + 9 * site).rotation * pad.truth().force.rowwise().sum().matrix());
 }
 
 // A grip that is closed, loaded and watched.

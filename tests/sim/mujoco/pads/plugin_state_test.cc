@@ -149,17 +149,6 @@ TEST_P(PluginState, SetStateGoesOnToTheSameBits) {
   }
 }
 
-TEST_P(PluginState, GoingBackAndForthIsTheSameRun) {
-  go_to_the_middle();
-  std::vector<mjtNum> state(static_cast<std::size_t>(mj_stateSize(m(), mjSTATE_INTEGRATION)));
-  mj_getState(m(), d(), state.data(), mjSTATE_INTEGRATION);
-  run(m(), d(), middle, middle + rest);
-  const Data first(mj_copyData(nullptr, m(), d()));
-  mj_setState(m(), d(), state.data(), mjSTATE_INTEGRATION);
-  run(m(), d(), middle, middle + rest);
-  EXPECT_TRUE(same(m(), first.get(), d()));
-}
-
 TEST_P(PluginState, CopyGoesOnToTheSameBits) {
   go_to_the_middle();
   const Data made(mj_copyData(nullptr, m(), d())), overwritten = data_of(model_);

@@ -68,11 +68,7 @@ TEST(Score, RecordingsWithoutSlipOnlyCost) {
 TEST(Score, AGraspEarnsByItsForce) {
   const eval::Judgement silent = judgement(Detection::missed, none, 0, 0);
   const auto grasp = [](double ratio, bool dropped) {
-    GraspOutcome outcome;
-    outcome.dropped = dropped;
-    outcome.ideal_grip_force = 2.0;
-    outcome.max_grip_force = 2.0 * ratio;
-    return outcome;
+    return GraspOutcome{.dropped = dropped, .max_grip_force = 2.0 * ratio, .ideal_grip_force = 2.0};
   };
   EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(1.0, false), true).credit, 1.0);
   EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(0.5 * (1.0 + worst_force_ratio), false), true).credit, 0.5);
@@ -84,10 +80,7 @@ TEST(Score, AGraspEarnsByItsForce) {
 
 // In a loop an alarm costs force: the same alarms leave the credit as it is.
 TEST(Score, ALoopHasNoLimitOfAlarms) {
-  Part part;
-  part.credit = 1.0;
-  part.alarms = 10.0;
-  part.quiet = 1.0;
+  const Part part{.credit = 1.0, .alarms = 10.0, .quiet = 1.0};
   EXPECT_EQ(score_of(std::vector<Part>{part}, Track::loop).value, 1.0);
   EXPECT_NEAR(score_of(std::vector<Part>{part}, Track::open).value, alarm_limit / 600.0, 1e-12);
 }

@@ -4,8 +4,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include <fmt/format.h>
-
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/program/calibrate/calibrate.h"

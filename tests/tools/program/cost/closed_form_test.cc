@@ -1,4 +1,5 @@
 #include "tools/program/cost/closed_form.h"
+#include "tests/scenes.h"
 
 #include <gtest/gtest.h>
 #include <algorithm>
@@ -7,17 +8,8 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/scene/parser.h"
-#include "tools/program/catalogue/program_catalogues.h"
-
 namespace slipbench::testing {
 namespace {
-
-Scene stage_scene(const std::vector<Override>& overrides) {
-  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml");
-  for (const Override& change : overrides) file.apply(change);
-  return parse_scene(file, program_catalogues());
-}
 
 // What stage.yaml and the sensor's parameters say (sensors/papillarray): the tips' depths [m] and places [m], by pillar.
 constexpr double mu = 0.5, ratio = 7.1 / 3.9, start = 2.0;  // k_n/k_t of the profile gripper

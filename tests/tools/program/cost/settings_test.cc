@@ -7,7 +7,7 @@
 
 #include "sim/core/quantity.h"
 #include "tests/expect.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/scenes.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::cost {
@@ -15,11 +15,6 @@ namespace {
 
 using ::testing::IsSupersetOf;
 using ::testing::UnorderedElementsAre;
-
-const std::string scenes = std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/";
-
-SceneFile shipped(const std::string& name) { return SceneFile::load(scenes + name); }
-Scene parsed(const SceneFile& file) { return parse_scene(file, program_catalogues()); }
 
 std::set<std::string> series_of(const std::vector<Setting>& settings) {
   std::set<std::string> names;
@@ -47,9 +42,8 @@ TEST(CostSettings, WhatForcesMoveHasThem) {
 }
 
 TEST(CostSettings, EffectsLeaveOutWhatHasNone) {
-  SceneFile file = shipped("papillarray/stage.yaml");
-  file.apply({"effects", "[stribeck]"});
-  EXPECT_THAT(series_of(settings_to_try(parsed(file), {1e-3})), UnorderedElementsAre("field", "rate", "elements"));
+  const Scene scene = stage_scene({{"effects", "[stribeck]"}});
+  EXPECT_THAT(series_of(settings_to_try(scene, {1e-3})), UnorderedElementsAre("field", "rate", "elements"));
 }
 
 TEST(CostSettings, ASoftSkinHasASolverAndCells) {
@@ -78,9 +72,7 @@ TEST(CostSettings, EverySettingOfAShippedSceneIsASceneOrRefusedByName) {
        {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml", "biotac_sp/grasp.yaml", "soft_skin/sphere.yaml"}) {
     const Scene scene = parsed(shipped(name));
     for (const Setting& setting : settings_to_try(scene, {1e-3})) {
-      SceneFile file = shipped(name);
-      for (const Override& change : setting.changes) file.apply(change);
-      EXPECT_NO_THROW(parsed(file)) << name << ": " << setting.series << ", " << setting.label;
+      EXPECT_NO_THROW(parsed(shipped(name, setting.changes))) << name << ": " << setting.series << ", " << setting.label;
     }
   }
 }
@@ -90,9 +82,7 @@ TEST(CostSettings, EveryContactOfAGraspIsOneThatStarts) {
   std::set<double> steps;
   for (const Setting& setting : settings_to_try(parsed(shipped("grasp/lift.yaml")), {5e-4})) {
     if (setting.series != "contact") continue;
-    SceneFile file = shipped("grasp/lift.yaml");
-    for (const Override& change : setting.changes) file.apply(change);
-    const Scene scene = parsed(file);
+    const Scene scene = parsed(shipped("grasp/lift.yaml", setting.changes));
     steps.insert(scene.time_step.value());
     EXPECT_NO_THROW(check_trial(scene, 0)) << setting.label;
   }

@@ -1,6 +1,5 @@
 #include "tools/program/eval/evaluate.h"
 
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 

@@ -39,7 +39,7 @@ TEST_F(GraspReplay, GivesTheLoopsClassesAndOutcomesAgain) {
     const std::string file = dataset(detector);
     const DatasetReader reader(file);
     const Scene scene =
-        scene_of("slipbench: 1\nsensors: {pad: {type: papillarray, rate: 100 Hz}}\ndetector: " + std::string(detector) + "\n");
+        parsed("slipbench: 1\nsensors: {pad: {type: papillarray, rate: 100 Hz}}\ndetector: " + std::string(detector) + "\n");
     std::size_t judged_by = 0;
     for (const std::size_t trial : reader.trials()) {
       SCOPED_TRACE(trial);
@@ -67,7 +67,7 @@ TEST_F(GraspReplay, LoopFiguresAreThoseOfThisDetectorAlone) {
   Options options;
   options.dataset = dataset("{type: force_ratio, ratio: 0.15}");
   options.detector =
-      *scene_of("slipbench: 1\nsensors: {pad: {type: papillarray}}\ndetector: {type: force_ratio, ratio: 0.15}\n").detector;
+      *parsed("slipbench: 1\nsensors: {pad: {type: papillarray}}\ndetector: {type: force_ratio, ratio: 0.15}\n").detector;
   const Json own = evaluate(options);
   EXPECT_TRUE(own.at("loop").at("same").get<bool>());
   EXPECT_EQ(own.at("loop").at("trials"), 3);
@@ -76,7 +76,7 @@ TEST_F(GraspReplay, LoopFiguresAreThoseOfThisDetectorAlone) {
     dropped += DatasetReader(options.dataset).read_trial(trial).outcome.grasp->dropped ? 1U : 0U;
   EXPECT_EQ(own.at("loop").at("dropped"), dropped);
   options.detector =
-      *scene_of("slipbench: 1\nsensors: {pad: {type: papillarray}}\ndetector: {type: force_ratio, ratio: 0.3}\n").detector;
+      *parsed("slipbench: 1\nsensors: {pad: {type: papillarray}}\ndetector: {type: force_ratio, ratio: 0.3}\n").detector;
   const Json other = evaluate(options);
   EXPECT_FALSE(other.at("loop").at("same").get<bool>());
   EXPECT_FALSE(other.at("loop").contains("dropped"));

@@ -6,17 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/scene/parser.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/scenes.h"
 #include "tools/program/eval/metrics.h"
 #include "tools/program/eval/replay.h"
-#include "tools/program/run/run_trial.h"
 
 namespace slipbench::eval::testing {
-
-inline Scene scene_of(const std::string& text) {
-  return parse_scene(SceneFile::from_text(text, "scene.yaml"), program_catalogues());
-}
 
 inline std::vector<std::uint8_t> codes(const std::vector<PadState>& states) {
   std::vector<std::uint8_t> result;

@@ -32,7 +32,7 @@ TEST(Replay, IsWhatTheLoopSaw) {
   for (const char* detector : {"{type: force_ratio}", "{type: force_ratio, ratio: 0.2, flip: 0.05}", "{type: stuck_fraction}",
                                "{type: shear_rate}", "{type: gst_hd}"}) {
     SCOPED_TRACE(detector);
-    const Scene scene = scene_of(stage(detector));
+    const Scene scene = parsed(stage(detector));
     const TrialRecord record = run_trial(scene, 3, Recording::full).record;
     EXPECT_GE(classes(record), 3U);
     expect_same_as_loop(scene, record);
@@ -42,12 +42,12 @@ TEST(Replay, IsWhatTheLoopSaw) {
 // The plugin says what it hears of a skin of 10 kHz, and its latency is a millisecond; it is asked at every sample of the pad, 1 kHz.
 TEST(Replay, HearsAllSensorsAndWaitsForTheLatency) {
   const std::string sensors = "skin: {type: piezo_skin}, pad: {type: papillarray, rate: 1 kHz}";
-  const TrialRecord bare = run_trial(scene_of(stage("{type: force_ratio, sensor: pad}", sensors)), 0, Recording::full).record;
+  const TrialRecord bare = run_trial(parsed(stage("{type: force_ratio, sensor: pad}", sensors)), 0, Recording::full).record;
   const double threshold = 0.5 * static_cast<double>(std::ranges::max(bare.sensors[0].channels[0].values));
-  const Scene scene = scene_of(
-      stage(fmt::format("{{type: plugin, library: {}/ears.so, sensor: pad, parameters: {{sensor: skin, threshold: {}}}}}",
-                        SLIPBENCH_TEST_PLUGINS, threshold),
-            sensors));
+  const Scene scene =
+      parsed(stage(fmt::format("{{type: plugin, library: {}/ears.so, sensor: pad, parameters: {{sensor: skin, threshold: {}}}}}",
+                               SLIPBENCH_TEST_PLUGINS, threshold),
+                   sensors));
   const TrialRecord record = run_trial(scene, 0, Recording::full).record;
   EXPECT_GE(classes(record), 3U);
   const Replayed replayed = expect_same_as_loop(scene, record);
@@ -86,7 +86,7 @@ TEST(Replay, ASlowChannelStandsStillBetweenItsRows) {
 }
 
 TEST(Replay, SaysSinceWhenAnEstimateIsSeen) {
-  const Scene scene = scene_of(stage("{type: gst_hd, rate: 100 Hz}"));
+  const Scene scene = parsed(stage("{type: gst_hd, rate: 100 Hz}"));
   const TrialRecord record = run_trial(scene, 0, Recording::full).record;
   const Replayed replayed = expect_same_as_loop(scene, record);
   // Every tenth sample is classified, without latency.
@@ -129,9 +129,9 @@ TEST(Replay, TakesAProbabilityOnceAnEstimate) {
 }
 
 TEST(Replay, RefusesWhatTheLoopRefuses) {
-  const Scene scene = scene_of(stage("{type: force_ratio}"));
+  const Scene scene = parsed(stage("{type: force_ratio}"));
   TrialRecord record = run_trial(scene, 0, Recording::full).record;
-  const Scene other = scene_of(stage("{type: band_energy}", "pad: {type: piezo_skin}"));
+  const Scene other = parsed(stage("{type: band_energy}", "pad: {type: piezo_skin}"));
   EXPECT_THROW(replay(*other.detector, record.sensors, 0, 1, 0), InputError);
   DetectorScene oracle = *scene.detector;
   oracle.type = "truth";

@@ -108,11 +108,7 @@ TrialRecord sample_grasp(std::size_t trial) {
 
 std::string write_dataset(const std::string& name, const std::string& scene, const std::vector<TrialRecord>& trials) {
   const std::string path = (std::filesystem::path(::testing::TempDir()) / name).string();
-  DatasetHeader header;
-  header.version = "0.1.0";
-  header.scene = scene;
-  header.seed = 7;
-  header.command = "slipbench run scene.yaml";
+  DatasetHeader header{.version = "0.1.0", .scene = scene, .seed = 7, .command = "slipbench run scene.yaml"};
   DatasetWriter writer(path, header, trials.size());
   TrialEncoder encoder;
   for (const TrialRecord& trial : trials) writer.append(encoder.encode(trial));

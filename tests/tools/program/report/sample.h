@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "tests/tools/base/page/unpack.h"
-#include "tools/base/page/json.h"
 #include "tools/base/record/trial_record.h"
 
 namespace slipbench::report {

@@ -127,17 +127,16 @@ class Pages:
             self.browser.evaluate("new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))")
 
     def check(self, page, fragment=""):
-        """Both widths, both themes."""
-        for width in WIDTHS:
-            for dark in (False, True):
-                self.browser.look(width, dark=dark)
-                self.open(page, fragment)
-                where = f"{page.name}{fragment}, {width} px, {'dark' if dark else 'light'}: "
-                ground = self.browser.evaluate(GROUND)
-                found = self.browser.complaints() + self.browser.evaluate(FAULTS)
-                if (sum(ground) / 3 < 128) != dark:
-                    found.append(f"its ground is {ground}")
-                self.faults += [where + fault for fault in found]
+        """Wide and light, narrow and dark: what overlaps depends on the width alone, the ground on the theme alone."""
+        for width, dark in zip(WIDTHS, (False, True), strict=True):
+            self.browser.look(width, dark=dark)
+            self.open(page, fragment)
+            where = f"{page.name}{fragment}, {width} px, {'dark' if dark else 'light'}: "
+            ground = self.browser.evaluate(GROUND)
+            found = self.browser.complaints() + self.browser.evaluate(FAULTS)
+            if (sum(ground) / 3 < 128) != dark:
+                found.append(f"its ground is {ground}")
+            self.faults += [where + fault for fault in found]
         print(f"{page.name}{fragment}", flush=True)
 
     def check_saved(self, page):

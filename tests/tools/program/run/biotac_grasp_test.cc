@@ -7,26 +7,18 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/scene/parser.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/scenes.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::biotac_grasp_test {
 namespace {
-
-const Catalogues& catalogues() {
-  static const Catalogues all = program_catalogues();
-  return all;
-}
-
-SceneFile scene_file() { return SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/biotac_sp/grasp.yaml"); }
 
 const Parameters& body_of(const Scene& scene, const std::string& name) {
   return std::ranges::find(scene.bodies, name, &BodyScene::name)->shape.parameters;
 }
 
 TEST(BioTacGrasps, StandOnTheTableInFrontOfTheThumb) {
-  const TrialPlan plan(scene_file(), catalogues(), 20, 1);  // of each palm in each of three sessions
+  const TrialPlan plan(shipped("biotac_sp/grasp.yaml"), catalogues(), 20, 1);  // of each palm in each of three sessions
   std::map<std::string, int> models;
   std::set<std::string> shapes;
   for (std::size_t i = 0; i < plan.size(); ++i) {
@@ -57,12 +49,12 @@ TEST(BioTacGrasps, StandOnTheTableInFrontOfTheThumb) {
 
 // How it ended when both fingers together press the object with `force` [N].
 HoldOutcome hold_at(double force) {
-  SceneFile file = scene_file();
+  SceneFile file = shipped("biotac_sp/grasp.yaml");
   file.apply({"sweep", "{}"});
   file.apply({"bodies.object.mass", "400 g"});
   file.apply({"controls.first", "[[0.7 s, 0.5 N], [1.1 s, " + std::to_string(0.5 * force) + " N]]"});
   file.apply({"controls.middle", "[[0.7 s, 0.5 N], [1.1 s, " + std::to_string(0.5 * force) + " N]]"});
-  return *run_trial(parse_scene(file, catalogues()), 0, Recording::outcome).record.outcome.hold;
+  return *run_trial(parsed(file), 0, Recording::outcome).record.outcome.hold;
 }
 
 TEST(BioTacGrasps, HoldFromTheForceOnThatCarriesTheWeight) {

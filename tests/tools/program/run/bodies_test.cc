@@ -9,11 +9,10 @@
 #include <unistd.h>
 
 #include "sim/core/process/interrupted.h"
-#include "sim/scene/parser.h"
 #include "tests/expect.h"
+#include "tests/scenes.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/export/export.h"
 #include "tools/program/report/report.h"
 #include "tools/program/run/run_trial.h"
@@ -40,7 +39,7 @@ class BodiesRun : public ::testing::Test {
     options.overrides = overrides;
     options.jobs = jobs;
     options.output = file(output);
-    return run_sweep(options, program_catalogues());
+    return run_sweep(options, catalogues());
   }
 
   std::filesystem::path folder_;
@@ -122,10 +121,7 @@ TEST_F(BodiesRun, AHoldThatIsNeverLookedAtIsRefused) {
 
 // The tips of articulated pads settle before the first step, which may take seconds.
 TEST(BodiesOfArticulatedPads, AnInterruptEndsWhatComesBeforeTheFirstStep) {
-  SceneFile file = SceneFile::load(scenes + "held_box.yaml");
-  file.apply({"fidelity", "articulated"});
-  const Catalogues catalogues = program_catalogues();
-  const Scene scene = parse_scene(file, catalogues);
+  const Scene scene = parsed(shipped("bodies/held_box.yaml", {{"fidelity", "articulated"}}));
   EXPECT_NO_THROW(check_trial(scene, 0));
   const std::atomic<bool> interrupt{true};
   const InterruptScope scope(&interrupt);
@@ -181,9 +177,7 @@ TEST_F(BodiesRun, DatasetHasTheModelsDigest) {
   EXPECT_THROW(file_sha256(file("none")), InputError);
 
   const auto record_of = [](const std::string& name) {
-    SceneFile scene = SceneFile::load(scenes + name);
-    scene.apply({"duration", "10 ms"});
-    return run_trial(parse_scene(scene, program_catalogues()), 0, Recording::full).record;
+    return run_trial(parsed(shipped("bodies/" + name, {{"duration", "10 ms"}})), 0, Recording::full).record;
   };
   const auto digests = [](const TrialRecord& record) {
     std::vector<std::string> found;

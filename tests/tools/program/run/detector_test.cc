@@ -7,12 +7,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/scene/parser.h"
 #include "tests/expect.h"
+#include "tests/scenes.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/sha256.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/sweep/sweep_json.h"
@@ -23,13 +22,6 @@ namespace {
 using Json = nlohmann::json;
 
 const std::string published = SLIPBENCH_SOURCE_DIR "/tests/detectors/hd/data/published";
-
-// The published press-and-slide at 4 mm/s, reached at 1 m/s2 from 2 s on; ideal sensor, mu = 0.5.
-Scene stage_scene(const std::vector<Override>& overrides) {
-  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml");
-  for (const Override& change : overrides) file.apply(change);
-  return parse_scene(file, program_catalogues());
-}
 
 Scene ratio_scene(const std::string& ratio) {
   return stage_scene({{"motion.acceleration", "1 m/s2"}, {"detector", "{type: force_ratio, ratio: " + ratio + "}"}});
@@ -240,7 +232,7 @@ sweep:
     options.output = path(output);
     options.jobs = jobs;
     options.overrides = overrides;
-    return run_sweep(options, program_catalogues());
+    return run_sweep(options, catalogues());
   }
 };
 

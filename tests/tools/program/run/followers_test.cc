@@ -6,9 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/scene/parser.h"
+#include "tests/scenes.h"
 #include "tests/tools/program/run/same_record.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/run_trial.h"
 
@@ -16,10 +15,9 @@ namespace slipbench::testing_run {
 namespace {
 
 TrialRecord run(const std::string& file, const std::string& detector, const std::vector<Override>& changes) {
-  SceneFile scene = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/" + file);
+  SceneFile scene = shipped(file, changes);
   if (!detector.empty()) scene.apply({"detector", detector});
-  for (const Override& change : changes) scene.apply(change);
-  return run_trial(parse_scene(scene, program_catalogues()), 0, Recording::full).record;
+  return run_trial(parsed(scene), 0, Recording::full).record;
 }
 
 // A follower of every kind that there is, each named as its type.

@@ -5,10 +5,9 @@
 #include <fmt/format.h>
 
 #include "sim/motion/lift.h"
-#include "sim/scene/parser.h"
 #include "tests/expect.h"
+#include "tests/scenes.h"
 #include "tests/tools/base/record/test_records.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::testing {
@@ -16,10 +15,8 @@ namespace {
 
 // Not scattered, so that a trial is what its figures say.
 Scene grasp_scene(const std::string& more, const std::string& mass = "0.2 kg") {
-  return parse_scene(SceneFile::from_text("slipbench: 1\nsurface: {material: ptfe}\nbox: {mass: " + mass +
-                                              "}\nduration: 5 s\nsensors: {pad: {type: papillarray, rate: 100 Hz}}\n" + more,
-                                          "scene.yaml"),
-                     program_catalogues());
+  return parsed("slipbench: 1\nsurface: {material: ptfe}\nbox: {mass: " + mass +
+                "}\nduration: 5 s\nsensors: {pad: {type: papillarray, rate: 100 Hz}}\n" + more);
 }
 
 constexpr const char* stepping = "detector: {type: force_ratio, ratio: 0.25}\ncontroller: {type: step_on_slip}\n";
@@ -102,11 +99,8 @@ TEST(Grasp, EveryControllerWithTheOracleOnThreeSurfaces) {
   };
   for (const Surface& surface : surfaces) {
     const auto dropped = [&](const std::string& controller) {
-      const Scene scene =
-          parse_scene(SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray, rate: 100 Hz}}\n" + surface.scene +
-                                               "detector: {type: truth}\ncontroller: {type: " + controller + "}\n",
-                                           "scene.yaml"),
-                      program_catalogues());
+      const Scene scene = parsed("slipbench: 1\nsensors: {pad: {type: papillarray, rate: 100 Hz}}\n" + surface.scene +
+                                 "detector: {type: truth}\ncontroller: {type: " + controller + "}\n");
       const GraspOutcome grasp = run_trial(scene, 0, Recording::outcome).record.outcome.grasp.value();
       EXPECT_NEAR(grasp.ideal_grip_force, surface.mass * 9.81 / (2.0 * surface.mu), 1e-9) << controller;
       if (!grasp.dropped) {
@@ -191,13 +185,9 @@ TEST(Grasp, RefusesALoopThatCannotBe) {
   EXPECT_THAT(refusal("controller: {type: step_on_slip}\n"), HasSubstr("step_on_slip needs what a detector says"));
   EXPECT_THAT(refusal("motion: {kind: lift, settle: 5 s}\n"), HasSubstr("ends before the box is lifted; allowed: more than 5 s"));
   EXPECT_THAT(refusal("grip: {open_at: 240}\n"), HasSubstr("240 is not open: the fingers are closed at 230; allowed: less"));
-  EXPECT_THAT(refusal_of([] {
-                static_cast<void>(parse_scene(SceneFile::from_text("slipbench: 1\nsensors: {pad: {type: papillarray}}\n"
-                                                                   "controller: {type: constant_force}\n",
-                                                                   "scene.yaml"),
-                                              program_catalogues()));
-              }),
-              HasSubstr("scene.yaml:3: 'controller' needs a gripper: a scene with 'grip' or 'box'"));
+  EXPECT_THAT(
+      refusal_of([] { parsed("slipbench: 1\nsensors: {pad: {type: papillarray}}\ncontroller: {type: constant_force}\n"); }),
+      HasSubstr("scene.yaml:3: 'controller' needs a gripper: a scene with 'grip' or 'box'"));
 }
 
 }  // namespace

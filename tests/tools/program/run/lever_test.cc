@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/scene/parser.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/scenes.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::lever_test {
@@ -23,11 +22,10 @@ constexpr double series = pad_normal * rig / (pad_normal + rig);
 const Overrides plain{{"sensors.pad.height_sd", "0 mm"}, {"effects", "[]"}, {"sensors.pad.electronics", "ideal"}};
 
 TrialRecord run(const std::string& scene, const Overrides& changes) {
-  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/nib_pad/" + scene);
+  SceneFile file = shipped("nib_pad/" + scene, plain);
   file.apply({"sweep", "{}"});
-  for (const Override& change : plain) file.apply(change);
   for (const Override& change : changes) file.apply(change);
-  return run_trial(parse_scene(file, program_catalogues()), 0, Recording::full).record;
+  return run_trial(parsed(file), 0, Recording::full).record;
 }
 
 std::size_t row_at(const TrialRecord& record, double time) {
@@ -122,10 +120,7 @@ TEST(LeverStage, RetreatTakesTheForceOff) {
 }
 
 TEST(LeverStage, SweepsHaveThePublishedRanges) {
-  const Catalogues catalogues = program_catalogues();
-  const auto plan = [&](const std::string& scene) {
-    return TrialPlan(SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/nib_pad/" + scene), catalogues, 0, 1);
-  };
+  const auto plan = [](const std::string& scene) { return TrialPlan(shipped("nib_pad/" + scene), catalogues(), 0, 1); };
   const TrialPlan release = plan("release.yaml");
   EXPECT_GE(release.size(), 261u);
   for (std::size_t cell = 0; cell < release.size(); cell += release.draws()) {

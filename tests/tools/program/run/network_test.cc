@@ -5,20 +5,15 @@
 #include <fstream>
 #include <string>
 
-#include "sim/scene/parser.h"
 #include "tests/detectors/network/networks.h"
 #include "tests/expect.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/scenes.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::network_trial_test {
 namespace {
 
-Scene scene_with(const std::string& detector) {
-  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml");
-  file.apply({"detector", detector});
-  return parse_scene(file, program_catalogues());
-}
+Scene scene_with(const std::string& detector) { return stage_scene({{"detector", detector}}); }
 
 std::string network_of(const std::string& name, const std::string& more = "") {
   return "{type: network, model: " + network::shipped(name) + more + "}";
@@ -71,9 +66,7 @@ TEST(NetworkInTrial, ItsLatencyIsTheLoops) {
 }
 
 TEST(NetworkInTrial, AModelOfAnotherSensorIsRefusedAtItsKey) {
-  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/piezo_skin/slide.yaml");
-  file.apply({"detector", network_of("gru21.onnx")});
-  const Scene scene = parse_scene(file, program_catalogues());
+  const Scene scene = parsed(shipped("piezo_skin/slide.yaml", {{"detector", network_of("gru21.onnx")}}));
   EXPECT_THAT(scene_refusal_of([&] { run_trial(scene, 0, Recording::full); }),
               AllOf(StartsWith("detector.model | "),
                     HasSubstr("the network reads a 'papillarray' by its metadata, this sensor is a 'piezo_skin'")));

@@ -6,12 +6,11 @@
 #include <cstring>
 
 #include "detectors/network/engine.h"
-#include "sim/scene/parser.h"
 #include "sim/simulation/stage_simulation.h"
 #include "tests/detectors/network/networks.h"
 #include "tests/expect.h"
+#include "tests/scenes.h"
 #include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/run/sampling.h"
@@ -24,8 +23,7 @@ namespace {
 // raises.
 Scene scene_with(const std::string& detector) {
   const bool hears = detector.find("type: band_energy") != std::string::npos;
-  SceneFile file =
-      SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/" + std::string(hears ? "piezo_skin/slide.yaml" : "papillarray/stage.yaml"));
+  SceneFile file = shipped(hears ? "piezo_skin/slide.yaml" : "papillarray/stage.yaml");
   const bool nibs = detector.find("type: nib_") != std::string::npos;
   if (nibs) {
     file.apply({"sensors", "{pad: {type: nib_pad, scan: simultaneous}}"});
@@ -44,7 +42,7 @@ Scene scene_with(const std::string& detector) {
   if (detector.find("type: network") != std::string::npos) file.apply({"detector.model", network::shipped("gru21.onnx")});
   if (nibs) file.apply({"detector.tare", "0.1 s"});
   if (detector.find("nib_linear_slip") != std::string::npos) file.apply({"detector.counter_max", "3"});
-  return parse_scene(file, program_catalogues());
+  return parsed(file);
 }
 
 // All but networks where there is nothing to run them.
@@ -139,10 +137,9 @@ TEST(Oracle, SaysTheTrueClassAtEverySample) {
 
 // The elements of a piezoelectric skin's patch stick and slip by turns, and hardly ever slip all at once: its one unit slips when a part does.
 TEST(Oracle, SaysOfASingleUnitWhetherAPartOfItSlips) {
-  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/piezo_skin/slide.yaml");
-  file.apply({"detector", "{type: truth}"});
-  file.apply({"duration", "1.7 s"});  // it slides from about 1.55 s on
-  const TrialRecord record = run_trial(parse_scene(file, program_catalogues()), 0, Recording::full).record;
+  // It slides from about 1.55 s on.
+  const Scene scene = parsed(shipped("piezo_skin/slide.yaml", {{"detector", "{type: truth}"}, {"duration", "1.7 s"}}));
+  const TrialRecord record = run_trial(scene, 0, Recording::full).record;
   const LabelRecord& labels = record.sensors[0].labels;
   EXPECT_EQ(labels.state, labels.state_micro);
   EXPECT_EQ(record.control->detector_class, labels.state);

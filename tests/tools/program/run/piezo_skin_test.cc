@@ -9,26 +9,14 @@
 #include <gtest/gtest.h>
 
 #include "detectors/spectral/spectral_features.h"
-#include "sim/scene/parser.h"
+#include "tests/scenes.h"
 #include "tools/base/statistics/roc.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::piezo_bench_test {
 namespace {
 
 using Overrides = std::vector<Override>;
-
-const Catalogues& catalogues() {
-  static const Catalogues all = program_catalogues();
-  return all;
-}
-
-SceneFile scene_file(const std::string& name, const Overrides& overrides) {
-  SceneFile file = SceneFile::load(std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/piezo_skin/" + name);
-  for (const Override& change : overrides) file.apply(change);
-  return file;
-}
 
 // One recording: signal, and by sample whether a part of the contact slips.
 struct Recorded {
@@ -47,7 +35,7 @@ Recorded recorded(const Scene& scene, std::uint64_t trial = 0) {
   return result;
 }
 
-Recorded slide(const Overrides& overrides) { return recorded(parse_scene(scene_file("slide.yaml", overrides), catalogues())); }
+Recorded slide(const Overrides& overrides) { return recorded(parsed(shipped("piezo_skin/slide.yaml", overrides))); }
 
 // By frame of 20 ms: rms within 50 to 600 Hz, the loudest of these bins, and whether the contact slips at its last sample.
 struct Frame {
@@ -202,7 +190,7 @@ TEST(PiezoSkinStage, StickSlipGrowsWithForce) {
 
 // Area under the curve of slip against hold by the frames of `trials` recordings of the dataset.
 double separation(const Overrides& overrides, std::size_t trials) {
-  const TrialPlan plan(scene_file("dataset.yaml", overrides), catalogues(), trials, 1);
+  const TrialPlan plan(shipped("piezo_skin/dataset.yaml", overrides), catalogues(), trials, 1);
   std::vector<double> slip, hold;
   for (std::size_t i = 0; i < plan.size(); ++i) {
     for (const Frame& frame : frames(recorded(plan.trial(i).scene, i))) (frame.slips ? slip : hold).push_back(frame.rms);
@@ -224,7 +212,7 @@ TEST(PiezoSkinStage, FramesTellSlipFromHoldUntilTheMotorsDrownIt) {
 }
 
 TEST(PiezoSkinStage, TheDatasetIsThePublishedOne) {
-  const TrialPlan plan(scene_file("dataset.yaml", {}), catalogues(), 0, 1);
+  const TrialPlan plan(shipped("piezo_skin/dataset.yaml"), catalogues(), 0, 1);
   ASSERT_EQ(plan.size(), 3200u);
   std::size_t slips = 0;
   std::map<double, std::size_t> tips;  // by tangential stiffness

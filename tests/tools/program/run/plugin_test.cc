@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene/parser.h"
 #include "tests/expect.h"
+#include "tests/scenes.h"
 #include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/sweep/sweep_shard.h"
@@ -31,10 +30,8 @@ std::string with_parameters(const std::string& parameters) {
   return "detector: {type: plugin, library: " + plugins + "/ratio_gate.so, parameters: " + parameters + "}";
 }
 
-Scene scene_of(const SceneFile& file) { return parse_scene(file, program_catalogues()); }
-
 std::string refusal(const std::string& more) {
-  return refusal_of([&] { static_cast<void>(scene_of(stage(more))); });
+  return refusal_of([&] { static_cast<void>(parsed(stage(more))); });
 }
 
 // What the example says of a sample of nine forces.
@@ -54,18 +51,18 @@ std::uint8_t gate(const float* force, double threshold) {
 TEST(PluginInTrial, LibrariesAreNamedFiles) {
   const std::string library = plugins + "/ratio_gate.so";
   std::set<std::string> paths;
-  add_named_files(scene_of(stage("detector: {type: plugin, library: " + library + "}")), program_catalogues(), paths);
+  add_named_files(parsed(stage("detector: {type: plugin, library: " + library + "}")), catalogues(), paths);
   EXPECT_THAT(paths, ElementsAre(library));
   EXPECT_THAT(HeldFiles(paths).digests(), ElementsAre(Pair(library, file_sha256(library))));
   EXPECT_THAT(HeldFiles({plugins}).digests(), Contains(Pair(library, file_sha256(library))));
   paths.clear();
-  add_named_files(scene_of(stage("detector: {type: force_ratio}")), program_catalogues(), paths);
+  add_named_files(parsed(stage("detector: {type: force_ratio}")), catalogues(), paths);
   EXPECT_THAT(paths, IsEmpty());
 }
 
 TEST(PluginInTrial, SaysWhatItsLawSaysOfTheSamples) {
   for (const double threshold : {0.3, 0.45}) {
-    const Scene scene = scene_of(stage(with_parameters("{threshold: " + std::to_string(threshold) + ", rate: 100 Hz}")));
+    const Scene scene = parsed(stage(with_parameters("{threshold: " + std::to_string(threshold) + ", rate: 100 Hz}")));
     const TrialRecord record = run_trial(scene, 0, Recording::full).record;
     EXPECT_EQ(record.control->detector, "plugin");
     ASSERT_EQ(record.sensors[0].channels[0].name, "force");
@@ -81,8 +78,7 @@ TEST(PluginInTrial, SaysWhatItsLawSaysOfTheSamples) {
 
 TEST(PluginInTrial, ThresholdsAreSwept) {
   const SceneFile file = stage(with_parameters("{rate: 100 Hz}") + "\nsweep: {detector.parameters.threshold: [0.3, 0.45]}");
-  const Catalogues catalogues = program_catalogues();
-  const TrialPlan plan(file, catalogues, 0, 0);
+  const TrialPlan plan(file, catalogues(), 0, 0);
   ASSERT_EQ(plan.size(), 2U);
   std::vector<std::vector<std::uint8_t>> classes;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -101,8 +97,7 @@ TEST(PluginInTrial, ThresholdsAreSwept) {
 TEST(PluginInTrial, SweptValuesAreReportedAsWhatTheyAre) {
   const SceneFile file =
       stage(with_parameters("{}") + "\nsweep: {scene: [{detector: {parameters: {a: 4 mm/s, b: true, c: soft rubber, d: 1e3}}}]}");
-  const Catalogues catalogues = program_catalogues();
-  const TrialPlan::Trial trial = TrialPlan(file, catalogues, 0, 0).trial(0);
+  const TrialPlan::Trial trial = TrialPlan(file, catalogues(), 0, 0).trial(0);
   const std::vector<std::pair<std::string, std::string>> expected{{"detector.parameters.a", "0.004"},
                                                                   {"detector.parameters.b", "true"},
                                                                   {"detector.parameters.c", "\"soft rubber\""},
@@ -123,13 +118,13 @@ TEST(PluginInTrial, ParametersAreAMapOfPlainValues) {
 // latency.
 TEST(PluginInTrial, HearsASensorThatItDoesNotRead) {
   const std::string sensors = "pad: {type: papillarray}, skin: {type: piezo_skin}";
-  const TrialRecord bare = run_trial(scene_of(stage("", sensors)), 0, Recording::full).record;
+  const TrialRecord bare = run_trial(parsed(stage("", sensors)), 0, Recording::full).record;
   ASSERT_EQ(bare.sensors[1].channels[0].values.size(), bare.sensors[1].time.size()) << "one value a sample";
   const std::vector<float>& signal = bare.sensors[1].channels[0].values;
   const double threshold = 0.5 * static_cast<double>(*std::ranges::max_element(signal));
-  const Scene scene = scene_of(stage("detector: {type: plugin, sensor: pad, library: " + plugins +
-                                         "/ears.so, parameters: {sensor: skin, threshold: " + std::to_string(threshold) + "}}",
-                                     sensors));
+  const Scene scene = parsed(stage("detector: {type: plugin, sensor: pad, library: " + plugins +
+                                       "/ears.so, parameters: {sensor: skin, threshold: " + std::to_string(threshold) + "}}",
+                                   sensors));
   const TrialRecord record = run_trial(scene, 0, Recording::full).record;
   ASSERT_EQ(record.sensors[1].channels[0].values, signal) << "who listens changes nothing";
   const std::vector<std::uint8_t>& seen = record.control->detector_class;

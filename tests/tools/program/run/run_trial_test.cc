@@ -1,19 +1,11 @@
 #include "tools/program/run/run_trial.h"
 #include "tests/expect.h"
+#include "tests/scenes.h"
 
-#include "sim/scene/parser.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {
-
-// The published press-and-slide, with values set.
-Scene stage_scene(const std::vector<Override>& overrides) {
-  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml");
-  for (const Override& change : overrides) file.apply(change);
-  return parse_scene(file, program_catalogues());
-}
 
 TrialRecord record_of(const Scene& scene) { return run_trial(scene, 0, Recording::full).record; }
 
@@ -190,7 +182,7 @@ TEST(MakeSensor, RefusesAnUnknownType) {
 }
 
 TEST(ProgramCatalogues, NameEverythingOnce) {
-  const Catalogues catalogues = program_catalogues();
+  const Catalogues& catalogues = slipbench::catalogues();
   EXPECT_FALSE(catalogues.materials.empty());
   for (const auto* entries : {&catalogues.surfaces, &catalogues.motions, &catalogues.sensors,
                               &catalogues.electronics.at("papillarray"), &catalogues.effects}) {

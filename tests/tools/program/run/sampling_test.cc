@@ -5,10 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "sim/scene/parser.h"
 #include "sim/simulation/stage_simulation.h"
 #include "tests/expect.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/scenes.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/recorder.h"
 #include "tools/program/run/run_trial.h"
@@ -65,11 +64,7 @@ class Multiplexed final : public Sensor {
 };
 
 // The shipped press-and-slide, cut to `duration`, at steps of 1 ms.
-Scene scene_of(const std::string& duration) {
-  SceneFile file = SceneFile::load(SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml");
-  file.apply({"duration", duration});
-  return parse_scene(file, program_catalogues());
-}
+Scene scene_of(const std::string& duration) { return stage_scene({{"duration", duration}}); }
 
 TrialRecord record_of(const Scene& scene) {
   std::vector<std::unique_ptr<Sensor>> sensors;

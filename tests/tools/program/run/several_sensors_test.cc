@@ -1,17 +1,14 @@
 // Several sensors in one scene: what each of them, its labels and a loop that reads it say does not depend on which others there are.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <iterator>
-#include <set>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "sim/scene/parser.h"
+#include "tests/scenes.h"
 #include "tests/tools/program/run/same_record.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/run_trial.h"
 
@@ -28,7 +25,7 @@ Scene scene_of(const std::vector<std::string>& types, const std::string& effects
       effects + "\nsensors:\n";
   for (const std::string& type : types) text += "  " + type + ": {type: " + type + ", electronics: typical}\n";
   if (!read.empty()) text += "detector: {type: truth, sensor: " + read + ", latency: 3 ms, flip: 0.1}\n";
-  return parse_scene(SceneFile::from_text(text, "several.yaml"), program_catalogues());
+  return parsed(text);
 }
 
 TrialRecord run(const std::vector<std::string>& types, const std::string& effects, const std::string& read) {
@@ -96,12 +93,10 @@ TEST(SeveralSensors, AreComparedOnSomethingThatIsDrawn) {
 // Rates that do not divide each other, 2,400, 1,000 and 700 Hz: j/2400 and k/1000 meet every 5 ms, k/1000 and l/700 every 10 ms, so 140 and
 // 70 times in 0.7 s.
 TEST(SeveralSensors, HaveTheirCommonTimesToTheBit) {
-  const Scene scene =
-      parse_scene(SceneFile::from_text("slipbench: 1\nduration: 0.7 s\nmotion: {compression: 0.3 mm, start: 0.6 s}\nsensors:\n"
-                                       "  fast: {type: piezo_skin, rate: 2.4 kHz}\n  middle: {type: piezo_skin, rate: 1 kHz}\n"
-                                       "  slow: {type: piezo_skin, rate: 700 Hz}\n",
-                                       "common.yaml"),
-                  program_catalogues());
+  const Scene scene = parsed(
+      "slipbench: 1\nduration: 0.7 s\nmotion: {compression: 0.3 mm, start: 0.6 s}\nsensors:\n"
+      "  fast: {type: piezo_skin, rate: 2.4 kHz}\n  middle: {type: piezo_skin, rate: 1 kHz}\n"
+      "  slow: {type: piezo_skin, rate: 700 Hz}\n");
   const TrialRecord record = run_trial(scene, 0, Recording::full).record;
   const auto common = [&](std::size_t a, std::size_t b) {
     std::vector<double> both;

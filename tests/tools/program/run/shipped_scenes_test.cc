@@ -8,19 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/scene/parser.h"
-#include "tools/program/catalogue/program_catalogues.h"
+#include "tests/scenes.h"
 
 namespace slipbench::shipped_sensor_scenes_test {
 namespace {
-
-const Catalogues& catalogues() {
-  static const Catalogues all = program_catalogues();
-  return all;
-}
-
-SceneFile shipped(const std::string& name) { return SceneFile::load(std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/" + name); }
-Scene scene_of(const std::string& name) { return parse_scene(shipped(name), catalogues()); }
 
 // Of the lever bench, where pad and rig in series give 10 N/mm.
 constexpr double bench_stiffness = 10e3;
@@ -88,7 +79,7 @@ TEST(ShippedScenes, NibPadReleaseIsThePublishedBench) {
 
 // Section IV-A: 5,000 images under a plate, at 33.3 a second after the tare; partial loads by a cylinder of 18 mm.
 TEST(ShippedScenes, NibPadCalibrationsAreThePublishedLoads) {
-  const Scene plate = scene_of("nib_pad/calibrate_uniform.yaml");
+  const Scene plate = parsed(shipped("nib_pad/calibrate_uniform.yaml"));
   expect_the_published_pad(plate);
   EXPECT_EQ(plate.surface.name, "plane");
   EXPECT_GE(plate.duration * 300.0 / 9.0, 5000.0);
@@ -102,7 +93,7 @@ TEST(ShippedScenes, NibPadCalibrationsAreThePublishedLoads) {
 }
 
 TEST(ShippedScenes, PiezoSlideIsOneOfThePublishedRecordings) {
-  const Scene scene = scene_of("piezo_skin/slide.yaml");
+  const Scene scene = parsed(shipped("piezo_skin/slide.yaml"));
   EXPECT_EQ(scene.duration, 3.33);
   ASSERT_EQ(scene.sensors.size(), 1u);
   const Parameters &pad = scene.sensors[0].parameters, &motion = scene.motion.parameters;
@@ -123,7 +114,7 @@ TEST(ShippedScenes, PiezoSlideIsOneOfThePublishedRecordings) {
 }
 
 TEST(ShippedScenes, NibPadReorientationHasThePublishedBox) {
-  const Scene scene = scene_of("nib_pad/reorient.yaml");
+  const Scene scene = parsed(shipped("nib_pad/reorient.yaml"));
   expect_the_published_pad(scene);
   ASSERT_TRUE(scene.grasp.has_value());
   EXPECT_EQ(scene.grasp->box.number("mass"), 118e-3);
@@ -257,7 +248,7 @@ TEST(ShippedScenes, MyrmexHasThePublishedTrialsOfWhichSomeFallAndSomeHold) {
 }
 
 TEST(ShippedScenes, MyrmexSlipIsAsLongAsATrialOfTheDataset) {
-  const Scene scene = scene_of("myrmex/slip.yaml");
+  const Scene scene = parsed(shipped("myrmex/slip.yaml"));
   EXPECT_NEAR(64.0 * scene.duration, 662.8, 0.05);
   EXPECT_GE(control_of(scene, "apart").points.back().value, control_of(scene, "squeeze").points.back().value);
 }

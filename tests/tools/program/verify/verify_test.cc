@@ -4,11 +4,10 @@
 #include <limits>
 #include <string>
 
-#include "sim/scene/parser.h"
 #include "tests/expect.h"
+#include "tests/scenes.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/writer.h"
-#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::testing::verify_test {
@@ -29,8 +28,7 @@ constexpr std::size_t pressed = 48, sliding = 88;  // samples, 10 ms each
 class VerifyTest : public FolderTest {
  protected:
   static const TrialRecord& sound() {
-    static const TrialRecord record =
-        run_trial(parse_scene(SceneFile::from_text(scene_text, "scene"), program_catalogues()), 0, Recording::full).record;
+    static const TrialRecord record = run_trial(parsed(scene_text), 0, Recording::full).record;
     return record;
   }
   // A dataset of trials 0 to 2, of which 1 is changed.
@@ -83,7 +81,7 @@ TEST_F(VerifyTest, UnitsOfSeveralPointsOnASphereHold) {
   const std::string text =
       "slipbench: 1\nduration: 1 s\nsurface: {shape: sphere, radius: 20 mm}\nmotion: {compression: 0.6 mm, start: 0.5 s}\n"
       "sensors: {pad: {type: taxels, points: 3}}\n";
-  const Scene scene = parse_scene(SceneFile::from_text(text, "scene"), program_catalogues());
+  const Scene scene = parsed(text);
   DatasetWriter writer(path("a.h5"), {"1.2.3", text, "{}", scene.seed, "slipbench run a.yaml"}, 1);
   writer.append(TrialEncoder().encode(run_trial(scene, 0, Recording::full).record));
   writer.commit();

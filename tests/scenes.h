@@ -1,0 +1,31 @@
+// Scenes that tests begin with: those of the folder scenes, and texts.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/scene/parser.h"
+#include "tools/program/catalogue/program_catalogues.h"
+
+namespace slipbench {
+
+// What the program knows.
+inline const Catalogues& catalogues() {
+  static const Catalogues all = program_catalogues();
+  return all;
+}
+
+// The file scenes/`path`, with values set.
+inline SceneFile shipped(const std::string& path, const std::vector<Override>& changes = {}) {
+  SceneFile file = SceneFile::load(std::string(SLIPBENCH_SOURCE_DIR) + "/scenes/" + path);
+  for (const Override& change : changes) file.apply(change);
+  return file;
+}
+
+inline Scene parsed(const SceneFile& file) { return parse_scene(file, catalogues()); }
+inline Scene parsed(const std::string& text) { return parsed(SceneFile::from_text(text, "scene.yaml")); }
+
+// The published press-and-slide: 4 mm/s from 2 s on, an ideal sensor, mu = 0.5.
+inline Scene stage_scene(const std::vector<Override>& changes) { return parsed(shipped("papillarray/stage.yaml", changes)); }
+
+}  // namespace slipbench
