@@ -91,6 +91,14 @@ void ContactLabels::settle(std::span<const Field> fields, double dt) {
 }
 
 void ContactLabels::label_units(std::span<Field> fields, double dt) {
+  const double rate = 1.0 / dt;
+  if (single_ && fields.size() == 1 && fields.front().level()) {
+    const Field& field = fields.front();
+    elements_ = {static_cast<std::uint32_t>(field.touching()), static_cast<std::uint32_t>(field.slipping())};
+    contact_plane_.face(Eigen::Vector3d::UnitZ());
+    field.label_level(rate, frame_);
+    return;
+  }
   elements_ = {};
   seen_.resize(fields.size());
   for (std::size_t k = 0; k < fields.size(); ++k) {
@@ -104,7 +112,6 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
   const bool one_field = fields.size() == 1;
   const kernel::UnitColumns units = one_field && single_ ? elements_as_units(fields.front()) : sum_fields(fields);
   const std::size_t count = units_.size();
-  const double rate = 1.0 / dt;
   const Field& front = fields.front();
   // Where each unit has a normal of its own. Other pads than skins are turned run by run, whose zeros may have another sign.
   const bool apiece = front.sparse() || (front.has_skin() && !front.on_plane());

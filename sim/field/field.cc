@@ -1,6 +1,7 @@
 #include "sim/field/field.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -442,6 +443,13 @@ ElementColumns Field::view(double dt) const {
           columns_[velocity_y],
           columns_[velocity_z],
           columns_[mode_before]};
+}
+
+bool Field::level() const {
+  const Eigen::Matrix3d& r = pose_.rotation;
+  const auto bits = [&r](int row, int column) { return std::bit_cast<std::uint64_t>(r(row, column)); };
+  return (bits(0, 2) | bits(1, 2) | bits(2, 0) | bits(2, 1)) == 0 && r(2, 2) == 1.0 && on_plane() && !has_skin() &&
+         !effects_.cone && count_ >= kernel::lanes;
 }
 
 kernel::Groups Field::view_from_pad(std::uint64_t since) {

@@ -100,6 +100,12 @@ class Field {
   // `since`, and returns their groups, which hold until the next call. Of all others nothing has changed since then but the gap. A reader that
   // looks after every step passes the steps() of its last look; any number of readers may look, as often as they want.
   kernel::Groups view_from_pad(std::uint64_t since = 0);
+  // Whether label_level() may stand for that: a plane whose normal is the pad's Z to the bit, the circular cone, no elastic skin.
+  [[nodiscard]] bool level() const;
+  // Fills a frame of units of one element with all that kernel::label_units() does, and their states. `rate`: 1/step [1/s].
+  void label_level(double rate, ContactFrame& frame) const {
+    kernel::label_level_elements(columns_, pose_.rotation.transpose(), transmitted_, rate, count_, frame);
+  }
   // How many steps the field has taken; what load_state() brings back does not take them back. Only a sparse field counts.
   [[nodiscard]] std::uint64_t steps() const { return active_set_ ? active_set_->steps() : 0; }
   // Of element i, in the pad frame P: force of the surface on the pad, as the element passes it on [N], deformed tip minus undeformed

@@ -170,5 +170,9 @@ void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double r
 // The same of groups of units of one element, each of which meets a normal of its own. `to_pad`: rotation of the surface in the pad.
 void label_groups(const UnitColumns& units, const Eigen::Matrix3d& to_pad, double rate, const Groups& groups, std::size_t count,
                   ContactFrame& frame);
+// The same of `count` >= lanes units of one element each that meet a plane whose normal is the pad's Z to the bit, without a view_from_pad() before,
+// and their states. `transmitted`: as there.
+void label_level_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, Column transmitted, double rate,
+                          std::size_t count, ContactFrame& frame);
 
 }  // namespace slipbench::kernel

@@ -1,6 +1,7 @@
 // Vectorised passes: from elements to labels.
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <limits>
 
 #include "sim/field/kernel.h"
@@ -156,6 +157,15 @@ struct Turn {
 struct Labels {
   double *force, *contact_force, *displacement, *slip_velocity, *slip_distance, *margin;
 };
+SLIPBENCH_INLINE Labels labels_at(ContactFrame& frame, std::size_t u) {
+  return {frame.force.data() + 3 * u,         frame.contact_force.data() + 3 * u, frame.displacement.data() + 3 * u,
+          frame.slip_velocity.data() + 2 * u, frame.slip_distance.data() + u,     frame.margin.data() + u};
+}
+
+SLIPBENCH_INLINE Lanes margin_of(const Lanes& tangential_squared, const Lanes& limit, const Lanes& touching) {
+  const Lanes none{}, gauge = root(tangential_squared) / limit, left = limit == 0.0 ? none : 1.0 - gauge;
+  return touching == 0.0 ? none + std::numeric_limits<double>::quiet_NaN() : left;
+}
 
 SLIPBENCH_INLINE void label_group(const UnitColumns& c, const Rotation& to, double rate, std::size_t first,
                                   const Labels& labels) {
@@ -171,9 +181,8 @@ SLIPBENCH_INLINE void label_group(const UnitColumns& c, const Rotation& to, doub
   const Lanes vx = at(c.slip, 0), vy = at(c.slip, 1), vz = at(c.slip, 2);
   put_vectors(labels.slip_velocity, rate * (r.r00 * vx + r.r01 * vy + r.r02 * vz), rate * (r.r01 * vx + r.r11 * vy + r.r12 * vz));
   put_lanes(labels.slip_distance, lanes_at(c.path + first));
-  const Lanes tx = at(c.tangential, 0), ty = at(c.tangential, 1), tz = at(c.tangential, 2), limit = lanes_at(c.limit + first);
-  const Lanes none{}, gauge = root(tx * tx + ty * ty + tz * tz) / limit, left = limit == 0.0 ? none : 1.0 - gauge;
-  put_lanes(labels.margin, lanes_at(c.touching + first) == 0.0 ? none + std::numeric_limits<double>::quiet_NaN() : left);
+  const Lanes tx = at(c.tangential, 0), ty = at(c.tangential, 1), tz = at(c.tangential, 2);
+  put_lanes(labels.margin, margin_of(tx * tx + ty * ty + tz * tz, lanes_at(c.limit + first), lanes_at(c.touching + first)));
 }
 
 }  // namespace
@@ -181,20 +190,16 @@ SLIPBENCH_INLINE void label_group(const UnitColumns& c, const Rotation& to, doub
 SLIPBENCH_DISPATCHED void label_groups(const UnitColumns& c, const Eigen::Matrix3d& to_pad, double rate, const Groups& groups,
                                        std::size_t count, ContactFrame& frame) {
   const Rotation to = entries_of(to_pad);
-  const auto labels_at = [&frame](std::size_t u) {
-    return Labels{frame.force.data() + 3 * u,         frame.contact_force.data() + 3 * u, frame.displacement.data() + 3 * u,
-                  frame.slip_velocity.data() + 2 * u, frame.slip_distance.data() + u,     frame.margin.data() + u};
-  };
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t first = groups[k];
     if (first + lanes <= count) {
-      label_group(c, to, rate, first, labels_at(first));
+      label_group(c, to, rate, first, labels_at(frame, first));
       continue;
     }
     // The last group is not whole: the columns are, the frame is not.
     double vectors[3][3 * lanes], velocity[2 * lanes], distance[lanes], margin[lanes];
     label_group(c, to, rate, first, {vectors[0], vectors[1], vectors[2], velocity, distance, margin});
-    const Labels own = labels_at(first);
+    const Labels own = labels_at(frame, first);
     const std::size_t units = count - first;
     std::copy_n(vectors[0], 3 * units, own.force);
     std::copy_n(vectors[1], 3 * units, own.contact_force);
@@ -202,6 +207,33 @@ SLIPBENCH_DISPATCHED void label_groups(const UnitColumns& c, const Eigen::Matrix
     std::copy_n(velocity, 2 * units, own.slip_velocity);
     std::copy_n(distance, units, own.slip_distance);
     std::copy_n(margin, units, own.margin);
+  }
+}
+
+// What view_from_pad() and label_units() make of level elements, to the bit: without the products with zeros and ones, and nothing in between.
+SLIPBENCH_DISPATCHED void label_level_elements(const Columns& c, const Eigen::Matrix3d& to_pad, Column transmitted, double rate,
+                                               std::size_t count, ContactFrame& frame) {
+  const Lanes none{};
+  const auto positive = [&none](const Lanes& values) SLIPBENCH_INLINE_BODY { return (values < 0.0 ? none : values) + none; };
+  const Rotation r = entries_of(to_pad);
+  for (std::size_t next = 0; next < count; next += lanes) {
+    const std::size_t i = std::min(next, count - lanes);  // the last group begins before its turn, so as to be whole
+    const Labels labels = labels_at(frame, i);
+    const auto along_x = [&](const Lanes& x, const Lanes& y) SLIPBENCH_INLINE_BODY { return r.r00 * x + r.r01 * y + none; };
+    const auto along_y = [&](const Lanes& x, const Lanes& y) SLIPBENCH_INLINE_BODY { return r.r10 * x + r.r11 * y + none; };
+    const auto at = [&c, i](std::size_t column) SLIPBENCH_INLINE_BODY { return lanes_at(c[column] + i); };
+    const Lanes f_n = positive(at(f_normal)), depth = positive(-at(gap)), moving = at(mode);
+    const Lanes fx = none - at(transmitted), fy = none - at(transmitted + 1U);
+    const Lanes force_x_of_pad = along_x(fx, fy), force_y_of_pad = along_y(fx, fy);
+    put_vectors(labels.force, force_x_of_pad, force_y_of_pad, f_n);
+    put_vectors(labels.contact_force, force_x_of_pad, force_y_of_pad, f_n);
+    const Lanes dx = none - (at(contact_x) - at(anchor_x)), dy = none - (at(contact_y) - at(anchor_y));
+    put_vectors(labels.displacement, along_x(dx, dy), along_y(dx, dy), depth);
+    put_vectors(labels.slip_velocity, rate * along_x(at(slip_x), at(slip_y)), rate * along_y(at(slip_x), at(slip_y)));
+    put_lanes(labels.slip_distance, at(path));
+    put_lanes(labels.margin, margin_of(at(force_x) * at(force_x) + at(force_y) * at(force_y), at(limit), moving));
+    const auto states = __builtin_convertvector(__builtin_convertvector(moving, Ints), Bytes);
+    std::memcpy(frame.unit_state.data() + i, &states, sizeof states);
   }
 }
 

@@ -16,6 +16,8 @@ namespace slipbench::kernel {
 using Lanes = Quad;
 using Mask = decltype(Lanes{} == Lanes{});
 static_assert(lanes == quad);
+using Ints __attribute__((vector_size(lanes * sizeof(int)))) = int;
+using Bytes __attribute__((vector_size(lanes))) = unsigned char;
 using slipbench::any;
 
 SLIPBENCH_INLINE Lanes lanes_at(const double* from) { return vector_at<Lanes>(from); }

@@ -1,6 +1,7 @@
 // Units and pads: states, margin, the motion of the slip, and the order of events.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <vector>
 
@@ -382,6 +383,45 @@ TEST(ContactLabels, SlippedDistanceIsTheMeanOfAUnitsElements) {
   Rig rig(row({six_weights}), {0.5, 0.5}, 1e-3);
   for (int k = 0; k <= 300; ++k) rig.to(at(way * k / 300.0, 0.0, -compression));
   EXPECT_NEAR(rig.labels.frame().slip_distance[0], way - reach, 1e-15);  // the mean weight is 1
+}
+
+TEST(ContactLabels, UnitsOfALevelPadAreToTheBitWhatTheirElementsAre) {
+  const auto expect_same = [](const auto& found, const auto& expected, const char* what, int k) {
+    ASSERT_EQ(std::memcmp(found.data(), expected.data(), sizeof(double) * static_cast<std::size_t>(expected.size())), 0)
+        << what << k;
+  };
+  constexpr double dt = 1e-3;
+  for (const Eigen::Index units : {4, 5, 9}) {  // whole groups of lanes, and others
+    PadLayout pad = row(std::vector(static_cast<std::size_t>(units), std::vector{1.0}));
+    for (std::size_t u = 0; u < pad.elements.size(); ++u) pad.elements[u].tip.z() = 0.2e-3 * static_cast<double>(u);
+    Rig rig(pad, {0.5, 0.4}, dt);
+    Eigen::Array3Xd force(3, units), displacement(3, units);
+    Eigen::Array2Xd velocity(2, units);
+    Eigen::ArrayXd distance(units), margin(units);
+    for (int k = 0; k <= 200; ++k) {  // down and up again, while it slides and turns: all states, and all changes of them
+      Pose pose = at(10e-6 * k, -5e-6 * k, 0.2e-3 - 2.0 * compression * std::sin(pi * k / 200.0));
+      pose.rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(1e-3 * k).toRotationMatrix();
+      const ContactFrame& frame = rig.to(pose);
+      ASSERT_TRUE(rig.field.level());
+      rig.field.view_from_pad();
+      for (Eigen::Index u = 0; u < units; ++u) {
+        const auto i = static_cast<std::size_t>(u);
+        force.col(u) = rig.field.force_on_pad(i);
+        displacement.col(u) = rig.field.deflection(i);
+        velocity.col(u) = (1.0 / dt) * rig.field.slip_in_pad(i).head<2>();
+        distance[u] = rig.field.slip_path(i);
+        const bool touches = rig.field.state(i) != ElementState::detached;
+        margin[u] = touches ? 1.0 - rig.field.tangential_force(i).norm() / rig.field.stick_limit(i) : std::nan("");
+        ASSERT_EQ(static_cast<int>(frame.unit_state[i]), static_cast<int>(rig.field.state(i)));
+      }
+      expect_same(frame.force, force, "force at step ", k);
+      expect_same(frame.contact_force, force, "force in the contact plane at step ", k);
+      expect_same(frame.displacement, displacement, "displacement at step ", k);
+      expect_same(frame.slip_velocity, velocity, "slip velocity at step ", k);
+      expect_same(frame.slip_distance, distance, "slip distance at step ", k);
+      expect_same(frame.margin, margin, "margin at step ", k);
+    }
+  }
 }
 
 }  // namespace
