@@ -60,7 +60,8 @@ def compiled_in():
     """Debian packages of the headers and sources outside of the tree that the product is compiled from."""
     files = set()
     ours = False
-    packages = {"libpython3-dev"}  # Python's headers are Debian's, or those of another Python that the module is built for
+    packages = {"libpython3-dev",  # Python's headers are Debian's, or those of another Python that the module is built for
+                "musl-dev"}  # objects of its archive, no headers
     for line in output("ninja", "-t", "deps").splitlines():
         if not line.startswith(" "):
             ours = bool(line) and "#deps" in line and not line.startswith("tests/")
