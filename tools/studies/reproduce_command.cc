@@ -145,7 +145,7 @@ int ReproduceCommand::run() {
   if (name.empty() || name == "list") return list_reproductions(json);
   const Reproduction& reproduction = find_reproduction(name);
   check_options(options, resume, reproduction);
-  if (!output.empty()) check_result_target(output);
+  if (!output.empty()) page::check_page_files(output, page_kind);
   if (resume && output.empty()) throw InputError("reproduce: --resume goes on with what lies beside a page; allowed: with -o");
   options.say = [this](const std::string& what) { tell(what); };
   std::optional<KeptNetworks> kept;

@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/page/page.h"
-#include "tools/base/page/page_files.h"
 #include "tools/base/page/svg.h"
 
 namespace slipbench::reproduce {
@@ -60,11 +58,6 @@ std::string section(std::string_view title, const std::string& content, const st
                      note.empty() ? "" : fmt::format("<p class=\"note\">{}</p>\n", page::escape_html(note)));
 }
 
-constexpr std::string_view generator = "slipbench reproduce";
-
-constexpr page::PageKind kind{
-    "a result", {"result page", &begins_as_result_page}, {"result of a reproduction", &begins_as_result_json}};
-
 }  // namespace
 
 Json result_json(const std::string& name, const Result& result) {
@@ -73,25 +66,20 @@ Json result_json(const std::string& name, const Result& result) {
 }
 
 std::string result_page(const std::string& name, const Result& result) {
-  std::string body =
-      fmt::format("<header class=\"plain\"><p class=\"eyebrow\">{} {}</p>\n<h1>{}</h1>\n<p class=\"note\">{}</p></header>\n",
-                  generator, page::escape_html(name), page::escape_html(result.title), page::escape_html(result.source));
+  std::string body = fmt::format(
+      "<header class=\"plain\"><p class=\"eyebrow\">{} {}</p>\n<h1>{}</h1>\n<p class=\"note\">{}</p></header>\n",
+      page_kind.generator, page::escape_html(name), page::escape_html(result.title), page::escape_html(result.source));
   for (const ResultChart& chart : result.charts)
     body += section(chart.title, "<div class=\"scroll\">" + chart_html(chart) + "</div>\n");
   for (const ResultTable& table : result.tables)
     body += section(table.title, page::table_html(table.head, table.rows), table.note);
   if (!result.remarks.empty()) body += section("What differs, and why", page::list_html(result.remarks));
   if (!result.setup.empty()) body += section("How it was measured", page::list_html(result.setup));
-  return page::compose_page({generator, name + " · slipbench reproduce"}, body);
+  return page::compose_page({page_kind.generator, name + " · slipbench reproduce"}, body);
 }
 
-bool begins_as_result_page(std::string_view text) { return page::begins_as_page(text, generator); }
-bool begins_as_result_json(std::string_view text) { return text.starts_with("{\n  \"reproduction\": "); }
-
-void check_result_target(const std::string& html_path) { page::check_page_files(html_path, kind); }
-
 std::vector<std::string> write_result(const std::string& html_path, const std::string& name, const Result& result) {
-  return page::write_page_files(html_path, kind, result_page(name, result), result_json(name, result));
+  return page::write_page_files(html_path, page_kind, result_page(name, result), result_json(name, result));
 }
 
 }  // namespace slipbench::reproduce

@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/page/json.h"
+#include "tools/base/page/page.h"
 
 namespace slipbench::reproduce {
 
 struct ResultTable {
   std::string title;
   std::vector<std::string> head;
-  std::vector<std::vector<std::string>> rows;  // as many cells as the head has
-  std::string note;                            // a sentence below it; may be empty
+  std::vector<std::vector<std::string>> rows = {};  // as many cells as the head has
+  std::string note = {};                            // a sentence below it; may be empty
 };
 
 // A value against what was varied, with its interval; `low` and `high` may be equal to it.
@@ -48,15 +48,11 @@ Json result_json(const std::string& name, const Result& result);
 // One HTML page that needs no other file.
 std::string result_page(const std::string& name, const Result& result);
 
-// Whether a file that begins so is such a page, or such an object written by write_result().
-bool begins_as_result_page(std::string_view text);
-bool begins_as_result_json(std::string_view text);
+// The page and the object as write_result() writes them.
+inline constexpr page::PageKind page_kind{
+    "a result", "slipbench reproduce", "result page", "result of a reproduction", {"reproduction"}};
 
-// Writes FILE.html, and the object beside it as FILE.json; returns both names. Files of these kinds are replaced, others are not.
-// Throws InputError when `html_path` does not end in .html or a file cannot be written.
+// Writes FILE.html, and the object beside it as FILE.json; returns both names. Throws InputError as page::check_page_files().
 std::vector<std::string> write_result(const std::string& html_path, const std::string& name, const Result& result);
-
-// The same refusals before any work is done.
-void check_result_target(const std::string& html_path);
 
 }  // namespace slipbench::reproduce

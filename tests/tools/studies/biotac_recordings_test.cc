@@ -7,7 +7,7 @@
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tests/tools/program/import/sources.h"
-#include "tools/studies/biotac/biotac_stability.h"
+#include "tools/studies/biotac/biotac_learning.h"
 
 namespace slipbench::reproduce::biotac_recordings_test {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/studies/hd_papillarray/hd_resources.h"
+#include "tools/studies/hd_papillarray/hd_tables.h"
 
 #include <fstream>
 

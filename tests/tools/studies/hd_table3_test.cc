@@ -1,5 +1,5 @@
 // Table III's figures, of a result made by hand.
-#include "tools/studies/hd_papillarray/hd_offline.h"
+#include "tools/studies/hd_papillarray/hd_tables.h"
 
 #include <cmath>
 

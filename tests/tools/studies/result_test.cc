@@ -23,7 +23,7 @@ Result sample_result() {
 
 TEST(ResultPage, ShowsEverythingAsText) {
   const std::string page = result_page("paper/table", sample_result());
-  EXPECT_TRUE(begins_as_result_page(page));
+  EXPECT_TRUE(page::begins_as_page(page, page_kind.generator));
   EXPECT_THAT(page, AllOf(HasSubstr("A &lt;title&gt;"), HasSubstr("Table &amp; more"), HasSubstr("<td>a &lt; b</td><td>1.0</td>"),
                           HasSubstr("a note"), HasSubstr("it differs"), HasSubstr("one thread"), HasSubstr("paper/table")));
   // Nothing is loaded from anywhere.
@@ -67,7 +67,7 @@ TEST_F(ResultFileTest, OtherFilesAreKept) {
   EXPECT_THAT(refusal_of([&] { write_result(path("r.html"), "paper/table", sample_result()); }), HasSubstr("r.json"));
   EXPECT_EQ(bytes_of(path("r.json")), "{\"mine\": 1}");
   EXPECT_THAT(names(), ElementsAre("r.json"));
-  EXPECT_THAT(refusal_of([&] { check_result_target(path("r.txt")); }), HasSubstr("a name that ends in .html"));
+  EXPECT_THAT(refusal_of([&] { page::check_page_files(path("r.txt"), page_kind); }), HasSubstr("a name that ends in .html"));
 }
 
 }  // namespace

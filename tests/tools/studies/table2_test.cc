@@ -5,7 +5,7 @@
 #include "sim/core/pad_state.h"
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
-#include "tools/studies/hd_papillarray/hd_table2.h"
+#include "tools/studies/hd_papillarray/hd_tables.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {

@@ -24,27 +24,23 @@ using hdf5::open_file;
 using hdf5::open_object;
 using hdf5::Place;
 
-template <class T>
-hid_t memory_type();
-template <>
-hid_t memory_type<double>() {
-  return H5T_NATIVE_DOUBLE;
-}
-template <>
-hid_t memory_type<float>() {
-  return H5T_NATIVE_FLOAT;
-}
-template <>
-hid_t memory_type<std::uint64_t>() {
-  return H5T_NATIVE_UINT64;
-}
-template <>
-hid_t memory_type<std::uint32_t>() {
-  return H5T_NATIVE_UINT32;
-}
-template <>
-hid_t memory_type<std::uint8_t>() {
-  return H5T_NATIVE_UINT8;
+hid_t memory_type(double) { return H5T_NATIVE_DOUBLE; }
+hid_t memory_type(float) { return H5T_NATIVE_FLOAT; }
+hid_t memory_type(std::uint64_t) { return H5T_NATIVE_UINT64; }
+hid_t memory_type(std::uint32_t) { return H5T_NATIVE_UINT32; }
+hid_t memory_type(std::uint8_t) { return H5T_NATIVE_UINT8; }
+
+// What HDF5 finds wrong is damage.
+template <class Read>
+auto read_safely(const std::string& path, const Read& read) {
+  hdf5::initialise();
+  try {
+    return read();
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw InputError(fmt::format("{}: is damaged: {}", path, error.what()));
+  }
 }
 
 template <class T>
@@ -58,7 +54,7 @@ Array<T> read_array(const Place& place) {
   const Handle object = open_object(place);
   Array<T> array{hdf5::array_extents(place, object), {}};
   array.values.resize(hdf5::count_of(place, array.shape, 1, hdf5::best_compression));
-  if (!array.values.empty() && H5Dread(object.get(), memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0) {
+  if (!array.values.empty() && H5Dread(object.get(), memory_type(T{}), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0) {
     place.fail("cannot be read: " + hdf5::last_error());
   }
   return array;
@@ -82,7 +78,7 @@ Array<T> read_numbers(const Place& place, const Handle& object, const std::strin
   Array<T> array{attribute.shape, std::vector<T>(hdf5::count_of(place, attribute.shape, 1, 1))};
   const H5T_class_t kind = H5Tget_class(attribute.type.get());
   if ((kind != H5T_INTEGER && kind != H5T_FLOAT) ||
-      (!array.values.empty() && H5Aread(attribute.handle.get(), memory_type<T>(), array.values.data()) < 0)) {
+      (!array.values.empty() && H5Aread(attribute.handle.get(), memory_type(T{}), array.values.data()) < 0)) {
     place.fail("attribute '" + name + "' is no number");
   }
   return array;
@@ -99,23 +95,6 @@ std::vector<std::string> read_texts(const Place& place, const Handle& object, co
   return hdf5::texts_of(place, hdf5::open_attribute(place, object, name), name);
 }
 
-std::string read_text(const Place& place, const Handle& object, const std::string& name) {
-  std::vector<std::string> texts = read_texts(place, object, name);
-  if (texts.size() != 1) place.fail("attribute '" + name + "' is no single text");
-  return std::move(texts.front());
-}
-
-// k of "demo_<k>".
-std::size_t demo_number(const Place& place, const std::string& name) {
-  constexpr std::string_view prefix = "demo_";
-  std::size_t number = 0;
-  const char* end = name.data() + name.size();
-  if (!name.starts_with(prefix)) place.fail("holds '" + name + "', which is no demo_<k>");
-  const auto [stop, error] = std::from_chars(name.data() + prefix.size(), end, number);
-  if (error != std::errc() || stop != end) place.fail("holds '" + name + "', which is no demo_<k>");
-  return number;
-}
-
 FileAbout read_about(const Place& place) {
   const Handle object = open_object(place);
   const auto schema = read_number<std::uint64_t>(place, object, "schema");
@@ -129,21 +108,23 @@ FileAbout read_about(const Place& place) {
     about.shards = read_number<std::uint64_t>(place, object, "shards");
     about.complete = read_number<std::uint64_t>(place, object, "complete") != 0;
   }
-  about.header = {read_text(place, object, "version"), read_text(place, object, "scene"), read_text(place, object, "overrides"),
-                  read_number<std::uint64_t>(place, object, "seed"), read_text(place, object, "command")};
-  if (H5Aexists(object.get(), "truth") > 0) about.header.truth = read_text(place, object, "truth");
+  about.header = {hdf5::text_of(place, object, "version"), hdf5::text_of(place, object, "scene"),
+                  hdf5::text_of(place, object, "overrides"), read_number<std::uint64_t>(place, object, "seed"),
+                  hdf5::text_of(place, object, "command")};
+  if (H5Aexists(object.get(), "truth") > 0) about.header.truth = hdf5::text_of(place, object, "truth");
   if (H5Aexists(object.get(), "files") > 0) {
-    about.header.files = parse_files(place.file_name, read_text(place, object, "files"));
+    about.header.files = parse_files(place.file_name, hdf5::text_of(place, object, "files"));
   }
   if (H5Aexists(object.get(), "sweep_shard") > 0) {
-    about.header.part = parse_shard(place.file_name, read_text(place, object, "sweep_shard"),
+    about.header.part = parse_shard(place.file_name, hdf5::text_of(place, object, "sweep_shard"),
                                     read_number<std::uint64_t>(place, object, "sweep_trials"));
   }
   about.shard = read_number<std::uint64_t>(place, object, "shard");
   H5G_info_t list;
   check(H5Gget_info_by_name(place.file, "/data", &list, H5P_DEFAULT));
   about.trials = list.nlinks;
-  if (H5Aexists(object.get(), "failed") > 0) about.failed = parse_failures(place.file_name, read_text(place, object, "failed"));
+  if (H5Aexists(object.get(), "failed") > 0)
+    about.failed = parse_failures(place.file_name, hdf5::text_of(place, object, "failed"));
   return about;
 }
 
@@ -177,6 +158,23 @@ Confusion read_confusion(const Place& place, const Handle& group) {
 // Channel extents as a sensor's array has them: the axes after the first.
 Extents tail_of(const std::vector<std::size_t>& shape) {
   return shape.empty() ? Extents{} : Extents(shape.begin() + 1, shape.end());
+}
+
+// The outcome of a version before `detection`: slip to be judged by is what has a delay or, without one, any in the samples.
+void settle_old_detection(TrialOutcome& outcome, const Confusion& confusion) {
+  outcome.judged_slip_time = outcome.detection_time - outcome.detection_delay;
+  const bool in_samples = samples_in(confusion, PadState::incipient) + samples_in(confusion, PadState::gross) > 0;
+  settle_detection(outcome, in_samples || !std::isnan(outcome.judged_slip_time));
+}
+
+// A record with what the demo says of itself.
+TrialRecord record_of(std::size_t trial, DemoInfo demo) {
+  TrialRecord record;
+  record.trial = trial;
+  record.seed = demo.seed;
+  record.params = std::move(demo.params);
+  record.outcome = parse_outcome(demo.outcome);
+  return record;
 }
 
 }  // namespace
@@ -227,12 +225,12 @@ struct DatasetReader::State {
     header = std::move(about.header);
     if (index == 0) failed = std::move(about.failed);
     for (const std::string& name : members_of({place.file, place.file_name, "/data"})) {
-      const std::size_t trial = demo_number({place.file, place.file_name, "/data"}, name);
+      const std::size_t trial = trial_number({place.file, place.file_name, "/data"}, name);
       trials.push_back(trial);
       if (!file_of.emplace(trial, index).second)
         place.fail(fmt::format("holds trial {}, as does another file of the dataset", trial));
     }
-    digests.push_back(about.shards ? read_text(place, open_object(place), file_sha256_name) : "");
+    digests.push_back(about.shards ? hdf5::text_of(place, open_object(place), file_sha256_name) : "");
     // What a killed run has left has no more files than are there, whatever those say that it had finished.
     const bool killed = digests.front().empty();
     if (killed) return index + (std::filesystem::exists(sibling_path(files.front().name, index + 1)) ? 2 : 1);
@@ -245,7 +243,7 @@ struct DatasetReader::State {
     LabelRecord labels;
     labels.truth = false;
     if (!exists(place)) return labels;
-    labels.rule = read_text(place, open_object(place), "rule");
+    labels.rule = hdf5::text_of(place, open_object(place), "rule");
     labels.state_paper = read_column<std::uint8_t>(place.below("state_paper"), rows, {});
     static_cast<void>(count_states(place.below("state_paper"), labels.state_paper));
     return labels;
@@ -284,10 +282,10 @@ struct DatasetReader::State {
       place.fail("stands in an imported recording, which has no control loop");
     const Handle group = open_object(place);
     ControlRecord control;
-    control.detector = read_text(place, group, "detector");
+    control.detector = hdf5::text_of(place, group, "detector");
     // A dataset of a version without controllers has none of theirs.
-    if (H5Aexists(group.get(), "controller") > 0) control.controller = read_text(place, group, "controller");
-    control.sensor = read_text(place, group, "sensor");
+    if (H5Aexists(group.get(), "controller") > 0) control.controller = hdf5::text_of(place, group, "controller");
+    control.sensor = hdf5::text_of(place, group, "sensor");
     control.rate = read_number<double>(place, group, "rate_hz");
     if (sensors.empty()) {
       control.confusion = read_confusion(place, group);
@@ -305,8 +303,7 @@ struct DatasetReader::State {
       if (grasp && grasp->turn) for_each_arm_column(control.grip, read);
     }
     static_cast<void>(count_states(place.below("detector_class"), control.detector_class));
-    const auto sensor = std::find_if(sensors.begin(), sensors.end(),
-                                     [&](const SensorRecord& candidate) { return candidate.name == control.sensor; });
+    const auto sensor = std::ranges::find(sensors, control.sensor, &SensorRecord::name);
     if (sensor == sensors.end()) place.fail(fmt::format("reads the sensor '{}', which the trial does not have", control.sensor));
     if (sensor->time != control.time) place.fail("has not the times of its sensor");
     for (std::size_t row = 0; row < control.time.size(); ++row) {
@@ -317,33 +314,21 @@ struct DatasetReader::State {
 };
 
 std::optional<FileAbout> file_about(const std::string& path) {
-  hdf5::initialise();
-  try {
+  return read_safely(path, [&]() -> std::optional<FileAbout> {
     const Handle file = open_file(path);
     const Place place{file.get(), path, "/"};
     const Handle root = open_object(place);
-    if (H5Aexists(root.get(), "schema") == 0) {
-      if (H5Aget_num_attrs(root.get()) == 0 && members_of(place).empty()) place.fail("holds nothing");
-      return std::nullopt;
-    }
-    return read_about(place);
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::runtime_error& error) {
-    throw InputError(fmt::format("{}: is damaged: {}", path, error.what()));
-  }
+    if (H5Aexists(root.get(), "schema") > 0) return read_about(place);
+    if (H5Aget_num_attrs(root.get()) == 0 && members_of(place).empty()) place.fail("holds nothing");
+    return std::nullopt;
+  });
 }
 
 DatasetReader::DatasetReader(const std::string& path) : state_(std::make_unique<State>()) {
-  hdf5::initialise();
-  try {
+  read_safely(path, [&] {
     std::size_t shards = state_->add_file(path);
     for (std::size_t k = 1; k < shards; ++k) shards = state_->add_file(sibling_path(path, k));
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::runtime_error& error) {
-    throw InputError(fmt::format("{}: is damaged: {}", path, error.what()));
-  }
+  });
   std::sort(state_->trials.begin(), state_->trials.end());
 }
 
@@ -373,7 +358,7 @@ std::vector<std::size_t> DatasetReader::mask(const std::string& split) const {
     const Place place{root.file, root.file_name, "/mask/" + split};
     const Handle object = open_object(place);
     if (H5Iget_type(object.get()) != H5I_DATASET) place.fail("is no array");
-    for (const std::string& name : hdf5::texts_of(place, object)) trials.push_back(demo_number(place, name));
+    for (const std::string& name : hdf5::texts_of(place, object)) trials.push_back(trial_number(place, name));
   }
   return trials;
 }
@@ -382,7 +367,7 @@ DemoInfo DatasetReader::info(std::size_t trial) const {
   const Place place = state_->demo(trial);
   const Handle object = open_object(place);
   return {read_number<std::uint64_t>(place, object, "num_samples"), read_number<std::uint64_t>(place, object, "seed"),
-          read_text(place, object, "params"), read_text(place, object, "outcome")};
+          hdf5::text_of(place, object, "params"), hdf5::text_of(place, object, "outcome")};
 }
 
 std::vector<std::string> DatasetReader::sensors(std::size_t trial) const {
@@ -408,7 +393,7 @@ void DatasetReader::check_truth(const std::string& what, const std::string& allo
 
 std::string DatasetReader::sensor_type(std::size_t trial, const std::string& sensor) const {
   const Place place = state_->demo(trial).below(sensor_group(sensor));
-  return read_text(place, open_object(place), "type");
+  return hdf5::text_of(place, open_object(place), "type");
 }
 
 SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& sensor) const {
@@ -417,10 +402,10 @@ SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& se
   const Handle group = open_object(place);
   SensorRecord record;
   record.name = sensor;
-  record.type = read_text(place, group, "type");
+  record.type = hdf5::text_of(place, group, "type");
   record.rate = read_number<double>(place, group, "rate_hz");
-  record.frame = read_text(place, group, "frame");
-  if (H5Aexists(group.get(), "follows") > 0) record.follows = read_text(place, group, "follows");
+  record.frame = hdf5::text_of(place, group, "frame");
+  if (H5Aexists(group.get(), "follows") > 0) record.follows = hdf5::text_of(place, group, "follows");
   record.channel_names = read_texts(place, group, "channel_names");
   record.time = read_array<double>(place.below("t")).values;
   for (const std::string& name : read_texts(place, group, "channels")) {
@@ -433,8 +418,8 @@ SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& se
     if (H5Lexists(group.get(), own_time.c_str(), H5P_DEFAULT) > 0) time = read_array<double>(place.below(own_time)).values;
     const std::size_t rows = time ? time->size() : record.time.size();
     if (array.shape.empty() || array.shape[0] != rows) channel.fail("has not one row a sample");
-    record.channels.push_back(
-        {name, read_text(channel, open_object(channel), "unit"), tail_of(array.shape), std::move(array.values), std::move(time)});
+    record.channels.push_back({name, hdf5::text_of(channel, open_object(channel), "unit"), tail_of(array.shape),
+                               std::move(array.values), std::move(time)});
   }
   record.labels = state_->read_labels(demo.below(label_group(sensor)), record.time);
   return record;
@@ -447,7 +432,7 @@ Digest DatasetReader::stored_digest(std::size_t trial) const {
 
 std::string DatasetReader::trial_sha256(std::size_t trial) const {
   const Place demo = state_->demo(trial);
-  return schema(file_of(trial)) == 1 ? "" : read_text(demo, open_object(demo), trial_sha256_name);
+  return schema(file_of(trial)) == 1 ? "" : hdf5::text_of(demo, open_object(demo), trial_sha256_name);
 }
 
 std::string DatasetReader::stored_sha256(std::size_t file, const std::vector<std::pair<std::size_t, Digest>>& trials) const {
@@ -456,27 +441,6 @@ std::string DatasetReader::stored_sha256(std::size_t file, const std::vector<std
   for (const auto& [trial, digest] : trials) digests.push_back(digest);
   return content_digest(digests);
 }
-
-namespace {
-
-// The outcome of a version before `detection`: slip to be judged by is what has a delay or, without one, any in the samples.
-void settle_old_detection(TrialOutcome& outcome, const Confusion& confusion) {
-  outcome.judged_slip_time = outcome.detection_time - outcome.detection_delay;
-  const bool in_samples = samples_in(confusion, PadState::incipient) + samples_in(confusion, PadState::gross) > 0;
-  settle_detection(outcome, in_samples || !std::isnan(outcome.judged_slip_time));
-}
-
-// A record with what the demo says of itself.
-TrialRecord record_of(std::size_t trial, DemoInfo demo) {
-  TrialRecord record;
-  record.trial = trial;
-  record.seed = demo.seed;
-  record.params = std::move(demo.params);
-  record.outcome = parse_outcome(demo.outcome);
-  return record;
-}
-
-}  // namespace
 
 TrialRecord DatasetReader::read_counts(std::size_t trial) const {
   TrialRecord record = record_of(trial, info(trial));
@@ -500,7 +464,8 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
   TrialRecord record = record_of(trial, info(trial));
   const Place demo_place = state_->demo(trial);
   const Handle demo_object = open_object(demo_place);
-  if (H5Aexists(demo_object.get(), "model_sha256") > 0) record.model_sha256 = read_text(demo_place, demo_object, "model_sha256");
+  if (H5Aexists(demo_object.get(), "model_sha256") > 0)
+    record.model_sha256 = hdf5::text_of(demo_place, demo_object, "model_sha256");
   for (const std::string& sensor : sensors(trial)) record.sensors.push_back(read_sensor(trial, sensor));
   for (const std::string& body : bodies(trial)) {
     const Place place = state_->demo(trial).below(body_group(body));

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/base/hdf5/hdf5_place.h"
 #include "tools/base/record/content_digest.h"
 
 namespace slipbench {
@@ -16,6 +17,7 @@ namespace {
 
 using hdf5::check;
 using hdf5::Handle;
+using hdf5::write_attribute;
 
 std::string demo_name(std::size_t trial) { return fmt::format("demo_{}", trial); }
 
@@ -34,59 +36,13 @@ hid_t file_type(ElementType type) {
   return H5I_INVALID_HID;
 }
 
-Handle property_list(hid_t kind) { return {H5Pcreate(kind), &H5Pclose}; }
-
-// Each of these lists and types serves all that a file gets: to make one takes HDF5 as long as to write an attribute.
-const Handle& text_type() {
-  static const Handle made = [] {
-    Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
-    check(H5Tset_size(type.get(), H5T_VARIABLE));
-    check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
-    return type;
-  }();
-  return made;
-}
-
-Handle space_of(const std::vector<std::size_t>& shape) {
-  const std::vector<hsize_t> extents(shape.begin(), shape.end());
-  return {H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr), &H5Sclose};
-}
-
-void write_attribute(hid_t object, const std::string& name, hid_t type, const Handle& space, const void* value) {
-  Handle attribute(H5Acreate2(object, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT), &H5Aclose);
-  check(H5Awrite(attribute.get(), type, value));
-  attribute.close();
-}
-
-Handle scalar() { return {H5Screate(H5S_SCALAR), &H5Sclose}; }
-
-void write_attribute(hid_t object, const std::string& name, std::uint64_t value) {
-  write_attribute(object, name, H5T_STD_U64LE, scalar(), &value);
-}
-
-void write_attribute(hid_t object, const std::string& name, double value) {
-  write_attribute(object, name, H5T_IEEE_F64LE, scalar(), &value);
-}
-
-void write_attribute(hid_t object, const std::string& name, const std::string& value) {
-  const char* text = value.c_str();
-  write_attribute(object, name, text_type().get(), scalar(), &text);
-}
-
-void write_attribute(hid_t object, const std::string& name, const std::vector<std::string>& values) {
-  std::vector<const char*> texts;
-  for (const std::string& value : values) texts.push_back(value.c_str());
-  write_attribute(object, name, text_type().get(), space_of({values.size()}), texts.data());
-}
-
 void write_attribute(hid_t object, const std::string& name, const EncodedAttribute::Doubles& matrix) {
-  write_attribute(object, name, H5T_IEEE_F64LE, space_of(matrix.shape), matrix.values.data());
+  write_attribute(object, name, matrix.values, matrix.shape);
 }
 
 // Groups keep their few members and attributes in the object header, which is small and quick; no time stamps.
 Handle group_properties(hid_t kind) {
-  Handle properties = property_list(kind);
-  check(H5Pset_obj_track_times(properties.get(), 0));
+  Handle properties = hdf5::untimed(kind);
   check(H5Pset_link_phase_change(properties.get(), 32, 28));
   check(H5Pset_attr_phase_change(properties.get(), 32, 28));
   return properties;
@@ -125,8 +81,7 @@ enum class Storage : std::uint8_t { whole, deflated, shuffled };
 
 // Of an array, but for the extents of its chunks.
 Handle array_properties(Storage storage) {
-  Handle properties = property_list(H5P_DATASET_CREATE);
-  check(H5Pset_obj_track_times(properties.get(), 0));
+  Handle properties = hdf5::untimed(H5P_DATASET_CREATE);
   check(H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER));
   if (storage == Storage::shuffled) check(H5Pset_shuffle(properties.get()));
   if (storage != Storage::whole) check(H5Pset_deflate(properties.get(), TrialEncoder::deflate_level));
@@ -137,7 +92,7 @@ void write_array(hid_t demo, const EncodedArray& array) {
   static const Handle whole = array_properties(Storage::whole);
   static const Handle deflated = array_properties(Storage::deflated);
   static const Handle shuffled = array_properties(Storage::shuffled);
-  const Handle space = space_of(array.shape);
+  const Handle space = hdf5::space_of(array.shape);
   const Handle& properties = array.chunk_rows == 0 ? whole : size_of(array.type) > 1 ? shuffled : deflated;
   if (array.chunk_rows > 0) {
     std::vector<hsize_t> chunk(array.shape.begin(), array.shape.end());
@@ -175,19 +130,6 @@ void forget_heaps(hid_t file, std::size_t kept, const std::function<void()>& ins
   check(H5Fset_mdc_config(file, &usual));
 }
 
-// An array of texts of a fixed length, padded with zeros.
-void write_texts(hid_t group, const char* name, const std::string& padded, std::size_t width) {
-  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
-  check(H5Tset_size(type.get(), width));
-  check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD));
-  const Handle space = space_of({padded.size() / width});
-  Handle properties = property_list(H5P_DATASET_CREATE);
-  check(H5Pset_obj_track_times(properties.get(), 0));
-  Handle dataset(H5Dcreate2(group, name, type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Dclose);
-  if (!padded.empty()) check(H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()));
-  dataset.close();
-}
-
 // Names of the trials that are both in `part` and in `held`, as robomimic writes them: fixed-length strings.
 void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& part, const std::vector<std::size_t>& held) {
   std::vector<std::size_t> members;
@@ -195,28 +137,9 @@ void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& p
     std::set_intersection(std::ranges::lower_bound(part, held.front()), std::ranges::upper_bound(part, held.back()), held.begin(),
                           held.end(), std::back_inserter(members));
   }
-  std::size_t width = 1;
-  for (const std::size_t trial : members) width = std::max(width, demo_name(trial).size());
-  std::string names;
-  for (const std::size_t trial : members) {
-    names += demo_name(trial);
-    names.resize((names.size() + width - 1) / width * width, '\0');
-  }
-  write_texts(group, name, names, width);
-}
-
-// What merging splits the whole sweep by.
-void write_groups(hid_t mask, const std::vector<std::string>& groups, const std::optional<SplitRule>& split) {
-  std::size_t width = 1;
-  for (const std::string& name : groups) width = std::max(width, name.size());
-  std::string padded;
-  for (const std::string& name : groups) {
-    padded += name;
-    padded.resize(padded.size() + width - name.size(), '\0');
-  }
-  write_texts(mask, split_groups_name, padded, width);
-  if (split)
-    write_attribute(mask, split_shares_name, EncodedAttribute::Doubles{{3}, {split->shares.begin(), split->shares.end()}});
+  std::vector<std::string> names;
+  for (const std::size_t trial : members) names.push_back(demo_name(trial));
+  hdf5::write_texts(group, name, names);
 }
 
 Handle write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t>& held) {
@@ -333,7 +256,9 @@ void Shard::prepare(const Masks& masks, const std::vector<FailedTrial>& failed, 
   publish();
   write([&] {
     Handle mask = write_masks(file_.get(), masks, trials_);
-    if (of_shard_) write_groups(mask.get(), groups_, split_);
+    if (of_shard_) hdf5::write_texts(mask.get(), split_groups_name, groups_);  // what merging splits the whole sweep by
+    if (of_shard_ && split_)
+      write_attribute(mask.get(), split_shares_name, {split_->shares.begin(), split_->shares.end()}, {split_->shares.size()});
     mask.close();
     if (!failed.empty()) write_attribute(file_.get(), "failed", failures_json(failed));
     write_attribute(file_.get(), "shards", static_cast<std::uint64_t>(shards));

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "tools/base/dataset/header.h"
-#include "tools/base/dataset/mask.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/hdf5/crash_safe_file.h"
 #include "tools/base/record/encoder.h"

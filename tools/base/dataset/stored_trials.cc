@@ -20,22 +20,6 @@ using hdf5::check;
 using hdf5::Handle;
 using hdf5::Place;
 
-std::string text_of(const Place& place, const Handle& object, const std::string& name) {
-  std::vector<std::string> texts = hdf5::texts_of(place, hdf5::open_attribute(place, object, name), name);
-  if (texts.size() != 1) place.fail("attribute '" + name + "' is no single text");
-  return std::move(texts.front());
-}
-
-std::size_t trial_number(const Place& list, const std::string& name) {
-  constexpr std::string_view prefix = "demo_";
-  std::size_t number = 0;
-  const char* const end = name.data() + name.size();
-  const bool prefixed = name.starts_with(prefix);
-  const auto [stop, error] = std::from_chars(name.data() + (prefixed ? prefix.size() : 0), end, number);
-  if (!prefixed || error != std::errc() || stop != end) list.fail("holds '" + name + "', which is no demo_<k>");
-  return number;
-}
-
 // The attributes of a group in the order in which the encoder writes them, in which they must be written again for the same bytes. A header does
 // not keep it: where it grows, HDF5 moves some.
 std::vector<std::string> attributes_as_encoded(const Place& place, const Handle& object) {
@@ -140,10 +124,14 @@ void read_chunks(const Place& place, const Handle& dataset, const Handle& proper
 
 EncodedArray read_array(const Place& place, const Handle& dataset, const std::string& path) {
   const Handle properties = hdf5::array_properties(place, dataset);
-  EncodedArray array{
-      path, text_of(place, dataset, "unit"), {}, element_type(place, dataset), hdf5::array_extents(place, dataset, properties), 0,
-      {}};
-  if (H5Aexists(dataset.get(), "codes") > 0) array.codes = text_of(place, dataset, "codes");
+  EncodedArray array{path,
+                     hdf5::text_of(place, dataset, "unit"),
+                     {},
+                     element_type(place, dataset),
+                     hdf5::array_extents(place, dataset, properties),
+                     0,
+                     {}};
+  if (H5Aexists(dataset.get(), "codes") > 0) array.codes = hdf5::text_of(place, dataset, "codes");
   if (H5Pget_layout(properties.get()) == H5D_CHUNKED) {
     read_chunks(place, dataset, properties, array);
   } else if (hdf5::count_of(place, array.shape, size_of(array.type), 1) > 0) {
@@ -187,7 +175,7 @@ std::optional<SplitRule> split_of(const Place& mask) {
   const EncodedAttribute read = read_attribute(mask, object, "", split_shares_name);
   const auto* shares = std::get_if<EncodedAttribute::Doubles>(&read.value);
   if (shares == nullptr || shares->values.size() != 3) mask.fail("attribute 'shares' is not three numbers");
-  return SplitRule{text_of(mask, object, "split_by"), {shares->values[0], shares->values[1], shares->values[2]}};
+  return SplitRule{hdf5::text_of(mask, object, "split_by"), {shares->values[0], shares->values[1], shares->values[2]}};
 }
 
 }  // namespace
@@ -226,7 +214,7 @@ void StoredTrials::open(std::size_t file) {
   file_ = hdf5::open_file(name_);
   hdf5::keep_little(file_);
   const Place root = place("/");
-  content_sha256_ = text_of(root, hdf5::open_object(root), file_sha256_name);
+  content_sha256_ = hdf5::text_of(root, hdf5::open_object(root), file_sha256_name);
   const Place list = place("/data");
   std::vector<std::size_t> numbers;
   for (const std::string& name : hdf5::members_of(list)) numbers.push_back(trial_number(list, name));
@@ -261,7 +249,17 @@ std::optional<std::size_t> StoredTrials::trial() {
 
 std::string StoredTrials::sha256() {
   const Place demo = place(fmt::format("/data/demo_{}", trials_[next_].first));
-  return text_of(demo, hdf5::open_object(demo), trial_sha256_name);
+  return hdf5::text_of(demo, hdf5::open_object(demo), trial_sha256_name);
+}
+
+std::size_t trial_number(const Place& list, const std::string& name) {
+  constexpr std::string_view prefix = "demo_";
+  std::size_t number = 0;
+  const char* const end = name.data() + name.size();
+  const bool prefixed = name.starts_with(prefix);
+  const auto [stop, error] = std::from_chars(name.data() + (prefixed ? prefix.size() : 0), end, number);
+  if (!prefixed || error != std::errc() || stop != end) list.fail("holds '" + name + "', which is no demo_<k>");
+  return number;
 }
 
 EncodedTrial read_encoded(const Place& demo, std::size_t number) {

@@ -7,12 +7,15 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/dataset/mask.h"
+#include "tools/base/dataset/header.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/hdf5/hdf5_place.h"
 #include "tools/base/record/encoder.h"
 
 namespace slipbench {
+
+// k of the member "demo_<k>" of the list of trials, or of one of the names that it holds. Throws InputError for another name.
+std::size_t trial_number(const hdf5::Place& list, const std::string& name);
 
 // Trial `trial` at its place in a file: its chunks are those of the file, and are not unfolded. `material` stays empty. Throws InputError where it
 // is not stored as this program does it.

@@ -8,7 +8,6 @@
 
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/kept_trials.h"
-#include "tools/base/dataset/mask.h"
 #include "tools/base/record/encoder.h"
 
 namespace slipbench {

@@ -1,6 +1,7 @@
 // Files and folders of ours: written whole, for the time being, or locked.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,8 +11,8 @@ namespace slipbench {
 
 // A kind of text file that the program makes, told by its beginning from the files of others.
 struct TextKind {
-  std::string_view name;                       // "report"
-  bool (*begins)(std::string_view beginning);  // of the file's first 4 kB
+  std::string_view name;                                   // "report"
+  std::function<bool(std::string_view beginning)> begins;  // of the file's first 4 kB
 };
 
 // Throws InputError when a file cannot be put at `path`: no file name, a folder, a special file, a symbolic link (which would be

@@ -213,6 +213,12 @@ std::vector<std::string> texts_of(const Place& place, const Attribute& attribute
   return result;
 }
 
+std::string text_of(const Place& place, const Handle& object, const std::string& name) {
+  std::vector<std::string> texts = texts_of(place, open_attribute(place, object, name), name);
+  if (texts.size() != 1) place.fail("attribute '" + name + "' is no single text");
+  return std::move(texts.front());
+}
+
 std::vector<std::string> texts_of(const Place& place, const Handle& array) {
   const std::vector<std::size_t> extents = array_extents(place, array);
   const Handle type(H5Dget_type(array.get()), &H5Tclose);

@@ -69,8 +69,28 @@ Attribute open_attribute(const Place& place, const Handle& object, const std::st
 
 // The texts of an attribute, which has variable length.
 std::vector<std::string> texts_of(const Place& place, const Attribute& attribute, const std::string& name);
+// The one text of an attribute.
+std::string text_of(const Place& place, const Handle& object, const std::string& name);
 // The texts of an array, which have a fixed length and are padded with zeros.
 std::vector<std::string> texts_of(const Place& place, const Handle& array);
+
+// A property list of a kind of object, which then carries no time of day.
+Handle untimed(hid_t kind);
+
+// Of an array of these extents; without any: of a single value.
+Handle space_of(const std::vector<std::size_t>& shape);
+
+// Adds an attribute: a single value, texts of any length, or doubles [shape] in C order.
+void write_attribute(hid_t object, const std::string& name, std::uint64_t value);
+void write_attribute(hid_t object, const std::string& name, std::int64_t value);
+void write_attribute(hid_t object, const std::string& name, double value);
+void write_attribute(hid_t object, const std::string& name, const std::string& value);
+void write_attribute(hid_t object, const std::string& name, const std::vector<std::string>& values);
+void write_attribute(hid_t object, const std::string& name, const std::vector<double>& values,
+                     const std::vector<std::size_t>& shape);
+
+// Adds an array of texts, padded with zeros to the length of the longest.
+void write_texts(hid_t group, const char* name, const std::vector<std::string>& texts);
 
 }  // namespace slipbench::hdf5
 

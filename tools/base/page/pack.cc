@@ -9,7 +9,6 @@
 #include <zlib.h>
 
 namespace slipbench::page {
-
 namespace {
 
 constexpr std::uint16_t not_finite = 0x8000;  // -32768, the one code that no value uses

@@ -1,16 +1,18 @@
 #include "tools/base/page/page.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "sim/core/error.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/page/pack.h"
 #include "tools/base/record/encoder.h"
 
 namespace slipbench::page {
-
 namespace {
 
 constexpr std::string_view kind_mark = R"(<meta name="generator" content=")";
@@ -51,6 +53,20 @@ std::string policy(const std::string& styles, const std::string& scripts) {
   std::string text = "default-src 'none'; style-src-elem " + policy_hash(on_own_lines(styles));
   if (!scripts.empty()) text += "; style-src-attr 'unsafe-inline'; script-src " + policy_hash(on_own_lines(scripts));
   return text + "; img-src data:; base-uri 'none'; form-action 'none'";
+}
+
+// The texts of all files whose names end in `extension`, in order, a line end after each. A script that is no library's (.min.js) has a scope of
+// its own, in which `sb` is what all of them share: `slipbench` of the page.
+std::string joined(const std::vector<Asset>& files, std::string_view extension) {
+  std::string text;
+  for (const Asset& file : files) {
+    if (!file.name.ends_with(extension)) continue;
+    const bool own_script = extension == ".js" && !file.name.ends_with(".min.js");
+    if (own_script) text += "(function(sb) {\n'use strict';\n";
+    text.append(embedded(files, file.name)) += '\n';
+    if (own_script) text += "})(window.slipbench = window.slipbench || {});\n";
+  }
+  return text;
 }
 
 // `own_styles` follow the kit's. `scripts`: what the element `script` in `elements` holds, which come after the body.
@@ -98,18 +114,6 @@ std::string_view embedded(const std::vector<Asset>& files, std::string_view name
   return found->text.substr(0, pointer == std::string_view::npos ? pointer : found->text.rfind('\n', pointer));
 }
 
-std::string joined(const std::vector<Asset>& files, std::string_view extension) {
-  std::string text;
-  for (const Asset& file : files) {
-    if (!file.name.ends_with(extension)) continue;
-    const bool own_script = extension == ".js" && !file.name.ends_with(".min.js");
-    if (own_script) text += "(function(sb) {\n'use strict';\n";
-    text.append(embedded(files, file.name)) += '\n';
-    if (own_script) text += "})(window.slipbench = window.slipbench || {});\n";
-  }
-  return text;
-}
-
 std::string escape_html(std::string_view text) {
   std::string safe;
   for (const char c : text) {
@@ -144,6 +148,35 @@ bool begins_as_page(std::string_view text, std::string_view generator) {
   const std::size_t mark = text.find(kind_mark);
   return text.starts_with("<!DOCTYPE html>") && mark != std::string_view::npos &&
          text.substr(mark + kind_mark.size()).starts_with(std::string(generator) + "\"");
+}
+
+bool begins_as_object(std::string_view text, const PageKind& kind) {
+  if (!text.starts_with("{\n")) return false;
+  const std::string_view first = text.substr(std::min(text.find_first_not_of(' ', 2), text.size()));
+  return std::ranges::any_of(kind.keys, [first](std::string_view key) {
+    return !key.empty() && first.starts_with(fmt::format("\"{}\": ", key));  // a kind with one key has an empty one beside it
+  });
+}
+
+std::string json_path(const std::string& html_path) {
+  return std::filesystem::path(html_path).replace_extension(".json").string();
+}
+
+void check_page_files(const std::string& html_path, const PageKind& kind) {
+  if (!html_path.ends_with(".html")) {
+    throw InputError(
+        fmt::format("-o {}: {} is a page with its figures beside it; allowed: a name that ends in .html", html_path, kind.what));
+  }
+  check_text_target(html_path, {}, {kind.page, [&](std::string_view text) { return begins_as_page(text, kind.generator); }});
+  check_text_target(json_path(html_path), {}, {kind.json, [&](std::string_view text) { return begins_as_object(text, kind); }});
+}
+
+std::vector<std::string> write_page_files(const std::string& html_path, const PageKind& kind, const std::string& page,
+                                          const Json& object) {
+  check_page_files(html_path, kind);
+  write_text_file(html_path, page);
+  write_text_file(json_path(html_path), object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  return {html_path, json_path(html_path)};
 }
 
 std::string table_html(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {

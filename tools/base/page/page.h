@@ -1,15 +1,28 @@
 // The HTML page around what a command shows: one file, which loads nothing.
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "tools/base/page/asset.h"
 #include "tools/base/page/json.h"
 
 namespace slipbench::page {
+
+// Files as bytes inside the program, which so needs none beside it. slipbench_embed() of embed.cmake makes them.
+struct Asset {
+  std::string_view name;  // file name without its folder: "charts.js"
+  std::string_view text;
+};
+
+// The files of tools/base/page/web and d3, in the order in which a page loads them.
+const std::vector<Asset>& assets();
+
+// The text of the file `name`, of a library without its pointer to a source map, which a browser would fetch. Throws std::logic_error where
+// `files` has none of that name.
+std::string_view embedded(const std::vector<Asset>& files, std::string_view name);
 
 // Text made safe for the content and the quoted attributes of HTML and SVG.
 std::string escape_html(std::string_view text);
@@ -33,6 +46,28 @@ std::string compose_drawn_page(const Page& page, const std::vector<Asset>& files
 
 // Whether a file that begins so is a page of that generator.
 bool begins_as_page(std::string_view text, std::string_view generator);
+
+// A kind of page with the object that it shows: FILE.html, and FILE.json beside it.
+struct PageKind {
+  std::string_view what;                 // in "-o r.txt: WHAT is a page with its figures beside it": "a result"
+  std::string_view generator;            // of the page
+  std::string_view page, json;           // what messages call either file: "page of slipbench eval", "result of slipbench eval"
+  std::array<std::string_view, 2> keys;  // the object's first key is one of these
+};
+
+// FILE.json of FILE.html.
+std::string json_path(const std::string& html_path);
+
+// Whether a file that begins so holds such an object.
+bool begins_as_object(std::string_view text, const PageKind& kind);
+
+// Throws InputError when `html_path` does not end in .html, or when either file cannot be put there or holds something of another kind.
+void check_page_files(const std::string& html_path, const PageKind& kind);
+
+// Writes both, each under a temporary name that is then renamed; returns their names. Throws InputError as check_page_files() does, before
+// anything is written, and when writing fails. Bytes in `object` that are no UTF-8 become the replacement character.
+std::vector<std::string> write_page_files(const std::string& html_path, const PageKind& kind, const std::string& page,
+                                          const Json& object);
 
 // <table> with one row of heads, names on the left. All cells are text.
 std::string table_html(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);

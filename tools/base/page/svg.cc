@@ -8,7 +8,6 @@
 #include "tools/base/page/page.h"
 
 namespace slipbench::page {
-
 namespace {
 
 // A length or place [px] without invisible digits.

@@ -12,29 +12,15 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "columns are stored as they lie in memory");
 
-template <class T>
-constexpr ElementType type_of();
-template <>
-constexpr ElementType type_of<double>() {
-  return ElementType::f64;
-}
-template <>
-constexpr ElementType type_of<float>() {
-  return ElementType::f32;
-}
-template <>
-constexpr ElementType type_of<std::uint32_t>() {
-  return ElementType::u32;
-}
-template <>
-constexpr ElementType type_of<std::uint8_t>() {
-  return ElementType::u8;
-}
+constexpr ElementType type_of(double) { return ElementType::f64; }
+constexpr ElementType type_of(float) { return ElementType::f32; }
+constexpr ElementType type_of(std::uint32_t) { return ElementType::u32; }
+constexpr ElementType type_of(std::uint8_t) { return ElementType::u8; }
 
 template <class T>
 ArrayView view_of(std::string path, std::string unit, std::size_t rows, const Extents& tail, const std::vector<T>& values) {
   ArrayView view{std::move(path), std::move(unit), {},
-                 type_of<T>(),    {rows},          reinterpret_cast<const std::uint8_t*>(values.data())};
+                 type_of(T{}),    {rows},          reinterpret_cast<const std::uint8_t*>(values.data())};
   view.shape.insert(view.shape.end(), tail.begin(), tail.end());
   if (view.size_bytes() != values.size() * sizeof(T)) {
     throw std::logic_error(fmt::format("{}: {} values do not fill {} rows", view.path, values.size(), rows));

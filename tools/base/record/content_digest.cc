@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -32,36 +33,35 @@ struct Values {
   std::vector<std::string> texts;
 };
 
-Values array_values(const Place& place, const Handle& array) {
-  const Handle type(H5Dget_type(array.get()), &H5Tclose);
-  Values values{kind_of(type), hdf5::array_extents(place, array), {}, {}};
+// `what`: how messages call it. `texts` and `read` get what lies there.
+Values values_of(const Place& place, const std::string& what, const Handle& type, std::vector<std::size_t> extents,
+                 std::uint64_t compression, const std::function<std::vector<std::string>()>& texts,
+                 const std::function<herr_t(void*)>& read) {
+  Values values{kind_of(type), std::move(extents), {}, {}};
   if (H5Tget_class(type.get()) == H5T_STRING) {
-    values.texts = hdf5::texts_of(place, array);
+    values.texts = texts();
     return values;
   }
-  if (values.kind.empty()) place.fail("is of a type that no dataset has");
+  if (values.kind.empty()) place.fail(what + "is of a type that no dataset has");
   const std::size_t size = H5Tget_size(type.get());
-  values.bytes.resize(size * hdf5::count_of(place, values.extents, size, hdf5::best_compression));
-  if (!values.bytes.empty() && H5Dread(array.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.bytes.data()) < 0) {
-    place.fail("cannot be read: " + hdf5::last_error());
-  }
+  values.bytes.resize(size * hdf5::count_of(place, values.extents, size, compression));
+  if (!values.bytes.empty() && read(values.bytes.data()) < 0) place.fail(what + "cannot be read: " + hdf5::last_error());
   return values;
+}
+
+Values array_values(const Place& place, const Handle& array) {
+  const Handle type(H5Dget_type(array.get()), &H5Tclose);
+  return values_of(
+      place, "", type, hdf5::array_extents(place, array), hdf5::best_compression, [&] { return hdf5::texts_of(place, array); },
+      [&](void* bytes) { return H5Dread(array.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes); });
 }
 
 Values attribute_values(const Place& place, const Handle& object, const std::string& name) {
   const hdf5::Attribute attribute = hdf5::open_attribute(place, object, name);
-  Values values{kind_of(attribute.type), attribute.shape, {}, {}};
-  if (H5Tget_class(attribute.type.get()) == H5T_STRING) {
-    values.texts = hdf5::texts_of(place, attribute, name);
-    return values;
-  }
-  if (values.kind.empty()) place.fail("attribute " + name + " is of a type that no dataset has");
-  const std::size_t size = H5Tget_size(attribute.type.get());
-  values.bytes.resize(size * hdf5::count_of(place, attribute.shape, size, 1));
-  if (!values.bytes.empty() && H5Aread(attribute.handle.get(), attribute.type.get(), values.bytes.data()) < 0) {
-    place.fail("attribute " + name + " cannot be read: " + hdf5::last_error());
-  }
-  return values;
+  return values_of(
+      place, "attribute " + name + " ", attribute.type, attribute.shape, 1,
+      [&] { return hdf5::texts_of(place, attribute, name); },
+      [&](void* bytes) { return H5Aread(attribute.handle.get(), attribute.type.get(), bytes); });
 }
 
 void add(ContentDigest& digest, const std::string& key, const Values& values) {

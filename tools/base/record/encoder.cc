@@ -68,16 +68,6 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
   return attributes;
 }
 
-std::string_view numpy_name(ElementType type) {
-  switch (type) {
-    case ElementType::f64: return "<f8";
-    case ElementType::f32: return "<f4";
-    case ElementType::u32: return "<u4";
-    case ElementType::u8: return "|u1";
-  }
-  return {};
-}
-
 void add_attribute(ContentDigest& digest, const EncodedAttribute& attribute) {
   struct Adder {
     ContentDigest& digest;
@@ -161,6 +151,16 @@ struct TrialEncoder::State {
     return array;
   }
 };
+
+std::string_view numpy_name(ElementType type) {
+  switch (type) {
+    case ElementType::f64: return "<f8";
+    case ElementType::f32: return "<f4";
+    case ElementType::u32: return "<u4";
+    case ElementType::u8: return "|u1";
+  }
+  return {};
+}
 
 std::size_t EncodedTrial::stored_bytes() const {
   std::size_t bytes = 0;

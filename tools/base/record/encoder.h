@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -25,6 +26,9 @@ constexpr std::size_t size_of(ElementType type) {
   }
   return 0;
 }
+
+// As numpy's dtype.str: "<f8".
+std::string_view numpy_name(ElementType type);
 
 // One dataset of a demo: little-endian values in C order, cut along the first axis into chunks of equal extent, each shuffled and
 // deflated as HDF5's filters would.

@@ -31,7 +31,7 @@
 #include "tools/program/eval/metrics.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/eval/truth.h"
-#include "tools/program/report/report_parameters.h"
+#include "tools/program/report/report_parts.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/sweep/run_sweep.h"
 
@@ -131,7 +131,6 @@ Answer grasp_answer(const Seat& seat, const Held& held, Scene scene, std::size_t
   return answer;
 }
 
-// Seats each entrant before the first of the sensors that it can read, and says why the others have none.
 // The text with a file's name in place of its path, which differs between installations.
 std::string without_folder(std::string text, const std::string& file) {
   const std::string name = std::filesystem::path(file).filename().string();
@@ -142,6 +141,7 @@ std::string without_folder(std::string text, const std::string& file) {
   return text;
 }
 
+// Seats each entrant before the first of the sensors that it can read, and says why the others have none.
 void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const TrialRecord& first,
               const std::vector<std::size_t>& readers) {
   for (const Entrant* entrant : entrants) {

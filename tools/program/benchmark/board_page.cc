@@ -4,18 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/page/page.h"
-#include "tools/base/page/page_files.h"
 #include "tools/base/page/svg.h"
-#include "tools/program/benchmark/benchmark.h"
 
 namespace slipbench::benchmark {
 namespace {
-
-constexpr std::string_view generator = "slipbench benchmark";
-
-constexpr page::PageKind page_kind{
-    "a board", {"page of slipbench benchmark", &begins_as_board_page}, {"board of slipbench benchmark", &begins_as_board_json}};
 
 constexpr double percent = 100.0, ms = 1e3;
 
@@ -137,7 +129,7 @@ std::string board_page(const Json& result) {
   const Json& protocol = result.at("protocol");
   const std::string name = protocol.at("name").get<std::string>(),
                     part = protocol.at("whole").get<bool>() ? "" : ", a part of it";
-  std::string body = page::head_html(generator, "Slip detectors on " + name + part, {opening});
+  std::string body = page::head_html(page_kind.generator, "Slip detectors on " + name + part, {opening});
   for (const Json& set : result.at("sets")) body += set_html(set);
   if (result.contains("transfer")) body += page::section_html("transfer", result.at("transfer").get<std::string>(), "");
   const std::vector<std::vector<std::string>> constants{
@@ -152,17 +144,8 @@ std::string board_page(const Json& result) {
   body += page::section_html(
       "Machine", "A network's answers may differ in their last bits on another processor; all else is the same everywhere.",
       page::table_html({"", ""}, machine));
-  return page::compose_page({generator, "slip detectors on " + name}, body);
+  return page::compose_page({page_kind.generator, "slip detectors on " + name}, body);
 }
-
-bool begins_as_board_page(std::string_view text) { return page::begins_as_page(text, generator); }
-
-bool begins_as_board_json(std::string_view text) {
-  return text.starts_with(fmt::format("{{\n  \"{}\": ", result_key)) ||
-         text.starts_with(fmt::format("{{\n \"{}\": ", result_key));
-}
-
-void check_board_target(const std::string& html_path) { page::check_page_files(html_path, page_kind); }
 
 std::vector<std::string> write_board(const std::string& html_path, const Json& result) {
   return page::write_page_files(html_path, page_kind, board_page(result), result);

@@ -2,23 +2,21 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "tools/base/page/json.h"
+#include "tools/base/page/page.h"
+#include "tools/program/benchmark/benchmark.h"
 
 namespace slipbench::benchmark {
 
 // One HTML page without scripts of a board (benchmark.h).
 std::string board_page(const Json& result);
 
-// Whether a file that begins so is such a page, or such a board.
-bool begins_as_board_page(std::string_view text);
-bool begins_as_board_json(std::string_view text);
+// The page and the board as write_board() writes them.
+inline constexpr page::PageKind page_kind{
+    "a board", "slipbench benchmark", "page of slipbench benchmark", "board of slipbench benchmark", {result_key}};
 
-// Throws InputError when `html_path` does not end in .html, or it or FILE.json beside it cannot be written or holds something else.
-void check_board_target(const std::string& html_path);
-// Writes FILE.html, and `result` beside it as FILE.json; returns both names. Throws as check_board_target().
+// Writes FILE.html, and `result` beside it as FILE.json; returns both names. Throws InputError as page::check_page_files().
 std::vector<std::string> write_board(const std::string& html_path, const Json& result);
 
 // The columns of one set's table, "score" among them, and its rows in order.

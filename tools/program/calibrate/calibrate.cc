@@ -28,10 +28,6 @@ constexpr double least_remainder = 1e-4;
 // Correlations worth a line.
 constexpr double strong_correlation = 0.9;
 
-std::uint64_t seed_for(std::uint64_t seed, std::uint64_t number, const char* what) {
-  return RandomStream(seed, number, std::string("calibrate.") + what).integer(std::uint64_t{1} << 62U);
-}
-
 // What is compared: recordings on their grids.
 struct Compared {
   Columns columns;
@@ -94,7 +90,7 @@ Waves waves_of(const Model& model, const VectorXd& places, Readings readings, st
 Disturbances learned(const Model& model, const VectorXd& places, const Compared& data, const Options& options) {
   std::vector<Waves> read, ideal;
   for (std::size_t pair = 0; pair < learning_pairs; ++pair) {
-    const std::uint64_t seed = seed_for(model.seed(), pair, "device");
+    const std::uint64_t seed = seed_of(model.seed(), pair, "device");
     read.push_back(waves_of(model, places, Readings::read, seed, data, options));
     ideal.push_back(waves_of(model, places, Readings::ideal, seed, data, options));
   }
@@ -322,7 +318,7 @@ SceneFile with_values(const SceneFile& file, const Model& model, const VectorXd&
 }
 
 Truth drawn_truth(const Model& model, std::uint64_t seed) {
-  Truth truth{VectorXd(static_cast<Index>(model.parameters())), seed_for(seed, 0, "truth")};
+  Truth truth{VectorXd(static_cast<Index>(model.parameters())), seed_of(seed, 0, "truth")};
   RandomStream stream(seed, 1, "calibrate.truth");
   for (double& place : truth.places) place = stream.uniform();
   return truth;
@@ -387,7 +383,7 @@ Result calibrate_curves(const Options& options, const SceneFile& file, std::uint
     model.use_recordings(recordings.size());
   }
 
-  const VectorXd own = model.spread(Eigen::Map<const VectorXd>(model.own_places().data(), static_cast<Index>(of_curves.size())));
+  const VectorXd own = model.spread(model.own_places());
   Compared data = compared(recordings, model.simulate(own, 0, Readings::ideal, seed, options.interrupt),
                            [&](std::size_t r) { return truth ? all.lag(truth->places, r) : 0.0; });
   const Disturbances disturbances = learned(model, own, data, options);
@@ -428,8 +424,7 @@ Result calibrate_curves(const Options& options, const SceneFile& file, std::uint
 Result calibrate_groups(const Options& options, const SceneFile& file, std::uint64_t seed, std::vector<RawRecording> recordings,
                         const Catalogues& catalogues) {
   const Model model(file, catalogues, options.keys, seed, Trials::groups);
-  const auto keys = static_cast<Index>(options.keys.size());
-  const VectorXd own = Eigen::Map<const VectorXd>(model.own_places().data(), keys);
+  const VectorXd& own = model.own_places();
   std::optional<Truth> truth;
   if (options.synthetic_truth) {
     truth = drawn_truth(model, seed);
@@ -442,7 +437,7 @@ Result calibrate_groups(const Options& options, const SceneFile& file, std::uint
         "calibrate: the scene refuses all draws of a cell wherever it was looked; allowed: bounds within which it runs");
 
   Json parameters = Json::array();
-  for (Index k = 0; k < keys; ++k) {
+  for (Index k = 0; k < own.size(); ++k) {
     const FitKey& key = options.keys[static_cast<std::size_t>(k)];
     parameters.push_back(parameter_json(key, found_of(model, solution.places, solution.known, key.path),
                                         truth ? std::vector<double>{truth->places(k)} : std::vector<double>{}));

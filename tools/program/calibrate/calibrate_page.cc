@@ -10,10 +10,7 @@
 
 #include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
-#include "tools/base/page/page.h"
-#include "tools/base/page/page_files.h"
 #include "tools/base/page/svg.h"
-#include "tools/program/calibrate/calibrate.h"
 
 namespace slipbench::calibrate {
 namespace {
@@ -23,12 +20,8 @@ using page::escape_html;
 using page::Svg;
 
 constexpr std::string_view generator = "slipbench calibrate";
-constexpr std::string_view fitted_head = "# slipbench calibrate ";
-
-constexpr page::PageKind page_kind{"a calibration",
-                                   {"page of slipbench calibrate", &begins_as_calibration_page},
-                                   {"result of slipbench calibrate", &begins_as_calibration_json}};
-constexpr TextKind scene_kind{"scene of slipbench calibrate", &begins_as_fitted_scene};
+constexpr page::PageKind page_kind{
+    "a calibration", generator, "page of slipbench calibrate", "result of slipbench calibrate", {result_key}};
 
 // A drawing and where its axes lie in it [px].
 constexpr double left = 54.0, right = 290.0, top = 26.0, foot = 150.0;
@@ -213,10 +206,6 @@ std::string groups_html(const Json& groups) {
 
 }  // namespace
 
-bool begins_as_calibration_page(std::string_view text) { return page::begins_as_page(text, generator); }
-bool begins_as_calibration_json(std::string_view text) { return text.starts_with(fmt::format("{{\n  \"{}\": ", result_key)); }
-bool begins_as_fitted_scene(std::string_view text) { return text.starts_with(fitted_head); }
-
 std::string calibration_page(const Json& result) {
   const std::string scene = text(result.at("scene"));
   const bool groups = result.contains("groups");
@@ -264,7 +253,9 @@ void check_calibration_target(const std::string& path, const std::vector<std::st
   if (!path.ends_with(".yaml"))
     throw InputError(
         fmt::format("calibrate: -o {}: the fitted scene is a YAML file; allowed: a name that ends with .yaml", path));
-  check_text_target(path, inputs, scene_kind);
+  check_text_target(path, inputs, {"scene of slipbench calibrate", [](std::string_view text) {
+                                     return text.starts_with("# slipbench calibrate ");
+                                   }});
   page::check_page_files(path_of(path, ".html"), page_kind);
 }
 

@@ -64,20 +64,17 @@ void solve(Regression& regression, Index column, const Waves& read, const Waves&
   regression.coefficients = regression.covariance * right;
 }
 
-struct Solved {
-  std::vector<Regression> by_column;
-};
-
-Solved solved(const Columns& columns, const std::vector<Disturbance>& disturbances, const Waves& read, const Waves& ideal) {
-  Solved result;
-  result.by_column.resize(columns.count);
+// The regressions of all columns.
+std::vector<Regression> solved(const Columns& columns, const std::vector<Disturbance>& disturbances, const Waves& read,
+                               const Waves& ideal) {
+  std::vector<Regression> result(columns.count);
   std::size_t component = 0;
   for (const ChannelPlace& place : columns.channels) {
     for (std::size_t k = 0; k < place.components; ++k, ++component) {
       const Disturbance& disturbance = disturbances[component];
       for (std::size_t unit = 0; unit < place.units; ++unit) {
         const std::size_t column = place.column(unit, k);
-        Regression& regression = result.by_column[column];
+        Regression& regression = result[column];
         regression.weight = 1.0 / (disturbance.remainder_sd * disturbance.remainder_sd);
         regression.offset_sd = disturbance.offset_sd;
         std::vector<double> prior;
@@ -107,12 +104,12 @@ struct CommonGain {
   double mean = 0.0, variance = 0.0;
   VectorXd weights;
 };
-CommonGain common_of(const Solved& fits, const ChannelPlace& place, std::size_t k) {
+CommonGain common_of(const std::vector<Regression>& fits, const ChannelPlace& place, std::size_t k) {
   CommonGain common{.weights = VectorXd::Zero(static_cast<Index>(place.units))};
   double all = 0.0;
-  for (std::size_t unit = 0; unit < place.units; ++unit) all += fits.by_column[place.column(unit, k)].energy;
+  for (std::size_t unit = 0; unit < place.units; ++unit) all += fits[place.column(unit, k)].energy;
   for (std::size_t unit = 0; all > 0.0 && unit < place.units; ++unit) {
-    const Regression& regression = fits.by_column[place.column(unit, k)];
+    const Regression& regression = fits[place.column(unit, k)];
     if (!has_gain(regression, place.column(unit, k))) continue;
     const double weight = regression.energy / all;
     common.weights(static_cast<Index>(unit)) = weight;
@@ -123,13 +120,13 @@ CommonGain common_of(const Solved& fits, const ChannelPlace& place, std::size_t 
 }
 
 // Puts the mean of each component's gains at 1, the rest at its best for that.
-void centre_gains(const Columns& columns, Solved& fits) {
+void centre_gains(const Columns& columns, std::vector<Regression>& fits) {
   for (const ChannelPlace& place : columns.channels) {
     for (std::size_t k = 0; k < place.components; ++k) {
       const CommonGain common = common_of(fits, place, k);
       if (!(common.variance > 0.0)) continue;
       for (std::size_t unit = 0; unit < place.units; ++unit) {
-        Regression& regression = fits.by_column[place.column(unit, k)];
+        Regression& regression = fits[place.column(unit, k)];
         const double weight = common.weights(static_cast<Index>(unit));
         if (weight > 0.0) regression.coefficients -= common.mean / common.variance * weight * regression.covariance.col(0);
       }
@@ -137,7 +134,7 @@ void centre_gains(const Columns& columns, Solved& fits) {
   }
 }
 
-Distance distance_of(const Columns& columns, const Solved& fits, const Waves& read, const Waves& ideal) {
+Distance distance_of(const Columns& columns, const std::vector<Regression>& fits, const Waves& read, const Waves& ideal) {
   const auto count = static_cast<Index>(columns.count), recordings = static_cast<Index>(read.size());
   Distance distance;
   distance.explained = ideal;
@@ -151,7 +148,7 @@ Distance distance_of(const Columns& columns, const Solved& fits, const Waves& re
   distance.group.reserve(static_cast<std::size_t>(entries));
   for (std::size_t r = 0; r < read.size(); ++r) {
     for (std::size_t c = 0; c < columns.count; ++c, ++group) {
-      const Regression& regression = fits.by_column[c];
+      const Regression& regression = fits[c];
       const auto column = static_cast<Index>(c);
       VectorXd fit = ideal[r].col(column);
       for (std::size_t i = 0; i < regression.regressors.size(); ++i)
@@ -167,7 +164,7 @@ Distance distance_of(const Columns& columns, const Solved& fits, const Waves& re
     }
   }
   for (std::size_t c = 0; c < columns.count; ++c) {
-    const Regression& regression = fits.by_column[c];
+    const Regression& regression = fits[c];
     if (has_gain(regression, c)) distance.gain(static_cast<Index>(c)) = 1.0 + regression.coefficients(0);
     for (Index i = 0; i < regression.coefficients.size(); ++i) priors.push_back(regression.coefficients(i) / regression.prior(i));
   }
@@ -225,18 +222,18 @@ Disturbances::Disturbances(const Columns& columns, const std::vector<Waves>& rea
   }
   std::vector<WeightedSquares> gains(ranges.size()), couplings(ranges.size()), offsets(ranges.size()), remainders(ranges.size());
   for (std::size_t pair = 0; pair < read.size(); ++pair) {
-    const Solved fits = solved(columns, disturbances_, read[pair], ideal[pair]);
+    const std::vector<Regression> fits = solved(columns, disturbances_, read[pair], ideal[pair]);
     const Distance distance = distance_of(columns, fits, read[pair], ideal[pair]);
     std::size_t component = 0;
     for (const ChannelPlace& place : columns.channels) {
       for (std::size_t k = 0; k < place.components; ++k, ++component) {
         for (std::size_t unit = 0; unit < place.units; ++unit) {
           const std::size_t c = place.column(unit, k);
-          const Regression& regression = fits.by_column[c];
+          const Regression& regression = fits[c];
           gains[component].add(regression.coefficients(0), regression.energy);
           for (Index i = 1; i < regression.coefficients.size(); ++i) {
             const auto other = static_cast<std::size_t>(regression.regressors[static_cast<std::size_t>(i)]);
-            couplings[component].add(regression.coefficients(i), fits.by_column[other].energy);
+            couplings[component].add(regression.coefficients(i), fits[other].energy);
           }
           for (std::size_t r = 0; r < read[pair].size(); ++r) {
             const auto column = static_cast<Index>(c);
@@ -258,13 +255,13 @@ Disturbances::Disturbances(const Columns& columns, const std::vector<Waves>& rea
 }
 
 Distance Disturbances::distance(const Waves& read, const Waves& ideal) const {
-  Solved fits = solved(columns_, disturbances_, read, ideal);
+  std::vector<Regression> fits = solved(columns_, disturbances_, read, ideal);
   centre_gains(columns_, fits);
   return distance_of(columns_, fits, read, ideal);
 }
 
 VectorXd Disturbances::common_gain(const Waves& read, const Waves& ideal) const {
-  const Solved fits = solved(columns_, disturbances_, read, ideal);
+  const std::vector<Regression> fits = solved(columns_, disturbances_, read, ideal);
   VectorXd common = VectorXd::Ones(static_cast<Index>(columns_.count));
   for (const ChannelPlace& place : columns_.channels) {
     for (std::size_t k = 0; k < place.components; ++k) {

@@ -2,15 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <functional>
 #include <optional>
 
 #include <Eigen/Cholesky>
-#include <nlopt.hpp>
 
 #include "sim/core/process/interrupted.h"
-#include "sim/core/random.h"
 #include "tools/base/workers/ordered_workers.h"
 
 namespace slipbench::calibrate {
@@ -21,7 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t devices = 6;  // simulated for each set of values, always the same
-constexpr int evaluations_a_key = 30;
+constexpr std::size_t evaluations_a_key = 30;
 constexpr double difference_of_size = 0.05;  // of the bounds, to either side
 constexpr double place_prior = 12.0;         // 1 over the variance of a place between the bounds
 constexpr double least_variance = 1e-4;      // of a logarithm: 1 %
@@ -29,8 +25,7 @@ constexpr double least_variance = 1e-4;      // of a logarithm: 1 %
 class Sizes {
  public:
   Sizes(const Model& model, const CurveProblem& problem, const VectorXd& real) : model_(model), problem_(problem), real_(real) {
-    for (std::size_t d = 0; d < devices; ++d)
-      seeds_.push_back(RandomStream(model.seed(), d, "calibrate.sizes").integer(std::uint64_t{1} << 62U));
+    for (std::size_t d = 0; d < devices; ++d) seeds_.push_back(seed_of(model.seed(), d, "sizes"));
   }
 
   // A column a device.
@@ -94,38 +89,6 @@ class Sizes {
   VectorXd weight_;
 };
 
-VectorXd lowest(const Sizes& sizes, const VectorXd& own) {
-  std::vector<double> at(own.data(), own.data() + own.size());
-  std::exception_ptr error;
-  std::function<double(const std::vector<double>&)> objective = [&](const std::vector<double>& places) {
-    try {
-      const VectorXd there = Eigen::Map<const VectorXd>(places.data(), own.size());
-      return sizes.residual(there).squaredNorm() + place_prior * (there - own).squaredNorm();
-    } catch (...) {
-      error = std::current_exception();
-      throw nlopt::forced_stop();
-    }
-  };
-  nlopt::opt optimiser(nlopt::LN_SBPLX, static_cast<unsigned>(own.size()));
-  optimiser.set_lower_bounds(0.0);
-  optimiser.set_upper_bounds(1.0);
-  optimiser.set_initial_step(0.2);
-  optimiser.set_xtol_abs(1e-3);
-  optimiser.set_maxeval(evaluations_a_key * static_cast<int>(own.size()));
-  optimiser.set_min_objective(
-      [](const std::vector<double>& places, std::vector<double>& /*gradient*/, void* function) {
-        return (*static_cast<std::function<double(const std::vector<double>&)>*>(function))(places);
-      },
-      &objective);
-  double least = 0.0;
-  try {
-    optimiser.optimize(at, least);
-  } catch (const nlopt::forced_stop&) {
-    std::rethrow_exception(error);
-  }
-  return Eigen::Map<const VectorXd>(at.data(), own.size());
-}
-
 double log_rms(double squares, double count) { return 0.5 * std::log(squares / count); }
 
 }  // namespace
@@ -157,10 +120,14 @@ VectorXd disturbance_sizes(const Columns& columns, const Waves& read, const Dist
 }
 
 ElectronicsFit fit_electronics(const Model& model, const CurveProblem& problem, const VectorXd& sizes_of_real) {
-  const VectorXd own = Eigen::Map<const VectorXd>(model.own_places().data(), static_cast<Index>(model.own_places().size()));
+  const VectorXd& own = model.own_places();
   Sizes sizes(model, problem, sizes_of_real);
   sizes.weigh(own);
-  ElectronicsFit fit{.places = lowest(sizes, own), .known = {}};
+  ElectronicsFit fit{.places = own, .known = {}};
+  const auto cost = [&](const VectorXd& places) {
+    return sizes.residual(places).squaredNorm() + place_prior * (places - own).squaredNorm();
+  };
+  minimise(fit.places, cost, 0.2, 1e-3, evaluations_a_key * static_cast<std::size_t>(own.size()));
   MatrixXd curvature = place_prior * MatrixXd::Identity(own.size(), own.size());
   MatrixXd slopes(sizes_of_real.size(), own.size());
   for (Index p = 0; p < own.size(); ++p) {

@@ -61,39 +61,6 @@ FitKey read_fit_key(const YamlNode& node) {
   return key;
 }
 
-}  // namespace
-
-double FitKey::value(double place) const { return logarithmic ? min * std::pow(max / min, place) : min + (max - min) * place; }
-
-double FitKey::place(double value) const {
-  if (!logarithmic) return (value - min) / (max - min);
-  return value > 0.0 ? std::log(value / min) / std::log(max / min) : -1.0;
-}
-
-std::string FitKey::text(double value, int digits) const {
-  // A unit in which the bounds have a readable size; of that, four digits.
-  const Unit* best = nullptr;
-  const double size = std::max(std::abs(min), std::abs(max));
-  for (const Unit& unit : units_of(quantity)) {
-    const double scaled = size / unit.factor;
-    if (best == nullptr || (scaled >= 1.0 && (scaled < size / best->factor || size / best->factor < 1.0))) best = &unit;
-  }
-  if (quantity == Quantity::angle) {
-    for (const Unit& unit : units_of(quantity)) best = unit.symbol == "deg" ? &unit : best;
-  }
-  return fmt::format("{:.{}g}{}{}", value / best->factor, digits, best->symbol.empty() ? "" : " ", best->symbol);
-}
-
-std::vector<FitKey> parse_fit_keys(const std::string& text) {
-  const YamlNode root = parse_yaml(text, "--fit " + text, false);
-  require_map(root, "--fit", "KEY: {min: .., max: ..}");
-  std::vector<FitKey> keys;
-  for (const YamlNode& child : root.children) keys.push_back(read_fit_key(child));
-  return keys;
-}
-
-namespace {
-
 // A scalar inside [] and {}: as it is where it says the same there, else in quotes, whose rules JSON shares.
 std::string scalar(const std::string& text) {
   const auto plain = [](char c) {
@@ -152,6 +119,35 @@ std::string draw_of(const FitKey& key, const Json& parameter) {
 }
 
 }  // namespace
+
+double FitKey::value(double place) const { return logarithmic ? min * std::pow(max / min, place) : min + (max - min) * place; }
+
+double FitKey::place(double value) const {
+  if (!logarithmic) return (value - min) / (max - min);
+  return value > 0.0 ? std::log(value / min) / std::log(max / min) : -1.0;
+}
+
+std::string FitKey::text(double value, int digits) const {
+  // A unit in which the bounds have a readable size; of that, four digits.
+  const Unit* best = nullptr;
+  const double size = std::max(std::abs(min), std::abs(max));
+  for (const Unit& unit : units_of(quantity)) {
+    const double scaled = size / unit.factor;
+    if (best == nullptr || (scaled >= 1.0 && (scaled < size / best->factor || size / best->factor < 1.0))) best = &unit;
+  }
+  if (quantity == Quantity::angle) {
+    for (const Unit& unit : units_of(quantity)) best = unit.symbol == "deg" ? &unit : best;
+  }
+  return fmt::format("{:.{}g}{}{}", value / best->factor, digits, best->symbol.empty() ? "" : " ", best->symbol);
+}
+
+std::vector<FitKey> parse_fit_keys(const std::string& text) {
+  const YamlNode root = parse_yaml(text, "--fit " + text, false);
+  require_map(root, "--fit", "KEY: {min: .., max: ..}");
+  std::vector<FitKey> keys;
+  for (const YamlNode& child : root.children) keys.push_back(read_fit_key(child));
+  return keys;
+}
 
 std::string fitted_scene(const SceneFile& file, const std::vector<FitKey>& keys, const Json& result) {
   SceneFile fitted = file;

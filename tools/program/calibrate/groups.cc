@@ -13,7 +13,6 @@
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/quantity.h"
-#include "sim/core/random.h"
 #include "tools/base/workers/ordered_workers.h"
 
 namespace slipbench::calibrate {
@@ -30,10 +29,6 @@ constexpr double refused = 1e12;           // the distance where nothing can be 
 constexpr Index least_blocks = 4;          // of a band
 constexpr const char* band_unit = "ln";    // bands are natural logarithms
 constexpr double most_apart_rates = 0.02;  // of a sample's length, real against simulated
-
-std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number, const char* what) {
-  return RandomStream(seed, number, std::string("calibrate.") + what).integer(std::uint64_t{1} << 62U);
-}
 
 std::string label_of(const RawRecording& recording, const std::string& label) {
   const nlohmann::json params = nlohmann::json::parse(recording.params, nullptr, false);

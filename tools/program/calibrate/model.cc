@@ -10,6 +10,7 @@
 #include "sensors/electronics/electronics.h"
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
+#include "sim/core/random.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/yaml_tree.h"
 #include "tools/program/run/run_trial.h"
@@ -95,7 +96,8 @@ Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<Fi
   if (kind == Trials::groups) files_.push_back(file);
   Trace values;
   static_cast<void>(TrialPlan(files_.front(), catalogues, 1, seed).read(0, values));
-  for (const FitKey& key : keys_) own_.push_back(own_place(file, values, key));
+  own_.resize(static_cast<Eigen::Index>(keys_.size()));
+  std::ranges::transform(keys_, own_.begin(), [&](const FitKey& key) { return own_place(file, values, key); });
   recordings_ = trials_;
 }
 
@@ -194,6 +196,10 @@ std::vector<SensorRecord> Model::simulate(const Eigen::VectorXd& places, std::si
   } catch (const InputError& error) {
     throw InputError(fmt::format("calibrate: recording {} with {}: {}", recording, values, error.what()));
   }
+}
+
+std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number, const std::string& what) {
+  return RandomStream(seed, number, "calibrate." + what).integer(std::uint64_t{1} << 62U);
 }
 
 }  // namespace slipbench::calibrate

@@ -54,7 +54,7 @@ class Model {
   [[nodiscard]] std::size_t parameter_of(std::size_t key, std::size_t recording) const;
 
   // Where the scene itself stands: the place of its own value where that is between the bounds, else the middle. By key.
-  [[nodiscard]] const std::vector<double>& own_places() const { return own_; }
+  [[nodiscard]] const Eigen::VectorXd& own_places() const { return own_; }
   // A place for every key, as places of all parameters.
   [[nodiscard]] Eigen::VectorXd spread(const Eigen::VectorXd& by_key) const;
 
@@ -79,10 +79,13 @@ class Model {
   std::vector<SceneFile> files_;  // a trial each, without a sweep; with Trials::groups one, with it
   const Catalogues* catalogues_;
   std::vector<FitKey> keys_;
-  std::vector<double> own_;
+  Eigen::VectorXd own_;
   std::uint64_t seed_;
   std::size_t trials_ = 1, draws_ = 1;
   std::size_t recordings_;
 };
+
+// The seed of draw `number` of all that is called `what`.
+std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number, const std::string& what);
 
 }  // namespace slipbench::calibrate

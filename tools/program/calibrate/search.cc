@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
-#include <optional>
 
 #include <Eigen/Cholesky>
 #include <nlopt.hpp>
@@ -95,47 +94,22 @@ class Searcher {
 
   // A global and a local search from one point. A start is one thread's, and NLopt's generator is each thread's own.
   Start start(std::size_t number) {
-    const auto keys = static_cast<unsigned>(model().keys().size());
+    const std::size_t keys = model().keys().size();
     RandomStream stream(model().seed(), number, "calibrate.start");
-    std::vector<double> places = model().own_places();
+    Start result{.places = model().own_places()};
     if (number > 0) {
-      for (double& place : places) place = stream.uniform();
+      for (double& place : result.places) place = stream.uniform();
     }
-    Start result;
-    std::exception_ptr error;
-    std::function<double(const std::vector<double>&)> objective = [&](const std::vector<double>& at) {
-      try {
-        ++result.evaluations;
-        const VectorXd all = model().spread(Eigen::Map<const VectorXd>(at.data(), static_cast<Index>(at.size())));
-        Waves waves;
-        for (std::size_t r = 0; r < model().recordings(); ++r) waves.push_back(wave(all, r));
-        return problem_.cost(waves, all);
-      } catch (...) {
-        error = std::current_exception();
-        throw nlopt::forced_stop();
-      }
+    const auto cost = [&](const VectorXd& places) {
+      ++result.evaluations;
+      const VectorXd all = model().spread(places);
+      Waves waves;
+      for (std::size_t r = 0; r < model().recordings(); ++r) waves.push_back(wave(all, r));
+      return problem_.cost(waves, all);
     };
     nlopt::srand(static_cast<unsigned long>(stream.integer(1U << 31U)));
-    try {
-      for (const auto& [algorithm, evaluations] :
-           {std::pair{nlopt::GN_CRS2_LM, problem_.evaluations().global}, {nlopt::LN_SBPLX, problem_.evaluations().local}}) {
-        nlopt::opt optimiser(algorithm, keys);
-        optimiser.set_lower_bounds(0.0);
-        optimiser.set_upper_bounds(1.0);
-        optimiser.set_min_objective(
-            [](const std::vector<double>& at, std::vector<double>& /*gradient*/, void* function) {
-              return (*static_cast<std::function<double(const std::vector<double>&)>*>(function))(at);
-            },
-            &objective);
-        optimiser.set_maxeval(static_cast<int>(evaluations * (keys + 1)));
-        if (algorithm == nlopt::LN_SBPLX) optimiser.set_initial_step(0.02);
-        optimiser.set_xtol_abs(small_step);
-        optimiser.optimize(places, result.cost);
-      }
-    } catch (const nlopt::forced_stop&) {
-      std::rethrow_exception(error);
-    }
-    result.places = Eigen::Map<const VectorXd>(places.data(), static_cast<Index>(places.size()));
+    minimise(result.places, cost, {}, small_step, problem_.evaluations().global * (keys + 1));
+    result.cost = minimise(result.places, cost, 0.02, small_step, problem_.evaluations().local * (keys + 1));
     return result;
   }
 
@@ -184,8 +158,7 @@ class Searcher {
 
   // Levenberg and Marquardt's steps from where the best start has ended: the parameters of single recordings have no other search.
   void descend(VectorXd at, Solution& solution) {
-    const VectorXd own =
-        model().spread(Eigen::Map<const VectorXd>(model().own_places().data(), static_cast<Index>(model().keys().size())));
+    const VectorXd own = model().spread(model().own_places());
     solution.ideal = simulated(all_recordings(at));
     solution.cost = problem_.cost(solution.ideal, at);
     double damping = 1e-3;
@@ -301,7 +274,7 @@ MatrixXd CurveProblem::scores(const Distance& distance, const MatrixXd& slopes) 
 double Problem::cost(const Waves& simulated, const VectorXd& places) const {
   double squared = distance(simulated).squared;
   for (Index p = 0; p < places.size(); ++p) {
-    const double away = places(p) - model->own_places()[model->key_of(static_cast<std::size_t>(p))];
+    const double away = places(p) - model->own_places()(static_cast<Index>(model->key_of(static_cast<std::size_t>(p))));
     squared += prior_weight * away * away;
   }
   return squared;
@@ -311,5 +284,36 @@ bool at_lower_bound(double place) { return place < bound_width; }
 bool at_upper_bound(double place) { return place > 1.0 - bound_width; }
 
 Solution search(const Problem& problem, const SearchOptions& options) { return Searcher(problem, options).run(); }
+
+double minimise(VectorXd& places, const std::function<double(const VectorXd&)>& cost, std::optional<double> first_step,
+                double tolerance, std::size_t evaluations) {
+  std::exception_ptr error;
+  const nlopt::vfunc objective = [](const std::vector<double>& at, std::vector<double>& /*gradient*/, void* data) {
+    auto& [cost_of, thrown] = *static_cast<std::pair<const std::function<double(const VectorXd&)>&, std::exception_ptr&>*>(data);
+    try {
+      return cost_of(Eigen::Map<const VectorXd>(at.data(), static_cast<Index>(at.size())));
+    } catch (...) {
+      thrown = std::current_exception();
+      throw nlopt::forced_stop();
+    }
+  };
+  std::pair<const std::function<double(const VectorXd&)>&, std::exception_ptr&> told(cost, error);
+  nlopt::opt optimiser(first_step ? nlopt::LN_SBPLX : nlopt::GN_CRS2_LM, static_cast<unsigned>(places.size()));
+  optimiser.set_lower_bounds(0.0);
+  optimiser.set_upper_bounds(1.0);
+  if (first_step) optimiser.set_initial_step(*first_step);
+  optimiser.set_xtol_abs(tolerance);
+  optimiser.set_maxeval(static_cast<int>(evaluations));
+  optimiser.set_min_objective(objective, &told);
+  std::vector<double> at(places.begin(), places.end());
+  double least = 0.0;
+  try {
+    optimiser.optimize(at, least);
+  } catch (const nlopt::forced_stop&) {
+    std::rethrow_exception(error);
+  }
+  places = Eigen::Map<const VectorXd>(at.data(), places.size());
+  return least;
+}
 
 }  // namespace slipbench::calibrate

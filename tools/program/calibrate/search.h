@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -96,6 +97,11 @@ struct Solution {
 
 // Throws Interrupted, and InputError as Model::simulate. The same, to the byte, whatever the number of threads.
 Solution search(const Problem& problem, const SearchOptions& options);
+
+// Moves `places`, each from 0 to 1, to where NLopt finds `cost` least, and returns that cost: by Subplex from steps of `first_step`, by CRS2 without
+// one. Ends once no place moves by more than `tolerance`, or after so many `evaluations`. Throws what `cost` throws.
+double minimise(Eigen::VectorXd& places, const std::function<double(const Eigen::VectorXd&)>& cost,
+                std::optional<double> first_step, double tolerance, std::size_t evaluations);
 
 // Half of a 95 % interval over its sd.
 inline constexpr double half_interval = 1.96;

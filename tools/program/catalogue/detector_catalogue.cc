@@ -39,6 +39,39 @@ std::unique_ptr<Detector> make_any(const DetectorScene& scene, const FrameSource
   throw InputError("detector: unknown type " + quote(scene.type));
 }
 
+class Oracle final : public Detector {
+ public:
+  Oracle(double latency, const Simulation& simulation, std::size_t pad) : latency_(latency), simulation_(simulation), pad_(pad) {}
+
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    const ContactFrame& truth = simulation_.contact(pad_);
+    return estimate_ = {frame.time, latency_, truth.state, truth.stuck_fraction};
+  }
+
+ private:
+  double latency_;
+  const Simulation& simulation_;
+  std::size_t pad_;
+  SlipEstimate estimate_;
+};
+
+struct EngineKind {
+  const char* name;
+  std::unique_ptr<hd::Engine> (*create)(const hd::Model& model, const hd::Memories& memories);
+};
+
+// The core that is fastest to simulate; all unrollings decide alike.
+std::unique_ptr<hd::Engine> make_rtl(const hd::Model& model, const hd::Memories& memories) {
+  return hd::make_rtl_engine(model, memories, {.unrolling = hd::Unrolling::smallest});
+}
+
+// All engines, one line each.
+constexpr EngineKind engine_catalogue[] = {
+    {"kernel", hd::make_kernel},
+    {"reference", hd::make_reference},
+    {"rtl", make_rtl},
+};
+
 }  // namespace
 
 std::vector<Entry> detector_entries() {
@@ -72,26 +105,6 @@ void check_run(const DetectorScene& scene, std::uint64_t trials) {
   }
 }
 
-namespace {
-
-class Oracle final : public Detector {
- public:
-  Oracle(double latency, const Simulation& simulation, std::size_t pad) : latency_(latency), simulation_(simulation), pad_(pad) {}
-
-  const SlipEstimate& update(const SensorFrame& frame) override {
-    const ContactFrame& truth = simulation_.contact(pad_);
-    return estimate_ = {frame.time, latency_, truth.state, truth.stuck_fraction};
-  }
-
- private:
-  double latency_;
-  const Simulation& simulation_;
-  std::size_t pad_;
-  SlipEstimate estimate_;
-};
-
-}  // namespace
-
 Entry oracle_entry() {
   return {
       .name = std::string(oracle_type),
@@ -106,27 +119,6 @@ Entry oracle_entry() {
 std::unique_ptr<Detector> make_oracle(const Parameters& parameters, const Simulation& simulation, std::size_t pad) {
   return std::make_unique<Oracle>(parameters.number("latency"), simulation, pad);
 }
-
-namespace {
-
-struct EngineKind {
-  const char* name;
-  std::unique_ptr<hd::Engine> (*create)(const hd::Model& model, const hd::Memories& memories);
-};
-
-// The core that is fastest to simulate; all unrollings decide alike.
-std::unique_ptr<hd::Engine> make_rtl(const hd::Model& model, const hd::Memories& memories) {
-  return hd::make_rtl_engine(model, memories, {.unrolling = hd::Unrolling::smallest});
-}
-
-// All engines, one line each.
-constexpr EngineKind engine_catalogue[] = {
-    {"kernel", hd::make_kernel},
-    {"reference", hd::make_reference},
-    {"rtl", make_rtl},
-};
-
-}  // namespace
 
 std::vector<std::string> hd_engine_names() {
   std::vector<std::string> names;

@@ -94,4 +94,9 @@ std::string failure_text(const ExpectationResult& result);
 // The same of a scene that tests nothing.
 std::string tests_nothing_text(const SceneCheck& check);
 
+// JUnit XML as Jenkins and GitLab read it: a suite a scene, a case an expectation, one more for its negative control. What failed says why and
+// with which command the trial is repeated; a scene that expects nothing has one case, skipped. No clock times: the same check, the
+// same bytes.
+std::string junit_xml(const std::vector<SceneCheck>& checks);
+
 }  // namespace slipbench

@@ -1,4 +1,4 @@
-#include "tools/program/check/junit.h"
+#include "tools/program/check/check.h"
 
 #include <algorithm>
 #include <string_view>

@@ -20,7 +20,7 @@
 #include "sim/core/process/plugin_library.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/doctor/build_info.h"
+#include "tools/program/doctor/machine.h"
 
 namespace slipbench {
 namespace {

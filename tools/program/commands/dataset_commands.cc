@@ -18,7 +18,7 @@
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/export/python_formats.h"
+#include "tools/program/export/export.h"
 #include "tools/program/verify/verify.h"
 
 namespace slipbench {
@@ -52,6 +52,52 @@ ExportProgress progress_of(bool quiet) {
     }
     bar->update(done, total, std::nullopt);
   };
+}
+
+using Json = nlohmann::ordered_json;
+
+// The text of a dataset's value, as a terminal may get it: it comes from a file.
+std::string text_of(const Json& value) { return printable(value.get<std::string>()); }
+
+// "trial 3, labels/pad/force, sample 17: ".
+std::string place_of(const Json& failure) {
+  std::string place;
+  const auto add = [&place](const std::string& part) { place += (place.empty() ? "" : ", ") + part; };
+  if (!failure["trial"].is_null()) add(fmt::format("trial {}", failure["trial"].get<std::size_t>()));
+  if (!failure["array"].is_null()) add(text_of(failure["array"]));
+  if (!failure["sample"].is_null()) add(fmt::format("sample {}", failure["sample"].get<std::size_t>()));
+  return place.empty() ? "" : place + ": ";
+}
+
+std::string report_of(const Json& dataset, const Style& style) {
+  const bool holds = dataset["holds"].get<bool>();
+  std::string text = fmt::format("{} {}: {} trials in {} files{}\n", holds ? style.good("holds:") : style.error("does not hold:"),
+                                 text_of(dataset["file"]), dataset["trials"].get<std::size_t>(), dataset["files"].size(),
+                                 dataset["complete"].get<bool>() ? "" : ", of a run that did not come to its end");
+  for (const Json& check : dataset["checks"]) {
+    const std::string name = check["check"].get<std::string>();
+    const auto failed = check["failed"].get<std::size_t>();
+    text += fmt::format("  {:<8} {:>12} {}{}\n", name, check["checked"].get<std::size_t>(), check["of"].get<std::string>(),
+                        failed == 0 ? "" : ", " + style.error(fmt::format("{} failed", failed)));
+    for (const Json& failure : dataset["failures"]) {
+      if (failure["check"] == name) text += fmt::format("    {}{}\n", place_of(failure), text_of(failure["what"]));
+    }
+    for (const Json& reason : check["left_out"]) text += fmt::format("    {} {}\n", style.dim("left out:"), text_of(reason));
+  }
+  return text;
+}
+
+std::string sweep_report(const Json& sweep, const Style& style) {
+  std::string text =
+      fmt::format("{} the {} shards together", sweep["holds"].get<bool>() ? style.good("holds:") : style.error("does not hold:"),
+                  sweep["shards"].get<std::size_t>());
+  if (!sweep["trials"].is_null()) text += fmt::format(": {} trials", sweep["trials"].get<std::size_t>());
+  if (!sweep["duplicates"].is_null() && sweep["duplicates"] != 0) {
+    text += fmt::format(", {} of them twice with the same digest, which is harmless", sweep["duplicates"].get<std::size_t>());
+  }
+  text += "\n";
+  for (const Json& failure : sweep["failures"]) text += fmt::format("  {}\n", text_of(failure));
+  return text;
 }
 
 }  // namespace
@@ -190,56 +236,6 @@ int ImportCommand::run() {
   }
   return exit_good;
 }
-
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-// The text of a dataset's value, as a terminal may get it: it comes from a file.
-std::string text_of(const Json& value) { return printable(value.get<std::string>()); }
-
-// "trial 3, labels/pad/force, sample 17: ".
-std::string place_of(const Json& failure) {
-  std::string place;
-  const auto add = [&place](const std::string& part) { place += (place.empty() ? "" : ", ") + part; };
-  if (!failure["trial"].is_null()) add(fmt::format("trial {}", failure["trial"].get<std::size_t>()));
-  if (!failure["array"].is_null()) add(text_of(failure["array"]));
-  if (!failure["sample"].is_null()) add(fmt::format("sample {}", failure["sample"].get<std::size_t>()));
-  return place.empty() ? "" : place + ": ";
-}
-
-std::string report_of(const Json& dataset, const Style& style) {
-  const bool holds = dataset["holds"].get<bool>();
-  std::string text = fmt::format("{} {}: {} trials in {} files{}\n", holds ? style.good("holds:") : style.error("does not hold:"),
-                                 text_of(dataset["file"]), dataset["trials"].get<std::size_t>(), dataset["files"].size(),
-                                 dataset["complete"].get<bool>() ? "" : ", of a run that did not come to its end");
-  for (const Json& check : dataset["checks"]) {
-    const std::string name = check["check"].get<std::string>();
-    const auto failed = check["failed"].get<std::size_t>();
-    text += fmt::format("  {:<8} {:>12} {}{}\n", name, check["checked"].get<std::size_t>(), check["of"].get<std::string>(),
-                        failed == 0 ? "" : ", " + style.error(fmt::format("{} failed", failed)));
-    for (const Json& failure : dataset["failures"]) {
-      if (failure["check"] == name) text += fmt::format("    {}{}\n", place_of(failure), text_of(failure["what"]));
-    }
-    for (const Json& reason : check["left_out"]) text += fmt::format("    {} {}\n", style.dim("left out:"), text_of(reason));
-  }
-  return text;
-}
-
-std::string sweep_report(const Json& sweep, const Style& style) {
-  std::string text =
-      fmt::format("{} the {} shards together", sweep["holds"].get<bool>() ? style.good("holds:") : style.error("does not hold:"),
-                  sweep["shards"].get<std::size_t>());
-  if (!sweep["trials"].is_null()) text += fmt::format(": {} trials", sweep["trials"].get<std::size_t>());
-  if (!sweep["duplicates"].is_null() && sweep["duplicates"] != 0) {
-    text += fmt::format(", {} of them twice with the same digest, which is harmless", sweep["duplicates"].get<std::size_t>());
-  }
-  text += "\n";
-  for (const Json& failure : sweep["failures"]) text += fmt::format("  {}\n", text_of(failure));
-  return text;
-}
-
-}  // namespace
 
 void VerifyCommand::declare(Arguments& arguments) {
   arguments.about("verify", "Hold datasets against themselves", R"(

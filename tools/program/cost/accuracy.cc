@@ -94,18 +94,12 @@ class Search {
     const std::size_t longest = longest_step();
     if (read_closed_forms()) {
       found.reference = "closed form";
-      const auto against = [&](const Scene& scene, std::size_t k, Recording recording) {
-        return compare(scene, run_trial(scene, trials_[k], recording), exact_[k]);
-      };
-      if (try_cuts(candidates(finest_reference * longest), Recording::outcome, against, found)) return found;
+      if (try_cuts(candidates(finest_reference * longest), Recording::outcome, exact_, found)) return found;
       refuse_unmet(found);
     }
     find_reference(longest, found);
-    const auto against = [&](const Scene& scene, std::size_t k, Recording recording) {
-      return compare(scene, run_trial(scene, trials_[k], recording), reference_[k]);
-    };
     // The step next to the reference's is in, and its errors are known to be small enough.
-    if (!try_cuts(candidates(reference_steps_), Recording::full, against, found)) refuse_unmet(found);
+    if (!try_cuts(candidates(reference_steps_), Recording::full, reference_, found)) refuse_unmet(found);
     return found;
   }
 
@@ -248,13 +242,16 @@ class Search {
     }
   }
 
-  template <class Against>
-  bool try_cuts(const std::vector<Cut>& cuts, Recording recording, const Against& against, FoundSetting& found) {
+  // `references`: what a run of each trial is compared with.
+  template <class Reference>
+  bool try_cuts(const std::vector<Cut>& cuts, Recording recording, const std::vector<Reference>& references,
+                FoundSetting& found) {
     for (const Cut& cut : cuts) {
       SettingLook look{overrides_of(cut), {}, {}, true};
       for (std::size_t k = 0; k < trials_.size() && look.met; ++k) {
         try {
-          keep_worst(look.errors, against(scene_of(cut, trials_[k]), k, recording));
+          const Scene scene = scene_of(cut, trials_[k]);
+          keep_worst(look.errors, compare(scene, run_trial(scene, trials_[k], recording), references[k]));
           look.met = meets(look.errors, margin);
         } catch (const InputError& error) {
           look.failure = fmt::format("trial {}: {}", trials_[k], error.what());

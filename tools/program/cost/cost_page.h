@@ -2,27 +2,29 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "tools/base/page/json.h"
+#include "tools/base/page/page.h"
 
 namespace slipbench::cost {
+
+// The files of web/, in the order in which the page loads them. Written by slipbench_embed().
+const std::vector<page::Asset>& assets();
 
 // One HTML page that needs no other file, of an exploration (its first key "slipbench_cost": 1; a stability map may stand in it as
 // "stability") or of a stability map alone ("slipbench_stability": 1). Text of `result` is shown as text, never as markup. Throws
 // std::logic_error where `result` begins with neither key.
 std::string cost_page(const Json& result);
 
-// Whether a file that begins so is such a page, or such an object written by write_cost().
-bool begins_as_cost_page(std::string_view text);
-bool begins_as_cost_json(std::string_view text);
+// The page, and either of the objects, as write_cost() writes them.
+inline constexpr page::PageKind page_kind{"an exploration",
+                                          "slipbench cost",
+                                          "page of slipbench cost",
+                                          "result of slipbench cost",
+                                          {"slipbench_cost", "slipbench_stability"}};
 
-// Writes FILE.html, and `result` beside it as FILE.json, each under a temporary name that is then renamed; returns both names. Files
-// of these kinds are replaced, others are not. Throws InputError when `html_path` does not end in .html or cannot be written.
+// Writes FILE.html, and `result` beside it as FILE.json, each under a temporary name that is then renamed; returns both names. Throws
+// InputError as page::check_page_files().
 std::vector<std::string> write_cost(const std::string& html_path, const Json& result);
-
-// The same refusals before any work is done.
-void check_cost_target(const std::string& html_path);
 
 }  // namespace slipbench::cost

@@ -244,7 +244,7 @@ class Explorer {
   void try_all() {
     const double begin = since(start_);
     std::vector<std::pair<std::size_t, TrialResult>> apart;  // rows that are compared with the last of their series
-    for (Setting& setting : settings_to_try(jobs_.front().scene, {own_.time_step})) {
+    for (Setting& setting : settings_to_try(jobs_.front().scene, own_.time_step)) {
       if (interrupted()) return;
       const Series& series = series_of(setting);
       if (setting.series != series_at_hand_) {

@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
 #include "tools/program/cost/errors.h"
@@ -134,5 +136,8 @@ std::string setting_text(const Row& row);
 
 // "costs 12 % and changes nothing", "costs 12 %; changes label most, by 3 %"
 std::string verdict(const Price& price);
+
+// Numbers in SI; shares of 1. README.md lists the keys. `environment`: environment_json().
+nlohmann::ordered_json cost_json(const Exploration& exploration, const nlohmann::ordered_json& environment);
 
 }  // namespace slipbench::cost

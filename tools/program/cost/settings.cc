@@ -120,11 +120,11 @@ std::vector<Override> plain(const Scene& scene, const char* name) {
   return changes;
 }
 
-void add_steps(const Scene& scene, const OwnRun& own, std::vector<Setting>& settings) {
+void add_steps(const Scene& scene, double own, std::vector<Setting>& settings) {
   const bool own_is_plain = scene.fidelity == "field" && scene.field_solver == FieldSolver::automatic && scene.integrator.empty();
-  const std::vector<double> steps = ladder(scene, own.time_step);
+  const std::vector<double> steps = ladder(scene, own);
   for (const double h : steps) {
-    if (own_is_plain && std::abs(h / own.time_step - 1.0) < 1e-9) continue;
+    if (own_is_plain && std::abs(h / own - 1.0) < 1e-9) continue;
     add_step(scene, "field", h, plain(scene, "field"), "", settings);
   }
   if (scene.dynamic() && !scene.grasp) {
@@ -141,17 +141,16 @@ void add_steps(const Scene& scene, const OwnRun& own, std::vector<Setting>& sett
   }
   if (!scene.grasp && scene.effects.empty()) {
     for (const double h : {2e-3, 1e-3, 5e-4, 2e-4})
-      add_step(scene, "articulated", fitting(h, sampling_time_of(scene, own.time_step)), plain(scene, "articulated"), "",
-               settings);
+      add_step(scene, "articulated", fitting(h, sampling_time_of(scene, own)), plain(scene, "articulated"), "", settings);
   }
 }
 
-void add_contact(const Scene& scene, const OwnRun& own, std::vector<Setting>& settings) {
+void add_contact(const Scene& scene, double own, std::vector<Setting>& settings) {
   if (!scene.effects.empty()) return;
   const FrictionScene& friction = scene.friction;
   const std::span<const double> steps = scene.grasp ? std::span<const double>(grasp_contact_steps) : contact_steps;
   for (const double wanted : steps) {
-    const double h = fitting(wanted, sampling_time_of(scene, own.time_step));
+    const double h = fitting(wanted, sampling_time_of(scene, own));
     for (const ContactChoice& choice : contact_choices) {
       std::string contact = filled(choice.contact, "%2h", format_number(2.0 * h));
       contact = filled(filled(contact, "%h", format_number(h)), "%m", scene.dynamic() ? "1 g" : "10 g");
@@ -222,13 +221,13 @@ void add_skin(const Scene& scene, std::vector<Setting>& settings) {
   }
 }
 
-void add_rates(const Scene& scene, const OwnRun& own, std::vector<Setting>& settings) {
+void add_rates(const Scene& scene, double own, std::vector<Setting>& settings) {
   const double fastest = fastest_rate(scene);
   if (!(fastest > 0.0)) return;
   for (const double factor : coarse_factors) {
     const double rate = fastest / factor;
     if (!whole(scene.duration * rate)) continue;
-    std::vector<Override> changes{step(own.time_step)};
+    std::vector<Override> changes{step(own)};
     limit_rates(scene, rate, changes);
     settings.push_back({"rate", format_number(rate) + " Hz", std::move(changes)});
   }
@@ -262,7 +261,7 @@ const std::vector<Series>& all_series() {
 
 const Series& series_of(const Setting& setting) { return *std::ranges::find(all_series(), setting.series, &Series::name); }
 
-std::vector<Setting> settings_to_try(const Scene& scene, const OwnRun& own) {
+std::vector<Setting> settings_to_try(const Scene& scene, double own) {
   std::vector<Setting> settings;
   add_steps(scene, own, settings);
   add_contact(scene, own, settings);

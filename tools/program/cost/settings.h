@@ -28,11 +28,6 @@ const std::vector<Series>& all_series();
 // That of a setting.
 const Series& series_of(const Setting& setting);
 
-// What is known of the scene before anything else is tried.
-struct OwnRun {
-  double time_step = 0.0;  // s, of the fastest sensor's pad
-};
-
 // The fastest of the rates [Hz] that the scene's sensors are given; 0 where none has one.
 double fastest_rate(const Scene& scene);
 
@@ -41,8 +36,8 @@ bool one_friction(const Scene& scene);
 
 // All settings that suit the scene, the scene's own not among them; those of a series from coarse to fine. What the scene's kind refuses
 // as such (an integrator where nothing is integrated) is left out; what a scene could have and this one may not (a step that is too long)
-// is not.
-std::vector<Setting> settings_to_try(const Scene& scene, const OwnRun& own);
+// is not. `own`: the step of the fastest sensor's pad [s].
+std::vector<Setting> settings_to_try(const Scene& scene, double own);
 
 // The scene itself with a step of `time_step` [s], at its own output rate.
 Setting finer(double time_step);

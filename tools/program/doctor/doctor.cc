@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "tools/program/doctor/build_info.h"
 #include "tools/program/doctor/machine.h"
 
 #if SLIPBENCH_WITH_MUJOCO

@@ -13,7 +13,6 @@
 #include <thread>
 
 #include "sim/mujoco/mujoco_version.h"
-#include "tools/program/doctor/build_info.h"
 
 namespace slipbench {
 namespace {

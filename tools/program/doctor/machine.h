@@ -31,4 +31,23 @@ std::map<std::string, std::string, std::less<>> installed_packages(std::span<con
 // is the mean number of running processes over the last minute (null where the system does not say), mujoco is null without MuJoCo.
 nlohmann::ordered_json environment_json();
 
+struct BuildInfo {
+  std::string_view version;     // "0.2.0"
+  std::string_view commit;      // git commit, "-dirty" where files were changed, "unknown" outside a checkout
+  std::string_view compiler;    // "GNU 12.2.0"
+  std::string_view build_type;  // "Release"
+  std::string_view flags;       // compiler flags of every library
+  std::string_view yaml_cpp;    // version of yaml-cpp, which has no version of its own in its headers
+};
+
+const BuildInfo& build_info();
+
+// A Debian package of tools/setup/packages.txt.
+struct SetupPackage {
+  std::string_view set;  // "build", "test", "all", "all"
+  std::string_view name;
+};
+
+std::span<const SetupPackage> setup_packages();
+
 }  // namespace slipbench

@@ -8,10 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/page/page.h"
-#include "tools/base/page/page_files.h"
 #include "tools/base/page/svg.h"
-#include "tools/program/eval/evaluate.h"
 #include "tools/program/eval/metrics.h"
 #include "tools/program/sweep/run_sweep.h"
 
@@ -21,11 +18,6 @@ namespace {
 using page::Axis;
 using page::escape_html;
 using page::Svg;
-
-constexpr std::string_view generator = "slipbench eval";
-
-constexpr page::PageKind page_kind{
-    "an evaluation", {"page of slipbench eval", &begins_as_eval_page}, {"result of slipbench eval", &begins_as_eval_json}};
 
 // A drawing and where its axes lie in it [px].
 constexpr double left = 62.0, right = 404.0, top = 30.0, foot = 248.0;
@@ -265,10 +257,6 @@ std::string worst_html(const Json& result, const std::string& html_path) {
 
 }  // namespace
 
-bool begins_as_eval_page(std::string_view text) { return page::begins_as_page(text, generator); }
-
-bool begins_as_eval_json(std::string_view text) { return text.starts_with(fmt::format("{{\n  \"{}\": ", result_key)); }
-
 std::string eval_page(const Json& result, const std::string& html_path) {
   const Json& all = result.at("all");
   const std::string type = result.at("detector").at("type").get<std::string>(), dataset = result.at("dataset").get<std::string>();
@@ -278,7 +266,8 @@ std::string eval_page(const Json& result, const std::string& html_path) {
                                              text(result.at("sensor").at("name")), text(result.at("sensor").at("type")),
                                              text(result.at("labels")), count("trials"), count("frames"))};
   if (const std::string note = truth_note(result); !note.empty()) notes.push_back(note);
-  std::string body = page::head_html(generator, type + " on " + dataset, notes, text(result.at("command"))) + headline(all);
+  std::string body =
+      page::head_html(page_kind.generator, type + " on " + dataset, notes, text(result.at("command"))) + headline(all);
   const std::size_t left_out = result.at("left_out").size();
   body += page::section_html(
       "Figures",
@@ -297,11 +286,9 @@ std::string eval_page(const Json& result, const std::string& html_path) {
         "Look first at", truth_note(result).empty() ? "A link opens the dataset's report, once its command has made it." : "",
         worst_html(result, html_path));
   }
-  return page::compose_page({generator, type + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"},
-                            body);
+  return page::compose_page(
+      {page_kind.generator, type + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"}, body);
 }
-
-void check_eval_target(const std::string& html_path) { page::check_page_files(html_path, page_kind); }
 
 std::vector<std::string> write_eval(const std::string& html_path, const Json& result) {
   return page::write_page_files(html_path, page_kind, eval_page(result, html_path), result);

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "tools/base/page/json.h"
+#include "tools/base/page/page.h"
+#include "tools/program/eval/evaluate.h"
 
 namespace slipbench::eval {
 
@@ -13,13 +13,11 @@ namespace slipbench::eval {
 // link from there to the page that `slipbench report` makes of the dataset beside it. Text of `result` is shown as text, never as markup.
 std::string eval_page(const Json& result, const std::string& html_path);
 
-// Whether a file that begins so is such a page, or such a result written by write_eval().
-bool begins_as_eval_page(std::string_view text);
-bool begins_as_eval_json(std::string_view text);
+// The page and the result as write_eval() writes them.
+inline constexpr page::PageKind page_kind{
+    "an evaluation", "slipbench eval", "page of slipbench eval", "result of slipbench eval", {result_key}};
 
-// Throws InputError when `html_path` does not end in .html, or it or FILE.json beside it cannot be written or holds something else.
-void check_eval_target(const std::string& html_path);
-// Writes FILE.html, and `result` beside it as FILE.json; returns both names. Throws as check_eval_target().
+// Writes FILE.html, and `result` beside it as FILE.json; returns both names. Throws InputError as page::check_page_files().
 std::vector<std::string> write_eval(const std::string& html_path, const Json& result);
 
 }  // namespace slipbench::eval

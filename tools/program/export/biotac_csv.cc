@@ -17,7 +17,6 @@
 #include "tools/program/samples/samples.h"
 
 namespace slipbench {
-
 namespace {
 
 constexpr std::array<const char*, 3> fingers{"ff", "mf", "th"};
@@ -75,18 +74,6 @@ std::string row_of(const TrialRecord& record) {
   return text + '\n';
 }
 
-}  // namespace
-
-std::string grasp_csv(const DatasetReader& reader, const std::vector<std::size_t>& trials) {
-  std::string text = header();
-  for (const std::size_t trial : trials) text += row_of(reader.read_trial(trial));
-  return text;
-}
-
-bool begins_as_grasp_csv(std::string_view text) { return text.starts_with(first_columns); }
-
-namespace {
-
 constexpr std::size_t slip_csv_electrodes = 24;
 constexpr double slip_csv_rate = 100.0;  // Hz
 constexpr std::string_view slip_csv_beginning = "ff_e1,ff_e2,";
@@ -117,6 +104,14 @@ std::string object_of(const DatasetReader& reader, std::size_t trial) {
 }
 
 }  // namespace
+
+std::string grasp_csv(const DatasetReader& reader, const std::vector<std::size_t>& trials) {
+  std::string text = header();
+  for (const std::size_t trial : trials) text += row_of(reader.read_trial(trial));
+  return text;
+}
+
+bool begins_as_grasp_csv(std::string_view text) { return text.starts_with(first_columns); }
 
 SlipRecording slip_csv(const DatasetReader& reader, std::size_t trial, const std::string& sensor) {
   const SensorRecord record = reader.read_sensor(trial, sensor);

@@ -99,8 +99,7 @@ Episode::Column actions_of(const TrialRecord& record, const Grid& grid, std::siz
   } else {
     actions.values.resize(steps * actions.width);
     for (std::size_t carrier = 0; carrier < space.bodies.size(); ++carrier) {
-      const auto body = std::find_if(record.bodies.begin(), record.bodies.end(),
-                                     [&](const BodyRecord& candidate) { return candidate.name == space.bodies[carrier]; });
+      const auto body = std::ranges::find(record.bodies, space.bodies[carrier], &BodyRecord::name);
       if (body == record.bodies.end())
         throw InputError(fmt::format("trial {}: has no truth/{}", record.trial, space.bodies[carrier]));
       const std::vector<float> velocity = resampled({record.body_time, body->velocity, velocity_names.size()}, grid, steps);

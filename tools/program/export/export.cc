@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <iterator>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -15,7 +15,6 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/arrays.h"
-#include "tools/program/export/export_plan.h"
 #include "tools/program/export/formats.h"
 #include "tools/program/export/output_folder.h"
 #include "tools/program/samples/commanded_motion.h"
@@ -97,7 +96,10 @@ SensorRecord sensor_of(const DatasetReader& reader, std::size_t trial, const std
   return options.rate ? at_rate(std::move(sensor), *options.rate, trial) : sensor;
 }
 
-std::string export_vendor(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
+// Names of the files that a trial becomes.
+using Files = std::vector<std::string>;
+
+Files export_vendor(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   const std::vector<std::string> names = papillarrays_of(reader, trial);
   for (const std::string& asked : options.sensors) {
     if (std::ranges::find(names, asked) == names.end()) {
@@ -111,11 +113,11 @@ std::string export_vendor(const DatasetReader& reader, std::size_t trial, Output
   }
   std::vector<PapillarraySamples> sensors;
   for (const SensorRecord& record : records) sensors.emplace_back(record, slip_rule(options), label_speed(options));
-  return out.write(fmt::format("LOG_demo_{}.csv", trial), {"log of the vendor's software", &begins_as_vendor_csv},
-                   vendor_csv(sensors));
+  return {out.write(fmt::format("LOG_demo_{}.csv", trial), {"log of the vendor's software", &begins_as_vendor_csv},
+                    vendor_csv(sensors))};
 }
 
-std::string export_training(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
+Files export_training(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   const std::vector<std::string> names = papillarrays_of(reader, trial);
   const std::vector<std::string>& asked = options.sensors.empty() ? names : options.sensors;
   if (asked.size() != 1 || std::ranges::find(names, asked.front()) == names.end()) {
@@ -123,19 +125,16 @@ std::string export_training(const DatasetReader& reader, std::size_t trial, Outp
         fmt::format("trial {}: training-csv holds one papillarray; which? allowed: {}", trial, fmt::join(names, ", ")));
   }
   const TrialRecord record = reader.read_trial(trial);
-  const auto sensor = std::find_if(record.sensors.begin(), record.sensors.end(),
-                                   [&](const SensorRecord& candidate) { return candidate.name == asked.front(); });
-  const auto pad = std::find_if(record.bodies.begin(), record.bodies.end(),
-                                [](const BodyRecord& candidate) { return candidate.name == "pad"; });
+  const auto sensor = std::ranges::find(record.sensors, asked.front(), &SensorRecord::name);
+  const auto pad = std::ranges::find(record.bodies, "pad", &BodyRecord::name);
   if (pad == record.bodies.end()) throw InputError(fmt::format("trial {}: has no truth/pad, which tells the move", trial));
   const PapillarraySamples samples(*sensor, slip_rule(options), label_speed(options));
   const std::string name = training_file_name(trial, commanded_motion(reader, trial), *pad, record.body_time);
-  return out.write(name, {"file of 73 columns", &begins_as_training_csv}, training_csv(samples, sensor->rate));
+  return {out.write(name, {"file of 73 columns", &begins_as_training_csv}, training_csv(samples, sensor->rate))};
 }
 
-std::vector<std::string> export_tables(const DatasetReader& reader, std::size_t trial, OutputFolder& out,
-                                       const ExportOptions& options) {
-  std::vector<std::string> files;
+Files export_tables(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
+  Files files;
   for (const std::string& sensor : chosen_sensors(reader, trial, options.sensors)) {
     for (const CsvTable& table : table_csv(sensor_of(reader, trial, sensor, options), options.slip_rule)) {
       const std::string channel = table.channel.empty() ? "" : "-" + table.channel;
@@ -146,13 +145,13 @@ std::vector<std::string> export_tables(const DatasetReader& reader, std::size_t 
   return files;
 }
 
-std::string export_slip(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
+Files export_slip(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   const std::vector<std::string> names = chosen_sensors(reader, trial, options.sensors);
   if (names.size() != 1) {
     throw InputError(fmt::format("trial {}: slip-csv holds one biotac_sp; which? allowed: {}", trial, fmt::join(names, ", ")));
   }
   const SlipRecording recording = slip_csv(reader, trial, names.front());
-  return out.write(recording.name, {"recording of 24 electrodes", &begins_as_slip_csv}, recording.text);
+  return {out.write(recording.name, {"recording of 24 electrodes", &begins_as_slip_csv}, recording.text)};
 }
 
 // What the arrays of a trial do not say.
@@ -174,9 +173,8 @@ std::string about_trial(const DatasetReader& reader, const TrialRecord& record) 
 }
 
 // A file for each myrmex.
-std::vector<std::string> export_images(const DatasetReader& reader, std::size_t trial, OutputFolder& out,
-                                       const ExportOptions& options) {
-  std::vector<std::string> files;
+Files export_images(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
+  Files files;
   for (const std::string& sensor : chosen_sensors(reader, trial, options.sensors)) {
     if (options.sensors.empty() && reader.sensor_type(trial, sensor) != "myrmex") continue;
     files.push_back(out.write(fmt::format("demo_{}-{}.csv", trial, sensor), {"file of images", &begins_as_myrmex_csv},
@@ -186,7 +184,7 @@ std::vector<std::string> export_images(const DatasetReader& reader, std::size_t 
   return files;
 }
 
-std::string export_archive(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
+Files export_archive(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   const std::vector<std::string> chosen = chosen_sensors(reader, trial, options.sensors);
   TrialRecord record = reader.read_trial(trial);
   std::erase_if(record.sensors, [&](const SensorRecord& one) { return std::ranges::find(chosen, one.name) == chosen.end(); });
@@ -202,8 +200,8 @@ std::string export_archive(const DatasetReader& reader, std::size_t trial, Outpu
     leave_out(sensor.labels.state_micro, SlipRule::micro);
     leave_out(sensor.labels.state_paper, SlipRule::paper);
   }
-  return out.write(fmt::format("demo_{}.npz", trial), {"numpy archive of a trial", &begins_as_npz},
-                   npz(record, about_trial(reader, record)));
+  return {out.write(fmt::format("demo_{}.npz", trial), {"numpy archive of a trial", &begins_as_npz},
+                    npz(record, about_trial(reader, record)))};
 }
 
 std::string export_robomimic(const DatasetReader& reader, const std::vector<std::size_t>& trials, OutputFolder& out,
@@ -218,8 +216,18 @@ std::string export_robomimic(const DatasetReader& reader, const std::vector<std:
   return path;
 }
 
-std::vector<std::string> export_trials(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
-                                       const ExportProgress& progress) {
+// Those that are written trial by trial, here.
+const std::map<ExportFormat, Files (*)(const DatasetReader&, std::size_t, OutputFolder&, const ExportOptions&)> of_trials{
+    {ExportFormat::csv, &export_tables},
+    {ExportFormat::npz, &export_archive},
+    {ExportFormat::vendor_csv, &export_vendor},
+    {ExportFormat::training_csv, &export_training},
+    {ExportFormat::slip_csv, &export_slip},
+    {ExportFormat::myrmex_csv, &export_images},
+    {ExportFormat::myrmex_rotated, &export_archive}};
+
+Files export_trials(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
+                    const ExportProgress& progress) {
   const DatasetReader reader(dataset_path);
   const std::vector<std::size_t> trials = trials_to_export(reader, options);
   OutputFolder out(out_dir, reader.files(), options.compress);
@@ -228,28 +236,13 @@ std::vector<std::string> export_trials(const std::string& dataset_path, const st
     if (progress) progress(1, trials.size(), grasp_csv(reader, {trials.front()}).size());
     return {out.write("grasps.csv", {"table of grasps", &begins_as_grasp_csv}, grasp_csv(reader, trials))};
   }
-  std::vector<std::string> files;
+  Files files;
   std::uintmax_t bytes = 0;
   for (std::size_t k = 0; k < trials.size(); ++k) {
-    const std::size_t trial = trials[k];
-    const std::size_t before = files.size();
-    switch (options.format) {
-      case ExportFormat::csv: std::ranges::move(export_tables(reader, trial, out, options), std::back_inserter(files)); break;
-      case ExportFormat::npz: files.push_back(export_archive(reader, trial, out, options)); break;
-      case ExportFormat::vendor_csv: files.push_back(export_vendor(reader, trial, out, options)); break;
-      case ExportFormat::training_csv: files.push_back(export_training(reader, trial, out, options)); break;
-      case ExportFormat::slip_csv: files.push_back(export_slip(reader, trial, out, options)); break;
-      case ExportFormat::myrmex_csv:
-        std::ranges::move(export_images(reader, trial, out, options), std::back_inserter(files));
-        break;
-      case ExportFormat::myrmex_rotated: files.push_back(export_archive(reader, trial, out, options)); break;
-      case ExportFormat::robomimic:
-      case ExportFormat::grasp_csv:
-      case ExportFormat::lerobot:
-      case ExportFormat::parquet:
-      case ExportFormat::mcap: break;  // are not written trial by trial, or not here
+    for (std::string& file : of_trials.at(options.format)(reader, trials[k], out, options)) {
+      bytes += std::filesystem::file_size(file);
+      files.push_back(std::move(file));
     }
-    for (std::size_t i = before; i < files.size(); ++i) bytes += std::filesystem::file_size(files[i]);
     if (progress) progress(k + 1, trials.size(), bytes);
   }
   return files;

@@ -1,12 +1,14 @@
 // Datasets in the file formats that others read.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "tools/base/dataset/reader.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench {
@@ -15,9 +17,9 @@ enum class ExportFormat {
   csv,             // a table a trial and sensor, with a header
   npz,             // a numpy archive a trial
   robomimic,       // one HDF5 file of demonstrations
-  lerobot,         // a LeRobotDataset a rate; Python writes it (python_formats.h)
-  parquet,         // a table of columns a sensor; Python writes it (python_formats.h)
-  mcap,            // messages with their times, a file a trial; Python writes it (python_formats.h)
+  lerobot,         // a LeRobotDataset a rate; Python writes it (python_formats.cc)
+  parquet,         // a table of columns a sensor; Python writes it (python_formats.cc)
+  mcap,            // messages with their times, a file a trial; Python writes it (python_formats.cc)
   vendor_csv,      // PapillArray: the log of the vendor's visualisation software
   slip_csv,        // BioTac SP: the public slip recordings, one file a trial
   grasp_csv,       // BioTac SP: the public grasps with three fingers, one file
@@ -53,5 +55,24 @@ using ExportProgress = std::function<void(std::size_t done, std::size_t total, s
 // lerobot, parquet and mcap are not written here, but by start_python_export().
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
+
+// The word for --format: "npz".
+std::string export_format_name(ExportFormat format);
+
+// Throws InputError when the options contradict each other.
+void check_export_options(const ExportOptions& options);
+
+// The trials that the options ask for, ascending, once their files are what was written and each has a recording, and the truth where the format
+// needs it. Throws InputError otherwise, and when there are none.
+std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const ExportOptions& options);
+
+// Whether tools/python/slipbench/_export writes this format.
+bool is_python_format(ExportFormat format);
+
+// Becomes the Python that writes the trials of a dataset to `out_dir`. `json`: one JSON object on stdout. The dataset and
+// the options are checked before, in a child process. Throws InputError as export_dataset does, and where there is no such Python: build/venv's
+// of a build, or the one whose package `slipbench` runs the program, which names itself in SLIPBENCH_PYTHON.
+[[noreturn]] void start_python_export(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
+                                      bool json);
 
 }  // namespace slipbench

@@ -16,16 +16,6 @@ namespace {
 
 constexpr std::string_view first_member = "about.npy";
 
-std::string_view descr_of(ElementType type) {
-  switch (type) {
-    case ElementType::f64: return "<f8";
-    case ElementType::f32: return "<f4";
-    case ElementType::u32: return "<u4";
-    case ElementType::u8: return "|u1";
-  }
-  throw std::logic_error("element type without a name");
-}
-
 // A zip archive in memory. Its members carry no time: the format's earliest stands for it.
 class ZipArchive {
  public:
@@ -94,7 +84,7 @@ std::string npz(const TrialRecord& record, const std::string& about) {
   archive.add(std::string(first_member), npy_header(fmt::format("|S{}", about.size()), {}),
               {reinterpret_cast<const std::uint8_t*>(about.data()), about.size()});
   for (const ArrayView& array : arrays_of(record)) {
-    archive.add(array.path + ".npy", npy_header(descr_of(array.type), array.shape), {array.bytes, array.size_bytes()});
+    archive.add(array.path + ".npy", npy_header(numpy_name(array.type), array.shape), {array.bytes, array.size_bytes()});
   }
   for (const SensorRecord& sensor : record.sensors) {
     for_each_unit_attribute(sensor.labels, [&](const char* name, const Extents& tail, const std::vector<double>& values) {

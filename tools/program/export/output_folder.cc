@@ -31,6 +31,15 @@ void check_packed(const std::string& path, const TextKind& kind) {
       fmt::format("cannot write {0}: {0} exists and is no {1}; allowed: a new name, or a {1} to replace", path, kind.name));
 }
 
+constexpr int level = 4;               // as datasets have it
+constexpr int container = 16;          // of gzip, to be added to the window's bits
+constexpr int memory = 8;              // zlib's default
+constexpr std::size_t most = 1 << 30;  // bytes that zlib is handed at once: its counters have 32 bits
+constexpr std::size_t beginning = 1 << 16;
+
+// zlib takes its input as a pointer to what is not const, and does not change it.
+Bytef* input_of(std::string_view bytes) { return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data())); }
+
 }  // namespace
 
 OutputFolder::~OutputFolder() {
@@ -69,19 +78,6 @@ void OutputFolder::make(const std::string& folder) {
   throw InputError(fmt::format("cannot make folder {}: {}; allowed: a folder, or a new name in one that is there", folder,
                                std::strerror(reason)));
 }
-
-namespace {
-
-constexpr int level = 4;               // as datasets have it
-constexpr int container = 16;          // of gzip, to be added to the window's bits
-constexpr int memory = 8;              // zlib's default
-constexpr std::size_t most = 1 << 30;  // bytes that zlib is handed at once: its counters have 32 bits
-constexpr std::size_t beginning = 1 << 16;
-
-// zlib takes its input as a pointer to what is not const, and does not change it.
-Bytef* input_of(std::string_view bytes) { return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data())); }
-
-}  // namespace
 
 std::string gzip(std::string_view text) {
   z_stream stream{};

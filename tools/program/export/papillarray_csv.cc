@@ -10,7 +10,6 @@
 #include "tools/program/export/formats.h"
 
 namespace slipbench {
-
 namespace {
 
 constexpr std::size_t centre = 4;
@@ -86,39 +85,6 @@ void append_sensor(fmt::memory_buffer& text, const PapillarraySamples& samples, 
   fmt::format_to(out, ",-1");  // the device's own friction estimate is not simulated: none
 }
 
-}  // namespace
-
-std::string millimetres(float metres) {
-  const double exact = 1e3 * static_cast<double>(metres);
-  // Those of the nearest float32 in mm; as float32 lies more densely in m than in mm here and there, they may belong to a neighbour.
-  std::string text = fmt::format("{}", static_cast<float>(exact));
-  double back = 0.0;
-  std::from_chars(text.data(), text.data() + text.size(), back);
-  return static_cast<float>(back / 1e3) == metres ? text : fmt::format("{:.9g}", exact);
-}
-
-bool begins_as_vendor_csv(std::string_view text) { return text.starts_with("T_us,S0_P0_DX,"); }
-
-std::string vendor_csv(const std::vector<PapillarraySamples>& sensors) {
-  if (sensors.size() > 2) throw InputError(fmt::format("the vendor's log holds up to 2 sensors, found {}", sensors.size()));
-  std::vector<std::array<bool, pillars>> touched(sensors.size());
-  fmt::memory_buffer text;
-  append_header(text, sensors.size());
-  for (std::size_t row = 0; row < sensors[0].size(); ++row) {
-    fmt::format_to(std::back_inserter(text), "{}", std::llround(1e6 * sensors[0].time(row)));
-    for (std::size_t s = 0; s < sensors.size(); ++s) {
-      if (sensors[s].size() != sensors[0].size() || sensors[s].time(row) != sensors[0].time(row)) {
-        throw InputError("the vendor's log has one time for all sensors; those of this trial are sampled at different times");
-      }
-      append_sensor(text, sensors[s], row, touched[s]);
-    }
-    text.push_back('\n');
-  }
-  return fmt::to_string(text);
-}
-
-namespace {
-
 constexpr double training_rate = 1000.0;  // Hz, which the training code takes for granted
 
 // What is slower is the rounding of float32 [m/s].
@@ -156,6 +122,35 @@ std::string speed_text(double speed) {
 }
 
 }  // namespace
+
+std::string millimetres(float metres) {
+  const double exact = 1e3 * static_cast<double>(metres);
+  // Those of the nearest float32 in mm; as float32 lies more densely in m than in mm here and there, they may belong to a neighbour.
+  std::string text = fmt::format("{}", static_cast<float>(exact));
+  double back = 0.0;
+  std::from_chars(text.data(), text.data() + text.size(), back);
+  return static_cast<float>(back / 1e3) == metres ? text : fmt::format("{:.9g}", exact);
+}
+
+bool begins_as_vendor_csv(std::string_view text) { return text.starts_with("T_us,S0_P0_DX,"); }
+
+std::string vendor_csv(const std::vector<PapillarraySamples>& sensors) {
+  if (sensors.size() > 2) throw InputError(fmt::format("the vendor's log holds up to 2 sensors, found {}", sensors.size()));
+  std::vector<std::array<bool, pillars>> touched(sensors.size());
+  fmt::memory_buffer text;
+  append_header(text, sensors.size());
+  for (std::size_t row = 0; row < sensors[0].size(); ++row) {
+    fmt::format_to(std::back_inserter(text), "{}", std::llround(1e6 * sensors[0].time(row)));
+    for (std::size_t s = 0; s < sensors.size(); ++s) {
+      if (sensors[s].size() != sensors[0].size() || sensors[s].time(row) != sensors[0].time(row)) {
+        throw InputError("the vendor's log has one time for all sensors; those of this trial are sampled at different times");
+      }
+      append_sensor(text, sensors[s], row, touched[s]);
+    }
+    text.push_back('\n');
+  }
+  return fmt::to_string(text);
+}
 
 bool begins_as_training_csv(std::string_view text) {
   const std::string_view line = text.substr(0, text.find('\n'));

@@ -1,4 +1,4 @@
-#include "tools/program/export/python_formats.h"
+#include "tools/program/export/export.h"
 
 #include <unistd.h>
 
@@ -18,7 +18,6 @@
 #include "sim/core/error.h"
 #include "sim/core/process/own_library.h"
 #include "tools/base/dataset/guarded.h"
-#include "tools/program/export/export_plan.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench {

@@ -15,7 +15,7 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/files/output_file.h"
-#include "tools/base/hdf5/hdf5_handle.h"
+#include "tools/base/hdf5/hdf5_place.h"
 #include "tools/program/export/episode.h"
 
 namespace slipbench {
@@ -23,6 +23,7 @@ namespace {
 
 using hdf5::check;
 using hdf5::Handle;
+using hdf5::write_attribute;
 
 constexpr const char* mark = "exported_by";  // root attribute by which such a file is known
 constexpr const char* mark_text = "slipbench robomimic";
@@ -32,79 +33,39 @@ constexpr unsigned deflate_level = 4;  // as datasets have it
 // robomimic's number for environments of the gym kind: the nearest to a recording that no environment can continue.
 constexpr int gym_environment = 2;
 
-Handle untimed(hid_t kind) {
-  Handle properties(H5Pcreate(kind), &H5Pclose);
-  check(H5Pset_obj_track_times(properties.get(), 0));
-  return properties;
-}
-
 Handle make_group(hid_t parent, const std::string& name) {
-  const Handle properties = untimed(H5P_GROUP_CREATE);
+  const Handle properties = hdf5::untimed(H5P_GROUP_CREATE);
   return {H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose};
 }
 
-Handle space_for(const std::vector<hsize_t>& shape) {
-  return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), &H5Sclose};
-}
-
 // One array, the file's type that of the memory. `level`: of deflate, in one chunk; 0: as it is.
-void put(hid_t group, const std::string& name, hid_t type, const std::vector<hsize_t>& shape, const void* values,
+void put(hid_t group, const std::string& name, hid_t type, const std::vector<std::size_t>& shape, const void* values,
          unsigned level) {
   const bool empty = std::find(shape.begin(), shape.end(), 0) != shape.end();
-  const Handle properties = untimed(H5P_DATASET_CREATE);
+  const Handle properties = hdf5::untimed(H5P_DATASET_CREATE);
   if (level > 0 && !empty) {
-    check(H5Pset_chunk(properties.get(), static_cast<int>(shape.size()), shape.data()));
+    const std::vector<hsize_t> chunk(shape.begin(), shape.end());
+    check(H5Pset_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()));
     check(H5Pset_shuffle(properties.get()));
     check(H5Pset_deflate(properties.get(), level));
   }
-  const Handle space = space_for(shape);
+  const Handle space = hdf5::space_of(shape);
   Handle array(H5Dcreate2(group, name.c_str(), type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Dclose);
   if (!empty) check(H5Dwrite(array.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
   array.close();
-}
-
-void note(hid_t object, const char* name, hid_t type, const Handle& space, const void* value) {
-  Handle attribute(H5Acreate2(object, name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT), &H5Aclose);
-  check(H5Awrite(attribute.get(), type, value));
-  attribute.close();
-}
-
-Handle single() { return {H5Screate(H5S_SCALAR), &H5Sclose}; }
-
-Handle text_of_any_length() {
-  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
-  check(H5Tset_size(type.get(), H5T_VARIABLE));
-  check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
-  return type;
-}
-
-void note(hid_t object, const char* name, std::uint64_t value) { note(object, name, H5T_STD_U64LE, single(), &value); }
-// A count has a sign, as in robomimic's own files: it takes differences of them, which numpy before 2 makes fractions of where there is none.
-void note(hid_t object, const char* name, std::int64_t value) { note(object, name, H5T_STD_I64LE, single(), &value); }
-void note(hid_t object, const char* name, double value) { note(object, name, H5T_IEEE_F64LE, single(), &value); }
-void note(hid_t object, const char* name, const std::string& value) {
-  const char* text = value.c_str();
-  note(object, name, text_of_any_length().get(), single(), &text);
-}
-void note(hid_t object, const char* name, const std::vector<double>& values) {
-  note(object, name, H5T_IEEE_F64LE, space_for({values.size()}), values.data());
-}
-void note(hid_t object, const char* name, const std::vector<std::string>& values) {
-  std::vector<const char*> texts;
-  for (const std::string& value : values) texts.push_back(value.c_str());
-  note(object, name, text_of_any_length().get(), space_for({values.size()}), texts.data());
 }
 
 std::string demo_of(std::size_t trial) { return fmt::format("demo_{}", trial); }
 
 void put_demo(hid_t data, const DatasetReader& reader, std::size_t trial, const Episode& episode, unsigned level) {
   Handle demo = make_group(data, demo_of(trial));
-  const hsize_t steps = episode.steps;
+  const std::size_t steps = episode.steps;
   const DemoInfo info = reader.info(trial);
-  note(demo.get(), "num_samples", static_cast<std::int64_t>(steps));
-  note(demo.get(), "seed", info.seed);
-  note(demo.get(), "params", info.params);
-  note(demo.get(), "outcome", info.outcome);
+  // A count has a sign, as in robomimic's own files: it takes differences of them, which numpy before 2 makes fractions of where there is none.
+  write_attribute(demo.get(), "num_samples", static_cast<std::int64_t>(steps));
+  write_attribute(demo.get(), "seed", info.seed);
+  write_attribute(demo.get(), "params", info.params);
+  write_attribute(demo.get(), "outcome", info.outcome);
   Handle observed = make_group(demo.get(), "obs");
   Handle following = make_group(demo.get(), "next_obs");
   for (const Episode::Column& column : episode.observations) {
@@ -131,17 +92,9 @@ void put_masks(hid_t file, const DatasetReader& reader, const std::vector<std::s
     std::sort(members.begin(), members.end());
     std::vector<std::size_t> held;
     std::set_intersection(members.begin(), members.end(), trials.begin(), trials.end(), std::back_inserter(held));
-    std::size_t width = 1;
-    for (const std::size_t trial : held) width = std::max(width, demo_of(trial).size());
-    std::string names;
-    for (std::size_t i = 0; i < held.size(); ++i) {
-      names += demo_of(held[i]);
-      names.resize((i + 1) * width, '\0');
-    }
-    Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
-    check(H5Tset_size(type.get(), width));
-    check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD));
-    put(masks.get(), part, type.get(), {held.size()}, names.data(), 0);
+    std::vector<std::string> names;
+    for (const std::size_t trial : held) names.push_back(demo_of(trial));
+    hdf5::write_texts(masks.get(), part, names);
   }
   masks.close();
 }
@@ -159,7 +112,7 @@ std::string environment_of(const DatasetHeader& header) {
 }
 
 void put_all(hid_t file, const DatasetReader& reader, const std::vector<std::size_t>& trials, const RobomimicOptions& options) {
-  note(file, mark, std::string(mark_text));
+  write_attribute(file, mark, std::string(mark_text));
   check(H5Fflush(file, H5F_SCOPE_LOCAL));  // so that what is left of a killed run is known by its beginning
   const double rate = options.rate ? *options.rate : slowest_rate(reader, trials.front(), options.sensors);
   const ActionSpace space = action_space(reader, trials);
@@ -175,12 +128,12 @@ void put_all(hid_t file, const DatasetReader& reader, const std::vector<std::siz
     check(H5Fget_filesize(file, &size));
     if (options.progress) options.progress(++done, size);
   }
-  note(data.get(), "total", static_cast<std::int64_t>(total));
-  note(data.get(), "env_args", environment_of(reader.header()));
-  note(data.get(), "rate_hz", rate);
-  note(data.get(), "action_names", space.names);
-  note(data.get(), "action_scale", space.scale);
-  note(data.get(), "action_offset", space.offset);
+  write_attribute(data.get(), "total", static_cast<std::int64_t>(total));
+  write_attribute(data.get(), "env_args", environment_of(reader.header()));
+  write_attribute(data.get(), "rate_hz", rate);
+  write_attribute(data.get(), "action_names", space.names);
+  write_attribute(data.get(), "action_scale", space.scale, {space.scale.size()});
+  write_attribute(data.get(), "action_offset", space.offset, {space.offset.size()});
   data.close();
   put_masks(file, reader, trials);
 }
@@ -190,7 +143,7 @@ Handle make_file(const std::string& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
   check(H5Pset_file_locking(access.get(), false, true));
-  const Handle creation = untimed(H5P_FILE_CREATE);
+  const Handle creation = hdf5::untimed(H5P_FILE_CREATE);
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), &H5Fclose};
 }
 

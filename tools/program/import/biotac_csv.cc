@@ -15,7 +15,6 @@
 #include "tools/program/import/source_table.h"
 
 namespace slipbench {
-
 namespace {
 
 constexpr std::size_t dos_electrodes = 24;
@@ -48,6 +47,31 @@ DosName dos_name(const SourceFile& file) {
   return name;
 }
 
+constexpr std::array<const char*, 3> fingers{"ff", "mf", "th"};
+constexpr std::size_t electrodes_a_finger = 24;
+constexpr std::size_t before_electrodes = 2;  // columns
+constexpr double most_counts = 4095.0;        // of the converter
+constexpr double nominal_rate = 100.0;        // Hz, of the log that the row was taken from
+constexpr const char* grasp_rule =
+    "bts3v2: gross where the set says that the lifted object slipped, else non-slip; the row is from before the lift";
+constexpr const char* finger_frame = "electrodes E1 to E24 of the fingertip, counts as recorded: pressed skin lowers them";
+
+std::vector<std::string> grasp_columns() {
+  std::vector<std::string> names{"object", "slipped"};
+  for (const char* finger : fingers) {
+    for (std::size_t e = 1; e <= electrodes_a_finger; ++e) names.push_back(fmt::format("{}_biotac_{}", finger, e));
+  }
+  return names;
+}
+
+// "45" of "bts3v2_palm_45.csv"; empty: the name does not say.
+std::string palm_of(const SourceFile& file) {
+  constexpr std::string_view mark = "palm_";
+  const std::string stem = std::filesystem::path(file.path).stem().string();
+  const std::size_t at = stem.rfind(mark);
+  return at == std::string::npos ? "" : stem.substr(at + mark.size());
+}
+
 }  // namespace
 
 void read_biotacsp_dos(const SourceFile& file, const AddRecording& add) {
@@ -78,34 +102,6 @@ void read_biotacsp_dos(const SourceFile& file, const AddRecording& add) {
 }
 
 // Grasps with three BioTac SP (3dperceptionlab, bts3v2): a row a grasp, read before the lift.
-namespace {
-
-constexpr std::array<const char*, 3> fingers{"ff", "mf", "th"};
-constexpr std::size_t electrodes_a_finger = 24;
-constexpr std::size_t before_electrodes = 2;  // columns
-constexpr double most_counts = 4095.0;        // of the converter
-constexpr double nominal_rate = 100.0;        // Hz, of the log that the row was taken from
-constexpr const char* grasp_rule =
-    "bts3v2: gross where the set says that the lifted object slipped, else non-slip; the row is from before the lift";
-constexpr const char* finger_frame = "electrodes E1 to E24 of the fingertip, counts as recorded: pressed skin lowers them";
-
-std::vector<std::string> grasp_columns() {
-  std::vector<std::string> names{"object", "slipped"};
-  for (const char* finger : fingers) {
-    for (std::size_t e = 1; e <= electrodes_a_finger; ++e) names.push_back(fmt::format("{}_biotac_{}", finger, e));
-  }
-  return names;
-}
-
-// "45" of "bts3v2_palm_45.csv"; empty: the name does not say.
-std::string palm_of(const SourceFile& file) {
-  constexpr std::string_view mark = "palm_";
-  const std::string stem = std::filesystem::path(file.path).stem().string();
-  const std::size_t at = stem.rfind(mark);
-  return at == std::string::npos ? "" : stem.substr(at + mark.size());
-}
-
-}  // namespace
 
 void read_bts3v2(const SourceFile& file, const AddRecording& add) {
   const std::vector<std::string> columns = grasp_columns();

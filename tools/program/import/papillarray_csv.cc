@@ -107,6 +107,51 @@ struct LoggedSensor {
   }
 };
 
+constexpr std::size_t training_pillars = 9;
+constexpr std::size_t training_pillar_columns = 8;  // contact, slip, displacement, force
+constexpr std::size_t training_columns = 1 + training_pillars * training_pillar_columns;
+constexpr std::size_t training_centre = 4;
+constexpr double latest_training = 1e9;  // s
+constexpr double most_training_mm = 1e6;
+constexpr const char* training_rule =
+    "the training files' own: none, some or all of the pillars with contact have the flag slip; the centre pillar does not count in a "
+    "file that lies in a folder rotation or combined";
+constexpr const char* training_frame =
+    "pillars seen from above with the connector at the bottom: x up, y right, z into the sensor, so that compression is positive; "
+    "forces act on the sensor, displacements are of its tips";
+
+// What folder and name say: "translation/demo_3-v_4.0-slip.csv".
+struct TrainingName {
+  std::string move;
+  nlohmann::ordered_json params;
+
+  [[nodiscard]] bool turns() const { return move == "rotation" || move == "combined"; }
+};
+
+TrainingName training_name(const SourceFile& file) {
+  const std::filesystem::path path = std::filesystem::absolute(file.path).lexically_normal();
+  TrainingName name{path.parent_path().filename().string(), {{"file", file.name}}};
+  constexpr std::array<std::string_view, 4> moves{"translation", "rotation", "combined", "press"};
+  if (std::ranges::find(moves, name.move) != moves.end()) name.params["move"] = name.move;
+  const std::string stem = path.stem().string();
+  const std::size_t end = stem.rfind('-');
+  const std::size_t speed = stem.rfind("-v_");
+  if (end == std::string::npos || speed == std::string::npos || speed >= end) return name;
+  const std::string_view word = std::string_view(stem).substr(end + 1),
+                         digits = std::string_view(stem).substr(speed + 3, end - speed - 3);
+  double value = 0.0;
+  const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || stop != digits.data() + digits.size() || (word != "slip" && word != "stop")) return name;
+  name.params["speed_mm_s"] = value;
+  name.params["end"] = word;
+  return name;
+}
+
+std::string training_column(std::size_t cell) {
+  constexpr std::array<const char*, training_pillar_columns> parts{"contact", "slip", "DX", "DY", "DZ", "FX", "FY", "FZ"};
+  return fmt::format("P{} {}", (cell - 1) / training_pillar_columns, parts[(cell - 1) % training_pillar_columns]);
+}
+
 }  // namespace
 
 void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
@@ -157,54 +202,6 @@ void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
 }
 
 // The published training files of the PapillArray (RedmondLabUCD): 73 columns without a header, a file a recording.
-namespace {
-
-constexpr std::size_t training_pillars = 9;
-constexpr std::size_t training_pillar_columns = 8;  // contact, slip, displacement, force
-constexpr std::size_t training_columns = 1 + training_pillars * training_pillar_columns;
-constexpr std::size_t training_centre = 4;
-constexpr double latest_training = 1e9;  // s
-constexpr double most_training_mm = 1e6;
-constexpr const char* training_rule =
-    "the training files' own: none, some or all of the pillars with contact have the flag slip; the centre pillar does not count in a "
-    "file that lies in a folder rotation or combined";
-constexpr const char* training_frame =
-    "pillars seen from above with the connector at the bottom: x up, y right, z into the sensor, so that compression is positive; "
-    "forces act on the sensor, displacements are of its tips";
-
-// What folder and name say: "translation/demo_3-v_4.0-slip.csv".
-struct TrainingName {
-  std::string move;
-  nlohmann::ordered_json params;
-
-  [[nodiscard]] bool turns() const { return move == "rotation" || move == "combined"; }
-};
-
-TrainingName training_name(const SourceFile& file) {
-  const std::filesystem::path path = std::filesystem::absolute(file.path).lexically_normal();
-  TrainingName name{path.parent_path().filename().string(), {{"file", file.name}}};
-  constexpr std::array<std::string_view, 4> moves{"translation", "rotation", "combined", "press"};
-  if (std::ranges::find(moves, name.move) != moves.end()) name.params["move"] = name.move;
-  const std::string stem = path.stem().string();
-  const std::size_t end = stem.rfind('-');
-  const std::size_t speed = stem.rfind("-v_");
-  if (end == std::string::npos || speed == std::string::npos || speed >= end) return name;
-  const std::string_view word = std::string_view(stem).substr(end + 1),
-                         digits = std::string_view(stem).substr(speed + 3, end - speed - 3);
-  double value = 0.0;
-  const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || stop != digits.data() + digits.size() || (word != "slip" && word != "stop")) return name;
-  name.params["speed_mm_s"] = value;
-  name.params["end"] = word;
-  return name;
-}
-
-std::string training_column(std::size_t cell) {
-  constexpr std::array<const char*, training_pillar_columns> parts{"contact", "slip", "DX", "DY", "DZ", "FX", "FY", "FZ"};
-  return fmt::format("P{} {}", (cell - 1) / training_pillar_columns, parts[(cell - 1) % training_pillar_columns]);
-}
-
-}  // namespace
 
 void read_training_csv(const SourceFile& file, const AddRecording& add) {
   const TrainingName name = training_name(file);

@@ -21,12 +21,7 @@
 #include "tools/base/files/output_file.h"
 #include "tools/base/page/page.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/report/assets.h"
-#include "tools/program/report/assumptions.h"
-#include "tools/program/report/report_grasp.h"
-#include "tools/program/report/report_parameters.h"
-#include "tools/program/report/report_summary.h"
-#include "tools/program/report/report_trial.h"
+#include "tools/program/report/report_parts.h"
 #include "tools/program/sweep/warnings.h"
 
 namespace slipbench {

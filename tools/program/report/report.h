@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/page/json.h"
+#include "tools/base/page/page.h"
 
 namespace slipbench {
 
@@ -31,6 +31,9 @@ void check_report_target(const std::string& html_path, const std::string& datase
 void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options = {});
 
 namespace report {
+
+// The files of web/, in the order in which the page loads them. Written by slipbench_embed().
+const std::vector<page::Asset>& assets();
 
 // One HTML page that needs no other file. The scripts that draw a grasp are in it where `data` has "grasps". `recordings`: by
 // the ids of their elements, "recording-17".

@@ -1,4 +1,4 @@
-#include "tools/program/report/report_grasp.h"
+#include "tools/program/report/report_parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +12,8 @@
 #include "sim/core/error.h"
 #include "sim/core/pose.h"
 #include "tools/base/page/pack.h"
-#include "tools/program/report/report_summary.h"
 
 namespace slipbench::report {
-
 namespace {
 
 constexpr double frames_per_second = 60.0;  // more the eye does not see

@@ -1,4 +1,4 @@
-#include "tools/program/report/report_parameters.h"
+#include "tools/program/report/report_parts.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,6 @@
 #include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench::report {
-
 namespace {
 
 // Scene keys that are no entry's parameter.

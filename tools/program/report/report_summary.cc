@@ -1,4 +1,4 @@
-#include "tools/program/report/report_summary.h"
+#include "tools/program/report/report_parts.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,6 @@
 #include "sim/core/error.h"
 
 namespace slipbench::report {
-
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();

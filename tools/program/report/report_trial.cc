@@ -1,4 +1,4 @@
-#include "tools/program/report/report_trial.h"
+#include "tools/program/report/report_parts.h"
 
 #include <span>
 #include <string>
@@ -7,11 +7,8 @@
 
 #include "tools/base/page/pack.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/report/report_summary.h"
-#include "tools/program/report/spectra.h"
 
 namespace slipbench::report {
-
 namespace {
 
 struct Curve {

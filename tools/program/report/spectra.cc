@@ -1,4 +1,4 @@
-#include "tools/program/report/spectra.h"
+#include "tools/program/report/report_parts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -25,7 +25,6 @@
 #endif
 
 namespace slipbench {
-
 namespace {
 
 using Sensors = std::vector<std::unique_ptr<Sensor>>;

@@ -19,6 +19,10 @@ void refuse_without_elements(const std::string& sensor, const PadLayout& layout,
                                      elements, truth.element_depth.size()));
 }
 
+// Whether `due` has come at `time`. Ticks are multiples of a step and due a sum of a tick and a latency, so that a latency of whole ticks
+// may miss its tick by some units in the last place.
+bool has_come(double due, double time) { return due <= time + 4.0 * std::numeric_limits<double>::epsilon() * time; }
+
 }  // namespace
 
 Sampler::Sampler(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Simulation& simulation)
@@ -35,14 +39,6 @@ Sampler::Sampler(const Scene& scene, std::span<const std::unique_ptr<Sensor>> se
                                       format_quantity(shortest, Quantity::time)));
   }
 }
-
-namespace {
-
-// Whether `due` has come at `time`. Ticks are multiples of a step and due a sum of a tick and a latency, so that a latency of whole ticks
-// may miss its tick by some units in the last place.
-bool has_come(double due, double time) { return due <= time + 4.0 * std::numeric_limits<double>::epsilon() * time; }
-
-}  // namespace
 
 void DelayedDetector::update(const SensorFrame& frame) {
   const SlipEstimate& estimate = detector_->update(frame);

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sim/scene/scene.h"
-#include "tools/base/dataset/mask.h"
+#include "tools/base/dataset/header.h"
 
 namespace slipbench {
 

@@ -56,8 +56,7 @@ class Commanded {
   // Empty where the motion has no such number.
   [[nodiscard]] std::optional<double> number(const std::string& name) const {
     const Entry& motion = motion_of(scene_.root(), file_);
-    const auto spec = std::find_if(motion.parameters.begin(), motion.parameters.end(),
-                                   [&](const ParameterSpec& candidate) { return candidate.name == name; });
+    const auto spec = std::ranges::find(motion.parameters, name, &ParameterSpec::name);
     if (spec == motion.parameters.end() || spec->type != ParameterType::number) return std::nullopt;
     if (const auto found = swept_.find("motion." + name); found != swept_.end() && found->is_number())
       return found->get<double>();

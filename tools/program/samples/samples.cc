@@ -27,6 +27,10 @@ std::vector<T> rows_at(const std::vector<T>& values, const std::vector<double>& 
   return taken;
 }
 
+constexpr std::array rules{hd::Word<SlipRule>{"strict", SlipRule::strict}, hd::Word<SlipRule>{"micro", SlipRule::micro},
+                           hd::Word<SlipRule>{"paper", SlipRule::paper},
+                           hd::Word<SlipRule>{"has_slipped", SlipRule::has_slipped}};
+
 }  // namespace
 
 std::vector<std::string> chosen_sensors(const DatasetReader& reader, std::size_t trial, const std::vector<std::string>& asked) {
@@ -78,14 +82,6 @@ SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial) {
   sensor.rate = rate;
   return sensor;
 }
-
-namespace {
-
-constexpr std::array rules{hd::Word<SlipRule>{"strict", SlipRule::strict}, hd::Word<SlipRule>{"micro", SlipRule::micro},
-                           hd::Word<SlipRule>{"paper", SlipRule::paper},
-                           hd::Word<SlipRule>{"has_slipped", SlipRule::has_slipped}};
-
-}  // namespace
 
 SlipRule parse_slip_rule(const std::string& name) {
   if (const std::optional<SlipRule> rule = hd::value_of(rules, name)) return *rule;

@@ -263,68 +263,6 @@ TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, 
   return {file, catalogues, (options.limit + cells - 1) / cells, seed};
 }
 
-}  // namespace
-
-void keep_outcome(TrialRecord& record) {
-  record.sensors.clear();
-  record.body_time.clear();
-  record.bodies.clear();
-}
-
-std::string params_json(const std::vector<std::pair<std::string, std::string>>& drawn) {
-  std::string text = "{";
-  for (const auto& [path, value] : drawn) {
-    if (text.size() > 1) text += ", ";
-    text += Json(path).dump() + ": " + value;  // values come as JSON already
-  }
-  return text + "}";
-}
-
-PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
-  PlannedTrials planned{long_enough_plan(file, catalogues, options, seed), options.limit};
-  if (planned.asked == 0) planned.asked = planned.plan.size();
-  if (options.only && *options.only >= planned.asked) {
-    throw InputError(fmt::format("{}: there is no trial {}; allowed: 0 to {}", file.name(), *options.only, planned.asked - 1));
-  }
-  return planned;
-}
-
-std::string shell_word(const std::string& word) {
-  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || std::string_view("_-./=:,+%@").find(static_cast<char>(c)) != std::string_view::npos;
-  });
-  if (plain) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
-std::string canonical_command(const SweepOptions& options) {
-  std::string command = fmt::format("slipbench {} {}", options.verb, shell_word(options.scene_path));
-  for (const Override& change : options.overrides) command += " --set " + shell_word(change.path + "=" + change.value);
-  if (options.seed) command += fmt::format(" --seed {}", *options.seed);
-  if (options.trials > 0) command += fmt::format(" --trials {}", options.trials);
-  if (options.limit > 1) command += fmt::format(" --trials {}", options.limit);
-  if (options.only) command += fmt::format(" --trial {}", *options.only);
-  if (options.recording == Recording::outcome) command += " --record outcome";
-  if (options.shard) command += shard_words(*options.shard);
-  return command;
-}
-
-ReadSweep read_sweep(const SweepOptions& options, const Catalogues& catalogues) {
-  SceneFile file = SceneFile::load(options.scene_path);
-  for (const Override& change : options.overrides) file.apply(change);
-  const std::uint64_t seed = options.seed ? *options.seed : read_seed(file.root());
-  PlannedTrials planned = plan_trials(file, catalogues, options, seed);
-  return {std::move(file), seed, std::move(planned)};
-}
-
-SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {
-  return run_sweep(read_sweep(options, catalogues), options, catalogues, progress);
-}
-
-namespace {
-
 // The numbers of those that run.
 std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const SweepOptions& options, std::uint64_t seed) {
   if (options.shard) return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
@@ -501,6 +439,64 @@ void RunningSweep::report() {
 }
 
 }  // namespace
+
+void keep_outcome(TrialRecord& record) {
+  record.sensors.clear();
+  record.body_time.clear();
+  record.bodies.clear();
+}
+
+std::string params_json(const std::vector<std::pair<std::string, std::string>>& drawn) {
+  std::string text = "{";
+  for (const auto& [path, value] : drawn) {
+    if (text.size() > 1) text += ", ";
+    text += Json(path).dump() + ": " + value;  // values come as JSON already
+  }
+  return text + "}";
+}
+
+PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
+  PlannedTrials planned{long_enough_plan(file, catalogues, options, seed), options.limit};
+  if (planned.asked == 0) planned.asked = planned.plan.size();
+  if (options.only && *options.only >= planned.asked) {
+    throw InputError(fmt::format("{}: there is no trial {}; allowed: 0 to {}", file.name(), *options.only, planned.asked - 1));
+  }
+  return planned;
+}
+
+std::string shell_word(const std::string& word) {
+  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::string_view("_-./=:,+%@").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+  if (plain) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+std::string canonical_command(const SweepOptions& options) {
+  std::string command = fmt::format("slipbench {} {}", options.verb, shell_word(options.scene_path));
+  for (const Override& change : options.overrides) command += " --set " + shell_word(change.path + "=" + change.value);
+  if (options.seed) command += fmt::format(" --seed {}", *options.seed);
+  if (options.trials > 0) command += fmt::format(" --trials {}", options.trials);
+  if (options.limit > 1) command += fmt::format(" --trials {}", options.limit);
+  if (options.only) command += fmt::format(" --trial {}", *options.only);
+  if (options.recording == Recording::outcome) command += " --record outcome";
+  if (options.shard) command += shard_words(*options.shard);
+  return command;
+}
+
+ReadSweep read_sweep(const SweepOptions& options, const Catalogues& catalogues) {
+  SceneFile file = SceneFile::load(options.scene_path);
+  for (const Override& change : options.overrides) file.apply(change);
+  const std::uint64_t seed = options.seed ? *options.seed : read_seed(file.root());
+  PlannedTrials planned = plan_trials(file, catalogues, options, seed);
+  return {std::move(file), seed, std::move(planned)};
+}
+
+SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress) {
+  return run_sweep(read_sweep(options, catalogues), options, catalogues, progress);
+}
 
 SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const Catalogues& catalogues,
                        const ProgressCallback& progress) {

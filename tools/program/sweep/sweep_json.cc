@@ -23,6 +23,19 @@ Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) 
   return values;
 }
 
+void add_trial(DetectorScore& score, const TrialOutcome& outcome, const Confusion& confusion) {
+  ++score.trials;
+  add(score.confusion, confusion);
+  switch (outcome.detection.value()) {
+    case Detection::quiet: return;
+    case Detection::false_alarm: ++score.false_alarms; return;
+    case Detection::early: ++score.early; break;
+    case Detection::seen: score.delays.push_back(outcome.detection_delay); break;
+    case Detection::missed: ++score.missed; break;
+  }
+  ++score.slipping;
+}
+
 }  // namespace
 
 std::string trial_json(const TrialSummary& trial) {
@@ -75,23 +88,6 @@ std::string summary_json(const SweepSummary& summary) {
   if (summary.shard) json["shard"] = shard_text(*summary.shard);
   return json.dump();
 }
-
-namespace {
-
-void add_trial(DetectorScore& score, const TrialOutcome& outcome, const Confusion& confusion) {
-  ++score.trials;
-  add(score.confusion, confusion);
-  switch (outcome.detection.value()) {
-    case Detection::quiet: return;
-    case Detection::false_alarm: ++score.false_alarms; return;
-    case Detection::early: ++score.early; break;
-    case Detection::seen: score.delays.push_back(outcome.detection_delay); break;
-    case Detection::missed: ++score.missed; break;
-  }
-  ++score.slipping;
-}
-
-}  // namespace
 
 std::vector<DetectorScore> detector_scores(const std::vector<TrialSummary>& trials) {
   std::vector<DetectorScore> scores;

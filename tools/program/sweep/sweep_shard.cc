@@ -36,6 +36,18 @@ std::pair<bool, double> cost_of(const Scene& scene, std::size_t trial) {
   return {scene.fidelity != "field", scene.duration / scene.time_step.value_or(usual_step) * static_cast<double>(elements)};
 }
 
+void add_paths(const std::vector<Entry>& entries, const std::string& name, const Parameters& parameters,
+               std::set<std::string>& paths) {
+  const auto entry = std::ranges::find(entries, name, &Entry::name);
+  if (entry == entries.end()) return;
+  for (const ParameterSpec& spec : entry->parameters) {
+    if (spec.type == ParameterType::table && !parameters.table(spec.name).path.empty())
+      paths.insert(parameters.table(spec.name).path);
+    if (spec.type != ParameterType::path) continue;
+    if (const std::string& path = parameters.path(spec.name); path != spec.default_text) paths.insert(path);
+  }
+}
+
 }  // namespace
 
 std::vector<std::size_t> trials_of_shard(const TrialPlan& plan, std::size_t trials, std::uint64_t seed, std::size_t number,
@@ -64,22 +76,6 @@ std::vector<std::size_t> trials_of_shard(const TrialPlan& plan, std::size_t tria
   std::ranges::sort(mine);
   return mine;
 }
-
-namespace {
-
-void add_paths(const std::vector<Entry>& entries, const std::string& name, const Parameters& parameters,
-               std::set<std::string>& paths) {
-  const auto entry = std::ranges::find(entries, name, &Entry::name);
-  if (entry == entries.end()) return;
-  for (const ParameterSpec& spec : entry->parameters) {
-    if (spec.type == ParameterType::table && !parameters.table(spec.name).path.empty())
-      paths.insert(parameters.table(spec.name).path);
-    if (spec.type != ParameterType::path) continue;
-    if (const std::string& path = parameters.path(spec.name); path != spec.default_text) paths.insert(path);
-  }
-}
-
-}  // namespace
 
 void add_named_files(const Scene& scene, const Catalogues& catalogues, std::set<std::string>& paths) {
   if (!scene.model.empty()) paths.insert(scene.model);

@@ -209,8 +209,7 @@ std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, c
 }
 
 CatalogueKind find_kind(const std::string& plural) {
-  const auto* const found =
-      std::find_if(kinds.begin(), kinds.end(), [&](const CatalogueKind& kind) { return kind.plural == plural; });
+  const auto* const found = std::ranges::find(kinds, plural, &CatalogueKind::plural);
   if (found == kinds.end()) {
     throw InputError(fmt::format("list: unknown catalogue '{}'{} allowed: {}", plural, suggestion(plural, kind_names()),
                                  fmt::join(kind_names(), ", ")));

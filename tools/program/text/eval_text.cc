@@ -99,41 +99,6 @@ std::string loop_text(const Json& loop) {
                     median("force_ratio", 1.0, ""), median("reaction_time_s", 1e3, " ms"));
 }
 
-}  // namespace
-
-std::string eval_text(const Json& result, const Style& style) {
-  const Json& all = result.at("all");
-  const Json& sensor = result.at("sensor");
-  const auto count = [&all](const char* key) { return all.at(key).get<std::size_t>(); };
-  std::string text = style.heading(fmt::format(
-      "{} on {} ({}), labels {}: {} trials, {} samples", printable(result.at("detector").at("type").get<std::string>()),
-      printable(sensor.at("name").get<std::string>()), printable(sensor.at("type").get<std::string>()),
-      result.at("labels").get<std::string>(), count("trials"), count("frames")));
-  text += "\n";
-  if (const std::string note = eval::truth_note(result); !note.empty()) text += fmt::format("  {}\n", printable(note));
-  if (const std::size_t left_out = result.at("left_out").size(); left_out > 0) {
-    text += fmt::format("  {} trials on which it was trained are left out; --all judges them too\n", left_out);
-  }
-  if (const std::size_t failed = result.at("failed").get<std::size_t>(); failed > 0)
-    text += fmt::format("  {} trials of the dataset failed and are not judged\n", failed);
-  text += figures_table(all, style);
-  text += fmt::format("  of {} trials that slip: seen {}, early {}, missed {}; of {} that do not: false alarms {}\n",
-                      count("slipping"), count("seen"), count("early"), count("missed"), count("trials") - count("slipping"),
-                      count("false_alarms"));
-  if (result.contains("loop")) text += loop_text(result.at("loop"));
-  text += "\n" + called_table(all, style);
-  for (const Json& by : result.at("by")) text += "\n" + groups_table(by, style);
-  if (!result.at("worst").empty()) {
-    text += "\n" + style.heading("look first at") + "\n";
-    for (const Json& worst : result.at("worst")) {
-      text += fmt::format("  trial {}: {}\n", worst.at("trial").get<std::size_t>(), worst.at("why").get<std::string>());
-    }
-  }
-  return text;
-}
-
-namespace {
-
 using cost::Exploration;
 using cost::Price;
 using cost::Row;
@@ -244,6 +209,37 @@ std::string prices_text(const Exploration& exploration, const Style& style) {
 }
 
 }  // namespace
+
+std::string eval_text(const Json& result, const Style& style) {
+  const Json& all = result.at("all");
+  const Json& sensor = result.at("sensor");
+  const auto count = [&all](const char* key) { return all.at(key).get<std::size_t>(); };
+  std::string text = style.heading(fmt::format(
+      "{} on {} ({}), labels {}: {} trials, {} samples", printable(result.at("detector").at("type").get<std::string>()),
+      printable(sensor.at("name").get<std::string>()), printable(sensor.at("type").get<std::string>()),
+      result.at("labels").get<std::string>(), count("trials"), count("frames")));
+  text += "\n";
+  if (const std::string note = eval::truth_note(result); !note.empty()) text += fmt::format("  {}\n", printable(note));
+  if (const std::size_t left_out = result.at("left_out").size(); left_out > 0) {
+    text += fmt::format("  {} trials on which it was trained are left out; --all judges them too\n", left_out);
+  }
+  if (const std::size_t failed = result.at("failed").get<std::size_t>(); failed > 0)
+    text += fmt::format("  {} trials of the dataset failed and are not judged\n", failed);
+  text += figures_table(all, style);
+  text += fmt::format("  of {} trials that slip: seen {}, early {}, missed {}; of {} that do not: false alarms {}\n",
+                      count("slipping"), count("seen"), count("early"), count("missed"), count("trials") - count("slipping"),
+                      count("false_alarms"));
+  if (result.contains("loop")) text += loop_text(result.at("loop"));
+  text += "\n" + called_table(all, style);
+  for (const Json& by : result.at("by")) text += "\n" + groups_table(by, style);
+  if (!result.at("worst").empty()) {
+    text += "\n" + style.heading("look first at") + "\n";
+    for (const Json& worst : result.at("worst")) {
+      text += fmt::format("  trial {}: {}\n", worst.at("trial").get<std::size_t>(), worst.at("why").get<std::string>());
+    }
+  }
+  return text;
+}
 
 std::string cost_text(const Exploration& exploration, const Style& style, std::size_t width) {
   std::string text =

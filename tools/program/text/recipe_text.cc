@@ -83,6 +83,27 @@ std::vector<std::pair<std::string, std::string>> facts_of(const train::Recipe& r
           {"Assumed", recipe.assumed}};
 }
 
+constexpr std::array<std::pair<const char*, PadState>, 3> classes{
+    {{"non-slip", PadState::non_slip}, {"incipient", PadState::incipient}, {"gross", PadState::gross}}};
+
+std::string percent(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2f}", 100.0 * value); }
+std::string percent(const MeanSd& value) { return fmt::format("{} +- {}", percent(value.mean), percent(value.sd)); }
+std::string milliseconds(double value) { return std::isnan(value) ? "-" : fmt::format("{:.1f}", 1e3 * value); }
+
+// Accuracy comes last: it goes by what is common.
+struct Figure {
+  const char* name;
+  double (*of)(const Confusion&);
+  Confusion Evaluation::*frames;
+};
+constexpr std::array figures{Figure{"recall of slip", recall_of_slip, &Evaluation::all},
+                             Figure{"balanced accuracy", balanced_accuracy, &Evaluation::all},
+                             Figure{"balanced accuracy of a constant answer", constant_balanced_accuracy, &Evaluation::all},
+                             Figure{"moving frames: recall of slip", recall_of_slip, &Evaluation::moving},
+                             Figure{"moving frames: balanced accuracy", balanced_accuracy, &Evaluation::moving},
+                             Figure{"accuracy", accuracy, &Evaluation::all},
+                             Figure{"accuracy of the best constant answer", constant_accuracy, &Evaluation::all}};
+
 }  // namespace
 
 std::vector<std::string> recipe_names() {
@@ -131,31 +152,6 @@ nlohmann::ordered_json recipe_json(const train::Recipe& recipe) {
   json["parameters"] = train::parameter_count(recipe.network);
   return json;
 }
-
-namespace {
-
-constexpr std::array<std::pair<const char*, PadState>, 3> classes{
-    {{"non-slip", PadState::non_slip}, {"incipient", PadState::incipient}, {"gross", PadState::gross}}};
-
-std::string percent(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2f}", 100.0 * value); }
-std::string percent(const MeanSd& value) { return fmt::format("{} +- {}", percent(value.mean), percent(value.sd)); }
-std::string milliseconds(double value) { return std::isnan(value) ? "-" : fmt::format("{:.1f}", 1e3 * value); }
-
-// Accuracy comes last: it goes by what is common.
-struct Figure {
-  const char* name;
-  double (*of)(const Confusion&);
-  Confusion Evaluation::*frames;
-};
-constexpr std::array figures{Figure{"recall of slip", recall_of_slip, &Evaluation::all},
-                             Figure{"balanced accuracy", balanced_accuracy, &Evaluation::all},
-                             Figure{"balanced accuracy of a constant answer", constant_balanced_accuracy, &Evaluation::all},
-                             Figure{"moving frames: recall of slip", recall_of_slip, &Evaluation::moving},
-                             Figure{"moving frames: balanced accuracy", balanced_accuracy, &Evaluation::moving},
-                             Figure{"accuracy", accuracy, &Evaluation::all},
-                             Figure{"accuracy of the best constant answer", constant_accuracy, &Evaluation::all}};
-
-}  // namespace
 
 std::string draws_text(const HdSummary& summary, const Style& style) {
   Table table({"in %", "by sequence", "draw 0", "by frame"});

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -20,6 +21,7 @@
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/cli/progress.h"
+#include "tools/program/cli/terminal.h"
 
 namespace slipbench {
 namespace {
@@ -92,8 +94,7 @@ std::string short_quantity(double value, Quantity quantity) {
 
 // The motion's numbers that are neither zero nor infinite: ", speed 4 mm/s, direction 30 deg".
 std::string motion_values(const Scene& scene, const Catalogues& catalogues) {
-  const auto entry = std::find_if(catalogues.motions.begin(), catalogues.motions.end(),
-                                  [&](const Entry& candidate) { return candidate.name == scene.motion.name; });
+  const auto entry = std::ranges::find(catalogues.motions, scene.motion.name, &Entry::name);
   if (entry == catalogues.motions.end()) throw std::logic_error("motion is not in the catalogue: " + scene.motion.name);
   std::string text;
   for (const ParameterSpec& spec : entry->parameters) {
@@ -450,6 +451,13 @@ std::string speed_text(const SweepSummary& summary, double elapsed) {
   }
   return text +
          fmt::format("; one core steps at {} x real time", short_count(summary.simulated / std::max(summary.computed, shortest)));
+}
+
+void print_warnings(const std::vector<Warning>& warnings) {
+  const Style style = style_for(stderr);
+  for (const Warning& warning : warnings) {
+    say(stderr, fmt::format("slipbench: {} {}\n", style.bold("warning:"), warning.text));
+  }
 }
 
 }  // namespace slipbench

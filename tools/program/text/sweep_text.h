@@ -12,6 +12,7 @@
 #include "tools/program/cli/terminal.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/sweep/sweep_json.h"
+#include "tools/program/sweep/warnings.h"
 
 namespace slipbench {
 
@@ -77,5 +78,8 @@ std::string sweep_text(const SweepSummary& summary, const Style& style);
 // "800 s simulated in 3.2 s: 250 x real time, 62 trials/s; one core steps at 400 x real time". The first rate is that of the
 // whole command, with reading and writing; the second is that of the simulation alone.
 std::string speed_text(const SweepSummary& summary, double elapsed);
+
+// A line each on stderr, also where there is no progress and no summary: "slipbench: warning: stage.yaml:14: motion.start ...".
+void print_warnings(const std::vector<Warning>& warnings);
 
 }  // namespace slipbench

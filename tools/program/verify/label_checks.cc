@@ -203,6 +203,21 @@ void check_label_values(const SensorRecord& sensor, std::size_t trial, Verificat
   }
 }
 
+// Labels are float32, so that both sides of the law are rounded at 6e-8 of the force.
+constexpr double relative = 1e-6;
+constexpr double least_force = 1e-9;  // N
+constexpr double of_margin = 1e-5;
+
+// Whether the elements of a pad look in several directions, as those of a fingertip do.
+bool is_curved(const PadLayout& layout) {
+  return std::ranges::any_of(layout.elements,
+                             [&](const Element& element) { return element.axis != layout.elements.front().axis; });
+}
+
+bool has_sums(const PadLayout& layout) {
+  return std::ranges::any_of(layout.units, [](const UnitRange& unit) { return unit.count > 1; });
+}
+
 }  // namespace
 
 void check_times(const TrialRecord& record, Verification& verification) {
@@ -243,25 +258,6 @@ void check_values(const TrialRecord& record, Verification& verification) {
 void check_events(const SensorRecord& sensor, std::size_t trial, Verification& verification) {
   EventCheck(sensor, trial, verification).run();
 }
-
-namespace {
-
-// Labels are float32, so that both sides of the law are rounded at 6e-8 of the force.
-constexpr double relative = 1e-6;
-constexpr double least_force = 1e-9;  // N
-constexpr double of_margin = 1e-5;
-
-// Whether the elements of a pad look in several directions, as those of a fingertip do.
-bool is_curved(const PadLayout& layout) {
-  return std::ranges::any_of(layout.elements,
-                             [&](const Element& element) { return element.axis != layout.elements.front().axis; });
-}
-
-bool has_sums(const PadLayout& layout) {
-  return std::ranges::any_of(layout.units, [](const UnitRange& unit) { return unit.count > 1; });
-}
-
-}  // namespace
 
 ConeLaw cone_law(const Scene& scene, std::size_t index) {
   ConeLaw law;

@@ -23,10 +23,8 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
-#include "tools/base/page/asset.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/export/export.h"
-#include "tools/program/view/assets.h"
 
 namespace slipbench {
 namespace {

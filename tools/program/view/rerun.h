@@ -7,7 +7,14 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/base/page/page.h"
+
 namespace slipbench {
+
+namespace view {
+// The Python of rerun.cc, inside the program. Written by slipbench_embed().
+const std::vector<page::Asset>& assets();
+}  // namespace view
 
 struct RerunOptions {
   std::optional<std::size_t>

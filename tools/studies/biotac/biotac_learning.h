@@ -86,4 +86,8 @@ inline constexpr const char* paper = "\"Tactile-Driven Grasp Stability and Slip 
 // How to get what --real takes, for a study that was given none.
 std::string without_real(const char* format, const char* source);
 
+// The adjacency in which a node is the mean of itself and its k nearest, by the electrodes' places on the core; 0: drawn_graph(). Directed, as the
+// paper's. [electrodes, electrodes]
+std::vector<double> nearest_graph(std::size_t k);
+
 }  // namespace slipbench::reproduce::biotac

@@ -1,5 +1,5 @@
 // Tables 1 and 2 and Fig. 12 of the paper: a grasp held or lost, by layout of the tactile image, by network and by graph.
-#include "tools/studies/biotac/biotac_stability.h"
+#include "tools/studies/biotac/biotac_learning.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,6 @@
 
 #include "sensors/biotac_sp/skin.h"
 #include "sim/core/error.h"
-#include "tools/studies/biotac/biotac_learning.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce::biotac {
@@ -211,11 +210,10 @@ std::vector<std::string> palm_cells(const std::vector<Answer>& answers, const Se
 
 ResultTable palm_table(const char* title, const std::vector<Lesson2>& lessons, const char* number, const Set Lesson2::*set,
                        const std::vector<Grasp>& grasps, const Lessons& taught, Json& figures) {
-  ResultTable table;
-  table.title = title;
-  table.head = {"network", "accuracy", "palm 0", "palm 90", "palm 45", "precision", "recall", "F1", "AUC"};
-  table.rows = {{"paper, GCN", "75.5", "74.1", "75.1", "77.4", "76.6", "74.7", "75.6", "-"},
-                {"paper, CNN", "76.5", "82.9", "70.8", "76.3", "88.4", "61.8", "72.6", "-"}};
+  ResultTable table{title,
+                    {"network", "accuracy", "palm 0", "palm 90", "palm 45", "precision", "recall", "F1", "AUC"},
+                    {{"paper, GCN", "75.5", "74.1", "75.1", "77.4", "76.6", "74.7", "75.6", "-"},
+                     {"paper, CNN", "76.5", "82.9", "70.8", "76.3", "88.4", "61.8", "72.6", "-"}}};
   for (const Lesson2& lesson : lessons) {
     std::vector<std::string> row{lesson.network.network.text};
     const std::vector<std::string> cells =
@@ -259,9 +257,8 @@ Result biotac_table2(const ReproduceOptions& options) {
   if (!grasps.real.empty()) {
     result.tables.push_back(
         palm_table("Real grasps, by object", rows, "real", &Lesson2::real, grasps.real, lessons, result.figures["real"]));
-    ResultTable three;
-    three.title = "Judged on real objects left out, learnt from";
-    three.head = {"accuracy", "real alone", "synthetic alone", "both", "AUC: real alone", "synthetic alone", "both"};
+    ResultTable three{"Judged on real objects left out, learnt from",
+                      {"accuracy", "real alone", "synthetic alone", "both", "AUC: real alone", "synthetic alone", "both"}};
     for (const Lesson2& row : rows) {
       std::vector<std::string> cells{row.network.network.text}, areas;
       for (const char* from : {"real", "synthetic_to_real", "both"}) {

@@ -164,7 +164,7 @@ ResultTable published() {
 // The scores of `columns` of direction_columns, which go into `figures`, too.
 ResultTable scores_table(const char* title, const std::vector<Row>& rows, std::span<const std::array<const char*, 2>> columns,
                          const Lessons& lessons, MeanSd Scores::*member, Json& figures) {
-  ResultTable table{title, {"network"}, {}, ""};
+  ResultTable table{title, {"network"}};
   for (const auto& [name, text] : columns) table.head.emplace_back(text);
   for (const Row& row : rows) {
     std::vector<std::string> cells{row.network->network.text};

@@ -1,6 +1,5 @@
-#include "tools/studies/hd_papillarray/hd_resources.h"
+#include "tools/studies/hd_papillarray/hd_tables.h"
 
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -18,9 +17,8 @@
 #include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "tools/base/project/project_file.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/program/doctor/build_info.h"
 #include "tools/program/doctor/machine.h"
+#include "tools/studies/grid.h"
 #include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {
@@ -42,41 +40,6 @@ std::string text_at(const Json& entry, const char* key, const std::string& subje
   if (found == entry.end() || !found->is_string()) throw InputError(fmt::format("{}: {} is no text", subject, key));
   return found->get<std::string>();
 }
-
-}  // namespace
-
-CoreFigures read_core_figures(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be read");
-  const Json json = Json::parse(std::string(std::istreambuf_iterator<char>(file), {}), nullptr, false);
-  if (!json.is_object()) throw InputError(path + ": is no JSON object");
-  const auto tools = json.find("tools");
-  if (tools == json.end() || !tools->is_object()) throw InputError(path + ": tools is no object; allowed: {\"yosys\": version}");
-  const std::string version = text_at(*tools, "yosys", path + ": tools");
-  CoreFigures figures{version.substr(0, version.find(" (")), {}};  // "Yosys 0.70 (git sha1 ..."
-  const auto unrollings = json.find("unrollings");
-  if (unrollings == json.end() || !unrollings->is_object() || unrollings->empty()) {
-    throw InputError(path + ": unrollings is no object; allowed: one entry for each degree of unrolling");
-  }
-  for (const auto& [name, entry] : unrollings->items()) {
-    const std::string subject = fmt::format("{}: unrolling '{}'", path, name);
-    if (!entry.is_object()) throw InputError(subject + ": is no JSON object");
-    const auto number = [&entry = entry, &subject](const char* key) { return number_at(entry, key, subject); };
-    figures.configurations.push_back({name, static_cast<std::size_t>(number("latency_cycles")),
-                                      static_cast<std::size_t>(number("interval_cycles")), number("lut"), number("ff"),
-                                      number("bram36"), number("dsp"), number("levels")});
-  }
-  return figures;
-}
-
-std::optional<CoreFigures> stored_core_figures() {
-  const std::optional<std::string> path = find_project_file(core_figures_file);
-  if (!path) return std::nullopt;
-  return read_core_figures(*path);
-}
-
-// Section IV.C of the paper: what the core takes of the FPGA.
-namespace {
 
 // An xc7a200t has so much (AMD, 7 Series FPGAs Data Sheet: Overview, DS180).
 constexpr double device_lut = 134600;
@@ -100,56 +63,6 @@ std::string synthesise(const ReproduceOptions& options) {
   return (script.parent_path() / "results.json").string();
 }
 
-}  // namespace
-
-Result hd_resources(const ReproduceOptions& options) {
-  const std::optional<CoreFigures> core =
-      options.synthesise ? std::optional(read_core_figures(synthesise(options))) : stored_core_figures();
-  if (!core) throw InputError(fmt::format("there is no {}, where synthesis leaves its figures", core_figures_file));
-  Result result;
-  result.title = "Resources of the hyperdimensional slip detector on an xc7a200t";
-  result.source =
-      "Section IV.C of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor\": 28.1 % of the LUTs, 14.9 % of the flip-flops, 19.2 % of the block RAM";
-  ResultTable table;
-  table.title = "Latency against area";
-  table.head = {"what", "cycles",        "at 100 MHz", "cycles a sample", "LUT", "of the device",
-                "FF",   "of the device", "BRAM",       "of the device",   "DSP", "levels"};
-  table.rows.push_back({"paper", "42", "0.42 us", "-", "-", "28.1 %", "-", "14.9 %", "-", "19.2 %", "-", "-"});
-  table.rows.push_back({"published HDL, routed", "42 to 463", "0.42 to 4.63 us", "-", "-", "42.5 to 47.8 %", "-", "25 to 31 %",
-                        "-", "-", "-", "-"});
-  for (const CoreConfiguration& one : core->configurations) {
-    table.rows.push_back({"ours: " + one.name, std::to_string(one.cycles),
-                          fmt::format("{:.2f} us", 1e6 * static_cast<double>(one.cycles) / core_clock),
-                          std::to_string(one.interval), fmt::format("{}", one.lut), share(one.lut, device_lut),
-                          fmt::format("{}", one.ff), share(one.ff, device_ff), fmt::format("{}", one.bram),
-                          share(one.bram, device_bram), fmt::format("{}", one.dsp), fmt::format("{}", one.levels)});
-    result.figures[one.name] = {{"cycles", one.cycles},
-                                {"interval_cycles", one.interval},
-                                {"lut", one.lut},
-                                {"ff", one.ff},
-                                {"bram", one.bram},
-                                {"dsp", one.dsp},
-                                {"levels", one.levels},
-                                {"lut_share", one.lut / device_lut},
-                                {"ff_share", one.ff / device_ff},
-                                {"bram_share", one.bram / device_bram},
-                                {"dsp_share", one.dsp / device_dsp}};
-  }
-  result.tables.push_back(std::move(table));
-  result.setup = {fmt::format("{}; figures from {}, which `--synthesise` writes anew.", core->tool, core_figures_file),
-                  fmt::format("The device has {:.0f} LUTs, {:.0f} flip-flops, {:.0f} blocks of 36 kbit, {:.0f} DSP blocks.",
-                              device_lut, device_ff, device_bram, device_dsp)};
-  result.remarks = {
-      "Ours are figures after synthesis, by yosys; the paper's and the published ones are Vivado's, after placement and routing, which merges and duplicates logic.",
-      "The paper's share of LUTs is below what its published HDL takes when it is routed. What was counted is not said.",
-      "375 bytes, the paper's size of the model, is the associative memory alone; with item, level and context memories there are 5,000.",
-  };
-  return result;
-}
-
-// Section IV.C of the paper: time from a frame to its class, in software and in hardware.
-namespace {
-
 constexpr double published_cpu = 5985e-6;   // s, Core i7-10700, C++
 constexpr double published_fpga = 0.42e-6;  // s, 42 cycles at 100 MHz, level to class
 constexpr double published_core = 4.63e-6;  // s, 463 cycles: the published gripper core as simulated
@@ -158,19 +71,6 @@ constexpr std::size_t frames = 4096;
 constexpr std::size_t kernel_passes = 101;
 constexpr std::size_t reference_frames = 64;
 constexpr std::size_t reference_passes = 11;
-
-// Median over `passes` of the time of a pass, by item [s].
-template <class Pass>
-double median_time(std::size_t passes, std::size_t items, Pass&& pass) {
-  std::vector<double> times;
-  for (std::size_t i = 0; i < passes; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    pass();
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    times.push_back(elapsed.count() / static_cast<double>(items));
-  }
-  return median(std::move(times));
-}
 
 // Keeps the compiler from leaving out what is not read.
 volatile std::uint64_t sink = 0;
@@ -196,11 +96,12 @@ std::vector<std::array<float, 3 * hd::pillar_count>> random_displacements() {
 }
 
 double time_of(hd::Engine& engine, std::span<const hd::Frame> input, std::size_t passes) {
-  return median_time(passes, input.size(), [&] {
+  const double pass = median_time(passes, [&] {
     std::uint64_t sum = 0;
     for (const hd::Frame& frame : input) sum += engine.update(frame).distance[0];
     sink = sum;
   });
+  return pass / static_cast<double>(input.size());
 }
 
 std::string path_name(hd::KernelPath path) {
@@ -239,17 +140,94 @@ void add_software(const AddRow& add, const ReproduceOptions& options, const hd::
     say("kernel, " + path_name(path));
     const auto kernel = hd::make_kernel(model, memories, path);
     add(fmt::format("ours: kernel, {}", path_name(path)), "-", time_of(*kernel, input, kernel_passes));
-    add(fmt::format("ours: kernel, {}, from displacements", path_name(path)), "-", median_time(kernel_passes, frames, [&] {
-          std::uint64_t sum = 0;
-          for (const auto& frame : displacements) {
-            sum += kernel->update(hd::quantise(frame, hd::Quantiser::fixed_point)).distance[0];
-          }
-          sink = sum;
-        }));
+    const double pass = median_time(kernel_passes, [&] {
+      std::uint64_t sum = 0;
+      for (const auto& frame : displacements) sum += kernel->update(hd::quantise(frame, hd::Quantiser::fixed_point)).distance[0];
+      sink = sum;
+    });
+    add(fmt::format("ours: kernel, {}, from displacements", path_name(path)), "-", pass / static_cast<double>(frames));
   }
 }
 
 }  // namespace
+
+CoreFigures read_core_figures(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw InputError(path + ": cannot be read");
+  const Json json = Json::parse(std::string(std::istreambuf_iterator<char>(file), {}), nullptr, false);
+  if (!json.is_object()) throw InputError(path + ": is no JSON object");
+  const auto tools = json.find("tools");
+  if (tools == json.end() || !tools->is_object()) throw InputError(path + ": tools is no object; allowed: {\"yosys\": version}");
+  const std::string version = text_at(*tools, "yosys", path + ": tools");
+  CoreFigures figures{version.substr(0, version.find(" (")), {}};  // "Yosys 0.70 (git sha1 ..."
+  const auto unrollings = json.find("unrollings");
+  if (unrollings == json.end() || !unrollings->is_object() || unrollings->empty()) {
+    throw InputError(path + ": unrollings is no object; allowed: one entry for each degree of unrolling");
+  }
+  for (const auto& [name, entry] : unrollings->items()) {
+    const std::string subject = fmt::format("{}: unrolling '{}'", path, name);
+    if (!entry.is_object()) throw InputError(subject + ": is no JSON object");
+    const auto number = [&entry = entry, &subject](const char* key) { return number_at(entry, key, subject); };
+    figures.configurations.push_back({name, static_cast<std::size_t>(number("latency_cycles")),
+                                      static_cast<std::size_t>(number("interval_cycles")), number("lut"), number("ff"),
+                                      number("bram36"), number("dsp"), number("levels")});
+  }
+  return figures;
+}
+
+std::optional<CoreFigures> stored_core_figures() {
+  const std::optional<std::string> path = find_project_file(core_figures_file);
+  if (!path) return std::nullopt;
+  return read_core_figures(*path);
+}
+
+// Section IV.C of the paper: what the core takes of the FPGA.
+
+Result hd_resources(const ReproduceOptions& options) {
+  const std::optional<CoreFigures> core =
+      options.synthesise ? std::optional(read_core_figures(synthesise(options))) : stored_core_figures();
+  if (!core) throw InputError(fmt::format("there is no {}, where synthesis leaves its figures", core_figures_file));
+  Result result;
+  result.title = "Resources of the hyperdimensional slip detector on an xc7a200t";
+  result.source =
+      "Section IV.C of \"Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor\": 28.1 % of the LUTs, 14.9 % of the flip-flops, 19.2 % of the block RAM";
+  ResultTable table{"Latency against area",
+                    {"what", "cycles", "at 100 MHz", "cycles a sample", "LUT", "of the device", "FF", "of the device", "BRAM",
+                     "of the device", "DSP", "levels"}};
+  table.rows.push_back({"paper", "42", "0.42 us", "-", "-", "28.1 %", "-", "14.9 %", "-", "19.2 %", "-", "-"});
+  table.rows.push_back({"published HDL, routed", "42 to 463", "0.42 to 4.63 us", "-", "-", "42.5 to 47.8 %", "-", "25 to 31 %",
+                        "-", "-", "-", "-"});
+  for (const CoreConfiguration& one : core->configurations) {
+    table.rows.push_back({"ours: " + one.name, std::to_string(one.cycles),
+                          fmt::format("{:.2f} us", 1e6 * static_cast<double>(one.cycles) / core_clock),
+                          std::to_string(one.interval), fmt::format("{}", one.lut), share(one.lut, device_lut),
+                          fmt::format("{}", one.ff), share(one.ff, device_ff), fmt::format("{}", one.bram),
+                          share(one.bram, device_bram), fmt::format("{}", one.dsp), fmt::format("{}", one.levels)});
+    result.figures[one.name] = {{"cycles", one.cycles},
+                                {"interval_cycles", one.interval},
+                                {"lut", one.lut},
+                                {"ff", one.ff},
+                                {"bram", one.bram},
+                                {"dsp", one.dsp},
+                                {"levels", one.levels},
+                                {"lut_share", one.lut / device_lut},
+                                {"ff_share", one.ff / device_ff},
+                                {"bram_share", one.bram / device_bram},
+                                {"dsp_share", one.dsp / device_dsp}};
+  }
+  result.tables.push_back(std::move(table));
+  result.setup = {fmt::format("{}; figures from {}, which `--synthesise` writes anew.", core->tool, core_figures_file),
+                  fmt::format("The device has {:.0f} LUTs, {:.0f} flip-flops, {:.0f} blocks of 36 kbit, {:.0f} DSP blocks.",
+                              device_lut, device_ff, device_bram, device_dsp)};
+  result.remarks = {
+      "Ours are figures after synthesis, by yosys; the paper's and the published ones are Vivado's, after placement and routing, which merges and duplicates logic.",
+      "The paper's share of LUTs is below what its published HDL takes when it is routed. What was counted is not said.",
+      "375 bytes, the paper's size of the model, is the associative memory alone; with item, level and context memories there are 5,000.",
+  };
+  return result;
+}
+
+// Section IV.C of the paper: time from a frame to its class, in software and in hardware.
 
 Result hd_latency(const ReproduceOptions& options) {
   const hd::Model model;

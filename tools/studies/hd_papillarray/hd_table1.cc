@@ -15,7 +15,7 @@
 #include "tools/program/train/hd_json.h"
 #include "tools/program/train/train_hd.h"
 #include "tools/studies/grid.h"
-#include "tools/studies/hd_papillarray/hd_offline.h"
+#include "tools/studies/hd_papillarray/hd_tables.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -205,10 +205,9 @@ double slip_recall(const Evaluation& e) { return recall_of_slip(e.all); }
 double moving_balanced(const Evaluation& e) { return balanced_accuracy(e.moving); }
 
 ResultTable main_table(const EncoderDraws& by_sequence, const EncoderDraws& by_frame) {
-  ResultTable table;
-  table.title = "Recall of slip, balanced accuracy and the paper's accuracy, in %: mean +- SD of five draws";
-  table.head = {"model",           "recall of slip", "balanced accuracy",  "moving: balanced",
-                "accuracy: paper", "accuracy: ours", "by frame: balanced", "by frame: accuracy"};
+  ResultTable table{"Recall of slip, balanced accuracy and the paper's accuracy, in %: mean +- SD of five draws",
+                    {"model", "recall of slip", "balanced accuracy", "moving: balanced", "accuracy: paper", "accuracy: ours",
+                     "by frame: balanced", "by frame: accuracy"}};
   const std::array<hd::Model, 4> models = ablation({});
   for (std::size_t i = 0; i < models.size(); ++i) {
     table.rows.push_back({model_name(models[i]), percent(over_draws(by_sequence[i], slip_recall)),
@@ -228,10 +227,9 @@ ResultTable main_table(const EncoderDraws& by_sequence, const EncoderDraws& by_f
 }
 
 ResultTable delay_table(const EncoderDraws& draws) {
-  ResultTable table;
-  table.title = "By sequence: recall in %, and delay of the first slip called after the true onset in ms";
-  table.head = {"model",  "non-slip", "incipient", "gross",  "delay, quartiles",
-                "median", "seen",     "early",     "missed", "false alarms"};
+  ResultTable table{
+      "By sequence: recall in %, and delay of the first slip called after the true onset in ms",
+      {"model", "non-slip", "incipient", "gross", "delay, quartiles", "median", "seen", "early", "missed", "false alarms"}};
   const std::array<hd::Model, 4> models = ablation({});
   for (std::size_t i = 0; i < models.size(); ++i) {
     const Evaluation sum = pooled(std::span(draws[i]).subspan(1));
@@ -249,9 +247,8 @@ ResultTable delay_table(const EncoderDraws& draws) {
 }
 
 ResultTable confusion_table(const std::vector<Evaluation>& draws) {
-  ResultTable table;
-  table.title = "Confusion of CL-gstHDC by sequence: share of the true class in %";
-  table.head = {"true", "called non-slip", "called incipient", "called gross", "frames"};
+  ResultTable table{"Confusion of CL-gstHDC by sequence: share of the true class in %",
+                    {"true", "called non-slip", "called incipient", "called gross", "frames"}};
   const Evaluation sum = pooled(std::span(draws).subspan(1));
   for (const auto& [name, truth] :
        {std::pair{"non-slip", PadState::non_slip}, {"incipient", PadState::incipient}, {"gross", PadState::gross}}) {

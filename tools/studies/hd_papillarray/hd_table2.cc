@@ -1,5 +1,5 @@
 // Table II of the paper: grasp and lift in the closed loop, with every detector and controller, the oracle and the negative control.
-#include "tools/studies/hd_papillarray/hd_table2.h"
+#include "tools/studies/hd_papillarray/hd_tables.h"
 
 #include <algorithm>
 #include <array>
@@ -97,37 +97,6 @@ std::array<double, 3> mean_way(std::span<const float> arm, std::span<const float
 }
 
 double polar_angle(const std::array<double, 3>& v) { return std::atan2(std::hypot(v[0], v[1]), v[2]); }
-
-}  // namespace
-
-EstimatedForces estimated_forces(std::span<const float> force, std::span<const std::uint8_t> classes, std::size_t stride) {
-  const std::vector<Row> rows = rows_of(force, classes, stride);
-  EstimatedForces estimate{nan, nan};
-  for (const Row& row : rows) {
-    const double sum = normal_force(row);
-    if (sum <= most_force) estimate.most = std::isnan(estimate.most) ? sum : std::max(estimate.most, sum);
-  }
-  for (const Row& row : incipient_rows(rows)) estimate.ideal = least(estimate.ideal, ideal_force(row));
-  return estimate;
-}
-
-MarkerSlip marker_slip(std::span<const float> arm, std::span<const float> box, std::size_t lift) {
-  constexpr std::size_t before = 51, after = 101;
-  const std::size_t count = std::min(before, lift + 1);
-  const std::array<double, 3> start = mean_way(arm, box, lift + 1 - count, count);
-  const std::array<double, 3> end = mean_way(arm, box, arm.size() / 7 - after, after);
-  const std::array<double, 3> line{marker_line[0], marker_line[1], marker_line[2]};
-  std::array<double, 3> turned = line;
-  for (std::size_t k = 0; k < 3; ++k) turned[k] += end[k] - start[k];
-  return {std::abs(end[2] - start[2]), std::abs(polar_angle(turned) - polar_angle(line))};
-}
-
-Spread spread(std::vector<double> values) {
-  std::erase_if(values, [](double value) { return std::isnan(value); });
-  return {values.size(), median(values), median_interval(values), mean_sd(values)};
-}
-
-namespace {
 
 // What Table II simulates: grasps under two protocols, with boxes, surfaces and loops of detector and controller.
 constexpr const char* lift_scene = "scenes/grasp/lift.yaml";
@@ -360,20 +329,9 @@ void add_rows(ResultTable& table, std::span<const GraspCell> cells, std::span<co
 }
 
 ResultTable displacement_table(const std::string& title, std::span<const GraspCell> cells, std::span<const Grasps> results) {
-  ResultTable table;
-  table.title = title + ": drops, slip and rotation";
-  table.head = {"",
-                "dropped",
-                "95 %",
-                "slip, median mm",
-                "95 %",
-                "mean +- SD",
-                "by markers, median",
-                "mean +- SD",
-                "turned, median deg",
-                "mean +- SD",
-                "by markers, median",
-                "mean +- SD"};
+  ResultTable table{title + ": drops, slip and rotation",
+                    {"", "dropped", "95 %", "slip, median mm", "95 %", "mean +- SD", "by markers, median", "mean +- SD",
+                     "turned, median deg", "mean +- SD", "by markers, median", "mean +- SD"}};
   add_rows(
       table, cells, results,
       [&](const PublishedGrasp& row) {
@@ -396,11 +354,9 @@ ResultTable displacement_table(const std::string& title, std::span<const GraspCe
 }
 
 ResultTable force_table(const std::string& title, std::span<const GraspCell> cells, std::span<const Grasps> results) {
-  ResultTable table;
-  table.title = title + ": force";
-  table.head = {
-      "",  "max/least, median",       "95 %",       "mean +- SD", "n",     "max/ideal by the paper, median", "95 %", "mean +- SD",
-      "n", "rows of a frame, median", "mean +- SD", "n",          "counts"};
+  ResultTable table{title + ": force",
+                    {"", "max/least, median", "95 %", "mean +- SD", "n", "max/ideal by the paper, median", "95 %", "mean +- SD",
+                     "n", "rows of a frame, median", "mean +- SD", "n", "counts"}};
   add_rows(
       table, cells, results,
       [&](const PublishedGrasp& row) {
@@ -521,6 +477,33 @@ std::vector<std::string> remarks_on(const std::vector<GraspCell>& cells, const s
 }
 
 }  // namespace
+
+EstimatedForces estimated_forces(std::span<const float> force, std::span<const std::uint8_t> classes, std::size_t stride) {
+  const std::vector<Row> rows = rows_of(force, classes, stride);
+  EstimatedForces estimate{nan, nan};
+  for (const Row& row : rows) {
+    const double sum = normal_force(row);
+    if (sum <= most_force) estimate.most = std::isnan(estimate.most) ? sum : std::max(estimate.most, sum);
+  }
+  for (const Row& row : incipient_rows(rows)) estimate.ideal = least(estimate.ideal, ideal_force(row));
+  return estimate;
+}
+
+MarkerSlip marker_slip(std::span<const float> arm, std::span<const float> box, std::size_t lift) {
+  constexpr std::size_t before = 51, after = 101;
+  const std::size_t count = std::min(before, lift + 1);
+  const std::array<double, 3> start = mean_way(arm, box, lift + 1 - count, count);
+  const std::array<double, 3> end = mean_way(arm, box, arm.size() / 7 - after, after);
+  const std::array<double, 3> line{marker_line[0], marker_line[1], marker_line[2]};
+  std::array<double, 3> turned = line;
+  for (std::size_t k = 0; k < 3; ++k) turned[k] += end[k] - start[k];
+  return {std::abs(end[2] - start[2]), std::abs(polar_angle(turned) - polar_angle(line))};
+}
+
+Spread spread(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return std::isnan(value); });
+  return {values.size(), median(values), median_interval(values), mean_sd(values)};
+}
 
 Result hd_table2(const ReproduceOptions& options) {
   const std::uint64_t seed = options.seed.value_or(1);

@@ -1,5 +1,4 @@
 // Table III of the paper: the recurrent network that it compares itself with, on the published protocol.
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -17,7 +16,7 @@
 #include "tools/program/eval/detector_choice.h"
 #include "tools/program/eval/evaluate.h"
 #include "tools/studies/grid.h"
-#include "tools/studies/hd_papillarray/hd_offline.h"
+#include "tools/studies/hd_papillarray/hd_tables.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -54,13 +53,7 @@ double number_or_nan(const Json& value) {
 // Of the wall clock [s].
 double network_step(network::Engine& engine) {
   const std::vector<float> nothing(engine.inputs());
-  std::vector<double> times;
-  for (std::size_t k = 0; k < steps_timed; ++k) {
-    const auto begin = std::chrono::steady_clock::now();
-    engine.run(nothing);
-    times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-  }
-  return median(std::move(times));
+  return median_time(steps_timed, [&] { engine.run(nothing); });
 }
 
 GruOutcome run_row(const GruRow& row, const std::string& dataset, const std::string& model, const ReproduceOptions& options) {

@@ -142,9 +142,7 @@ double median_of(const std::vector<Lift>& lifts, double Lift::*figure) {
 std::string decimals(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2f}", value); }
 
 ResultTable table_of(const Condition& condition, const std::vector<Loop>& rows, const std::vector<Lift>* lifts, Json& figures) {
-  ResultTable table;
-  table.title = condition.text;
-  table.head = {"", "dropped", "95 %", "slip, median mm", "greatest force / least", "last force / least"};
+  ResultTable table{condition.text, {"", "dropped", "95 %", "slip, median mm", "greatest force / least", "last force / least"}};
   for (const Loop& row : rows) {
     const std::vector<Lift>& of = *lifts++;
     const auto dropped = static_cast<std::size_t>(std::ranges::count_if(of, &Lift::dropped));

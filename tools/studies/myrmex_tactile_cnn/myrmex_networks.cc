@@ -1,7 +1,6 @@
 #include "tools/studies/myrmex_tactile_cnn/myrmex_networks.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <set>
@@ -261,13 +260,7 @@ double forward_seconds(const MyrmexRow& row) {
   const train::NetworkShape shape = shape_of(row);
   const std::unique_ptr<train::Network> network = train::make_network(shape, 1);
   const std::vector<float> window(shape.inputs, 0.5F);
-  std::vector<double> times;
-  for (std::size_t pass = 0; pass < forward_passes; ++pass) {
-    const auto start = std::chrono::steady_clock::now();
-    static_cast<void>(network->logits(window));
-    times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  return median(std::move(times));
+  return median_time(forward_passes, [&] { static_cast<void>(network->logits(window)); });
 }
 
 std::string percent_text(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f}", 100.0 * share); }

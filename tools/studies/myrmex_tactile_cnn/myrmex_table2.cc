@@ -111,6 +111,13 @@ void add_row(const Asked& asked, const MyrmexValidations& validations, ResultTab
                     {"forward_ms", forward}};
 }
 
+constexpr std::size_t window_folds_count = 10;  // the paper's
+constexpr std::array names{"stable", "translation", "rotation"};
+using Shares = std::array<std::array<double, kinds>, kinds>;  // [true][called], %
+constexpr std::array<Shares, 3> published{{Shares{{{90.79, 5.83, 3.38}, {2.13, 92.58, 5.29}, {2.15, 3.17, 94.68}}},
+                                           Shares{{{95.73, 2.54, 1.73}, {1.26, 96.37, 2.37}, {0.97, 1.56, 97.47}}},
+                                           Shares{{{97.57, 1.41, 1.02}, {0.68, 97.73, 1.58}, {0.51, 0.93, 98.56}}}}};
+
 }  // namespace
 
 Result myrmex_table2(const ReproduceOptions& options) {
@@ -141,16 +148,6 @@ Result myrmex_table2(const ReproduceOptions& options) {
 }
 
 // Table 3 of the Myrmex paper: confusion of nets 1 to 3 from 62.5 Hz on, ten folds by window, and by trial.
-namespace {
-
-constexpr std::size_t window_folds_count = 10;  // the paper's
-constexpr std::array names{"stable", "translation", "rotation"};
-using Shares = std::array<std::array<double, kinds>, kinds>;  // [true][called], %
-constexpr std::array<Shares, 3> published{{Shares{{{90.79, 5.83, 3.38}, {2.13, 92.58, 5.29}, {2.15, 3.17, 94.68}}},
-                                           Shares{{{95.73, 2.54, 1.73}, {1.26, 96.37, 2.37}, {0.97, 1.56, 97.47}}},
-                                           Shares{{{97.57, 1.41, 1.02}, {0.68, 97.73, 1.58}, {0.51, 0.93, 98.56}}}}};
-
-}  // namespace
 
 Result myrmex_table3(const ReproduceOptions& options) {
   const MyrmexSize size = myrmex_size(options);
@@ -172,7 +169,7 @@ Result myrmex_table3(const ReproduceOptions& options) {
   result.title = "Networks of the Myrmex array: what is taken for what";
   result.source = fmt::format("Table 3 of {}", myrmex_source);
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    ResultTable table{fmt::format("{}: share of the true class in %", rows[k].text), {"true"}, {}, ""};
+    ResultTable table{fmt::format("{}: share of the true class in %", rows[k].text), {"true"}};
     for (const char* where : {"paper", "by window", "by trial"}) {
       for (const char* name : names) table.head.push_back(fmt::format("{}: called {}", where, name));
     }

@@ -33,95 +33,6 @@ void add_lean(Scene& scene) {
 // Coulomb's law, mu_k 0.9 mu_s.
 void drop_to_kinetic(Scene& scene) { scene.friction.kinetic_coefficient = 0.9 * scene.friction.static_coefficient; }
 
-}  // namespace
-
-const std::vector<FrictionLaw>& friction_laws() {
-  static const std::vector<FrictionLaw> all{
-      {"scene", "as in the scene: rate law, patches 0.3", [](Scene&) {}},
-      {"lean", "as in the scene, nibs that lean", add_lean},
-      {"patches_0.2", "patches 0.2", [](Scene& scene) { set_patches(scene, 0.2); }},
-      {"patches_0.1", "patches 0.1", [](Scene& scene) { set_patches(scene, 0.1); }},
-      {"no_patches", "no patches", [](Scene& scene) { drop(scene, "patchy_friction"); }},
-      {"no_rate", "no rate law", [](Scene& scene) { drop(scene, "viscous_friction"); }},
-      {"coulomb", "Coulomb, mu_k 0.9 mu_s, no patches",
-       [](Scene& scene) {
-         drop(scene, "patchy_friction");
-         drop(scene, "viscous_friction");
-         drop_to_kinetic(scene);
-       }},
-      {"coulomb_patches", "Coulomb, mu_k 0.9 mu_s, patches 0.3",
-       [](Scene& scene) {
-         drop(scene, "viscous_friction");
-         drop_to_kinetic(scene);
-       }},
-  };
-  return all;
-}
-
-NibTrace::NibTrace(const TrialRecord& record) {
-  const auto lever = std::ranges::find(record.bodies, "lever", &BodyRecord::name);
-  if (record.sensors.size() != 1 || lever == record.bodies.end()) throw std::logic_error("no trial of the lever bench");
-  const SensorRecord& sensor = record.sensors.front();
-  source_ = {sensor.name, sensor.type, sensor.rate, {}};
-  time_ = sensor.time;
-  for (const SensorColumn& column : sensor.channels) {
-    Channel channel{column.name, column.unit, column.shape, {}};
-    if (column.time) {
-      if (column.time->size() < 2) throw std::invalid_argument("a trial of fewer than two rows of a channel");
-      channel.every = static_cast<std::size_t>(std::lround((column.time->at(1) - column.time->at(0)) * sensor.rate));
-    }
-    frame_size_ += channel.size();
-    source_.channels.push_back(std::move(channel));
-  }
-  // A slow channel stands still until its next row; before the first there is nothing of it.
-  frames_.resize(size() * frame_size_);
-  std::size_t place = 0;
-  for (std::size_t c = 0; c < source_.channels.size(); ++c) {
-    const std::size_t width = source_.channels[c].size(), every = source_.channels[c].every;
-    for (std::size_t k = every - 1; k < size(); ++k) {
-      std::copy_n(sensor.channels[c].values.data() + ((k + 1) / every - 1) * width, width,
-                  frames_.data() + k * frame_size_ + place);
-    }
-    place += width;
-  }
-  const std::size_t units = sensor.labels.units();
-  normal_.resize(size());
-  lever_.resize(size());
-  for (std::size_t k = 0; k < size(); ++k) {
-    for (std::size_t unit = 0; unit < units; ++unit) normal_[k] += double{sensor.labels.force[3 * (k * units + unit) + 2]};
-    lever_[k] = double{lever->pose[7 * k + 1]};
-  }
-}
-
-std::size_t NibTrace::at(double time) const {
-  return static_cast<std::size_t>(std::ranges::lower_bound(time_, time) - time_.begin());
-}
-
-std::optional<std::size_t> NibTrace::moved(std::size_t from, double way) const {
-  for (std::size_t k = from; k < size(); ++k) {
-    if (lever_[k] - lever_[from] >= way) return k;
-  }
-  return std::nullopt;
-}
-
-std::optional<std::size_t> NibTrace::detection(Detector& detector) const {
-  for (std::size_t k = 0; k < size(); ++k) {
-    if (detector.update(frame(k)).state == PadState::gross) return k;
-  }
-  return std::nullopt;
-}
-
-std::vector<NibTrace::Window> NibTrace::windows(const Parameters& parameters) const {
-  nib::FeatureReader reader(parameters, source_, "a reproduction");
-  std::vector<Window> found;
-  for (std::size_t k = 0; k < size(); ++k) {
-    if (reader.update(frame(k))) found.push_back({k, reader.features()});
-  }
-  return found;
-}
-
-namespace {
-
 constexpr double slow = 8.0;                                   // Hz, the paper's effective response
 constexpr double slip_begins = 0.3e-3, slip_ends = 10e-3;      // m, of the lever
 constexpr std::size_t window_samples = 150, hop_samples = 30;  // samples at 300 Hz, as in the paper
@@ -135,66 +46,6 @@ std::optional<double> median_of(const std::vector<std::optional<Signature>>& fou
   if (values.empty()) return std::nullopt;
   return median(std::move(values));
 }
-
-}  // namespace
-
-std::optional<Signature> signature_of(const Scene& scene, const NibTrace& trace) {
-  const std::size_t begun = trace.at(scene.detector->parameters.number("start"));
-  const std::optional<std::size_t> first = trace.moved(begun, slip_begins);
-  if (!first) return std::nullopt;
-  const std::size_t last = trace.moved(begun, slip_ends).value_or(trace.size());
-  if (last - *first < window_samples) return std::nullopt;
-  const std::size_t fl = trace.source().channels.front().size();  // behind the image
-  nib::SlidingSpectrum spectrum(window_samples, hop_samples, trace.source().rate);
-  const double bin = trace.source().rate / static_cast<double>(window_samples);
-  double below = 0.0, above = 0.0, windows = 0.0;
-  for (std::size_t k = *first; k < last; ++k) {
-    const std::span<const float> values = trace.frame(k).values;
-    if (!spectrum.push(double{values[fl]} - double{values[fl + 1]})) continue;
-    windows += 1.0;
-    for (std::size_t n = 1; n < spectrum.magnitudes().size(); ++n) {
-      const double energy = spectrum.magnitudes()[n] * spectrum.magnitudes()[n];
-      (static_cast<double>(n) * bin <= slow ? below : above) += energy;
-    }
-  }
-  // White noise of variance v has v sum w^2 in every bin, sum w^2 = (0.54^2 + 0.46^2/2) N; of N/2 bins.
-  const auto n = static_cast<double>(window_samples);
-  const auto rms = [&](double energy) { return std::sqrt(2.0 * energy / (0.3974 * n * n * windows)); };
-  const bool wavy = std::ranges::any_of(scene.effects, [](const Named& effect) { return effect.name == "texture"; });
-  return Signature{wavy, below / (below + above), static_cast<double>(last - *first) / trace.source().rate, rms(below),
-                   rms(above)};
-}
-
-ResultTable signature_table() {
-  return {
-      "Energy of the linear mode below 8 Hz while the pad slips",
-      {"law", "plates", "slips that last", "share below 8 Hz", "below, counts rms", "above", "time of the slip, s"},
-      {},
-      "Medians over slips. Of C_N - C_S in windows of 0.5 s, less their line, Hamming, that lie wholly between 0.3 and 10 mm of the lever; shorter slips are left out. The converter's noise alone has a share of 0.05 and 1.7 counts above 8 Hz."};
-}
-
-void add_signatures(const char* law, const std::vector<std::optional<Signature>>& found, ResultTable& table, Json& figures) {
-  for (const bool wavy : {false, true}) {
-    const auto slips = std::ranges::count_if(found, [&](const auto& signature) { return signature && signature->wavy == wavy; });
-    const auto text = [&](double Signature::*figure, int digits) {
-      const std::optional<double> value = median_of(found, wavy, figure);
-      return value ? fmt::format("{:.{}f}", *value, digits) : std::string("-");
-    };
-    table.rows.push_back({law, wavy ? "wavy" : "flat", std::to_string(slips), text(&Signature::share, 3),
-                          text(&Signature::below, 1), text(&Signature::above, 1), text(&Signature::time, 2)});
-    Json row{{"law", law}, {"wavy", wavy}, {"slips", slips}};
-    if (slips > 0) {
-      row.update({{"share", *median_of(found, wavy, &Signature::share)},
-                  {"below_counts", *median_of(found, wavy, &Signature::below)},
-                  {"above_counts", *median_of(found, wavy, &Signature::above)},
-                  {"time_s", *median_of(found, wavy, &Signature::time)}});
-    }
-    figures.push_back(std::move(row));
-  }
-}
-
-// Fig. 12 of the nib pad's paper: no slip, linear and rotational slip by FL, FR and curl.
-namespace {
 
 constexpr double slip_way = 2e-3;  // m, pull displacement from which on a run is one of slip
 constexpr double slip_time = 0.5;  // s, after it, whose windows count
@@ -352,6 +203,148 @@ ResultTable feature_table(const std::vector<KindRun>& runs) {
 }
 
 }  // namespace
+
+const std::vector<FrictionLaw>& friction_laws() {
+  static const std::vector<FrictionLaw> all{
+      {"scene", "as in the scene: rate law, patches 0.3", [](Scene&) {}},
+      {"lean", "as in the scene, nibs that lean", add_lean},
+      {"patches_0.2", "patches 0.2", [](Scene& scene) { set_patches(scene, 0.2); }},
+      {"patches_0.1", "patches 0.1", [](Scene& scene) { set_patches(scene, 0.1); }},
+      {"no_patches", "no patches", [](Scene& scene) { drop(scene, "patchy_friction"); }},
+      {"no_rate", "no rate law", [](Scene& scene) { drop(scene, "viscous_friction"); }},
+      {"coulomb", "Coulomb, mu_k 0.9 mu_s, no patches",
+       [](Scene& scene) {
+         drop(scene, "patchy_friction");
+         drop(scene, "viscous_friction");
+         drop_to_kinetic(scene);
+       }},
+      {"coulomb_patches", "Coulomb, mu_k 0.9 mu_s, patches 0.3",
+       [](Scene& scene) {
+         drop(scene, "viscous_friction");
+         drop_to_kinetic(scene);
+       }},
+  };
+  return all;
+}
+
+NibTrace::NibTrace(const TrialRecord& record) {
+  const auto lever = std::ranges::find(record.bodies, "lever", &BodyRecord::name);
+  if (record.sensors.size() != 1 || lever == record.bodies.end()) throw std::logic_error("no trial of the lever bench");
+  const SensorRecord& sensor = record.sensors.front();
+  source_ = {sensor.name, sensor.type, sensor.rate, {}};
+  time_ = sensor.time;
+  for (const SensorColumn& column : sensor.channels) {
+    Channel channel{column.name, column.unit, column.shape, {}};
+    if (column.time) {
+      if (column.time->size() < 2) throw std::invalid_argument("a trial of fewer than two rows of a channel");
+      channel.every = static_cast<std::size_t>(std::lround((column.time->at(1) - column.time->at(0)) * sensor.rate));
+    }
+    frame_size_ += channel.size();
+    source_.channels.push_back(std::move(channel));
+  }
+  // A slow channel stands still until its next row; before the first there is nothing of it.
+  frames_.resize(size() * frame_size_);
+  std::size_t place = 0;
+  for (std::size_t c = 0; c < source_.channels.size(); ++c) {
+    const std::size_t width = source_.channels[c].size(), every = source_.channels[c].every;
+    for (std::size_t k = every - 1; k < size(); ++k) {
+      std::copy_n(sensor.channels[c].values.data() + ((k + 1) / every - 1) * width, width,
+                  frames_.data() + k * frame_size_ + place);
+    }
+    place += width;
+  }
+  const std::size_t units = sensor.labels.units();
+  normal_.resize(size());
+  lever_.resize(size());
+  for (std::size_t k = 0; k < size(); ++k) {
+    for (std::size_t unit = 0; unit < units; ++unit) normal_[k] += double{sensor.labels.force[3 * (k * units + unit) + 2]};
+    lever_[k] = double{lever->pose[7 * k + 1]};
+  }
+}
+
+std::size_t NibTrace::at(double time) const {
+  return static_cast<std::size_t>(std::ranges::lower_bound(time_, time) - time_.begin());
+}
+
+std::optional<std::size_t> NibTrace::moved(std::size_t from, double way) const {
+  for (std::size_t k = from; k < size(); ++k) {
+    if (lever_[k] - lever_[from] >= way) return k;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> NibTrace::detection(Detector& detector) const {
+  for (std::size_t k = 0; k < size(); ++k) {
+    if (detector.update(frame(k)).state == PadState::gross) return k;
+  }
+  return std::nullopt;
+}
+
+std::vector<NibTrace::Window> NibTrace::windows(const Parameters& parameters) const {
+  nib::FeatureReader reader(parameters, source_, "a reproduction");
+  std::vector<Window> found;
+  for (std::size_t k = 0; k < size(); ++k) {
+    if (reader.update(frame(k))) found.push_back({k, reader.features()});
+  }
+  return found;
+}
+
+std::optional<Signature> signature_of(const Scene& scene, const NibTrace& trace) {
+  const std::size_t begun = trace.at(scene.detector->parameters.number("start"));
+  const std::optional<std::size_t> first = trace.moved(begun, slip_begins);
+  if (!first) return std::nullopt;
+  const std::size_t last = trace.moved(begun, slip_ends).value_or(trace.size());
+  if (last - *first < window_samples) return std::nullopt;
+  const std::size_t fl = trace.source().channels.front().size();  // behind the image
+  nib::SlidingSpectrum spectrum(window_samples, hop_samples, trace.source().rate);
+  const double bin = trace.source().rate / static_cast<double>(window_samples);
+  double below = 0.0, above = 0.0, windows = 0.0;
+  for (std::size_t k = *first; k < last; ++k) {
+    const std::span<const float> values = trace.frame(k).values;
+    if (!spectrum.push(double{values[fl]} - double{values[fl + 1]})) continue;
+    windows += 1.0;
+    for (std::size_t n = 1; n < spectrum.magnitudes().size(); ++n) {
+      const double energy = spectrum.magnitudes()[n] * spectrum.magnitudes()[n];
+      (static_cast<double>(n) * bin <= slow ? below : above) += energy;
+    }
+  }
+  // White noise of variance v has v sum w^2 in every bin, sum w^2 = (0.54^2 + 0.46^2/2) N; of N/2 bins.
+  const auto n = static_cast<double>(window_samples);
+  const auto rms = [&](double energy) { return std::sqrt(2.0 * energy / (0.3974 * n * n * windows)); };
+  const bool wavy = std::ranges::any_of(scene.effects, [](const Named& effect) { return effect.name == "texture"; });
+  return Signature{wavy, below / (below + above), static_cast<double>(last - *first) / trace.source().rate, rms(below),
+                   rms(above)};
+}
+
+ResultTable signature_table() {
+  return {
+      "Energy of the linear mode below 8 Hz while the pad slips",
+      {"law", "plates", "slips that last", "share below 8 Hz", "below, counts rms", "above", "time of the slip, s"},
+      {},
+      "Medians over slips. Of C_N - C_S in windows of 0.5 s, less their line, Hamming, that lie wholly between 0.3 and 10 mm of the lever; shorter slips are left out. The converter's noise alone has a share of 0.05 and 1.7 counts above 8 Hz."};
+}
+
+void add_signatures(const char* law, const std::vector<std::optional<Signature>>& found, ResultTable& table, Json& figures) {
+  for (const bool wavy : {false, true}) {
+    const auto slips = std::ranges::count_if(found, [&](const auto& signature) { return signature && signature->wavy == wavy; });
+    const auto text = [&](double Signature::*figure, int digits) {
+      const std::optional<double> value = median_of(found, wavy, figure);
+      return value ? fmt::format("{:.{}f}", *value, digits) : std::string("-");
+    };
+    table.rows.push_back({law, wavy ? "wavy" : "flat", std::to_string(slips), text(&Signature::share, 3),
+                          text(&Signature::below, 1), text(&Signature::above, 1), text(&Signature::time, 2)});
+    Json row{{"law", law}, {"wavy", wavy}, {"slips", slips}};
+    if (slips > 0) {
+      row.update({{"share", *median_of(found, wavy, &Signature::share)},
+                  {"below_counts", *median_of(found, wavy, &Signature::below)},
+                  {"above_counts", *median_of(found, wavy, &Signature::above)},
+                  {"time_s", *median_of(found, wavy, &Signature::time)}});
+    }
+    figures.push_back(std::move(row));
+  }
+}
+
+// Fig. 12 of the nib pad's paper: no slip, linear and rotational slip by FL, FR and curl.
 
 Result nib_slip_kinds(const ReproduceOptions& options) {
   const std::size_t trials = options.trials == 0 ? 1 : options.trials;

@@ -196,10 +196,9 @@ std::vector<MainSplit> main_splits() {
 }
 
 ResultTable main_table(const std::vector<LoadRecordings>& recordings, const ReproduceOptions& options, Json& figures) {
-  ResultTable table;
-  table.title = "RMS error of a second-order polynomial of the 36 capacitances";
-  table.head = wrench_head;
-  table.rows = {row_of("paper: uniform", published_uniform), row_of("paper: uniform + partial", published_partial)};
+  ResultTable table{"RMS error of a second-order polynomial of the 36 capacitances",
+                    wrench_head,
+                    {row_of("paper: uniform", published_uniform), row_of("paper: uniform + partial", published_partial)}};
   for (const auto& [how, variant, kind] : main_splits()) {
     std::vector<CalibrationFit> fits;
     for (const CalibrationCase& one : calibration_cases()) fits.push_back({variant, &one, kind});
@@ -215,9 +214,7 @@ ResultTable main_table(const std::vector<LoadRecordings>& recordings, const Repr
 }
 
 ResultTable transfer_table(const LoadRecordings& recordings, std::uint64_t seed, Json& figures) {
-  ResultTable table;
-  table.title = "A fit of uniform loads alone, asked about others: RMS error, and mean error of Fz";
-  table.head = wrench_head;
+  ResultTable table{"A fit of uniform loads alone, asked about others: RMS error, and mean error of Fz", wrench_head};
   table.head.push_back("Fz too high by, N");
   const LoadTransfer transfer = transfer_of(recordings, seed);
   for (std::size_t load = 0; load < load_count; ++load) {
@@ -231,10 +228,9 @@ ResultTable transfer_table(const LoadRecordings& recordings, std::uint64_t seed,
 }
 
 ResultTable ranges_table(const LoadRecordings& recordings, Json& figures) {
-  ResultTable table;
-  table.title = "Loads of the recordings: 1st and 99th percentile";
-  table.head = wrench_head;
-  table.rows = {{"paper, range", "+-3.5", "+-3.5", "0 to 15", "+-50", "+-50", "+-50"}};
+  ResultTable table{"Loads of the recordings: 1st and 99th percentile",
+                    wrench_head,
+                    {{"paper, range", "+-3.5", "+-3.5", "0 to 15", "+-50", "+-50", "+-50"}}};
   for (std::size_t load = 0; load < load_count; ++load) {
     std::vector<std::string> row{load_names[load]};
     for (Eigen::Index c = 0; c < wrench_size; ++c) {
@@ -253,10 +249,9 @@ ResultTable ranges_table(const LoadRecordings& recordings, Json& figures) {
 // Of each variant the first three cases.
 ResultTable causes_table(const std::vector<LoadRecordings>& recordings, const ReproduceOptions& options, Json& figures) {
   constexpr std::size_t columns = 3;
-  ResultTable table;
-  table.title = "What decides it: one thing changed at a time, random split, RMS error of Fz in N and of Mx and My in mNm";
-  table.head = {"",           "Fz: uniform", "+ end face",  "+ lying",    "Mx: uniform",
-                "+ end face", "+ lying",     "My: uniform", "+ end face", "+ lying"};
+  ResultTable table{"What decides it: one thing changed at a time, random split, RMS error of Fz in N and of Mx and My in mNm",
+                    {"", "Fz: uniform", "+ end face", "+ lying", "Mx: uniform", "+ end face", "+ lying", "My: uniform",
+                     "+ end face", "+ lying"}};
   std::vector<CalibrationFit> fits;
   for (std::size_t variant = 0; variant < calibration_variants().size(); ++variant) {
     for (std::size_t one = 0; one < columns; ++one) fits.push_back({variant, &calibration_cases().at(one), SplitKind::random});

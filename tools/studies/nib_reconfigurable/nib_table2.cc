@@ -152,10 +152,9 @@ Json summary_json(const ReleaseSummary& summary) {
 }
 
 ResultTable release_table(const std::vector<ReleaseRun>& runs, Json& figures) {
-  ResultTable table;
-  table.title = "Algorithm 1 with the paper's M and alpha";
-  table.head = {"",      "error, N: paper",          "ours", "gross only: paper", "ours", "before 6 mm: paper", "ours",
-                "early", "slip at the detection, mm"};
+  ResultTable table{"Algorithm 1 with the paper's M and alpha",
+                    {"", "error, N: paper", "ours", "gross only: paper", "ours", "before 6 mm: paper", "ours", "early",
+                     "slip at the detection, mm"}};
   Json rows = Json::array();
   const auto add = [&](const std::string& material, const std::string& text, const std::string& all, const std::string& gross,
                        const std::string& safe) {

@@ -36,48 +36,6 @@ double tilt_of(const float* pose) {
   return std::acos(std::min(1.0, std::abs(2.0 * (y * z + w * x))));
 }
 
-}  // namespace
-
-Turn turn_of(const TrialRecord& record, double target) {
-  const double never = std::numeric_limits<double>::quiet_NaN();
-  const std::size_t rows = record.num_samples();
-  if (!record.outcome.grasp || !record.outcome.grasp->turn || !record.control || rows == 0 ||
-      record.control->grip.arm.size() != 2 * rows || record.control->grip.grip_force.size() != rows) {
-    throw std::logic_error("turn_of: no full record of a guided grasp");
-  }
-  const TurnOutcome& outcome = *record.outcome.grasp->turn;
-  const GripRecord& grip = record.control->grip;
-
-  std::size_t released = 0;
-  bool rising = false, lost = false;
-  for (; released < rows && grip.arm[2 * released] == 0.0F; ++released) {
-    rising = rising || grip.arm[2 * released + 1] > 0.0F;
-    lost = lost || (rising && grip.grip_force[released] == 0.0F);
-  }
-  Turn turn{TurnEnd::standing, never, never};
-  if (released < rows) {
-    turn.tilt = tilt_of(pose_of(record, "box", released));
-    turn.force = grip.grip_force[released];
-  }
-  if (outcome.standing) return turn;
-  if (lost) {
-    turn.end = TurnEnd::lost;
-  } else if (released == rows) {
-    turn.end = TurnEnd::not_released;
-  } else if (outcome.tilt < upright) {
-    turn.end = TurnEnd::not_let_go;
-  } else if (outcome.least_tilt < turned_up) {
-    turn.end = TurnEnd::fell;
-  } else {
-    const double rise = pose_of(record, "arm", released)[2] - pose_of(record, "arm", 0)[2];
-    constexpr double lag = 1e-3;  // m, of the arm behind what it has been told, at 10 mm/s
-    turn.end = rise < target - lag ? TurnEnd::told_early : TurnEnd::not_turned;
-  }
-  return turn;
-}
-
-namespace {
-
 double median_of(const ReorientRuns& runs, double (*figure)(const ReorientRun&)) {
   std::vector<double> values;
   for (const ReorientRun& run : runs) {
@@ -85,26 +43,6 @@ double median_of(const ReorientRuns& runs, double (*figure)(const ReorientRun&))
   }
   return quantile(std::move(values), 0.5);
 }
-
-}  // namespace
-
-ReorientSummary summary_of(const ReorientRuns& runs) {
-  ReorientSummary summary{.runs = runs.size()};
-  for (const ReorientRun& run : runs) {
-    summary.standing += run.standing ? 1 : 0;
-    summary.turned_up += run.least_tilt < turned_up ? 1 : 0;
-    summary.dropped += run.dropped ? 1 : 0;
-    ++summary.ends.at(static_cast<std::size_t>(run.turn.end));
-  }
-  summary.tilt = median_of(runs, [](const ReorientRun& run) { return run.tilt; });
-  summary.least_tilt = median_of(runs, [](const ReorientRun& run) { return run.least_tilt; });
-  summary.most_force = median_of(runs, [](const ReorientRun& run) { return run.most_force; });
-  summary.released_tilt = median_of(runs, [](const ReorientRun& run) { return run.turn.tilt; });
-  summary.held_by = median_of(runs, [](const ReorientRun& run) { return run.turn.force; });
-  return summary;
-}
-
-namespace {
 
 // What Table III of the nib pad's paper simulates, a box that is turned up and released, and what the trials of a cell come to.
 constexpr const char* reorient_scene = "scenes/nib_pad/reorient.yaml";
@@ -210,6 +148,60 @@ Json cell_json(const ReorientCell& cell, const ReorientSummary& summary, std::ui
 }
 
 }  // namespace
+
+Turn turn_of(const TrialRecord& record, double target) {
+  const double never = std::numeric_limits<double>::quiet_NaN();
+  const std::size_t rows = record.num_samples();
+  if (!record.outcome.grasp || !record.outcome.grasp->turn || !record.control || rows == 0 ||
+      record.control->grip.arm.size() != 2 * rows || record.control->grip.grip_force.size() != rows) {
+    throw std::logic_error("turn_of: no full record of a guided grasp");
+  }
+  const TurnOutcome& outcome = *record.outcome.grasp->turn;
+  const GripRecord& grip = record.control->grip;
+
+  std::size_t released = 0;
+  bool rising = false, lost = false;
+  for (; released < rows && grip.arm[2 * released] == 0.0F; ++released) {
+    rising = rising || grip.arm[2 * released + 1] > 0.0F;
+    lost = lost || (rising && grip.grip_force[released] == 0.0F);
+  }
+  Turn turn{TurnEnd::standing, never, never};
+  if (released < rows) {
+    turn.tilt = tilt_of(pose_of(record, "box", released));
+    turn.force = grip.grip_force[released];
+  }
+  if (outcome.standing) return turn;
+  if (lost) {
+    turn.end = TurnEnd::lost;
+  } else if (released == rows) {
+    turn.end = TurnEnd::not_released;
+  } else if (outcome.tilt < upright) {
+    turn.end = TurnEnd::not_let_go;
+  } else if (outcome.least_tilt < turned_up) {
+    turn.end = TurnEnd::fell;
+  } else {
+    const double rise = pose_of(record, "arm", released)[2] - pose_of(record, "arm", 0)[2];
+    constexpr double lag = 1e-3;  // m, of the arm behind what it has been told, at 10 mm/s
+    turn.end = rise < target - lag ? TurnEnd::told_early : TurnEnd::not_turned;
+  }
+  return turn;
+}
+
+ReorientSummary summary_of(const ReorientRuns& runs) {
+  ReorientSummary summary{.runs = runs.size()};
+  for (const ReorientRun& run : runs) {
+    summary.standing += run.standing ? 1 : 0;
+    summary.turned_up += run.least_tilt < turned_up ? 1 : 0;
+    summary.dropped += run.dropped ? 1 : 0;
+    ++summary.ends.at(static_cast<std::size_t>(run.turn.end));
+  }
+  summary.tilt = median_of(runs, [](const ReorientRun& run) { return run.tilt; });
+  summary.least_tilt = median_of(runs, [](const ReorientRun& run) { return run.least_tilt; });
+  summary.most_force = median_of(runs, [](const ReorientRun& run) { return run.most_force; });
+  summary.released_tilt = median_of(runs, [](const ReorientRun& run) { return run.turn.tilt; });
+  summary.held_by = median_of(runs, [](const ReorientRun& run) { return run.turn.force; });
+  return summary;
+}
 
 Result nib_table3(const ReproduceOptions& options) {
   const std::uint64_t seed = options.seed.value_or(1);

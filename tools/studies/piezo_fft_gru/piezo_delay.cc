@@ -95,9 +95,8 @@ ResultTable label_table(const std::vector<PiezoRecording>& recordings, Json& fig
     }
   }
   const DelaySpread spread = delay_spread(early);
-  ResultTable table;
-  table.title = "The position label itself: how long before the true first slip it begins, ms";
-  table.head = {"median (10 to 90 %)", "mean +- sd", "labelled, no slip", "slip, not labelled"};
+  ResultTable table{"The position label itself: how long before the true first slip it begins, ms",
+                    {"median (10 to 90 %)", "mean +- sd", "labelled, no slip", "slip, not labelled"}};
   table.rows.push_back({cell(spread), early.empty() ? "-" : fmt::format("{:.1f} +- {:.1f}", 1e3 * spread.mean, 1e3 * spread.sd),
                         fmt::format("{}", no_slip), fmt::format("{}", no_label)});
   figures = {{"early", json_of(spread)},

@@ -44,6 +44,14 @@ double bench_speed(const TrialRecord& record, double t) {
   return speed;
 }
 
+// The one list of what goes through the pipe.
+template <class RecordingOrConst, class Do>
+void with_members(RecordingOrConst& recording, Do&& use) {
+  use(recording.level, recording.motors_only, recording.slip_time, recording.label_time, recording.tip, recording.time,
+      recording.contact, recording.motors);
+  for (auto& frames : recording.inputs) use(frames.features, frames.truth, frames.paper);
+}
+
 }  // namespace
 
 void check_recordings(std::size_t recordings, std::size_t least, const std::string& why) {
@@ -107,18 +115,6 @@ std::vector<float> told_features(const PiezoRecording& recording, const Told& to
   }
   return features;
 }
-
-namespace {
-
-// The one list of what goes through the pipe.
-template <class RecordingOrConst, class Do>
-void with_members(RecordingOrConst& recording, Do&& use) {
-  use(recording.level, recording.motors_only, recording.slip_time, recording.label_time, recording.tip, recording.time,
-      recording.contact, recording.motors);
-  for (auto& frames : recording.inputs) use(frames.features, frames.truth, frames.paper);
-}
-
-}  // namespace
 
 void pack(const PiezoRecording& recording, Packed& bytes) {
   bytes.put(recording.inputs.size());

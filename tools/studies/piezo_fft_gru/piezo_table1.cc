@@ -75,10 +75,9 @@ using Numbers = std::map<LabelRule, std::map<std::string, std::size_t>>;
 
 ResultTable table_of(const char* title, const std::vector<NetworkRow>& rows, const Numbers& numbers,
                      const Validations& validations, Json& figures) {
-  ResultTable table;
-  table.title = title;
-  table.head = {"input, network",        "parameters",      "paper",        "position label: all",  "with contact",
-                "motors alone, % right", "true label: all", "with contact", "motors alone, % right"};
+  ResultTable table{title,
+                    {"input, network", "parameters", "paper", "position label: all", "with contact", "motors alone, % right",
+                     "true label: all", "with contact", "motors alone, % right"}};
   for (const NetworkRow& row : rows) {
     std::vector<std::string> cells{row.text, fmt::format("{}", train::parameter_count(row.shape)), paper_cell(row)};
     for (const LabelRule rule : {LabelRule::paper, LabelRule::micro}) {

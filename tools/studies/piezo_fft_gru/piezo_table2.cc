@@ -54,9 +54,7 @@ Result piezo_table2(const ReproduceOptions& options) {
   Result result;
   result.title = "The FFT-GRU by the band of its spectrum";
   result.source = fmt::format("Table II of {}", table_source);
-  ResultTable table;
-  table.title = "Table II: GRU 32";
-  table.head = {"band", "bins", "paper"};
+  ResultTable table{"Table II: GRU 32", {"band", "bins", "paper"}};
   for (const LabelRule rule : rules) {
     table.head.push_back(fmt::format("{} label: all", label_name(rule)));
     table.head.emplace_back("with contact");
@@ -107,9 +105,7 @@ Result piezo_table3(const ReproduceOptions& options) {
   Result result;
   result.title = "A tip that was never learnt";
   result.source = fmt::format("Table III of {}", table_source);
-  ResultTable table;
-  table.title = "Table III: all recordings of the tip, with contact and motors alone";
-  table.head = {"network", "label", "none left out"};
+  ResultTable table{"Table III: all recordings of the tip, with contact and motors alone", {"network", "label", "none left out"}};
   for (std::size_t tip = 0; tip < tips.size(); ++tip) table.head.push_back(fmt::format("tip {}", tip + 1));
   table.note =
       "Tips are numbered in the order of what the sweep says of them; the paper's are not described, so that the numbers do not match.";

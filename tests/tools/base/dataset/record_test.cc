@@ -3,7 +3,6 @@
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/header.h"
-#include "tools/base/dataset/mask.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/record/trial_record.h"
 

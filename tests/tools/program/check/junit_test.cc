@@ -1,5 +1,5 @@
 // The XML, read by another program's parser.
-#include "tools/program/check/junit.h"
+#include "tools/program/check/check.h"
 
 #include <fstream>
 #include <vector>

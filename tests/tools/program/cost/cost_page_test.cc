@@ -15,8 +15,7 @@
 #include "tests/tools/base/record/test_records.h"
 #include "tests/tools/program/cost/example.h"
 #include "tools/base/page/svg.h"
-#include "tools/program/cost/assets.h"
-#include "tools/program/cost/cost_json.h"
+#include "tools/program/cost/explore.h"
 #include "tools/program/report/report.h"
 
 namespace slipbench::cost {
@@ -118,12 +117,12 @@ TEST(CostPage, LeavesNoScriptOut) {
 TEST(CostPage, IsToldFromOtherPages) {
   const std::string page = cost_page(exploration());
   // Known by its first 4 kB, whatever its title; a report is not one, and it is no report.
-  EXPECT_TRUE(begins_as_cost_page(cost_page(exploration(std::string(8000, 'x'))).substr(0, 4096)));
+  EXPECT_TRUE(page::begins_as_page(cost_page(exploration(std::string(8000, 'x'))).substr(0, 4096), page_kind.generator));
   EXPECT_FALSE(report::begins_as_report(page));
-  EXPECT_FALSE(begins_as_cost_page(report::report_page("title", Json::object())));
-  EXPECT_TRUE(begins_as_cost_json(exploration().dump(2)));
-  EXPECT_TRUE(begins_as_cost_json(stability().dump(2)));
-  EXPECT_FALSE(begins_as_cost_json(Json{{"reproduction", "a"}, {"slipbench_cost", 1}}.dump(2)));
+  EXPECT_FALSE(page::begins_as_page(report::report_page("title", Json::object()), page_kind.generator));
+  EXPECT_TRUE(page::begins_as_object(exploration().dump(2), page_kind));
+  EXPECT_TRUE(page::begins_as_object(stability().dump(2), page_kind));
+  EXPECT_FALSE(page::begins_as_object(Json{{"reproduction", "a"}, {"slipbench_cost", 1}}.dump(2), page_kind));
 }
 
 TEST(CostPage, RefusesWhatIsNoResult) {
@@ -151,9 +150,9 @@ TEST_F(CostFileTest, OtherFilesAreKept) {
   EXPECT_THAT(names(), ElementsAre("c.json"));
 
   std::ofstream(path("report.html")) << report::report_page("title", Json::object());
-  EXPECT_THAT(refusal_of([&] { check_cost_target(path("report.html")); }), HasSubstr("report.html"));
-  EXPECT_THAT(refusal_of([&] { check_cost_target(path("c.txt")); }), HasSubstr("a name that ends in .html"));
-  EXPECT_THAT(refusal_of([&] { check_cost_target(path("no/c.html")); }), HasSubstr("no"));
+  EXPECT_THAT(refusal_of([&] { page::check_page_files(path("report.html"), page_kind); }), HasSubstr("report.html"));
+  EXPECT_THAT(refusal_of([&] { page::check_page_files(path("c.txt"), page_kind); }), HasSubstr("a name that ends in .html"));
+  EXPECT_THAT(refusal_of([&] { page::check_page_files(path("no/c.html"), page_kind); }), HasSubstr("no"));
 }
 
 // Scripts may use what they define and what all pages share.

@@ -4,7 +4,6 @@
 
 #include "tests/expect.h"
 #include "tests/tools/program/cost/example.h"
-#include "tools/program/cost/cost_json.h"
 #include "tools/program/cost/explore.h"
 
 namespace slipbench::cost {

@@ -31,23 +31,23 @@ std::vector<std::string> labels_of(const std::vector<Setting>& settings, const s
 }
 
 TEST(CostSettings, WhatMovesAsPrescribedHasNoIntegratorAndNoSolver) {
-  const auto settings = settings_to_try(parsed(shipped("papillarray/stage.yaml")), {1e-3});
+  const auto settings = settings_to_try(parsed(shipped("papillarray/stage.yaml")), 1e-3);
   EXPECT_THAT(series_of(settings), UnorderedElementsAre("field", "articulated", "contact", "rate", "elements"));
 }
 
 TEST(CostSettings, WhatForcesMoveHasThem) {
-  const auto settings = settings_to_try(parsed(shipped("bodies/held_box.yaml")), {2.5e-4});
+  const auto settings = settings_to_try(parsed(shipped("bodies/held_box.yaml")), 2.5e-4);
   EXPECT_THAT(series_of(settings), IsSupersetOf({"implicit", "integrator", "articulated", "contact"}));
   EXPECT_THAT(labels_of(settings, "integrator"), UnorderedElementsAre("Euler", "implicitfast", "implicit", "discrete", "RK4"));
 }
 
 TEST(CostSettings, EffectsLeaveOutWhatHasNone) {
   const Scene scene = stage_scene({{"effects", "[stribeck]"}});
-  EXPECT_THAT(series_of(settings_to_try(scene, {1e-3})), UnorderedElementsAre("field", "rate", "elements"));
+  EXPECT_THAT(series_of(settings_to_try(scene, 1e-3)), UnorderedElementsAre("field", "rate", "elements"));
 }
 
 TEST(CostSettings, ASoftSkinHasASolverAndCells) {
-  const auto settings = settings_to_try(parsed(shipped("soft_skin/sphere.yaml")), {1e-3});
+  const auto settings = settings_to_try(parsed(shipped("soft_skin/sphere.yaml")), 1e-3);
   EXPECT_THAT(labels_of(settings, "tolerance"), ElementsAre("0.01", "0.001", "0.0001", "1e-05", "1e-06", "1e-08"));
   EXPECT_THAT(labels_of(settings, "grid"), ElementsAre("8 x 8", "16 x 16", "24 x 24", "32 x 32", "48 x 48"));
   for (const Setting& setting : settings) {
@@ -61,7 +61,7 @@ TEST(CostSettings, ASoftSkinHasASolverAndCells) {
 
 // 1 kHz: ten sampling times down to a twentieth of one; the scene's own millisecond is the scene itself.
 TEST(CostSettings, StepsGoFromTenSamplingTimesToATwentieth) {
-  const auto settings = settings_to_try(parsed(shipped("papillarray/stage.yaml")), {1e-3});
+  const auto settings = settings_to_try(parsed(shipped("papillarray/stage.yaml")), 1e-3);
   EXPECT_THAT(labels_of(settings, "field"), ElementsAre("10 ms, output at 100 Hz", "4 ms, output at 250 Hz",
                                                         "2 ms, output at 500 Hz", "0.5 ms", "0.2 ms", "0.1 ms", "50 us"));
 }
@@ -71,7 +71,7 @@ TEST(CostSettings, EverySettingOfAShippedSceneIsASceneOrRefusedByName) {
   for (const char* const name :
        {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml", "biotac_sp/grasp.yaml", "soft_skin/sphere.yaml"}) {
     const Scene scene = parsed(shipped(name));
-    for (const Setting& setting : settings_to_try(scene, {1e-3})) {
+    for (const Setting& setting : settings_to_try(scene, 1e-3)) {
       EXPECT_NO_THROW(parsed(shipped(name, setting.changes))) << name << ": " << setting.series << ", " << setting.label;
     }
   }
@@ -80,7 +80,7 @@ TEST(CostSettings, EverySettingOfAShippedSceneIsASceneOrRefusedByName) {
 // The springs of its fingers bear no step of the other scenes' ladder above half a millisecond.
 TEST(CostSettings, EveryContactOfAGraspIsOneThatStarts) {
   std::set<double> steps;
-  for (const Setting& setting : settings_to_try(parsed(shipped("grasp/lift.yaml")), {5e-4})) {
+  for (const Setting& setting : settings_to_try(parsed(shipped("grasp/lift.yaml")), 5e-4)) {
     if (setting.series != "contact") continue;
     const Scene scene = parsed(shipped("grasp/lift.yaml", setting.changes));
     steps.insert(scene.time_step.value());
@@ -93,7 +93,7 @@ TEST(CostSettings, EveryContactOfAGraspIsOneThatStarts) {
 // a third of one (0.48, of which at least three parts are short enough).
 TEST(CostSettings, StepsOfMujocosContactFitAnyRate) {
   std::set<double> parts;
-  for (const Setting& setting : settings_to_try(parsed(shipped("nib_pad/calibrate_lying.yaml")), {1.0 / 2400.0})) {
+  for (const Setting& setting : settings_to_try(parsed(shipped("nib_pad/calibrate_lying.yaml")), 1.0 / 2400.0)) {
     if (setting.series != "contact") continue;
     const auto step = std::ranges::find(setting.changes, "time_step", &Override::path);
     ASSERT_NE(step, setting.changes.end()) << setting.label;
@@ -106,7 +106,7 @@ TEST(CostSettings, EverySeriesIsDeclared) {
   std::set<std::string> declared;
   for (const Series& series : all_series()) declared.insert(series.name);
   for (const char* const name : {"papillarray/stage.yaml", "bodies/held_box.yaml", "grasp/lift.yaml"}) {
-    for (const std::string& series : series_of(settings_to_try(parsed(shipped(name)), {1e-3})))
+    for (const std::string& series : series_of(settings_to_try(parsed(shipped(name)), 1e-3)))
       EXPECT_THAT(declared, Contains(series));
   }
 }

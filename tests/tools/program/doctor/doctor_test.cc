@@ -5,7 +5,7 @@
 
 #include "tests/expect.h"
 #include "tests/tools/program/doctor/path_folder.h"
-#include "tools/program/doctor/build_info.h"
+#include "tools/program/doctor/machine.h"
 
 namespace slipbench {
 namespace {

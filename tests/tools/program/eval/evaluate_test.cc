@@ -152,7 +152,7 @@ TEST_F(Evaluated, PageShowsTextAsText) {
   // A quarter of 342 px to the right of 62, three quarters of 218 px above 248.
   EXPECT_THAT(page, HasSubstr("points=\"62,248 147.5,84.5 404,30\""));
   EXPECT_THAT(page, HasSubstr("cx=\"147.5\" cy=\"139\"")) << "a quarter was said, half is true";
-  EXPECT_TRUE(begins_as_eval_page(page));
+  EXPECT_TRUE(page::begins_as_page(page, page_kind.generator));
   EXPECT_THAT(page, HasSubstr("slipbench eval &lt;script&gt;"));
   EXPECT_THAT(page, Not(HasSubstr("<script")));
   EXPECT_THAT(page, HasSubstr("default-src 'none'"));
@@ -163,7 +163,7 @@ TEST_F(Evaluated, PageShowsTextAsText) {
   EXPECT_EQ(Json::parse(std::ifstream(files[1])), result);
   EXPECT_EQ(write_eval(path("page.html"), result), files) << "its own kind is replaced";
   std::ofstream(path("other.html")) << "years of work";
-  EXPECT_THROW(check_eval_target(path("other.html")), InputError);
+  EXPECT_THROW(page::check_page_files(path("other.html"), page_kind), InputError);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tools/program/report/assumptions.h"
+#include "tools/program/report/report_parts.h"
 
 #include <string>
 

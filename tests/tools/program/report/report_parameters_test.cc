@@ -1,4 +1,4 @@
-#include "tools/program/report/report_parameters.h"
+#include "tools/program/report/report_parts.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/program/report/report_summary.h"
+#include "tools/program/report/report_parts.h"
 
 #include <cmath>
 #include <cstdint>

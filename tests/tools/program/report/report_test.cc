@@ -9,7 +9,7 @@
 #include "tests/tools/program/report/sample.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/base/record/encoder.h"
-#include "tools/program/report/report_trial.h"
+#include "tools/program/report/report_parts.h"
 
 namespace slipbench::report {
 namespace {

@@ -1,5 +1,5 @@
 // Spectrograms that the page draws: the right bin, the right times, and nothing where there is nothing to see.
-#include "tools/program/report/spectra.h"
+#include "tools/program/report/report_parts.h"
 
 #include <cmath>
 #include <numbers>

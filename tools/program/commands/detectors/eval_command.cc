@@ -19,7 +19,6 @@
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/base/files/output_file.h"
-#include "tools/base/page/page_files.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/benchmark/board_page.h"
@@ -73,6 +72,36 @@ std::string step_text(network::Engine& engine) {
   }
 }
 
+constexpr std::uintmax_t max_submission = 64U << 20U;  // bytes
+
+std::string read_text(const std::string& path) {
+  check_regular_file(path, max_submission);
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw InputError(path + ": cannot be read");
+  return text;
+}
+
+// A library is code of others, which whoever recomputes has to name: a file that came by mail is not to choose what runs here.
+void check_libraries(const benchmark::Asked& submitted, const std::vector<Override>& allowed, const std::string& file) {
+  for (const Override& change : submitted.parameters) {
+    const auto names = [&](const Override& own) { return own.path == change.path && own.value == change.value; };
+    if (change.path == "library" && std::ranges::none_of(allowed, names))
+      throw InputError(
+          fmt::format("{}: runs a library; allowed: with --set library={}, to run its code here", file, change.value));
+  }
+}
+
+// Whether both paths lead to one file, whether it is there or not.
+bool same_file(const std::string& a, const std::string& b) {
+  const auto place = [](const std::string& path) {
+    std::error_code error;  // of a folder that may not be looked into: writing says it
+    const std::filesystem::path there = std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+    return error ? std::filesystem::path(path).lexically_normal() : there;
+  };
+  return place(a) == place(b);
+}
+
 }  // namespace
 
 void EvalCommand::declare(Arguments& arguments) {
@@ -105,7 +134,7 @@ Examples:
 }
 
 int EvalCommand::run() {
-  if (!output.empty()) eval::check_eval_target(output);
+  if (!output.empty()) page::check_page_files(output, eval::page_kind);
   options.detector = eval::chosen_detector(detector, parameters);
   if (labels) options.labels = *labels;
   std::string step;
@@ -124,42 +153,6 @@ int EvalCommand::run() {
   for (const std::string& file : files) fmt::print("{} {}\n", style.good("written:"), file);
   return exit_good;
 }
-
-namespace {
-
-constexpr TextKind submission_kind{"submission of slipbench benchmark", &benchmark::begins_as_board_json};
-
-constexpr std::uintmax_t max_submission = 64U << 20U;  // bytes
-
-std::string read_text(const std::string& path) {
-  check_regular_file(path, max_submission);
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) throw InputError(path + ": cannot be read");
-  return text;
-}
-
-// A library is code of others, which whoever recomputes has to name: a file that came by mail is not to choose what runs here.
-void check_libraries(const benchmark::Asked& submitted, const std::vector<Override>& allowed, const std::string& file) {
-  for (const Override& change : submitted.parameters) {
-    const auto names = [&](const Override& own) { return own.path == change.path && own.value == change.value; };
-    if (change.path == "library" && std::ranges::none_of(allowed, names))
-      throw InputError(
-          fmt::format("{}: runs a library; allowed: with --set library={}, to run its code here", file, change.value));
-  }
-}
-
-// Whether both paths lead to one file, whether it is there or not.
-bool same_file(const std::string& a, const std::string& b) {
-  const auto place = [](const std::string& path) {
-    std::error_code error;  // of a folder that may not be looked into: writing says it
-    const std::filesystem::path there = std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
-    return error ? std::filesystem::path(path).lexically_normal() : there;
-  };
-  return place(a) == place(b);
-}
-
-}  // namespace
 
 void BenchmarkCommand::declare(Arguments& arguments) {
   arguments.about("benchmark", "Judge all slip detectors by one protocol", R"(
@@ -253,8 +246,12 @@ int BenchmarkCommand::verify() const {
 }
 
 int BenchmarkCommand::run() {
-  if (!output.empty()) benchmark::check_board_target(output);
-  if (!submission.empty()) check_text_target(submission, {}, submission_kind);
+  if (!output.empty()) page::check_page_files(output, benchmark::page_kind);
+  if (!submission.empty()) {
+    check_text_target(submission, {}, {"submission of slipbench benchmark", [](std::string_view text) {
+                                         return page::begins_as_object(text, benchmark::page_kind);
+                                       }});
+  }
   try {
     if (!verified.empty()) return verify();
     const Json result = made(asked);

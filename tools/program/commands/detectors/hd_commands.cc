@@ -13,7 +13,6 @@
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/commands/detectors/hd_vectors.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/commands/detectors/hd_vectors.h"
+#include "tools/program/commands/detectors/detector_commands.h"
 
 #include <algorithm>
 #include <array>

@@ -15,7 +15,7 @@
 #include "tools/base/files/output_file.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/check/junit.h"
+#include "tools/program/check/check.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
 #include "tools/program/cli/terminal.h"
@@ -23,7 +23,6 @@
 #include "tools/program/cost/kept_setting.h"
 #include "tools/program/sweep/warnings.h"
 #include "tools/program/text/sweep_text.h"
-#include "tools/program/text/warning_text.h"
 
 namespace slipbench {
 namespace {

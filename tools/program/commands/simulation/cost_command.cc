@@ -10,8 +10,8 @@
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/cost/cost_json.h"
 #include "tools/program/cost/cost_page.h"
+#include "tools/program/cost/explore.h"
 #include "tools/program/doctor/machine.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/text/eval_text.h"
@@ -89,7 +89,7 @@ Examples:
 }
 
 int CostCommand::run() {
-  if (!output.empty()) cost::check_cost_target(output);
+  if (!output.empty()) page::check_page_files(output, cost::page_kind);
   const Style style = style_for(stdout);
   const Json environment = environment_json();  // before the work, which is load itself
   Json found = Json::object();

@@ -22,7 +22,6 @@
 #include "tools/program/sweep/sweep_json.h"
 #include "tools/program/sweep/warnings.h"
 #include "tools/program/text/sweep_text.h"
-#include "tools/program/text/warning_text.h"
 
 namespace slipbench {
 namespace {

@@ -23,7 +23,7 @@ sb.rules = [
   {key: 'paper', name: 'paper', note: "the label rule of the sensor's paper"},
 ];
 
-// How sensors of a type are shown: what their entry in the catalogue says (view_payload() in report_trial.h).
+// How sensors of a type are shown: what their entry in the catalogue says (view_payload() in report_parts.h).
 sb.sensorView = type => sb.page.sensor_types[type];
 sb.unitWord = type => sb.sensorView(type).unit;
 sb.unitWords = type => sb.sensorView(type).units;

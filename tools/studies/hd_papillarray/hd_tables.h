@@ -1,11 +1,14 @@
-// What a trial of Table II comes to, and what many of them come to.
+// What the tables of the paper are made of: the offline evaluation, the register-level core, a grasp.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "tools/base/page/json.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
 
@@ -48,5 +51,50 @@ struct Spread {
   MeanSd mean_sd;
 };
 Spread spread(std::vector<double> values);
+
+inline constexpr const char* hexapod_scene = "scenes/papillarray/hexapod.yaml";  // the published protocol
+
+// What Table III says of a detector, out of what `slipbench eval` found.
+struct GruFigures {
+  std::size_t trials = 0, slipping = 0, seen = 0, early = 0, missed = 0, false_alarms = 0;  // of the trials that judge
+  double balanced = 0.0, auc = 0.0;                                                         // of frames, slip or not, 0 to 1
+  double delay = 0.0, delay_10 = 0.0, delay_90 = 0.0;                                       // s, of the trials seen; NaN: none
+  double false_alarms_a_minute = 0.0;
+
+  // Share of trials that are told: slip seen in time, or not called where there is none; `early_counts`: an early alarm is right, too.
+  [[nodiscard]] double right(bool early_counts) const;
+};
+
+// Of eval::evaluate()'s result.
+GruFigures gru_figures(const Json& result);
+
+inline constexpr double core_clock = 100e6;  // Hz, of the published boards
+
+// One degree of unrolling.
+struct CoreConfiguration {
+  std::string name;
+  std::size_t cycles = 0;    // from accepted sample to class
+  std::size_t interval = 0;  // cycles from one sample to the next
+  double lut = 0.0;
+  double ff = 0.0;
+  double bram = 0.0;  // blocks of 36 kbit
+  double dsp = 0.0;
+  double levels = 0.0;  // longest path in levels of logic
+};
+
+struct CoreFigures {
+  std::string tool;  // what made them: "Yosys 0.70"
+  std::vector<CoreConfiguration> configurations;
+};
+
+// The figures committed beside the core, relative to the project's root.
+inline constexpr const char* core_figures_file = "rtl/hd/syn/results.json";
+
+// Reads such a file, which rtl/hd/syn/report.py writes: {"tools": {"yosys"}, "unrollings": {NAME: {"latency_cycles", "interval_cycles",
+// "lut", "ff", "bram36", "dsp", "levels"}}}; other keys are let pass. Throws InputError, naming the file, for what is not that.
+CoreFigures read_core_figures(const std::string& path);
+
+// Of core_figures_file; empty where the project has none.
+std::optional<CoreFigures> stored_core_figures();
 
 }  // namespace slipbench::reproduce
