@@ -170,7 +170,7 @@ TEST_F(TargetTest, LaterFileOfAnotherDatasetStays) {
   EXPECT_TRUE(std::filesystem::exists(path("out-0001.h5")));
 }
 
-constexpr TextKind kind{"note", [](std::string_view text) { return text.starts_with("note"); }};
+const TextKind kind{"note", [](std::string_view text) { return text.starts_with("note"); }};
 
 TEST_F(TargetTest, TextReplacesOnlyItsOwnKind) {
   const auto refused = [&] { return refusal_of([&] { check_text_target(path("a.txt"), {path("a.h5")}, kind); }); };
