@@ -12,27 +12,14 @@ namespace {
 
 const std::string hold = SLIPBENCH_SOURCE_DIR "/scenes/mujoco/hold.xml";
 
-SpecPointer parsed(const std::string& text) {
-  know_the_plugin();
-  std::array<char, 500> error{};
-  SpecPointer spec(mj_parseXMLString(text.c_str(), nullptr, error.data(), static_cast<int>(error.size())));
-  if (!spec) throw std::runtime_error(error.data());
-  return spec;
-}
-
 // The gripper and the box of hold.xml without any pad; its geoms collide, as a robot's do.
 SpecPointer stock() {
+  know_the_plugin();
   std::ifstream file(hold);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::regex pads(
       R"(<extension>[^]*</extension>|<sensor>[^]*</sensor>|<visual>[^]*</visual>|<keyframe>[^]*</keyframe>|<plugin instance=[^>]*/>|<geom contype="0" conaffinity="0"/>)");
-  return parsed(std::regex_replace(text, pads, ""));
-}
-
-ModelPointer compiled(const SpecPointer& spec) {
-  ModelPointer model(mj_compile(spec.get(), nullptr));
-  if (!model) throw std::runtime_error(mjs_getError(spec.get()));
-  return model;
+  return parse(std::regex_replace(text, pads, ""));
 }
 
 // sensordata after so long under 4 N.
@@ -74,7 +61,7 @@ TEST(AttachPad, StockGripperIsHoldXml) {
     }
     attach_both(spec.get(), "", touch);
     SCOPED_TRACE(touch);
-    expect_reference(compiled(spec));
+    expect_reference(compile(spec.get()));
   }
 }
 
@@ -91,7 +78,7 @@ TEST(AttachPad, PadsMayBeAttachedBeforeAndAfterMjsAttach) {
     if (before) attach_both(child.get(), "", "box");
     attach(parent, child);
     if (!before) attach_both(parent.get(), "robot/", "robot/box");
-    expect_reference(compiled(parent));
+    expect_reference(compile(parent.get()));
   }
 }
 
@@ -114,7 +101,7 @@ TEST(AttachPad, WhatTheParentHasIsExcludedAfterwards) {
     complete_pad(parent.get(), pad);
     complete_pad(parent.get(), pad);  // adds nothing more
   }
-  const ModelPointer model = compiled(parent);
+  const ModelPointer model = compile(parent.get());
   EXPECT_EQ(model->nexclude, 2);
   expect_reference(model);
 }
@@ -125,7 +112,7 @@ TEST(AttachPad, ImplicitPadsGetAllTheyNeed) {
   spec->option.iterations = 5;
   spec->option.noslip_iterations = 3;
   attach_both(spec.get(), "", "box", {.friction = "{static: 0.5}", .solver = "implicit"});
-  const ModelPointer model = compiled(spec);
+  const ModelPointer model = compile(spec.get());
   EXPECT_EQ(model->ntendon, 2);
   const std::vector<double> read = grasped(model, 3.0);
   // The fingers' 4 N on nine pillars of three values each.

@@ -6,11 +6,10 @@
 #include <fstream>
 #include <string>
 
-#include <unistd.h>
-
 #include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
+#include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/encoder.h"
 #include "tools/program/export/export.h"
@@ -23,14 +22,8 @@ namespace {
 
 const std::string scenes = SLIPBENCH_SOURCE_DIR "/scenes/bodies/";
 
-class BodiesRun : public ::testing::Test {
+class BodiesRun : public testing::FolderTest {
  protected:
-  BodiesRun() : folder_(std::filesystem::temp_directory_path() / ("slipbench_bodies_" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~BodiesRun() override { std::filesystem::remove_all(folder_); }
-  [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
-
   // The summary of a run whose dataset is `output`.
   SweepSummary run(const std::string& scene, const std::string& output, std::size_t jobs = 1,
                    const std::vector<Override>& overrides = {}) const {
@@ -38,11 +31,9 @@ class BodiesRun : public ::testing::Test {
     options.scene_path = scene;
     options.overrides = overrides;
     options.jobs = jobs;
-    options.output = file(output);
+    options.output = path(output);
     return run_sweep(options, catalogues());
   }
-
-  std::filesystem::path folder_;
 };
 
 // The pads let go at 2 mu F = m g. Their springs carry, beside the motors' F = 4 N - 3.5 N/s (t - 0.5 s), what the sliders' damping
@@ -96,10 +87,10 @@ std::string turning_scene(const std::string& hold) {
 // 2 mu F = 4 N hold the box's 0.98 N while the hand turns it by most of a right angle about its own axis. Seen from the room its middle goes
 // round a finger 20 mm away; seen from the finger it stays but for the pads' give, which is far below a millimetre.
 TEST_F(BodiesRun, AHandThatTurnsHoldsItsBox) {
-  std::ofstream(file("turning_fingers.xml")) << turning_fingers;
-  std::ofstream(file("turning.yaml")) << turning_scene("{body: box, against: left, from: 0.4 s, within: 1 mm}");
-  const SweepSummary summary = run(file("turning.yaml"), "turning.h5");
-  const TrialRecord record = DatasetReader(file("turning.h5")).read_trial(0);
+  std::ofstream(path("turning_fingers.xml")) << turning_fingers;
+  std::ofstream(path("turning.yaml")) << turning_scene("{body: box, against: left, from: 0.4 s, within: 1 mm}");
+  const SweepSummary summary = run(path("turning.yaml"), "turning.h5");
+  const TrialRecord record = DatasetReader(path("turning.h5")).read_trial(0);
   const auto left = std::ranges::find(record.bodies, "left", &BodyRecord::name);
   ASSERT_NE(left, record.bodies.end());
   const auto first = [&](std::size_t i) { return left->pose.at(i); };
@@ -111,12 +102,12 @@ TEST_F(BodiesRun, AHandThatTurnsHoldsItsBox) {
 
 // From 1.4999999 s on there is no step of a trial of 1.5 s to look at.
 TEST_F(BodiesRun, AHoldThatIsNeverLookedAtIsRefused) {
-  std::ofstream(file("turning_fingers.xml")) << turning_fingers;
-  std::ofstream(file("turning.yaml")) << turning_scene("{body: box, against: left, from: 1.4999999 s, within: 1 mm}");
-  EXPECT_THAT(refusal_of([&] { run(file("turning.yaml"), "turning.h5"); }),
+  std::ofstream(path("turning_fingers.xml")) << turning_fingers;
+  std::ofstream(path("turning.yaml")) << turning_scene("{body: box, against: left, from: 1.4999999 s, within: 1 mm}");
+  EXPECT_THAT(refusal_of([&] { run(path("turning.yaml"), "turning.h5"); }),
               HasSubstr("turning.yaml:13: hold.from: 1.4999999 s leaves no two steps to see the body move between; "
                         "allowed: 0 s to 1.49"));
-  EXPECT_FALSE(std::filesystem::exists(file("turning.h5")));
+  EXPECT_FALSE(std::filesystem::exists(path("turning.h5")));
 }
 
 // The tips of articulated pads settle before the first step, which may take seconds.
@@ -138,13 +129,13 @@ TEST_F(BodiesRun, ArticulatedPadsHoldTheSameBox) {
 TEST_F(BodiesRun, DatasetsOpenInReportAndExport) {
   for (const std::string name : {"held_box", "pressed_box", "sliding_block"}) {
     run(scenes + name + ".yaml", name + ".h5");
-    const DatasetReader reader(file(name + ".h5"));
+    const DatasetReader reader(path(name + ".h5"));
     EXPECT_THAT(reader.bodies(0), Contains(name == "sliding_block" ? "sole" : "box"));
     const TrialRecord record = reader.read_trial(0);
     for (const BodyRecord& body : record.bodies) EXPECT_EQ(body.pose.size(), 7 * record.num_samples()) << body.name;
-    write_report(file(name + ".h5"), file(name + ".html"));
-    EXPECT_GT(std::filesystem::file_size(file(name + ".html")), 100'000U);
-    EXPECT_EQ(export_dataset(file(name + ".h5"), file(name), {}).size(), 1U);
+    write_report(path(name + ".h5"), path(name + ".html"));
+    EXPECT_GT(std::filesystem::file_size(path(name + ".html")), 100'000U);
+    EXPECT_EQ(export_dataset(path(name + ".h5"), path(name), {}).size(), 1U);
   }
 }
 
@@ -153,11 +144,7 @@ TEST_F(BodiesRun, BytesDoNotDependOnTheJobs) {
                                     {"duration", "0.3 s"}};
   run(scenes + "held_box.yaml", "one.h5", 1, sweep);
   run(scenes + "held_box.yaml", "two.h5", 2, sweep);
-  const auto bytes = [this](const std::string& name) {
-    std::ifstream stream(file(name), std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(stream), {});
-  };
-  EXPECT_EQ(bytes("one.h5"), bytes("two.h5"));
+  EXPECT_EQ(testing::bytes_of(path("one.h5")), testing::bytes_of(path("two.h5")));
 }
 
 TEST_F(BodiesRun, ArticulatedPadsRunTheSameScene) {
@@ -171,10 +158,10 @@ TEST_F(BodiesRun, ArticulatedPadsRunTheSameScene) {
 
 // What the model file held when the trial was run can be told from the dataset.
 TEST_F(BodiesRun, DatasetHasTheModelsDigest) {
-  std::ofstream(file("abc")) << "abc";
-  EXPECT_EQ(file_sha256(file("abc")),
+  std::ofstream(path("abc")) << "abc";
+  EXPECT_EQ(file_sha256(path("abc")),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");  // FIPS 180-4's own example
-  EXPECT_THROW(file_sha256(file("none")), InputError);
+  EXPECT_THROW(file_sha256(path("none")), InputError);
 
   const auto record_of = [](const std::string& name) {
     return run_trial(parsed(shipped("bodies/" + name, {{"duration", "10 ms"}})), 0, Recording::full).record;
@@ -191,8 +178,8 @@ TEST_F(BodiesRun, DatasetHasTheModelsDigest) {
 }
 
 TEST_F(BodiesRun, MessagesNameTheLineOfTheScene) {
-  std::filesystem::copy_file(scenes + "two_fingers.xml", file("two_fingers.xml"));
-  std::ofstream(file("scene.yaml")) << "slipbench: 1\n"
+  std::filesystem::copy_file(scenes + "two_fingers.xml", path("two_fingers.xml"));
+  std::ofstream(path("scene.yaml")) << "slipbench: 1\n"
                                        "model: two_fingers.xml\n"
                                        "bodies: {box: {shape: box}}\n"
                                        "sensors:\n"
@@ -200,8 +187,8 @@ TEST_F(BodiesRun, MessagesNameTheLineOfTheScene) {
                                        "    type: papillarray\n"
                                        "    site: lost\n"
                                        "    touches: [box]\n";
-  EXPECT_THAT(refusal_of([&] { run(file("scene.yaml"), "x.h5"); }),
-              StartsWith(file("scene.yaml") + ":7: sensors.left.site: the model has no site 'lost'"));
+  EXPECT_THAT(refusal_of([&] { run(path("scene.yaml"), "x.h5"); }),
+              StartsWith(path("scene.yaml") + ":7: sensors.left.site: the model has no site 'lost'"));
 }
 
 // A run that goes wrong on its way is a failed trial, not a result.
@@ -222,10 +209,10 @@ TEST_F(BodiesRun, ElementOverloadedInAStepOfMujocoNamesTheLine) {
       "bodies: {table: {shape: plane, position: [0, 0, -0.02]}, box: {shape: box, size: [40 mm, 40 mm, 20 mm], mass: 100 g, position: [0, 0, -0.01]}}\n";
   for (const std::string& scene : {rest + "sensors: {pad: {type: papillarray}}\n",
                                    rest + bodies + "sensors: {pad: {type: papillarray, touches: [box]}}\n"}) {
-    std::ofstream(file("scene.yaml")) << first << second << scene;
-    const SweepSummary summary = run(file("scene.yaml"), "x.h5");
+    std::ofstream(path("scene.yaml")) << first << second << scene;
+    const SweepSummary summary = run(path("scene.yaml"), "x.h5");
     ASSERT_EQ(summary.failed.size(), 1U) << scene;
-    EXPECT_THAT(summary.failed[0].message, StartsWith("trial 0: " + file("scene.yaml") + ":3: effects: lean: element ")) << scene;
+    EXPECT_THAT(summary.failed[0].message, StartsWith("trial 0: " + path("scene.yaml") + ":3: effects: lean: element ")) << scene;
   }
 }
 
