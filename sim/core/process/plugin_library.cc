@@ -48,7 +48,6 @@ Stamp stamp_of(const std::string& file) {
 // itself ends when none is. Never destroyed, since they are asked after main().
 struct WorkingLibraries {
   std::mutex mutex;
-  std::filesystem::path folder;  // the process's own, from when the first came to work
   std::vector<std::string> names;
 };
 WorkingLibraries& working_libraries() {
@@ -105,8 +104,6 @@ PluginLibrary::AtWork::AtWork(std::string name) : name_(std::move(name)) {
   static_cast<void>(registered);
   WorkingLibraries& libraries = working_libraries();
   const std::lock_guard<std::mutex> lock(libraries.mutex);
-  std::error_code removed;  // a folder that is no more has no name, before as after
-  if (libraries.names.empty()) libraries.folder = std::filesystem::current_path(removed);
   libraries.names.push_back(name_);
 }
 
@@ -152,16 +149,6 @@ PluginLibrary::PluginLibrary(std::string part, const std::string& path, const sl
   }
   check_build(own);
   static_cast<void>(symbol("slipbench_make_" + part_));
-}
-
-void PluginLibrary::refuse_other_folder() const {
-  if (!at_work_) return;
-  WorkingLibraries& libraries = working_libraries();
-  const std::lock_guard<std::mutex> lock(libraries.mutex);
-  std::error_code removed;
-  if (std::filesystem::current_path(removed) == libraries.folder) return;
-  std::filesystem::current_path(libraries.folder, removed);
-  refuse("was at work when the process's folder changed; allowed: no chdir");
 }
 
 bool PluginLibrary::any() { return any_loaded; }

@@ -85,9 +85,6 @@ class PluginLibrary {
 
   // Throws SceneValueError at `where`.library, or .type: "'mine.so' " and `what`.
   [[noreturn]] void refuse(const std::string& what) const;
-  // Brings the process back to the folder that it was in when libraries began to work, and throws likewise, where it has left that folder: all paths
-  // of the program that are relative would lead elsewhere.
-  void refuse_other_folder() const;
   // Likewise where the library made no object, for the reason that it left in `refusal`, which need not end.
   [[noreturn]] void refuse_scene(const char (&refusal)[SLIPBENCH_REFUSAL_SIZE]) const;
 
@@ -172,11 +169,10 @@ class PluginObject {
     library.refuse_scene(object.refusal);
   }
 
-  // Ends the object. Throws SceneValueError where that crashes or throws, and as refuse_other_folder().
+  // Ends the object. Throws SceneValueError where that crashes or throws.
   void finish() {
     const auto destroy = std::exchange(object.destroy, nullptr);
     if (destroy != nullptr && !library.has_crashed()) library.guarded("destroy", [&] { destroy(object.self); });
-    library.refuse_other_folder();
   }
 
   PluginLibrary library;  // outlives what it made

@@ -15,7 +15,6 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
-#include "sim/core/process/crash_guard.h"
 #include "sim/core/quantity.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/linear/stability.h"
@@ -565,28 +564,13 @@ class Builder {
 
 }  // namespace
 
-namespace {
-
-// MuJoCo's library holds a C++ run time of its own. Where memory runs out its std::bad_alloc meets the process's run time, and crashes.
-template <class Build>
-ModelPointer guarded(Build&& build) {
-  ModelPointer model;
-  auto keep = [&] { model = build(); };
-  const int signal = run_guarded(keep);
-  if (signal == 0) return model;
-  throw InputError("MuJoCo crashed while it made the bodies: " + signal_text(signal) +
-                   "; it does where memory runs out: allowed: fewer --jobs");
-}
-
-}  // namespace
-
 ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand) {
-  return guarded([&] { return Builder(scene, pads, trial, hand).build(); });
+  return Builder(scene, pads, trial, hand).build();
 }
 
 ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,
                                      const std::function<double(double)>& step_for, const Hand* hand) {
-  return guarded([&] { return Builder(scene, pads, 0, hand).build_articulated(step_for); });
+  return Builder(scene, pads, 0, hand).build_articulated(step_for);
 }
 
 std::string site_of(const SensorScene& sensor) { return sensor.site.empty() ? stage_name : sensor.site; }

@@ -7,8 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-#include <unistd.h>
-
 #include "sensors/plugin_abi.h"
 
 const slipbench_parameter slipbench_sensor_parameters[] = {SLIPBENCH_A_TEXT("fault", "none"), SLIPBENCH_NO_MORE};
@@ -22,7 +20,6 @@ void measure(void* self, const slipbench_contact* contact, float* values) {
   const std::string fault = fault_of(self);
   for (std::size_t i = 0; i < 6; ++i) values[i] = static_cast<float>(contact->force[i]);
   if (fault == "writes") std::memset(const_cast<double*>(contact->force), 0, 6 * sizeof(double));
-  if (fault == "moves") static_cast<void>(!chdir("/"));
   if (fault == "nan") values[4] = std::nanf("");
   if (fault == "infinite") values[5] = HUGE_VALF;
   if (fault == "throws") throw std::runtime_error("out of ideas");

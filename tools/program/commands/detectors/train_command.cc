@@ -85,7 +85,7 @@ Bundles: paper starts afresh with every frame, published_core keeps the counts o
 Any other recipe (`slipbench list recipes`) is a network. What judges is held out first: a fifth of the trials, or of the materials,
 objects or octaves of speed that --split names. A fifth of the rest chooses the best state and the operating point: threshold, frames in a row
 that begin and end an alarm and the least it lasts, of the greatest balanced accuracy with no more false alarms a minute than --alarms, or of
-the greatest score of a board (`slipbench benchmark`) with --score. The ONNX file is a whole detector, and says what it has seen. A killed training goes on with --resume, to the same bytes. One thread, one network at a time.
+the greatest score of open recordings (`slipbench benchmark`) with --score. The ONNX file is a whole detector, and says what it has seen. A killed training goes on with --resume, to the same bytes. One thread, one network at a time.
 
 Labels: strict and micro are the truth (a unit slips as a whole, or in part), paper is the rule of the sensor's paper. Of networks:
 latched is micro, and slip until contact is lost; masked leaves out frames that stick again after a slip. Of gst_hd: with has_slipped
@@ -113,7 +113,8 @@ Examples:
   arguments.number("--turned N", turned_,
                    "Network of a Myrmex: copies of each trial with its images turned, 0 to 11 (default: 0)", 0, 11);
   arguments.text("--alarms RATE", alarms_, "Network: false alarms that are borne, of validation trials (default: 1/min)");
-  arguments.flag("--score", score_, "Network: in place of --alarms, the operating point of the greatest score of a board");
+  arguments.flag("--score", score_,
+                 "Network: in place of --alarms, the operating point of the greatest score of open recordings");
   arguments.flag("--resume", resume_, "Network: go on where a killed training left OUTPUT.checkpoint-0");
   arguments.word("--encoder NAME", encoding_, "gst_hd: {} (default: gsthdc)", encoder_words);
   arguments.flag("--context", context_, "gst_hd: bind with the context of the centre pillar's compression (default with gsthdc)");

@@ -235,6 +235,8 @@ bool fits(const SensorRecord& sensor, const network::Input& input) {
 
 // What is not said of a sensor that fits.
 std::string wanted(const network::Input& input) {
+  if (input.transform == network::Transform::units)
+    return "a sensor with " + input.channels.front().name + " in x, y, z of each unit, at 200 Hz or more";
   std::size_t values = 0;
   for (const network::ChannelPick& pick : input.channels) {
     for (const std::size_t value : pick.values) values = std::max(values, value + 1);
@@ -410,7 +412,13 @@ Examples read_examples(const std::string& dataset_path, const ExampleOptions& op
   while (!bytes.at_end()) {
     Example& example = examples.all.emplace_back();
     with_members(example, [&](auto&... members) { bytes.take(members...); });
-    if (!example.frames.label.empty()) examples.inputs = example.frames.features.size() / example.frames.label.size();
+    if (example.frames.label.empty()) continue;
+    const std::size_t inputs = example.frames.features.size() / example.frames.label.size();
+    if (examples.inputs != 0 && inputs != examples.inputs)
+      throw InputError(
+          fmt::format("{}: trial {}: sensor {} gives {} values a frame, those before it {}; allowed: as many units in all",
+                      dataset_path, example.trial, example.sensor, inputs, examples.inputs));
+    examples.inputs = inputs;
   }
   return examples;
 }

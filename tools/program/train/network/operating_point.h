@@ -31,7 +31,7 @@ struct AlarmCounts : Counts {
 
   // Of frames `period` [s] apart; NaN without hold.
   [[nodiscard]] double alarms_per_minute(double period) const;
-  // What a board would give: credit a slip, times min(1, alarm_limit/alarms), less the share of hold called slip. NaN without slip or hold.
+  // What a board would give for open recordings: credit a slip, times min(1, alarm_limit/alarms), less the share of hold called slip. NaN without slip or hold.
   [[nodiscard]] double score(double period) const;
 };
 AlarmCounts counts_at(std::span<const SlipSeries> series, double period, double threshold, const network::Alarm& alarm);
