@@ -133,6 +133,19 @@ INSTANTIATE_TEST_SUITE_P(Stability, Implicit,
                          ::testing::Combine(::testing::Values(0.005, 0.1, 5.0), ::testing::Values(0.1, 1.0, 10.0, 100.0),
                                             ::testing::Values(1e-4, 1e-3, 2e-3)));
 
+class Integrator : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Integrator, RestsAndSlides) {
+  for (const double mass : {0.005, 5.0}) {
+    BoxOnPad box = box_of(mass, 10.0, 0.5);
+    box.integrator = GetParam();
+    expect_rest_and_slide(box);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Stability, Integrator, ::testing::Values("Euler", "implicit", "implicitfast", "discrete", "RK4"),
+                         [](const auto& info) { return std::string(info.param); });
+
 // As stiff as nine pillars together, over the same 40 mm.
 TEST(Stability, ThousandElementsRestAndSlide) {
   BoxOnPad box;

@@ -1,4 +1,5 @@
-"""Every shipped scene gives the same bytes whether or not the C library may use AVX2 and FMA. Arguments: the project's root, the program."""
+"""Every shipped scene gives the same bytes whether or not the C library may use AVX2 and FMA; FFTW and OpenVINO ask the processor
+themselves, and are not masked. Arguments: the project's root, the program."""
 
 import os
 import subprocess

@@ -31,7 +31,8 @@ struct AlarmCounts : Counts {
 
   // Of frames `period` [s] apart; NaN without hold.
   [[nodiscard]] double alarms_per_minute(double period) const;
-  // What a board would give for open recordings: credit a slip, times min(1, alarm_limit/alarms), less the share of hold called slip. NaN without slip or hold.
+  // What a board would give for open recordings: credit a slip, times min(1, alarm_limit/alarms), less the share of hold called slip. NaN without
+  // slip or hold.
   [[nodiscard]] double score(double period) const;
 };
 AlarmCounts counts_at(std::span<const SlipSeries> series, double period, double threshold, const network::Alarm& alarm);
@@ -46,9 +47,9 @@ struct OperatingPoint {
 // to 1/2; 1/2 where slip or hold does not occur.
 OperatingPoint most_accurate_point(std::span<const SlipSeries> series, double period);
 // The greatest balanced accuracy of frames, which slip that is said late lessens as well, among points with at most `alarms` false alarms a
-// minute of hold; where none has so few, those with the fewest. Without `alarms`: the greatest score. Frames in a row: up to half a second. Thresholds: the most accurate one, and
-// just above 48 quantiles of the hold frames' probabilities, whose distances to the greatest grow by a constant factor. Without slip or hold, or where a
-// series is one frame, which lasts no time: as most_accurate_point().
+// minute of hold; where none has so few, those with the fewest. Without `alarms`: the greatest score. Frames in a row: up to half a second.
+// Thresholds: the most accurate one, and just above 48 quantiles of the hold frames' probabilities, whose distances to the greatest grow by a
+// constant factor. Without slip or hold, or where a series is one frame, which lasts no time: as most_accurate_point().
 OperatingPoint best_point(std::span<const SlipSeries> series, double period, std::optional<double> alarms);
 
 }  // namespace slipbench::train
