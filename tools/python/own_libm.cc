@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <bit>
 #include <cerrno>
 #include <map>
 #include <span>
@@ -36,18 +37,18 @@ void give(const link_map& library, const Functions& functions) {
   std::map<ElfW(Sxword), ElfW(Addr)> dynamic;
   for (const ElfW(Dyn)* entry = library.l_ld; entry->d_tag != DT_NULL; ++entry) dynamic[entry->d_tag] = entry->d_un.d_ptr;
   if (!dynamic.contains(DT_JMPREL)) return;  // calls nothing by a table
-  const auto* const names = reinterpret_cast<const char*>(dynamic.at(DT_STRTAB));
-  const auto* const symbols = reinterpret_cast<const ElfW(Sym)*>(dynamic.at(DT_SYMTAB));
-  const std::span calls(reinterpret_cast<const ElfW(Rela)*>(dynamic.at(DT_JMPREL)), dynamic.at(DT_PLTRELSZ) / sizeof(ElfW(Rela)));
+  const auto* const names = std::bit_cast<const char*>(dynamic.at(DT_STRTAB));
+  const auto* const symbols = std::bit_cast<const ElfW(Sym)*>(dynamic.at(DT_SYMTAB));
+  const std::span calls(std::bit_cast<const ElfW(Rela)*>(dynamic.at(DT_JMPREL)), dynamic.at(DT_PLTRELSZ) / sizeof(ElfW(Rela)));
   const auto page = static_cast<ElfW(Addr)>(::sysconf(_SC_PAGESIZE));
   for (const auto& call : calls) {
     const auto function = functions.find(names + symbols[ELF64_R_SYM(call.r_info)].st_name);
     if (function == functions.end()) continue;
     const ElfW(Addr) place = library.l_addr + call.r_offset;
     // The page stays writable, since other data may lie on it.
-    if (::mprotect(reinterpret_cast<void*>(place / page * page), page, PROT_READ | PROT_WRITE) != 0)
+    if (::mprotect(std::bit_cast<void*>(place / page * page), page, PROT_READ | PROT_WRITE) != 0)
       throw std::system_error(errno, std::generic_category(), library.l_name);
-    *reinterpret_cast<void**>(place) = function->second;
+    *std::bit_cast<void**>(place) = function->second;
   }
 }
 
