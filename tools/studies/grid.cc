@@ -88,7 +88,7 @@ void make_dataset(const std::string& path, const char* scene, const std::vector<
 train::NetworkSummary teach(const std::string& name, const train::Recipe& recipe, train::LabelRule labels,
                             const std::string& dataset, const std::string& output, const ReproduceOptions& options) {
   train::NetworkTraining training;
-  training.dataset = dataset;
+  training.datasets = {dataset};
   training.recipe = recipe;
   training.recipe.labels = labels;
   training.seed = options.seed.value_or(1);

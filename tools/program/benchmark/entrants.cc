@@ -90,7 +90,7 @@ std::string data_sha256(const std::string& dataset) {
 // The ONNX file that a lesson makes.
 std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::string& dataset, const std::string& folder) {
   train::NetworkTraining training;
-  training.dataset = dataset;
+  training.datasets = {dataset};
   training.recipe = train::find_recipe(lesson.recipe);
   training.output = (fs::path(folder) / (lesson.recipe + ".onnx")).string();
   train::train_network(training, [&](const train::MemberProgress& progress) {

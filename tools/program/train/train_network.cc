@@ -122,13 +122,13 @@ std::vector<FrameSequence> scaled(const std::vector<const Example*>& examples, c
 }
 
 // Refuses data that do not hold what the recipe tells apart. `part`: "to learn from".
-void check_classes(const std::string& dataset, const char* part, const std::vector<const Example*>& examples,
+void check_classes(const std::vector<std::string>& datasets, const char* part, const std::vector<const Example*>& examples,
                    const std::vector<network::Class>& classes, std::size_t history) {
   std::vector<std::size_t> frames(classes.size());
   for (const Example* example : examples) {
     if (example->frames.label.size() < history) {
-      throw InputError(fmt::format("{}: trial {}: {} frames are less than the {} that an answer is made of", dataset,
-                                   example->trial, example->frames.label.size(), history));
+      throw InputError(fmt::format("{}: trial {}: {} frames are less than the {} that an answer is made of",
+                                   fmt::join(datasets, ", "), example->trial, example->frames.label.size(), history));
     }
     for (std::size_t t = history - 1; t < example->frames.label.size(); ++t) {
       if (example->frames.label[t] != masked) ++frames.at(example->frames.label[t]);
@@ -140,7 +140,7 @@ void check_classes(const std::string& dataset, const char* part, const std::vect
     throw InputError(
         fmt::format("{}: the trials {} have a class without a frame: {}; allowed: frames of every class, in more trials or "
                     "with another --seed or --split",
-                    dataset, part, fmt::join(counts, ", ")));
+                    fmt::join(datasets, ", "), part, fmt::join(counts, ", ")));
   }
 }
 
@@ -194,7 +194,7 @@ void write_checked(const std::string& path, const std::string& bytes, const std:
 
 // Throws InputError for an output that cannot be written and for a checkpoint that is not there.
 void check_output(const NetworkTraining& training) {
-  check_text_target(training.output, {training.dataset},
+  check_text_target(training.output, training.datasets,
                     {"detector of slipbench", [](std::string_view bytes) { return bytes.starts_with(beginning); }});
   // Networks after the first one have no checkpoint until their turn comes.
   if (const std::string first = checkpoint_path(training.output, 0); training.resume && !std::filesystem::exists(first)) {
@@ -213,7 +213,7 @@ Lesson read_lesson(const NetworkTraining& training) {
   const Recipe& recipe = training.recipe;
   const ExampleOptions options{recipe.input,  recipe.labels,  recipe.classes, training.sensor,
                                recipe.turned, recipe.at_most, training.seed};
-  Lesson lesson{read_examples(training.dataset, options), {}, {}, {}};
+  Lesson lesson{read_examples(training.datasets, options), {}, {}, {}};
   try {
     const std::vector<Part> of = split_examples(lesson.examples.all, recipe.split, training.held_out, training.seed);
     for (std::size_t i = 0; i < of.size(); ++i) {
@@ -223,7 +223,7 @@ Lesson read_lesson(const NetworkTraining& training) {
       if (of[i] == Part::judges) lesson.judging.push_back(example);
     }
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", training.dataset, error.what()));
+    throw InputError(fmt::format("{}: {}", fmt::join(training.datasets, ", "), error.what()));
   }
   return lesson;
 }
@@ -232,7 +232,7 @@ Lesson read_lesson(const NetworkTraining& training) {
 NetworkTraining fitted(NetworkTraining training) {
   Recipe& recipe = training.recipe;
   if (recipe.input.transform != network::Transform::units) return training;
-  const auto [input, units] = units_input(training.dataset, training.sensor, recipe.input);
+  const auto [input, units] = units_input(training.datasets.front(), training.sensor, recipe.input);
   if (units == 0) return training;
   recipe.input = input;
   Reshape& apart = std::get<Reshape>(recipe.network.layers.front());
@@ -352,8 +352,8 @@ NetworkSummary train_network(const NetworkTraining& asked, const std::function<v
   const Recipe& recipe = training.recipe;
   const Lesson lesson = read_lesson(training);
   const std::vector<network::Class> classes = classes_of(recipe.classes, recipe.labels);
-  check_classes(training.dataset, "to learn from", lesson.learning, classes, history_of(recipe.network));
-  check_classes(training.dataset, "that choose the state", lesson.validating, classes, history_of(recipe.network));
+  check_classes(training.datasets, "to learn from", lesson.learning, classes, history_of(recipe.network));
+  check_classes(training.datasets, "that choose the state", lesson.validating, classes, history_of(recipe.network));
 
   const Scale scale = scale_of_learning(lesson, recipe.scaling);
   const std::vector<FrameSequence> learnt = scaled(lesson.learning, scale), validated = scaled(lesson.validating, scale),

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/program/train/network/examples.h"
 #include "tools/program/train/network/network.h"
@@ -16,10 +17,10 @@
 namespace slipbench::train {
 
 struct NetworkTraining {
-  std::string dataset;
-  Recipe recipe;          // as it is to be: options of the command line are already in it
-  std::string sensor;     // empty: every one that fits
-  double held_out = 0.2;  // share of the split's groups that judge, 0 to 0.5
+  std::vector<std::string> datasets;  // one or more
+  Recipe recipe;                      // as it is to be: options of the command line are already in it
+  std::string sensor;                 // empty: every one that fits
+  double held_out = 0.2;              // share of the split's groups that judge, 0 to 0.5
   std::uint64_t seed = 1;
   bool by_score = false;         // the operating point of best_point(); else:
   std::optional<double> alarms;  // false ones a minute of hold that are borne (best_point); empty: most_accurate_point
@@ -48,7 +49,7 @@ struct MemberProgress {
 };
 
 // The operating point is chosen on validation. The description's `trained` says: recipe, labels,
-// command and data_sha256 of the dataset, split, seed, held_out, trials_learnt, trials_validated, trials_judged (numbers of trials),
+// command and data_sha256 of the datasets, split, seed, held_out, trials_learnt, trials_validated, trials_judged (numbers of trials),
 // sha256_seen (digests of the trials learnt and validated, by which `eval` knows them in any file), steps,
 // parameters, figures (validation, held_out), libraries; no clock time: the same data and seed give the same bytes. The file is written to a
 // temporary name, read again by the engine that runs it in a loop, compared with libtorch's own answers on real frames (1e-5), then renamed.

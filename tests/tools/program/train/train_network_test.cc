@@ -25,7 +25,7 @@ class TrainNetwork : public slipbench::testing::SmallDatasetTest {
  protected:
   NetworkTraining small(const std::string& recipe = "papillarray_gru") {
     NetworkTraining training;
-    training.dataset = dataset();
+    training.datasets = {dataset()};
     training.recipe = find_recipe(recipe);
     training.recipe.training.steps = 4;
     training.recipe.training.validate_every = 2;
@@ -64,7 +64,7 @@ TEST_F(TrainNetwork, WritesADetectorThatSaysWhatItHasSeen) {
   EXPECT_EQ(trained["data_sha256"][0].get<std::string>().size(), 64U);
   // Those of the 15 learnt and the 4 validated; what judged is none of them.
   EXPECT_EQ(trained["sha256_seen"].size(), 19U);
-  const DatasetReader reader(training.dataset);
+  const DatasetReader reader(training.datasets.front());
   const auto seen = trained["sha256_seen"].get<std::vector<std::string>>();
   for (const auto& trial : trained["trials_judged"])
     EXPECT_EQ(std::ranges::count(seen, reader.trial_sha256(trial.get<std::size_t>())), 0);
@@ -107,9 +107,25 @@ TEST_F(TrainNetwork, RefusesWhatDoesNotFit) {
   training.recipe.split = Split::material;
   EXPECT_THAT(refusal(training), HasSubstr("sweeps no material"));
   training = small();
-  training.dataset = dataset({{"sweep.motion.speed", "[0.001 mm/s, 0.002 mm/s]"}}, "still.h5");  // at most 0.4 um: nothing slips
+  training.datasets = {
+      dataset({{"sweep.motion.speed", "[0.001 mm/s, 0.002 mm/s]"}}, "still.h5")};  // at most 0.4 um: nothing slips
   EXPECT_THAT(refusal(training), HasSubstr("have a class without a frame: 150 hold, 0 slip"));
   EXPECT_FALSE(std::filesystem::exists(training.output));
+}
+
+// Twice 24 trials: 10 judge, a fifth of the other 38, rounded up, validates.
+TEST_F(TrainNetwork, LearnsFromSeveralDatasets) {
+  NetworkTraining training = small();
+  training.datasets.push_back(dataset({{"seed", "6"}}, "more.h5"));
+  const NetworkSummary summary = train_network(training);
+  EXPECT_EQ(summary.judged, 10U);
+  EXPECT_EQ(summary.validated, 8U);
+  EXPECT_EQ(summary.learnt, 30U);
+  const auto trained = nlohmann::json::parse(network::load_engine(training.output)->description().trained);
+  EXPECT_EQ(trained["data_sha256"].size(), 2U);
+  EXPECT_EQ(trained["sha256_seen"].size(), 38U);
+  training.datasets.back() = dataset({{"sensors.pad", "{type: taxels, rows: 2, columns: 3, pitch: 4 mm}"}}, "other.h5");
+  EXPECT_THAT(refusal(training), HasSubstr("other.h5: trial 0: no sensor fits"));
 }
 
 // A constant answer has 1/2. The small scene slips within some 30 ms of its start, so nearly all of its frames can be told.
@@ -125,7 +141,7 @@ TEST_F(TrainNetwork, SlipGruLearnsFromAFewTrials) {
 // A sensor of one's own: six taxels at 500 Hz, so that 10 ms are five samples.
 TEST_F(TrainNetwork, SlipGruLearnsFromAnySensorOfUnits) {
   NetworkTraining training = small("slip_gru");
-  training.dataset = dataset({{"sensors.pad", "{type: taxels, rate: 500 Hz, rows: 2, columns: 3, pitch: 4 mm}"}}, "taxels.h5");
+  training.datasets = {dataset({{"sensors.pad", "{type: taxels, rate: 500 Hz, rows: 2, columns: 3, pitch: 4 mm}"}}, "taxels.h5")};
   train_network(training);
   const std::unique_ptr<network::Engine> engine = network::load_engine(training.output);
   const network::Input& input = engine->description().input;

@@ -51,6 +51,7 @@ class TrainCommand final : public Command {
   std::optional<std::size_t> steps_, held_out_, turned_;
   std::string alarms_;
   bool score_ = false;
+  std::vector<std::string> with_;
   bool resume_ = false;
 };
 

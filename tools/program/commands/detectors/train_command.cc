@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
@@ -115,6 +116,7 @@ Examples:
   arguments.text("--alarms RATE", alarms_, "Network: false alarms that are borne, of validation trials (default: 1/min)");
   arguments.flag("--score", score_,
                  "Network: in place of --alarms, the operating point of the greatest score of open recordings");
+  arguments.lines("--with FILE", with_, "Network: one more dataset, such as of grasps beside a stage; may be repeated");
   arguments.flag("--resume", resume_, "Network: go on where a killed training left OUTPUT.checkpoint-0");
   arguments.word("--encoder NAME", encoding_, "gst_hd: {} (default: gsthdc)", encoder_words);
   arguments.flag("--context", context_, "gst_hd: bind with the context of the centre pillar's compression (default with gsthdc)");
@@ -136,6 +138,7 @@ void TrainCommand::read_hd() {
                                     {turned_.has_value(), "--turned"},
                                     {!alarms_.empty(), "--alarms"},
                                     {score_, "--score"},
+                                    {!with_.empty(), "--with"},
                                     {resume_, "--resume"}}) {
     if (given) throw InputError(fmt::format("train: {} is of networks; allowed: it with another --recipe than gst_hd", name));
   }
@@ -185,7 +188,9 @@ void TrainCommand::read_network() {
     recipe.training.validate_every = std::max<std::size_t>(1, recipe.training.validate_every * *steps_ / recipe.training.steps);
     recipe.training.steps = *steps_;
   }
-  training = {options.dataset,
+  std::vector<std::string> datasets{options.dataset};
+  datasets.insert(datasets.end(), with_.begin(), with_.end());
+  training = {std::move(datasets),
               std::move(recipe),
               options.sequences.sensor,
               0.01 * static_cast<double>(held_out_.value_or(20)),
@@ -204,7 +209,7 @@ std::string TrainCommand::eval_options(const std::vector<std::string>& sensors) 
 }
 
 int TrainCommand::train_network() {
-  tell(fmt::format("reading {}", training->dataset));
+  tell(fmt::format("reading {}", fmt::join(training->datasets, ", ")));
   StepReport report;
   train::NetworkSummary summary;
   try {
@@ -247,7 +252,7 @@ int TrainCommand::train_network() {
       table.text(style), summary.learnt, summary.validated, one_decimal(summary.validation), summary.judged, summary.frames,
       summary.parameters, summary.steps, alarm.on, summary.point.threshold, alarm.least, alarm.off,
       summary.point.alarms_per_minute, style.good("written:"), training->output, style.dim("next:"), shell_word(training->output),
-      shell_word(training->dataset) + eval_options(summary.sensors));
+      shell_word(training->datasets.front()) + eval_options(summary.sensors));
   return exit_good;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <set>
@@ -20,6 +21,7 @@
 #include "tools/base/record/encoder.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/samples/myrmex_images.h"
+#include "tools/program/samples/recorded_samples.h"
 
 namespace slipbench::train {
 namespace {
@@ -155,55 +157,22 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
   return labels;
 }
 
-std::vector<Channel> channels_of(const SensorRecord& sensor) {
-  std::vector<Channel> channels;
-  for (const SensorColumn& column : sensor.channels) {
-    Channel& channel = channels.emplace_back();
-    channel.name = column.name;
-    channel.unit = column.unit;
-    channel.shape = column.shape;
-    if (column.values.size() != sensor.time.size() * channel.size()) {
-      throw InputError(fmt::format("sensor {}: channel {} has {} values for {} samples of {}; allowed: as many", sensor.name,
-                                   column.name, column.values.size(), sensor.time.size(), channel.size()));
-    }
+// Turns the innermost taxels of a myrmex, whose sample begins with them.
+void turn_taxels(std::span<float> sample, std::size_t rows, std::size_t columns, std::size_t turn) {
+  std::array<float, cropped * cropped> turned{};
+  turn_image(sample.first(rows * columns), rows, columns, turn, turned);
+  for (std::size_t r = 0; r < cropped; ++r) {
+    for (std::size_t c = 0; c < cropped; ++c)
+      sample[(r + (rows - cropped) / 2) * columns + c + (columns - cropped) / 2] = turned[r * cropped + c];
   }
-  return channels;
 }
 
-// The samples one by one, all channels in order, a myrmex's innermost taxels turned.
-class Samples {
- public:
-  Samples(const SensorRecord& sensor, std::size_t turn) : sensor_(sensor), turn_(turn) {
-    if (turn == 0) return;
-    const std::vector<std::size_t>& shape = sensor.channels.front().shape;
-    if (sensor.type != "myrmex" || shape.size() != 2 || shape[0] < cropped || shape[1] < cropped)
-      throw InputError(fmt::format("sensor {}: is no myrmex of {} x {} taxels or more, which alone can be turned", sensor.name,
-                                   cropped, cropped));
-  }
-
-  std::span<const float> operator()(std::size_t row) {
-    sample_.clear();
-    for (const SensorColumn& column : sensor_.channels) {
-      const std::size_t size = column.values.size() / sensor_.time.size();
-      sample_.insert(sample_.end(), column.values.begin() + static_cast<std::ptrdiff_t>(row * size),
-                     column.values.begin() + static_cast<std::ptrdiff_t>((row + 1) * size));
-    }
-    if (turn_ == 0) return sample_;
-    const std::size_t rows = sensor_.channels.front().shape[0], columns = sensor_.channels.front().shape[1];
-    std::array<float, cropped * cropped> turned{};
-    turn_image(std::span(sample_).first(rows * columns), rows, columns, turn_, turned);
-    for (std::size_t r = 0; r < cropped; ++r) {
-      for (std::size_t c = 0; c < cropped; ++c)
-        sample_[(r + (rows - cropped) / 2) * columns + c + (columns - cropped) / 2] = turned[r * cropped + c];
-    }
-    return sample_;
-  }
-
- private:
-  const SensorRecord& sensor_;
-  std::size_t turn_;
-  std::vector<float> sample_;
-};
+void check_turnable(const SensorRecord& sensor) {
+  const std::vector<std::size_t>& shape = sensor.channels.front().shape;
+  if (sensor.type != "myrmex" || shape.size() != 2 || shape[0] < cropped || shape[1] < cropped)
+    throw InputError(fmt::format("sensor {}: is no myrmex of {} x {} taxels or more, which alone can be turned", sensor.name,
+                                 cropped, cropped));
+}
 
 // Which of the frames stay, in order: at most so many of each class.
 std::vector<std::size_t> kept_frames(const std::vector<std::uint8_t>& labels, std::size_t at_most, RandomStream& random) {
@@ -347,18 +316,23 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
   example.speed = facts.speed;
   example.mass = facts.mass;
   example.turn = static_cast<std::uint8_t>(turn);
-  network::Frames frames(options.input, sensor.type, sensor.rate, channels_of(sensor));
+  if (turn != 0) check_turnable(sensor);
+  RecordedSamples samples(sensor);
+  network::Frames frames(options.input, sensor.type, sensor.rate, samples.channels());
   const std::vector<std::uint8_t> labels = labels_of(record, sensor, options.labels, options.classes);
   const std::vector<std::uint8_t>& truth = options.labels == LabelRule::strict ? sensor.labels.state : sensor.labels.state_micro;
   const std::vector<double>& onsets =
       options.labels == LabelRule::strict ? sensor.labels.onset_time : sensor.labels.micro_onset_time;
   for (const double onset : onsets) example.onset = std::fmin(example.onset, onset);
   example.touches = truth.empty() || std::ranges::any_of(truth, [](std::uint8_t state) { return state != 0; });
-  Samples samples(sensor, turn);
+  std::vector<float> sample;
   std::vector<std::size_t> ends;
   std::vector<float> features;
   for (std::size_t row = 0; row < sensor.time.size(); ++row) {
-    if (!frames.push(samples(row))) continue;
+    const SensorFrame taken = samples.take();
+    sample.assign(taken.values.begin(), taken.values.end());
+    if (turn != 0) turn_taxels(sample, sensor.channels.front().shape[0], sensor.channels.front().shape[1], turn);
+    if (!frames.push(sample)) continue;
     ends.push_back(row);
     features.insert(features.end(), frames.latest().begin(), frames.latest().end());
   }
@@ -396,6 +370,22 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
   rated(there.input.stride);
   std::ranges::for_each(there.input.spans, rated);
   return there;
+}
+
+Examples read_examples(std::span<const std::string> dataset_paths, const ExampleOptions& options) {
+  Examples all = read_examples(dataset_paths.front(), options);
+  for (const std::string& path : dataset_paths.subspan(1)) {
+    Examples more = read_examples(path, options);
+    if (more.inputs != all.inputs)
+      throw InputError(
+          fmt::format("{}: {} values a frame, in {} {}; allowed: as many", path, more.inputs, dataset_paths.front(), all.inputs));
+    const std::size_t first = all.all.back().trial + 1;
+    for (Example& example : more.all) example.trial += first;
+    all.command += "\n" + more.command;
+    std::ranges::move(more.sha256, std::back_inserter(all.sha256));
+    std::ranges::move(more.all, std::back_inserter(all.all));
+  }
+  return all;
 }
 
 Examples read_examples(const std::string& dataset_path, const ExampleOptions& options) {

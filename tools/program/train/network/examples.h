@@ -92,6 +92,9 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
 // is that of its last sample. Throws InputError, naming the file: no whole dataset, no sensor that fits, labels that are not there.
 Examples read_examples(const std::string& dataset_path, const ExampleOptions& options);
 
+// The same of several datasets, one at least. The numbers of trials run on from one to the next.
+Examples read_examples(std::span<const std::string> dataset_paths, const ExampleOptions& options);
+
 // One sensor of a trial, its images turned by `turn` times 30 degrees; what read_examples() does for each. Throws InputError as Frames does.
 Example example_of(const TrialRecord& record, const SensorRecord& sensor, const ExampleOptions& options, std::size_t turn = 0);
 

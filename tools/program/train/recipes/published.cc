@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "tools/program/train/recipes/families.h"
@@ -19,14 +21,27 @@ Recipe grasp_gru() {
   return grasp;
 }
 
-Recipe slip_gru() {
+// No paper's: slip while a part slips, 100 times a second.
+Recipe slip_recipe(const char* name, const char* summary, const char* sensor, double rate,
+                   const std::vector<network::ChannelPick>& channels) {
   Recipe slip = begun_recipe(
-      "slip_gru", "Forces of units, their ratio and rates, each unit by the same weights, pooled, through a GRU at 100 Hz",
-      "none published: for scenes/learn, where stiffness, load, friction and the way differ from trial to trial", "papillarray",
-      1000.0, {{"force", {}}});
+      name, summary, "none published: for scenes/learn, where device, load, friction and the way differ from trial to trial",
+      sensor, rate, channels);
   slip.assumed = "all of it; frames that stick again after a slip teach nothing; Adam at 3e-3";
-  slip.input.window = 10;
-  slip.input.stride = 10;
+  slip.input.window = slip.input.stride = static_cast<std::size_t>(std::lround(rate / 100.0));
+  slip.scaling = Scaling::standard;
+  slip.labels = LabelRule::masked;
+  slip.training = {
+      .steps = 3000, .batch = 64, .clip = 150, .optimiser = Optimiser::adam, .learning_rate = 3e-3, .final_rate = 0.02};
+  slip.training.validate_every = 150;
+  slip.training.onset_frames = 20;
+  return slip;
+}
+
+Recipe slip_gru() {
+  Recipe slip = slip_recipe(
+      "slip_gru", "Forces of units, their ratio and rates, each unit by the same weights, pooled, through a GRU at 100 Hz",
+      "papillarray", 1000.0, {{"force", {}}});
   slip.input.transform = network::Transform::units;
   slip.input.spans = {10, 20, 40, 80, 160};
   slip.input.floor = 1e-3;  // N, the noise of a pillar: what is less tells nothing
@@ -35,7 +50,6 @@ Recipe slip_gru() {
   slip.network = {9 * features,
                   {Reshape{{9, features}}, BatchNorm{1}, Linear{32}, Relu{}, PoolUnits{true}, Linear{48}, Relu{}, PoolUnits{},
                    Linear{48}, Relu{}, Gru{48}, Linear{2}}};
-  slip.labels = LabelRule::masked;
   slip.training = {.steps = 5000, .batch = 32, .clip = 150, .optimiser = Optimiser::adam, .learning_rate = 3e-3};
   slip.training.validate_every = 250;
   slip.training.onset_frames = 20;
@@ -123,6 +137,8 @@ std::vector<Recipe> myrmex_recipes() {
 namespace {
 
 constexpr double skin_rate = 10e3;  // Hz
+constexpr double rounding_density =
+    1.0 / 12.0 / (0.5 * skin_rate);  // counts^2/Hz, of rounding to whole counts: finite in silence
 
 // The paper's clips of 128 frames. Its RMSProp at 8e-4 needs thousands of steps for what Adam at a greater rate reaches in hundreds.
 Recipe piezo_recipe(const char* name, const char* summary, const char* row, std::size_t steps, std::size_t batch, double rate) {
@@ -149,8 +165,20 @@ Recipe spectra_recipe(const char* name, const char* summary, const char* row, st
   one.input.transform = network::Transform::log_psd;
   one.input.low = 50.0;
   one.input.high = 600.0;
-  one.input.floor = 1.0 / 12.0 / (0.5 * skin_rate);  // counts^2/Hz, of rounding to whole counts: finite in silence
+  one.input.floor = rounding_density;
   return one;
+}
+
+Recipe piezo_slip() {
+  Recipe slip = slip_recipe("piezo_slip", "Spectra of 20 ms, and what the signal stands at, through two GRUs at 100 Hz",
+                            "piezo_skin", skin_rate, {{"signal", {}}});
+  slip.input.window = 200;
+  slip.input.transform = network::Transform::log_psd;
+  slip.input.high = 1500.0;
+  slip.input.floor = rounding_density;
+  const std::size_t bins = 31;  // 0 to 1500 Hz, 50 Hz each
+  slip.network = {bins, {Linear{48}, Relu{}, Gru{48}, Gru{48}, Linear{2}}};
+  return slip;
 }
 
 Layers four(const Layer& layer, bool relu) {
@@ -179,7 +207,7 @@ std::vector<Recipe> piezo_recipes() {
   fft_gru.network = {12, four(Gru{32}, false)};
   Recipe raw_gru = piezo_recipe("piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32", "raw GRU 32", 300, 64, 4e-3);
   raw_gru.network = {1, four(Gru{32}, false)};
-  return {mlp, mlp_128, tcn, fft_gru, raw_gru};
+  return {mlp, mlp_128, tcn, fft_gru, raw_gru, piezo_slip()};
 }
 
 }  // namespace slipbench::train
