@@ -20,12 +20,6 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 // Sensors whose steps differ say the same instant with another last digit.
 bool is_later(double time, double now) { return time > now + 4.0 * std::numeric_limits<double>::epsilon() * std::abs(now); }
 
-std::size_t values_of(const SensorColumn& column) {
-  std::size_t size = 1;
-  for (const std::size_t extent : column.shape) size *= extent;
-  return size;
-}
-
 // Samples from one row of a channel to the next.
 std::size_t samples_a_row(const SensorColumn& column, const SensorRecord& sensor) {
   if (!column.time || column.time->size() == sensor.time.size()) return 1;
@@ -45,12 +39,12 @@ class Samples {
       if (column.time && !column.time->empty() && channel.every <= sensor.time.size()) {
         channel.age = sensor.time[channel.every - 1] - column.time->front();
       }
-      for (std::size_t v = 0; v < values_of(column) && name < sensor.channel_names.size(); ++v) {
+      for (std::size_t v = 0; v < column.row_size() && name < sensor.channel_names.size(); ++v) {
         channel.channel_names.push_back(sensor.channel_names[name++]);
       }
-      const std::size_t size = std::min(values_of(column), column.values.size());
+      const std::size_t size = std::min(column.row_size(), column.values.size());
       values_.insert(values_.end(), column.values.begin(), column.values.begin() + static_cast<std::ptrdiff_t>(size));
-      values_.resize(values_.size() + values_of(column) - size);
+      values_.resize(values_.size() + column.row_size() - size);
     }
   }
 
