@@ -1,7 +1,5 @@
 #include "detectors/channel.h"
 
-#include <cmath>
-
 #include "sim/core/error.h"
 
 namespace slipbench {

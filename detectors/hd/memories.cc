@@ -2,9 +2,7 @@
 
 #include <bit>
 #include <cassert>
-#include <cstddef>
 #include <numeric>
-#include <string>
 #include <utility>
 
 #include "sim/core/error.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "detectors/detector_kinds.h"
-#include "detectors/nib/features.h"
 
 namespace slipbench {
 

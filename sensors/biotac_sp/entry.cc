@@ -1,7 +1,6 @@
 #include "sensors/biotac_sp/biotac_sp.h"
 
 #include "sensors/electronics/electronics.h"
-#include "sim/core/parameters.h"
 
 namespace slipbench {
 namespace biotac_sp {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "sim/core/error.h"
-#include "sim/core/parameters.h"
 
 namespace slipbench {
 namespace {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <string>
-#include <vector>
 
 #include "sensors/electronics/pad_sensor.h"
 #include "sim/core/error.h"

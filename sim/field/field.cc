@@ -1,6 +1,5 @@
 #include "sim/field/field.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
@@ -12,7 +11,6 @@
 #include "sim/core/error.h"
 #include "sim/field/cones.h"
 #include "sim/field/dashpot.h"
-#include "sim/field/kernel.h"
 
 namespace slipbench {
 namespace {

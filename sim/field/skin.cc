@@ -7,7 +7,6 @@
 //   along the normal.
 // - Ways and forces in the tangent plane are told by the element's x and y, turned with its z onto the normal the shortest way.
 #include <algorithm>
-#include <array>
 
 #include "sim/field/field.h"
 #include "sim/field/vectorise.h"

@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
-#include "sim/core/parameters.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {

@@ -10,7 +10,6 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
-#include "sim/core/parameters.h"
 #include "sim/core/random.h"
 
 namespace slipbench {

@@ -11,7 +11,6 @@
 #include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
 #include "sim/scene/sweep.h"
-#include "sim/scene/yaml_tree.h"
 
 namespace slipbench {
 namespace {

@@ -4,7 +4,6 @@
 #include <array>
 #include <string>
 #include <string_view>
-#include <variant>
 
 #include "sim/scene/scene_values.h"
 

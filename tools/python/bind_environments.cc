@@ -1,5 +1,4 @@
 // Grasps that are commanded from Python.
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>

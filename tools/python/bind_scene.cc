@@ -256,7 +256,7 @@ std::string evaluate(const std::string& type, const Pairs& parameters, const std
 
 std::string describe(const std::string& name) {
   const Catalogues catalogues = program_catalogues();
-  nlohmann::ordered_json entries = nlohmann::ordered_json::array();
+  Json entries = Json::array();
   for (const CatalogueItem& item : find_items(catalogue_items(catalogues), name))
     entries.push_back(describe_json(item, catalogues));
   return entries.dump();

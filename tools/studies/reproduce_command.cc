@@ -9,12 +9,12 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "sim/core/process/own_library.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
+#include "tools/base/record/json.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
@@ -44,7 +44,7 @@ std::string result_text(const Result& result, const Style& style, std::size_t wi
 int list_reproductions(bool json) {
   const std::vector<Reproduction>& all = reproductions();
   if (json) {
-    nlohmann::ordered_json entries = nlohmann::ordered_json::array();
+    Json entries = Json::array();
     for (const Reproduction& one : all) entries.push_back({{"name", one.name}, {"summary", one.summary}});
     return print_json({{"reproductions", entries}});
   }
@@ -79,14 +79,14 @@ bool takes_resume(const Reproduction& reproduction) {
 }
 
 // Of every file below the folder: name and content; nothing where there is none.
-nlohmann::ordered_json contents_of(const std::filesystem::path& folder) {
+Json contents_of(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   if (!std::filesystem::is_directory(folder)) return {};  // a program without libraries: what needs one says so
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file()) files.push_back(entry.path());
   }
   std::ranges::sort(files);
-  nlohmann::ordered_json contents;
+  Json contents;
   for (const std::filesystem::path& file : files) contents[file.lexically_relative(folder).string()] = file_sha256(file.string());
   return contents;
 }
@@ -94,17 +94,16 @@ nlohmann::ordered_json contents_of(const std::filesystem::path& folder) {
 // All that decides what the study's networks say: the command, the data, the scenes that it simulates, and the program with the libraries that it loads.
 std::string identity_of(const ReproduceOptions& options, const Reproduction& reproduction) {
   const auto content = [](const std::string& path) { return path.empty() ? "" : file_sha256(path); };
-  return nlohmann::ordered_json{
-      {"name", reproduction.name},
-      {"data", content(options.data)},
-      {"real", content(options.real)},
-      {"seed", options.seed.value_or(1)},
-      {"full", options.full},
-      {"trials", options.trials},
-      {"only", options.only},
-      {"program", file_sha256("/proc/self/exe")},
-      {"libraries", contents_of(own_path("../lib/slipbench"))},
-      {"scenes", contents_of(std::filesystem::path(project_file(any_scene)).parent_path().parent_path())}}
+  return Json{{"name", reproduction.name},
+              {"data", content(options.data)},
+              {"real", content(options.real)},
+              {"seed", options.seed.value_or(1)},
+              {"full", options.full},
+              {"trials", options.trials},
+              {"only", options.only},
+              {"program", file_sha256("/proc/self/exe")},
+              {"libraries", contents_of(own_path("../lib/slipbench"))},
+              {"scenes", contents_of(std::filesystem::path(project_file(any_scene)).parent_path().parent_path())}}
       .dump();
 }
 
@@ -165,10 +164,11 @@ int ReproduceCommand::run() {
                     : "slipbench: interrupted; nothing is kept\n");
     return exit_interrupted;
   }
+  const Json object = result_json(reproduction.name, result);
   std::vector<std::string> files;
-  if (!output.empty()) files = write_result(output, reproduction.name, result);
+  if (!output.empty()) files = page::write_page_files(output, page_kind, result_page(reproduction.name, result), object);
   if (kept) kept->remove();
-  if (json) return print_json(result_json(reproduction.name, result));
+  if (json) return print_json(object);
   const Style style = style_for(stdout);
   fmt::print("{}", result_text(result, style, terminal_width(stdout)));
   for (const std::string& file : files) fmt::print("{} {}\n", style.good("written:"), file);

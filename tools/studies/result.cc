@@ -78,8 +78,4 @@ std::string result_page(const std::string& name, const Result& result) {
   return page::compose_page({page_kind.generator, name + " · slipbench reproduce"}, body);
 }
 
-std::vector<std::string> write_result(const std::string& html_path, const std::string& name, const Result& result) {
-  return page::write_page_files(html_path, page_kind, result_page(name, result), result_json(name, result));
-}
-
 }  // namespace slipbench::reproduce

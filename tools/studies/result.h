@@ -48,11 +48,8 @@ Json result_json(const std::string& name, const Result& result);
 // One HTML page that needs no other file.
 std::string result_page(const std::string& name, const Result& result);
 
-// The page and the object as write_result() writes them.
+// The page and the object as they are written.
 inline constexpr page::PageKind page_kind{
     "a result", "slipbench reproduce", "result page", "result of a reproduction", {"reproduction"}};
-
-// Writes FILE.html, and the object beside it as FILE.json; returns both names. Throws InputError as page::check_page_files().
-std::vector<std::string> write_result(const std::string& html_path, const std::string& name, const Result& result);
 
 }  // namespace slipbench::reproduce

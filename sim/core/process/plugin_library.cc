@@ -15,9 +15,7 @@
 #include <map>
 #include <mutex>
 #include <stdexcept>
-#include <utility>
 
-#include "sim/core/error.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench {

@@ -6,7 +6,6 @@
 #include <iterator>
 #include <limits>
 #include <sstream>
-#include <string>
 #include <string_view>
 #include <utility>
 

@@ -1,7 +1,6 @@
 #include "sim/mujoco/pads/implicit.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>

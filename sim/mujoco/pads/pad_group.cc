@@ -1,7 +1,6 @@
 #include "sim/mujoco/pads/pad_group.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>

@@ -48,23 +48,29 @@ TEST(ResultPage, DrawsCurvesWithTheirIntervals) {
   EXPECT_THAT(result_page("paper/table", sample_result()), Not(HasSubstr("<svg")));
 }
 
-class ResultFileTest : public ::slipbench::testing::FolderTest {};
+class ResultFileTest : public ::slipbench::testing::FolderTest {
+ protected:
+  std::vector<std::string> write(const std::string& name) const {
+    return page::write_page_files(path("r.html"), page_kind, result_page(name, sample_result()),
+                                  result_json(name, sample_result()));
+  }
+};
 
 TEST_F(ResultFileTest, StandsBesideItsFigures) {
-  EXPECT_THAT(write_result(path("r.html"), "paper/table", sample_result()), ElementsAre(path("r.html"), path("r.json")));
+  EXPECT_THAT(write("paper/table"), ElementsAre(path("r.html"), path("r.json")));
   const Json json = Json::parse(bytes_of(path("r.json")));
   EXPECT_EQ(json["reproduction"], "paper/table");
   EXPECT_EQ(json["figures"]["a"], 1.25);
   EXPECT_EQ(json["remarks"][0], "it differs");
   EXPECT_EQ(bytes_of(path("r.html")), result_page("paper/table", sample_result()));
   // Its own files are replaced.
-  write_result(path("r.html"), "paper/other", sample_result());
+  write("paper/other");
   EXPECT_THAT(bytes_of(path("r.json")), HasSubstr("paper/other"));
 }
 
 TEST_F(ResultFileTest, OtherFilesAreKept) {
   std::ofstream(path("r.json")) << "{\"mine\": 1}";
-  EXPECT_THAT(refusal_of([&] { write_result(path("r.html"), "paper/table", sample_result()); }), HasSubstr("r.json"));
+  EXPECT_THAT(refusal_of([&] { write("paper/table"); }), HasSubstr("r.json"));
   EXPECT_EQ(bytes_of(path("r.json")), "{\"mine\": 1}");
   EXPECT_THAT(names(), ElementsAre("r.json"));
   EXPECT_THAT(refusal_of([&] { page::check_page_files(path("r.txt"), page_kind); }), HasSubstr("a name that ends in .html"));

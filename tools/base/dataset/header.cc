@@ -4,16 +4,15 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/record/json.h"
 
 namespace slipbench {
 namespace {
@@ -41,7 +40,7 @@ std::string rule_text(const std::optional<SplitRule>& rule, bool one_material) {
 }  // namespace
 
 std::string failures_json(const std::vector<FailedTrial>& failed) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  Json list = Json::array();
   for (const FailedTrial& one : failed)
     list.push_back({{"trial", one.trial}, {"message", one.message}, {"command", one.command}});
   return list.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

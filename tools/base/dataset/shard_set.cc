@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
-#include <optional>
 #include <set>
 #include <system_error>
 
@@ -13,8 +12,6 @@
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/dataset_target.h"
-#include "tools/base/dataset/guarded.h"
-#include "tools/base/dataset/header.h"
 #include "tools/base/dataset/kept_trials.h"
 #include "tools/base/dataset/stored_trials.h"
 #include "tools/base/dataset/writer.h"

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 
 namespace slipbench::page {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 
 namespace slipbench::page {
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstring>
 #include <fstream>
-#include <string_view>
 
 #include <libdeflate.h>
 

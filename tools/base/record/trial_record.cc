@@ -2,19 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "tools/base/record/json.h"
 
 namespace slipbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-// JSON has no NaN: what never happened is null.
-Json nullable(double value) { return std::isnan(value) ? Json(nullptr) : Json(value); }
 
 double number_or_nan(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
@@ -48,6 +45,10 @@ constexpr GraspOutcome no_grasp{.max_grip_force = std::numeric_limits<double>::q
 
 }  // namespace
 
+std::size_t SensorColumn::row_size() const {
+  return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
+}
+
 std::string_view detection_word(Detection detection) { return detection_words.at(static_cast<std::size_t>(detection)); }
 
 void settle_detection(TrialOutcome& outcome, bool slips) {
@@ -64,8 +65,7 @@ void settle_detection(TrialOutcome& outcome, bool slips) {
 std::string outcome_json(const TrialOutcome& outcome) {
   Json json;
   json["dropped"] = outcome.grasp ? Json(outcome.grasp->dropped) : Json(nullptr);
-  for_each_grasp_number(outcome.grasp.value_or(no_grasp),
-                        [&json](const char* key, double value) { json[key] = nullable(value); });
+  for_each_grasp_number(outcome.grasp.value_or(no_grasp), [&json](const char* key, double value) { json[key] = or_null(value); });
   if (outcome.grasp && outcome.grasp->turn) {
     const TurnOutcome& turn = *outcome.grasp->turn;
     json["tilt_rad"] = turn.tilt;
@@ -77,16 +77,16 @@ std::string outcome_json(const TrialOutcome& outcome) {
     json["hold_from_s"] = outcome.hold->from;
     json["moved_m"] = outcome.hold->moved;
   }
-  json["touch_time_s"] = nullable(outcome.touch_time);
-  json["first_micro_slip_time_s"] = nullable(outcome.first_micro_slip_time);
-  json["first_slip_time_s"] = nullable(outcome.first_slip_time);
-  json["gross_slip_time_s"] = nullable(outcome.gross_slip_time);
-  json["max_slip_distance_m"] = nullable(outcome.max_slip_distance);
-  json["false_alarm_time_s"] = nullable(outcome.false_alarm_time);
-  json["detection_time_s"] = nullable(outcome.detection_time);
-  json["detection_delay_s"] = nullable(outcome.detection_delay);
+  json["touch_time_s"] = or_null(outcome.touch_time);
+  json["first_micro_slip_time_s"] = or_null(outcome.first_micro_slip_time);
+  json["first_slip_time_s"] = or_null(outcome.first_slip_time);
+  json["gross_slip_time_s"] = or_null(outcome.gross_slip_time);
+  json["max_slip_distance_m"] = or_null(outcome.max_slip_distance);
+  json["false_alarm_time_s"] = or_null(outcome.false_alarm_time);
+  json["detection_time_s"] = or_null(outcome.detection_time);
+  json["detection_delay_s"] = or_null(outcome.detection_delay);
   if (outcome.detection) {
-    json["judged_slip_time_s"] = nullable(outcome.judged_slip_time);
+    json["judged_slip_time_s"] = or_null(outcome.judged_slip_time);
     json["detection"] = detection_word(*outcome.detection);
   }
   if (!outcome.saturated.empty()) json["saturated_samples"] = outcome.saturated;

@@ -23,6 +23,8 @@ struct SensorColumn {
   std::vector<float> values;  // [T, shape...]
   std::optional<std::vector<double>> time =
       {};  // [T] s, of a channel with a time of its own (Channel); empty: the sensor's samples
+
+  [[nodiscard]] std::size_t row_size() const;  // values of a row
 };
 
 // The truth about one pad's contact, sampled with its sensor: L = T samples of N units. Meanings as in ContactFrame.
@@ -71,6 +73,11 @@ struct SensorRecord {
   std::vector<SensorColumn> channels;
   LabelRecord labels;
   std::string follows = {};  // the pad whose contact it reads and which carries, as the scene names it; empty: it has its own
+
+  // Of the rows of one of its channels.
+  [[nodiscard]] const std::vector<double>& times_of(const SensorColumn& channel) const {
+    return channel.time ? *channel.time : time;
+  }
 };
 
 // The gripper in the loop, a row a sample of ControlRecord; all empty in a scene that is no grasp.

@@ -4,11 +4,9 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstring>
 #include <new>
 #include <stdexcept>
 #include <string_view>
-#include <utility>
 
 #include <poll.h>
 #include <sys/prctl.h>

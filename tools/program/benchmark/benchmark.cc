@@ -207,8 +207,8 @@ Json grasps_json(const Seat& seat) {
           {"dropped", dropped},
           {"low", share.low},
           {"high", share.high},
-          {"force_ratio", eval::number_json(median(force))},
-          {"slip_m", eval::number_json(median(slip))}};
+          {"force_ratio", or_null(median(force))},
+          {"slip_m", or_null(median(slip))}};
 }
 
 Json row_json(const Board& board, const Seat& seat) {
@@ -217,18 +217,17 @@ Json row_json(const Board& board, const Seat& seat) {
   const Interval interval = score_interval(parts, board.track);
   std::vector<eval::Judgement> judgements;
   for (const Answer& answer : seat.answers) judgements.push_back(answer.judgement);
-  Json row = {
-      {"rank", nullptr},
-      {"detector", seat.entrant->name},
-      {"kind", kind_word(seat.entrant->kind)},
-      {"sensor", seat.sensor_name},
-      {"parameters", seat.entrant->parameters},
-      {"sha256", seat.entrant->sha256},
-      {"score", {{"value", score.value}, {"low", eval::number_json(interval.low)}, {"high", eval::number_json(interval.high)}}},
-      {"credit", score.credit},
-      {"false_alarms_per_minute", score.alarms_per_minute},
-      {"said", score.said},
-      {"figures", eval::summary_json(eval::summarised(judgements))}};
+  Json row = {{"rank", nullptr},
+              {"detector", seat.entrant->name},
+              {"kind", kind_word(seat.entrant->kind)},
+              {"sensor", seat.sensor_name},
+              {"parameters", seat.entrant->parameters},
+              {"sha256", seat.entrant->sha256},
+              {"score", {{"value", score.value}, {"low", or_null(interval.low)}, {"high", or_null(interval.high)}}},
+              {"credit", score.credit},
+              {"false_alarms_per_minute", score.alarms_per_minute},
+              {"said", score.said},
+              {"figures", eval::summary_json(eval::summarised(judgements))}};
   if (seat.answers.front().grasp) row["grasps"] = grasps_json(seat);
   return row;
 }

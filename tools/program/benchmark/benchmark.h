@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/scene/parser.h"
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 
 namespace slipbench::benchmark {
 

@@ -1,7 +1,5 @@
 #include "tools/program/benchmark/board_page.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "tools/base/page/svg.h"
@@ -145,10 +143,6 @@ std::string board_page(const Json& result) {
       "Machine", "A network's answers may differ in their last bits on another processor; all else is the same everywhere.",
       page::table_html({"", ""}, machine));
   return page::compose_page({page_kind.generator, "slip detectors on " + name}, body);
-}
-
-std::vector<std::string> write_board(const std::string& html_path, const Json& result) {
-  return page::write_page_files(html_path, page_kind, board_page(result), result);
 }
 
 }  // namespace slipbench::benchmark

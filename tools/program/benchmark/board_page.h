@@ -12,12 +12,9 @@ namespace slipbench::benchmark {
 // One HTML page without scripts of a board (benchmark.h).
 std::string board_page(const Json& result);
 
-// The page and the board as write_board() writes them.
+// The page and the board as they are written.
 inline constexpr page::PageKind page_kind{
     "a board", "slipbench benchmark", "page of slipbench benchmark", "board of slipbench benchmark", {result_key}};
-
-// Writes FILE.html, and `result` beside it as FILE.json; returns both names. Throws InputError as page::check_page_files().
-std::vector<std::string> write_board(const std::string& html_path, const Json& result);
 
 // The columns of one set's table, "score" among them, and its rows in order.
 struct BoardTable {

@@ -18,7 +18,6 @@
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
 #include "tools/program/benchmark/control.h"
-#include "tools/program/benchmark/protocol.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/eval/detector_choice.h"

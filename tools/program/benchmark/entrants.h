@@ -3,15 +3,13 @@
 
 #include <atomic>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/scene/parser.h"
 #include "sim/scene/scene.h"
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 #include "tools/program/benchmark/protocol.h"
 
 namespace slipbench::benchmark {

@@ -11,7 +11,7 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 #include "tools/program/calibrate/fit_key.h"
 #include "tools/program/calibrate/groups.h"
 

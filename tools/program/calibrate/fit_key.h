@@ -6,7 +6,7 @@
 
 #include "sim/core/quantity.h"
 #include "sim/scene/parser.h"
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 
 namespace slipbench::calibrate {
 

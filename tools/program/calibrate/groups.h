@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 #include "tools/program/calibrate/model.h"
 #include "tools/program/calibrate/recordings.h"
 #include "tools/program/calibrate/search.h"

@@ -62,16 +62,6 @@ void check_values(const RawRecording& recording) {
   }
 }
 
-std::size_t values_of(const SensorColumn& column) {
-  std::size_t product = 1;
-  for (const std::size_t extent : column.shape) product *= extent;
-  return product;
-}
-
-const std::vector<double>& times_of(const SensorRecord& sensor, const SensorColumn& column) {
-  return column.time ? *column.time : sensor.time;
-}
-
 const SensorColumn* find_channel(const SensorRecord& sensor, const std::string& name) {
   const auto found = std::ranges::find(sensor.channels, name, &SensorColumn::name);
   return found == sensor.channels.end() ? nullptr : &*found;
@@ -106,7 +96,7 @@ constexpr std::size_t most_components = 4;
 ChannelPlace place_of(const SensorRecord& sensor, const SensorColumn& column) {
   ChannelPlace place{.sensor = sensor.name, .channel = column.name, .unit = column.unit, .names = {}};
   place.components = column.shape.size() == 2 && column.shape[1] <= most_components ? column.shape[1] : 1;
-  place.units = values_of(column) / place.components;
+  place.units = column.row_size() / place.components;
   for (std::size_t k = 0; k < place.components; ++k) {
     const bool axes = place.components == 3;
     place.names.push_back(place.components == 1 ? "" : axes ? std::string(1, "xyz"[k]) : std::to_string(k + 1));
@@ -182,7 +172,7 @@ void check_same_columns(const std::string& name, const Columns& columns, const s
 Samples samples_of(const std::vector<SensorRecord>& sensors, Side side, const ChannelPlace& place) {
   const SensorRecord& sensor = sensor_of(sensors, side, place);
   const SensorColumn& column = *find_channel(sensor, place.channel);
-  const std::vector<double>& time = times_of(sensor, column);
+  const std::vector<double>& time = sensor.times_of(column);
   using Rows = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
   const Rows rows(column.values.data(), static_cast<Eigen::Index>(time.size()),
                   static_cast<Eigen::Index>(place.units * place.components));
@@ -209,7 +199,7 @@ Eigen::MatrixXd bin_means(const std::vector<SensorRecord>& sensors, Side side, c
   for (const ChannelPlace& place : columns.channels) {
     const SensorRecord& sensor = sensor_of(sensors, side, place);
     const SensorColumn& column = *find_channel(sensor, place.channel);
-    const std::vector<double>& time = times_of(sensor, column);
+    const std::vector<double>& time = sensor.times_of(column);
     const auto width = static_cast<Eigen::Index>(place.units * place.components);
     const Rows rows(column.values.data(), static_cast<Eigen::Index>(time.size()), width);
     Eigen::RowVectorXd sum(width);

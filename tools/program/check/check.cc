@@ -7,7 +7,6 @@
 #include <limits>
 #include <stdexcept>
 #include <tuple>
-#include <utility>
 
 #include <fmt/format.h>
 

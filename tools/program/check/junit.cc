@@ -1,6 +1,5 @@
 #include "tools/program/check/check.h"
 
-#include <algorithm>
 #include <string_view>
 
 #include <fmt/format.h>

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <stdexcept>
 #include <utility>
-#include <variant>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

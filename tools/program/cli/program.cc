@@ -13,11 +13,11 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "sim/core/process/own_library.h"
 #include "sim/core/process/plugin_library.h"
+#include "tools/base/record/json.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/doctor/machine.h"
@@ -28,8 +28,8 @@ namespace {
 int print_version(bool json) {
   const BuildInfo& info = build_info();
   if (json)
-    return print_json(nlohmann::ordered_json{
-        {"version", info.version}, {"commit", info.commit}, {"compiler", info.compiler}, {"build_type", info.build_type}});
+    return print_json(
+        Json{{"version", info.version}, {"commit", info.commit}, {"compiler", info.compiler}, {"build_type", info.build_type}});
   fmt::print("slipbench {} (commit {}, {}, {})\n", info.version, info.commit, info.compiler, info.build_type);
   return exit_good;
 }

@@ -115,9 +115,9 @@ void take_stdout_back() {
   close(std::exchange(stdout_aside, -1));
 }
 
-int print_json(const nlohmann::ordered_json& result) {
+int print_json(const Json& result) {
   take_stdout_back();
-  fmt::print("{}\n", result.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  fmt::print("{}\n", result.dump(-1, ' ', false, Json::error_handler_t::replace));
   return exit_good;
 }
 

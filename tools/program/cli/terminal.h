@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include "tools/base/record/json.h"
 
 namespace slipbench {
 
@@ -70,6 +70,6 @@ void set_stdout_aside();
 void take_stdout_back();
 
 // The result of `--json`: an object on a line of stdout, which is taken back; bytes that are no UTF-8 are replaced. Returns exit_good.
-int print_json(const nlohmann::ordered_json& result);
+int print_json(const Json& result);
 
 }  // namespace slipbench

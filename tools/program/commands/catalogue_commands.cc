@@ -7,10 +7,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "sim/core/process/own_library.h"
+#include "tools/base/record/json.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
@@ -39,7 +39,7 @@ int ListCommand::run() {
   const bool recipes = catalogue.empty() || catalogue == "recipes";
   if (!recipes) kinds = {find_kind(catalogue)};
   if (json) {
-    nlohmann::ordered_json lists = list_json(items, kinds);
+    Json lists = list_json(items, kinds);
     if (recipes) lists["recipes"] = recipe_list_json();
     return print_json(lists);
   }
@@ -69,7 +69,7 @@ int DescribeCommand::run() {
   std::vector<CatalogueItem> found;
   if (!is_recipe) found = find_items(catalogue_items(catalogues), name, recipe_names());
   if (json) {
-    nlohmann::ordered_json entries = nlohmann::ordered_json::array();
+    Json entries = Json::array();
     for (const CatalogueItem& item : found) entries.push_back(describe_json(item, catalogues));
     if (is_recipe) entries.push_back(recipe_json(*recipe));
     return print_json({{"name", name}, {"entries", entries}});

@@ -8,17 +8,16 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/record/json.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/progress.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/export/export.h"
 #include "tools/program/verify/verify.h"
 
 namespace slipbench {
@@ -53,8 +52,6 @@ ExportProgress progress_of(bool quiet) {
     bar->update(done, total, std::nullopt);
   };
 }
-
-using Json = nlohmann::ordered_json;
 
 // The text of a dataset's value, as a terminal may get it: it comes from a file.
 std::string text_of(const Json& value) { return printable(value.get<std::string>()); }

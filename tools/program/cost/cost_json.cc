@@ -1,22 +1,17 @@
 #include "tools/program/cost/explore.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
 namespace slipbench::cost {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json json_of(const MeasureError& error) { return {{"worst", error.worst}, {"median", error.median}}; }
 
 Json json_of(const std::optional<CpuTime>& cpu) {
   if (!cpu) return nullptr;
-  return {{"median", cpu->median}, {"low", number(cpu->low)}, {"high", number(cpu->high)}, {"repeats", cpu->repeats}};
+  return {{"median", cpu->median}, {"low", or_null(cpu->low)}, {"high", or_null(cpu->high)}, {"repeats", cpu->repeats}};
 }
 
 Json errors_json(const Errors& errors) {
@@ -65,7 +60,7 @@ Json row_json(const Exploration& exploration, const Row& row) {
           {"status", status_name(row.status)},
           {"why", row.why},
           {"cpu_s", json_of(row.cpu)},
-          {"cost", row.cpu ? Json(exploration.cost(row)) : Json(nullptr)},
+          {"cost", row.cpu ? Json(exploration.cost(row)) : Json()},
           {"errors", errors_json(row.errors)},
           {"different", different_json(row.errors)},
           {"pareto", front}};
@@ -77,8 +72,8 @@ Json price_json(const Price& price) {
           {"status", price.why.empty() ? "ok" : "does not run"},
           {"why", price.why},
           {"share", price.why.empty() ? Json(price.share) : Json(nullptr)},
-          {"low", price.why.empty() ? number(price.low) : Json(nullptr)},
-          {"high", price.why.empty() ? number(price.high) : Json(nullptr)},
+          {"low", price.why.empty() ? or_null(price.low) : Json(nullptr)},
+          {"high", price.why.empty() ? or_null(price.high) : Json(nullptr)},
           {"changes", errors_json(price.changes)},
           {"different", different_json(price.changes)},
           {"verdict", verdict(price)},

@@ -20,8 +20,4 @@ std::string cost_page(const Json& result) {
   return page::compose_drawn_page({page_kind.generator, title_of(result) + " · slipbench cost"}, assets(), result);
 }
 
-std::vector<std::string> write_cost(const std::string& html_path, const Json& result) {
-  return page::write_page_files(html_path, page_kind, cost_page(result), result);
-}
-
 }  // namespace slipbench::cost

@@ -16,15 +16,11 @@ const std::vector<page::Asset>& assets();
 // std::logic_error where `result` begins with neither key.
 std::string cost_page(const Json& result);
 
-// The page, and either of the objects, as write_cost() writes them.
+// The page, and either of the objects beside it.
 inline constexpr page::PageKind page_kind{"an exploration",
                                           "slipbench cost",
                                           "page of slipbench cost",
                                           "result of slipbench cost",
                                           {"slipbench_cost", "slipbench_stability"}};
-
-// Writes FILE.html, and `result` beside it as FILE.json, each under a temporary name that is then renamed; returns both names. Throws
-// InputError as page::check_page_files().
-std::vector<std::string> write_cost(const std::string& html_path, const Json& result);
 
 }  // namespace slipbench::cost

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -202,10 +200,9 @@ std::optional<MeasureError> detector_error(const TrialRecord& run, const TrialRe
 }
 
 void add_channel(const Both& both, const SensorColumn& is, const SensorColumn& was, MeasureValues& values) {
-  const std::vector<double>& reference_times = was.time ? *was.time : both.reference.time;
-  const Rows rows = common_rows(is.time ? *is.time : both.run.time, reference_times);
+  const Rows rows = common_rows(both.run.times_of(is), both.reference.times_of(was));
   if (rows.empty() || is.shape != was.shape) return;
-  add_difference(rows, is.values, was.values, was.values.size() / reference_times.size(), true, values);
+  add_difference(rows, is.values, was.values, was.row_size(), true, values);
 }
 
 std::optional<MeasureError> signal_error(const std::vector<Both>& sensors) {

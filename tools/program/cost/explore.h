@@ -14,10 +14,9 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
+#include "tools/base/record/json.h"
 #include "tools/program/cost/errors.h"
 #include "tools/program/cost/settings.h"
 
@@ -138,6 +137,6 @@ std::string setting_text(const Row& row);
 std::string verdict(const Price& price);
 
 // Numbers in SI; shares of 1. README.md lists the keys. `environment`: environment_json().
-nlohmann::ordered_json cost_json(const Exploration& exploration, const nlohmann::ordered_json& environment);
+Json cost_json(const Exploration& exploration, const Json& environment);
 
 }  // namespace slipbench::cost

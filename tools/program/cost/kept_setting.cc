@@ -12,17 +12,15 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/record/encoder.h"
+#include "tools/base/record/json.h"
 #include "tools/program/cost/accuracy.h"
 
 namespace slipbench {
 namespace {
-
-using OrderedJson = nlohmann::ordered_json;
 
 constexpr int schema = 1;
 constexpr std::size_t most_kept = 32;  // settings of one scene, by overrides and seed: the latest
@@ -32,20 +30,20 @@ const TextKind kept_kind{"record of settings for a scene's accuracy", [](std::st
                                   beginning.find("\"slipbench_accuracy\"") != std::string_view::npos;
                          }};
 
-OrderedJson overrides_as_json(const std::vector<Override>& overrides) {
-  OrderedJson json = OrderedJson::array();
+Json overrides_as_json(const std::vector<Override>& overrides) {
+  Json json = Json::array();
   for (const Override& change : overrides) json.push_back({change.path, change.value});
   return json;
 }
 
-std::vector<Override> overrides_of(const OrderedJson& json) {
+std::vector<Override> overrides_of(const Json& json) {
   std::vector<Override> overrides;
-  for (const OrderedJson& change : json) overrides.push_back({change.at(0).get<std::string>(), change.at(1).get<std::string>()});
+  for (const Json& change : json) overrides.push_back({change.at(0).get<std::string>(), change.at(1).get<std::string>()});
   return overrides;
 }
 
-OrderedJson errors_as_json(const Errors& errors) {
-  OrderedJson json = OrderedJson::object();
+Json errors_as_json(const Errors& errors) {
+  Json json = Json::object();
   for (const MeasureInfo& info : measure_table()) {
     if (const std::optional<MeasureError>& error = at(errors, info.measure)) {
       json[std::string(info.name)] = {{"worst", error->worst}, {"median", error->median}, {"different", error->different}};
@@ -55,36 +53,35 @@ OrderedJson errors_as_json(const Errors& errors) {
 }
 
 // What an entry is for: the same in, the same setting out.
-OrderedJson subject_of(const SceneFile& file, const Scene& scene, const std::vector<Override>& overrides,
-                       const PlannedTrials& planned) {
+Json subject_of(const SceneFile& file, const Scene& scene, const std::vector<Override>& overrides, const PlannedTrials& planned) {
   return {{"version", SLIPBENCH_VERSION},
           {"scene_sha256", text_sha256(file.text())},
-          {"model_sha256", scene.model.empty() ? OrderedJson(nullptr) : OrderedJson(file_sha256(scene.model))},
+          {"model_sha256", scene.model.empty() ? Json(nullptr) : Json(file_sha256(scene.model))},
           {"seed", scene.seed},
           {"trials", {{"asked", planned.asked}, {"of_each_cell", planned.plan.draws()}}},
           {"overrides", overrides_as_json(overrides)}};
 }
 
-OrderedJson entry_of(const OrderedJson& subject, const Scene& scene, const FoundSetting& found) {
-  OrderedJson wish = OrderedJson::object();
+Json entry_of(const Json& subject, const Scene& scene, const FoundSetting& found) {
+  Json wish = Json::object();
   for (const AccuracyScene::Wish& part : scene.accuracy->wishes) wish[part.measure] = part.limit;
-  OrderedJson looks = OrderedJson::array();
+  Json looks = Json::array();
   for (const SettingLook& look : found.looks) {
     looks.push_back({{"setting", overrides_as_json(look.overrides)},
                      {"met", look.met},
                      {"errors", errors_as_json(look.errors)},
-                     {"failure", look.failure.empty() ? OrderedJson(nullptr) : OrderedJson(look.failure)}});
+                     {"failure", look.failure.empty() ? Json(nullptr) : Json(look.failure)}});
   }
-  OrderedJson entry = {{"subject", subject},
-                       {"wish", std::move(wish)},
-                       {"setting", overrides_as_json(found.overrides)},
-                       {"trials", found.trials},
-                       {"reference",
-                        {{"is", found.reference},
-                         {"setting", overrides_as_json(found.reference_overrides)},
-                         {"errors", errors_as_json(found.reference_errors)}}},
-                       {"margin", margin},
-                       {"looks", std::move(looks)}};
+  Json entry = {{"subject", subject},
+                {"wish", std::move(wish)},
+                {"setting", overrides_as_json(found.overrides)},
+                {"trials", found.trials},
+                {"reference",
+                 {{"is", found.reference},
+                  {"setting", overrides_as_json(found.reference_overrides)},
+                  {"errors", errors_as_json(found.reference_errors)}}},
+                {"margin", margin},
+                {"looks", std::move(looks)}};
   entry["sha256"] = text_sha256(entry.dump());
   return entry;
 }
@@ -111,11 +108,11 @@ void check_record(const std::string& path, const std::string& scene_path) {
 }
 
 // The entries of the file; none where there is no file.
-OrderedJson read_entries(const std::string& path) {
+Json read_entries(const std::string& path) {
   std::error_code error;
   const std::filesystem::file_type type = std::filesystem::status(path, error).type();
   // Where it cannot even be looked for, writing says why.
-  if (type == std::filesystem::file_type::not_found || type == std::filesystem::file_type::none) return OrderedJson::array();
+  if (type == std::filesystem::file_type::not_found || type == std::filesystem::file_type::none) return Json::array();
   if (type != std::filesystem::file_type::regular) refuse_to_keep(path + ": is no file");
   std::ifstream stream(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
@@ -125,9 +122,9 @@ OrderedJson read_entries(const std::string& path) {
   };
   if (!stream.is_open() || stream.bad()) throw InputError(path + ": cannot be read");
   try {
-    const OrderedJson json = OrderedJson::parse(text);
+    const Json json = Json::parse(text);
     if (json.at("slipbench_accuracy") != schema) throw damaged(fmt::format("its slipbench_accuracy is not {}", schema));
-    for (OrderedJson entry : json.at("settings")) {
+    for (Json entry : json.at("settings")) {
       const std::string digest = entry.at("sha256").get<std::string>();
       entry.erase("sha256");
       if (digest != text_sha256(entry.dump())) throw damaged("an entry is not as it was written");
@@ -139,11 +136,11 @@ OrderedJson read_entries(const std::string& path) {
 }
 
 // One line: "accuracy: time_step 0.5 ms; onset 0.12 % of 1 % against the closed form, 5 trials looked at".
-std::string line_of(const OrderedJson& entry) {
+std::string line_of(const Json& entry) {
   std::string errors;
   for (const auto& [name, limit] : entry.at("wish").items()) {
     const auto info = std::ranges::find(measure_table(), name, &MeasureInfo::name);
-    const OrderedJson& last = entry.at("looks").back().at("errors").at(name);
+    const Json& last = entry.at("looks").back().at("errors").at(name);
     errors +=
         fmt::format("{}{} off by {}, allowed {}", errors.empty() ? "" : "; ", info->title,
                     error_text(info->measure, last.at("worst").get<double>()), error_text(info->measure, limit.get<double>()));
@@ -167,22 +164,22 @@ std::optional<KeptSetting> setting_for(const SweepOptions& sweep, const Catalogu
   if (!scene.accuracy) return std::nullopt;
 
   const std::string path = sweep.scene_path + ".accuracy.json";
-  const OrderedJson subject = subject_of(file, scene, sweep.overrides, planned);
-  OrderedJson entries = read_entries(path);
-  for (const OrderedJson& entry : entries) {
+  const Json subject = subject_of(file, scene, sweep.overrides, planned);
+  Json entries = read_entries(path);
+  for (const Json& entry : entries) {
     if (entry.at("subject") == subject) return KeptSetting{overrides_of(entry.at("setting")), path, line_of(entry)};
   }
 
   check_record(path, sweep.scene_path);  // before the work
   if (on_search) on_search();
   const FoundSetting found = find_setting(planned).value();
-  OrderedJson kept = OrderedJson::array();
-  for (const OrderedJson& entry : entries) {
+  Json kept = Json::array();
+  for (const Json& entry : entries) {
     if (entry.at("subject").at("scene_sha256") == subject.at("scene_sha256")) kept.push_back(entry);
   }
   while (kept.size() >= most_kept) kept.erase(0);
   kept.push_back(entry_of(subject, scene, found));
-  write_text_file(path, OrderedJson{{"slipbench_accuracy", schema}, {"settings", kept}}.dump(1) + "\n");
+  write_text_file(path, Json{{"slipbench_accuracy", schema}, {"settings", kept}}.dump(1) + "\n");
   return KeptSetting{found.overrides, path, line_of(kept.back())};
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <span>
 #include <string_view>
-#include <variant>
 
 #include <fmt/format.h>
 

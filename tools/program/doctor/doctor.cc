@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <thread>
 
+#include "tools/base/record/json.h"
 #include "tools/program/doctor/machine.h"
 
 #if SLIPBENCH_WITH_MUJOCO
@@ -156,7 +156,7 @@ void print_text(const std::vector<Check>& checks, bool good) {
 }
 
 void print_json(const std::vector<Check>& checks, bool good) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  Json list = Json::array();
   for (const Check& check : checks) {
     list.push_back({{"group", check.group},
                     {"name", check.name},
@@ -165,7 +165,7 @@ void print_json(const std::vector<Check>& checks, bool good) {
                     {"found", check.found},
                     {"remedy", check.remedy}});
   }
-  fmt::print("{}\n", nlohmann::ordered_json{{"ok", good}, {"checks", std::move(list)}}.dump(2));
+  fmt::print("{}\n", Json{{"ok", good}, {"checks", std::move(list)}}.dump(2));
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 #include "tools/program/doctor/machine.h"
 
-#if SLIPBENCH_WITH_MUJOCO
-#endif
 #include <unistd.h>
 
 #include <cstdio>
@@ -74,8 +72,7 @@ std::map<std::string, std::string, std::less<>> installed_packages(std::span<con
   return versions;
 }
 
-nlohmann::ordered_json environment_json() {
-  using Json = nlohmann::ordered_json;
+Json environment_json() {
   const BuildInfo& build = build_info();
   double load = 0.0;
   const bool known = getloadavg(&load, 1) == 1;

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
+#include "tools/base/record/json.h"
 
 namespace slipbench {
 
@@ -29,7 +29,7 @@ std::map<std::string, std::string, std::less<>> installed_packages(std::span<con
 
 // {"cpu", "cores", "avx2", "os", "compiler", "flags", "build_type", "version", "commit", "mujoco", "load"}: cores are hardware threads, load
 // is the mean number of running processes over the last minute (null where the system does not say), mujoco is null without MuJoCo.
-nlohmann::ordered_json environment_json();
+Json environment_json();
 
 struct BuildInfo {
   std::string_view version;     // "0.2.0"

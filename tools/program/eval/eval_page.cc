@@ -290,8 +290,4 @@ std::string eval_page(const Json& result, const std::string& html_path) {
       {page_kind.generator, type + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"}, body);
 }
 
-std::vector<std::string> write_eval(const std::string& html_path, const Json& result) {
-  return page::write_page_files(html_path, page_kind, eval_page(result, html_path), result);
-}
-
 }  // namespace slipbench::eval

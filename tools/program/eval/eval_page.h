@@ -13,11 +13,8 @@ namespace slipbench::eval {
 // link from there to the page that `slipbench report` makes of the dataset beside it. Text of `result` is shown as text, never as markup.
 std::string eval_page(const Json& result, const std::string& html_path);
 
-// The page and the result as write_eval() writes them.
+// The page and the result as they are written.
 inline constexpr page::PageKind page_kind{
     "an evaluation", "slipbench eval", "page of slipbench eval", "result of slipbench eval", {result_key}};
-
-// Writes FILE.html, and `result` beside it as FILE.json; returns both names. Throws InputError as page::check_page_files().
-std::vector<std::string> write_eval(const std::string& html_path, const Json& result);
 
 }  // namespace slipbench::eval

@@ -5,7 +5,6 @@
 #include <functional>
 #include <map>
 #include <set>
-#include <string_view>
 #include <tuple>
 #include <utility>
 #include <variant>
@@ -293,8 +292,7 @@ void add_curves(Json& json, const std::vector<Judged>& trials) {
   if (positives.empty() || negatives.empty()) return;
   json["roc"] = Json::array();
   for (const RocPoint& point : roc_curve(positives, negatives, roc_points)) {
-    json["roc"].push_back(
-        {std::isfinite(point.threshold) ? Json(point.threshold) : Json(nullptr), point.false_share, point.true_share});
+    json["roc"].push_back({or_null(point.threshold), point.false_share, point.true_share});
   }
   json["calibration"] = Json::array();
   for (const CalibrationBin& bin : calibration(positives, negatives, calibration_parts)) {
@@ -373,10 +371,10 @@ Json loop_json(const std::vector<Judged>& trials) {
   }
   json["trials"] = trials.size();
   json["dropped"] = dropped;
-  json["slip_translation_m"] = number_json(median(translation));
-  json["slip_rotation_rad"] = number_json(median(rotation));
-  json["force_ratio"] = number_json(median(force));
-  json["reaction_time_s"] = number_json(median(reaction));
+  json["slip_translation_m"] = or_null(median(translation));
+  json["slip_rotation_rad"] = or_null(median(rotation));
+  json["force_ratio"] = or_null(median(force));
+  json["reaction_time_s"] = or_null(median(reaction));
   return json;
 }
 
@@ -397,16 +395,16 @@ Json trial_json(const Judged& trial) {
   }
   return {{"trial", judgement.trial},
           {"detection", detection_word(judgement.detection)},
-          {"slip_time_s", number_json(judgement.slip_time)},
-          {"alarm_time_s", number_json(judgement.alarm_time)},
-          {"delay_s", number_json(judgement.delay)},
+          {"slip_time_s", or_null(judgement.slip_time)},
+          {"alarm_time_s", or_null(judgement.alarm_time)},
+          {"delay_s", or_null(judgement.delay)},
           {"false_alarms", judgement.stick_alarms + judgement.air_alarms},
           {"frames", frames},
           {"wrong", wrong_frames(judgement.frames)},
           {"material", trial.facts.material},
           {"object", trial.facts.object},
-          {"speed_m_s", number_json(trial.facts.speed)},
-          {"friction", number_json(trial.facts.friction)},
+          {"speed_m_s", or_null(trial.facts.speed)},
+          {"friction", or_null(trial.facts.friction)},
           {"mask", trial.facts.mask}};
 }
 

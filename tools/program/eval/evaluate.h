@@ -1,13 +1,10 @@
 // `slipbench eval`: any detector on any dataset of its sensor.
 #pragma once
 
-#include <cstddef>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "sim/scene/scene.h"
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 #include "tools/program/eval/truth.h"
 
 namespace slipbench::eval {

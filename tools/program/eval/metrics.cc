@@ -114,8 +114,6 @@ Estimate auc_of(std::span<const Judgement> trials, const std::vector<std::vector
 
 }  // namespace
 
-Json number_json(double value) { return std::isnan(value) ? Json(nullptr) : Json(value); }
-
 Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed) {
   const std::size_t rows = truth.time.size();
   if (truth.state.size() != rows || replayed.seen.size() != rows) throw std::logic_error("truth and answers differ in length");
@@ -200,9 +198,8 @@ Json summary_json(const Summary& summary) {
   Json values, called;
   for (std::size_t k = 0; k < figures.size(); ++k) {
     const Estimate& estimate = summary.estimates[k];
-    values[std::string(figures[k].key)] = {{"value", number_json(estimate.value)},
-                                           {"low", number_json(estimate.interval.low)},
-                                           {"high", number_json(estimate.interval.high)}};
+    values[std::string(figures[k].key)] = {
+        {"value", or_null(estimate.value)}, {"low", or_null(estimate.interval.low)}, {"high", or_null(estimate.interval.high)}};
   }
   std::size_t frames = 0;
   for (std::size_t truth = 0; truth < state_words.size(); ++truth) {
@@ -222,8 +219,8 @@ Json summary_json(const Summary& summary) {
           {"figures", std::move(values)},
           {"constant",
            {{"balanced_slip_accuracy", std::isnan(slip_or_not) ? Json(nullptr) : Json(0.5)},
-            {"balanced_accuracy", number_json(constant_balanced_accuracy(summary.frames))},
-            {"accuracy", number_json(constant_accuracy(summary.frames))}}},
+            {"balanced_accuracy", or_null(constant_balanced_accuracy(summary.frames))},
+            {"accuracy", or_null(constant_accuracy(summary.frames))}}},
           {"called", std::move(called)}};
 }
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 #include "tools/base/record/trial_record.h"
 #include "tools/base/statistics/confusion.h"
 #include "tools/base/statistics/roc.h"
@@ -85,9 +85,6 @@ struct Summary {
 inline constexpr std::size_t fewest_experiments = 10;
 // Without `intervals` there are none, nor an AUC.
 Summary summarised(std::span<const Judgement> trials, bool intervals = true);
-
-// A number; null where it is NaN, which JSON does not have.
-Json number_json(double value);
 
 // {"trials", "slipping", "seen", "early", "missed", "false_alarms", "frames", "figures": {key: {"value", "low", "high"}}, "constant":
 // {"balanced_slip_accuracy", "balanced_accuracy", "accuracy"} of the best constant answer, "called": {true state: {class: samples}}}. What does not

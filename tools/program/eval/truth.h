@@ -1,7 +1,6 @@
 // What truly happened in a recorded trial, as a detector is judged by it.
 #pragma once
 
-#include <cstddef>
 #include <limits>
 #include <string>
 #include <vector>

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <span>
 
 #include <fmt/format.h>
@@ -50,14 +49,6 @@ std::vector<float> resampled(const Signal& signal, const Grid& grid, std::size_t
   return values;
 }
 
-std::size_t width_of(const std::vector<std::size_t>& shape) {
-  return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
-}
-
-const std::vector<double>& time_of(const SensorRecord& sensor, const SensorColumn& channel) {
-  return channel.time ? *channel.time : sensor.time;
-}
-
 // From the first instant at which everything has been read to the last sample of the sensor that ends first.
 Grid grid_of(const TrialRecord& record, const std::vector<std::string>& sensors, double rate) {
   Grid grid{record.body_time.front(), 1.0 / rate, 0};
@@ -68,7 +59,7 @@ Grid grid_of(const TrialRecord& record, const std::vector<std::string>& sensors,
     fastest = std::max(fastest, sensor.rate);
     end = std::min(end, sensor.time.back());
     for (const SensorColumn& channel : sensor.channels) {
-      const std::vector<double>& time = time_of(sensor, channel);
+      const std::vector<double>& time = sensor.times_of(channel);
       grid.start =
           std::max({grid.start, sensor.time.front(), time.empty() ? std::numeric_limits<double>::infinity() : time.front()});
     }
@@ -185,9 +176,9 @@ Episode make_episode(const DatasetReader& reader, std::size_t trial, const std::
   for (const SensorRecord& one : record.sensors) {
     if (std::find(sensors.begin(), sensors.end(), one.name) == sensors.end()) continue;
     for (const SensorColumn& channel : one.channels) {
-      const std::size_t width = width_of(channel.shape);
+      const std::size_t width = channel.row_size();
       episode.observations.push_back({fmt::format("{}_{}", one.name, channel.name), width,
-                                      resampled({time_of(one, channel), channel.values, width}, grid, grid.points)});
+                                      resampled({one.times_of(channel), channel.values, width}, grid, grid.points)});
     }
     const LabelRecord& labels = one.labels;
     for (const auto& [name, states, rule] :

@@ -9,12 +9,11 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
-#include "tools/base/dataset/reader.h"
 #include "tools/base/record/arrays.h"
+#include "tools/base/record/json.h"
 #include "tools/program/export/formats.h"
 #include "tools/program/export/output_folder.h"
 #include "tools/program/samples/commanded_motion.h"
@@ -23,8 +22,6 @@
 
 namespace slipbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::pair<const char*, ExportFormat>, 12> formats{{{"csv", ExportFormat::csv},
                                                                         {"npz", ExportFormat::npz},

@@ -1,6 +1,5 @@
 #include "tools/program/export/formats.h"
 
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <stdexcept>

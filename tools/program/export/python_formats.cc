@@ -13,17 +13,14 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "sim/core/process/own_library.h"
 #include "tools/base/dataset/guarded.h"
-#include "tools/program/samples/samples.h"
+#include "tools/base/record/json.h"
 
 namespace slipbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::array python_formats{ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap};
 constexpr const char* module_file = "slipbench/_export/__main__.py";
@@ -62,7 +59,6 @@ Json request_of(const std::string& dataset_path, const std::string& out_dir, con
           fmt::join(found, ", "), trials.front(), fmt::join(sensors, ", ")));
     }
   }
-  const auto or_null = [](const auto& value) { return value ? Json(*value) : Json(); };
   return {{"format", export_format_name(options.format)},
           {"dataset", dataset_path},
           {"out", out_dir},

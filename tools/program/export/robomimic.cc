@@ -9,13 +9,13 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/hdf5/hdf5_place.h"
+#include "tools/base/record/json.h"
 #include "tools/program/export/episode.h"
 
 namespace slipbench {
@@ -100,14 +100,14 @@ void put_masks(hid_t file, const DatasetReader& reader, const std::vector<std::s
 }
 
 std::string environment_of(const DatasetHeader& header) {
-  return nlohmann::ordered_json{{"env_name", "slipbench"},
-                                {"type", gym_environment},
-                                {"env_kwargs",
-                                 {{"scene", header.scene},
-                                  {"overrides", header.overrides},
-                                  {"seed", header.seed},
-                                  {"command", header.command},
-                                  {"version", header.version}}}}
+  return Json{{"env_name", "slipbench"},
+              {"type", gym_environment},
+              {"env_kwargs",
+               {{"scene", header.scene},
+                {"overrides", header.overrides},
+                {"seed", header.seed},
+                {"command", header.command},
+                {"version", header.version}}}}
       .dump();
 }
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
-#include <numeric>
-#include <optional>
 #include <span>
 
 #include <fmt/format.h>
@@ -44,13 +42,9 @@ struct NamedColumn {
   }
 };
 
-std::size_t values_a_row(const SensorColumn& column) {
-  return std::accumulate(column.shape.begin(), column.shape.end(), std::size_t{1}, std::multiplies<>());
-}
-
 std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
   std::size_t expected = 0;
-  for (const SensorColumn& column : sensor.channels) expected += values_a_row(column);
+  for (const SensorColumn& column : sensor.channels) expected += column.row_size();
   if (sensor.channel_names.size() != expected) {
     throw InputError(
         fmt::format("sensor {}: {} names for {} values a sample", sensor.name, sensor.channel_names.size(), expected));
@@ -59,7 +53,7 @@ std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
   std::vector<NamedColumn> columns;
   std::span<const std::string> names = sensor.channel_names;
   for (const SensorColumn& column : sensor.channels) {
-    const std::size_t count = values_a_row(column);
+    const std::size_t count = column.row_size();
     const std::string difference = view.of(column.name).difference;
     if (!difference.empty() && count != 2) {
       throw InputError(fmt::format("sensor {}: channel '{}' has {} values, expected 2", sensor.name, column.name, count));

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "tools/base/record/json.h"
 #include "tools/program/import/import_format.h"
 #include "tools/program/import/source_table.h"
 
@@ -92,7 +92,7 @@ void read_biotacsp_dos(const SourceFile& file, const AddRecording& add) {
   const PadState state = name.slip_class == "t" ? PadState::non_slip : PadState::gross;
   sensor.labels.rule = dos_rule;
   sensor.labels.state_paper.assign(sensor.time.size(), static_cast<std::uint8_t>(state));
-  nlohmann::ordered_json params{{"object", name.object}, {"class", name.slip_class}};
+  Json params{{"object", name.object}, {"class", name.slip_class}};
   if (!name.number.empty()) params["number"] = name.number;
   params["file"] = file.name;
   TrialRecord record = make_recording(params, name.object);
@@ -116,9 +116,9 @@ void read_bts3v2(const SourceFile& file, const AddRecording& add) {
     const std::string object(table.cells()[0]);
     if (!is_plain_name(object)) table.fail(fmt::format("column 1, object, is {}; allowed: a name", quote(object)));
     const bool slipped = table.flag(1, "slipped");
-    nlohmann::ordered_json params{{"object", object}};
+    Json params{{"object", object}};
     if (!palm.empty()) params["palm"] = palm;
-    params.update(nlohmann::ordered_json{{"slipped", slipped}, {"file", file.name}, {"row", table.line() - 1}});
+    params.update(Json{{"slipped", slipped}, {"file", file.name}, {"row", table.line() - 1}});
     TrialRecord record = make_recording(params, object);
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     record.outcome.grasp = {.dropped = slipped, .max_grip_force = unknown, .final_grip_force = unknown};

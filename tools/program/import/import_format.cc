@@ -22,7 +22,7 @@ std::size_t count_lines(const SourceFile& file) {
 
 std::size_t count_one(const SourceFile&) { return 1; }
 
-TrialRecord make_recording(const nlohmann::ordered_json& params, const std::string& object) {
+TrialRecord make_recording(const Json& params, const std::string& object) {
   TrialRecord record;
   record.material = object;
   record.params = params.dump();

@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/core/pad_state.h"
+#include "tools/base/record/json.h"
 #include "tools/base/record/trial_record.h"
 
 namespace slipbench {
@@ -45,7 +44,7 @@ std::size_t count_lines(const SourceFile& file);
 std::size_t count_one(const SourceFile& file);
 
 // A recording without sensors and without a single truth. `object`: what the split goes by; empty: nothing.
-TrialRecord make_recording(const nlohmann::ordered_json& params, const std::string& object);
+TrialRecord make_recording(const Json& params, const std::string& object);
 
 // A sensor without samples that has the given channels of those which a simulated one of this type has, under the same names.
 SensorRecord make_imported_sensor(const std::string& name, const std::string& type, double rate, const std::string& frame,

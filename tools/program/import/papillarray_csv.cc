@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
+#include "tools/base/record/json.h"
 #include "tools/program/import/import_format.h"
 #include "tools/program/import/source_table.h"
 
@@ -123,7 +123,7 @@ constexpr const char* training_frame =
 // What folder and name say: "translation/demo_3-v_4.0-slip.csv".
 struct TrainingName {
   std::string move;
-  nlohmann::ordered_json params;
+  Json params;
 
   [[nodiscard]] bool turns() const { return move == "rotation" || move == "combined"; }
 };
@@ -193,7 +193,7 @@ void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
     if (!sensor.always_active) sensor.record.labels.state_paper.clear();
     detects = detects && sensor.always_active;
   }
-  nlohmann::ordered_json params{{"file", file.name}, {"slip_detection", detects}};
+  Json params{{"file", file.name}, {"slip_detection", detects}};
   if (repeated > 0) params["repeated_rows"] = repeated;
   TrialRecord record = make_recording(params, "");
   for (LoggedSensor& sensor : sensors) record.sensors.push_back(std::move(sensor.record));

@@ -1,8 +1,6 @@
 #include "tools/program/report/report_parts.h"
 
 #include <algorithm>
-#include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
 

@@ -8,7 +8,6 @@
 #include <map>
 #include <set>
 #include <stdexcept>
-#include <vector>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -19,7 +18,6 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
-#include "tools/base/page/page.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/report/report_parts.h"
 #include "tools/program/sweep/warnings.h"
@@ -165,14 +163,13 @@ Json trial_row(const TrialRecord& record, const std::string& subject) {
                        {"sensor", record.control->sensor},
                        {"confusion", record.control->confusion},
                        {"detection", detection_word(record.outcome.detection.value())},
-                       {"detection_s", report::number_or_null(record.outcome.detection_time)},
-                       {"delay_s", report::number_or_null(record.outcome.detection_delay)},
-                       {"false_alarm_s", report::number_or_null(record.outcome.false_alarm_time)}};
+                       {"detection_s", or_null(record.outcome.detection_time)},
+                       {"delay_s", or_null(record.outcome.detection_delay)},
+                       {"false_alarm_s", or_null(record.outcome.false_alarm_time)}};
   }
   if (!record.outcome.saturated.empty()) row["saturated"] = record.outcome.saturated;
   if (record.outcome.grasp) row["grasp"] = report::grasp_summary(*record.outcome.grasp);
-  row["motion_start_s"] =
-      report::number_or_null(record.outcome.grasp ? report::lift_time(record) : report::motion_start(record, first_touch));
+  row["motion_start_s"] = or_null(record.outcome.grasp ? report::lift_time(record) : report::motion_start(record, first_touch));
   return row;
 }
 
@@ -259,7 +256,7 @@ Json head_of(const DatasetReader& dataset, const std::string& path, const Report
           {"recorded", Json::array()},
           {"complete", dataset.complete()},
           {"failed", Json::parse(failures_json(dataset.failed()))},
-          {"open", options.trial ? Json(*options.trial) : Json(nullptr)}};
+          {"open", or_null(options.trial)}};
 }
 
 // What is gathered trial by trial.

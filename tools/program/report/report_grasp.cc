@@ -5,7 +5,6 @@
 #include <limits>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -100,13 +99,13 @@ Json poses_of(const TrialRecord& record) {
 
 Json grasp_summary(const GraspOutcome& outcome) {
   return {{"dropped", outcome.dropped},
-          {"drop_s", number_or_null(outcome.drop_time)},
-          {"slip_m", number_or_null(outcome.slip_translation)},
-          {"rotation_rad", number_or_null(outcome.slip_rotation)},
-          {"max_force_N", number_or_null(outcome.max_grip_force)},
-          {"final_force_N", number_or_null(outcome.final_grip_force)},
-          {"ideal_force_N", number_or_null(outcome.ideal_grip_force)},
-          {"reaction_s", number_or_null(outcome.reaction_time)}};
+          {"drop_s", or_null(outcome.drop_time)},
+          {"slip_m", or_null(outcome.slip_translation)},
+          {"rotation_rad", or_null(outcome.slip_rotation)},
+          {"max_force_N", or_null(outcome.max_grip_force)},
+          {"final_force_N", or_null(outcome.final_grip_force)},
+          {"ideal_force_N", or_null(outcome.ideal_grip_force)},
+          {"reaction_s", or_null(outcome.reaction_time)}};
 }
 
 double lift_time(const TrialRecord& record) {

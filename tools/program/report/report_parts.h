@@ -5,19 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 #include "tools/base/record/trial_record.h"
 
 namespace slipbench::report {
 
 inline constexpr float at_rest = 1e-6F;  // m/s or rad/s: below this a prescribed motion only rounds
 
-// A number, or null when it is not finite.
-Json number_or_null(double value);
+// Each number, or null where it is not finite.
 Json numbers_or_null(const std::vector<double>& values);
-
-// Values of a channel in one sample.
-std::size_t row_size(const SensorColumn& channel);
 
 // First touch of each unit [s]; NaN: never.
 std::vector<double> touch_times(const LabelRecord& labels);

@@ -3,12 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
-#include <numeric>
-#include <string>
 
 #include "sim/core/contact_frame.h"
 #include "sim/core/error.h"
@@ -62,15 +58,9 @@ double disagreement(const std::vector<std::uint8_t>& truth, const std::vector<st
 
 }  // namespace
 
-std::size_t row_size(const SensorColumn& channel) {
-  return std::accumulate(channel.shape.begin(), channel.shape.end(), std::size_t{1}, std::multiplies{});
-}
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json numbers_or_null(const std::vector<double>& values) {
   Json list = Json::array();
-  for (const double value : values) list.push_back(number_or_null(value));
+  for (const double value : values) list.push_back(or_null(value));
   return list;
 }
 
@@ -108,7 +98,7 @@ void check_labels(const SensorRecord& sensor, const std::string& place) {
     }
   }
   std::size_t values = 0;
-  for (const SensorColumn& channel : sensor.channels) values += row_size(channel);
+  for (const SensorColumn& channel : sensor.channels) values += channel.row_size();
   if (sensor.channel_names.size() != values) {
     throw InputError(place + ": sensors/" + sensor.name + " names " + std::to_string(sensor.channel_names.size()) +
                      " channels; its samples hold " + std::to_string(values) + " values");
@@ -139,15 +129,15 @@ Json summarise(const SensorRecord& sensor) {
   return {{"units", labels.units()},
           {"shares",
            {{"strict", shares(labels.state)}, {"micro", shares(labels.state_micro)}, {"paper", shares(labels.state_paper)}}},
-          {"first_touch_s", number_or_null(earliest(touch_times(labels)))},
-          {"first_micro_s", number_or_null(micro)},
-          {"first_full_s", number_or_null(earliest(labels.onset_time))},
-          {"gross_s", number_or_null(gross)},
-          {"incipient_s", number_or_null(gross - micro)},
+          {"first_touch_s", or_null(earliest(touch_times(labels)))},
+          {"first_micro_s", or_null(micro)},
+          {"first_full_s", or_null(earliest(labels.onset_time))},
+          {"gross_s", or_null(gross)},
+          {"incipient_s", or_null(gross - micro)},
           {"max_slip_m", max_slip},
           {"disagreement",
-           {{"paper", number_or_null(disagreement(labels.state, labels.state_paper))},
-            {"micro", number_or_null(disagreement(labels.state, labels.state_micro))}}}};
+           {{"paper", or_null(disagreement(labels.state, labels.state_paper))},
+            {"micro", or_null(disagreement(labels.state, labels.state_micro))}}}};
 }
 
 }  // namespace slipbench::report

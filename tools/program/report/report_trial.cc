@@ -1,9 +1,7 @@
 #include "tools/program/report/report_parts.h"
 
 #include <span>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "tools/base/page/pack.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
@@ -43,7 +41,7 @@ std::size_t stride_for(std::size_t values, std::size_t most) { return values <= 
 // A channel belongs to the units when its first extent counts them, or when it has one value for each. What a pad of one unit emits is the
 // sensor's as a whole.
 bool per_unit(const SensorColumn& channel, std::size_t units) {
-  return units > 1 && !channel.time && (row_size(channel) == units || (!channel.shape.empty() && channel.shape[0] == units));
+  return units > 1 && !channel.time && (channel.row_size() == units || (!channel.shape.empty() && channel.shape[0] == units));
 }
 
 std::string shown_unit(const std::string& unit) { return unit == "1" ? "" : unit; }
@@ -53,7 +51,7 @@ std::vector<Curve> sensor_curves(const SensorRecord& sensor) {
   std::vector<Curve> curves;
   std::size_t offset = 0;  // of the channel's first value in channel_names
   for (const SensorColumn& channel : sensor.channels) {
-    const std::size_t size = row_size(channel);
+    const std::size_t size = channel.row_size();
     if (per_unit(channel, units)) {
       std::vector<std::string> components;
       for (std::size_t i = 0; i < size / units; ++i) components.push_back(component_name(sensor.channel_names.at(offset + i)));
@@ -69,13 +67,13 @@ Json whole_channels(const SensorRecord& sensor, std::size_t most_values) {
   Json channels = Json::array();
   auto name = sensor.channel_names.begin();
   for (const SensorColumn& channel : sensor.channels) {
-    const std::size_t size = row_size(channel);
+    const std::size_t size = channel.row_size();
     const std::vector<std::string> names(name, name + static_cast<std::ptrdiff_t>(size));
     name += static_cast<std::ptrdiff_t>(size);
     if (per_unit(channel, sensor.labels.units())) continue;
     const std::size_t stride = stride_for(channel.values.size(), most_values);
     std::vector<double> kept;
-    const std::vector<double>& time = channel.time ? *channel.time : sensor.time;
+    const std::vector<double>& time = sensor.times_of(channel);
     for (std::size_t row = 0; row < time.size(); row += stride) kept.push_back(time[row]);
     channels.push_back({{"key", channel.name},
                         {"unit", shown_unit(channel.unit)},
@@ -142,9 +140,8 @@ Json view_payload(const std::string& type) {
     payload["channels"][channel.channel] = {{"name", channel.name}, {"note", channel.note}};
   }
   if (const auto& picture = view.picture) {
-    payload["picture"] = {{"channel", picture->channel}, {"cells", picture->cells},
-                          {"width", picture->width},     {"rest", picture->rest ? Json(*picture->rest) : Json(nullptr)},
-                          {"falls", picture->falls},     {"note", picture->note}};
+    payload["picture"] = {{"channel", picture->channel},    {"cells", picture->cells}, {"width", picture->width},
+                          {"rest", or_null(picture->rest)}, {"falls", picture->falls}, {"note", picture->note}};
   }
   return payload;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <vector>
 
 #include "detectors/nib/stft.h"
 #include "tools/base/page/pack.h"
@@ -24,7 +23,7 @@ std::vector<double> signal_of(const SensorColumn& channel) {
 
 Json spectrogram(const SpectrumView& view, const SensorColumn& channel, const SensorRecord& sensor, std::size_t most_values) {
   const std::vector<double> signal = signal_of(channel);
-  const std::vector<double>& time = channel.time ? *channel.time : sensor.time;
+  const std::vector<double>& time = sensor.times_of(channel);
   const auto window = static_cast<std::size_t>(std::lround(view.window * sensor.rate));
   auto hop = static_cast<std::size_t>(std::lround(view.hop * sensor.rate));
   if (window < 4 || hop == 0 || signal.size() < window) return nullptr;

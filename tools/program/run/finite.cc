@@ -59,8 +59,7 @@ void check_finite(const TrialRecord& record) {
   for (const SensorRecord& sensor : record.sensors) {
     const LabelRecord& labels = sensor.labels;
     const std::string path = "sensors." + sensor.name + ": ";
-    for (const SensorColumn& channel : sensor.channels)
-      bad.look(channel.values, channel.time ? *channel.time : sensor.time, path + channel.name);
+    for (const SensorColumn& channel : sensor.channels) bad.look(channel.values, sensor.times_of(channel), path + channel.name);
     bad.look(labels.force, sensor.time, path + "contact force");
     bad.look(labels.slip_velocity, sensor.time, path + "slip velocity");
     bad.look(labels.slip_distance, sensor.time, path + "slip distance");

@@ -2,17 +2,16 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
+#include "tools/base/record/json.h"
 
 namespace slipbench {
 
 Scene recorded_scene(const DatasetReader& reader, const TrialRecord& record, const Catalogues& catalogues) {
   SceneFile file = SceneFile::from_text(reader.header().scene, "attribute scene");
   const auto apply = [&file](const std::string& text, const std::string& attribute) {
-    const auto values = nlohmann::ordered_json::parse(text, nullptr, false);
+    const auto values = Json::parse(text, nullptr, false);
     if (!values.is_object()) throw InputError("attribute " + attribute + " is not a JSON object");
     for (const auto& [path, value] : values.items()) {
       if (path != "sweep" && !path.starts_with("sweep.") && !value.is_null()) {

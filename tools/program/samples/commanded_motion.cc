@@ -2,20 +2,17 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "sim/motion/motion.h"
 #include "sim/scene/parser.h"
+#include "tools/base/record/json.h"
 
 namespace slipbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json object_of(const std::string& text, const std::string& subject) {
   Json json = Json::parse(text, nullptr, false);

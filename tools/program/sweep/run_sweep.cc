@@ -13,12 +13,12 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "sim/scene/scene_reader.h"
 #include "tools/base/dataset/kept_trials.h"
 #include "tools/base/record/encoder.h"
+#include "tools/base/record/json.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/detector_catalogue.h"
@@ -28,8 +28,6 @@
 
 namespace slipbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // What is kept of a trial; without a dataset nothing has to be.
 Recording recording_of(const SweepOptions& options) { return options.output.empty() ? Recording::outcome : options.recording; }

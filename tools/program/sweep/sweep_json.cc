@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <utility>
-#include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "tools/base/dataset/header.h"
-#include "tools/base/statistics/confusion.h"
+#include "tools/base/record/json.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 
 namespace slipbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // One number of every unit; nlohmann writes NaN as null.
 template <class Number>

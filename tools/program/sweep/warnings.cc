@@ -259,8 +259,8 @@ std::vector<Warning> converter_warnings(const std::vector<TrialSummary>& trials)
   return converter_warnings(sensors);
 }
 
-nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+Json warnings_json(const std::vector<Warning>& warnings) {
+  Json json = Json::array();
   for (const Warning& warning : warnings) json.push_back({{"about", warning.about}, {"text", warning.text}});
   return json;
 }

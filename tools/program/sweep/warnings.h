@@ -9,9 +9,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/scene/parser.h"
+#include "tools/base/record/json.h"
 #include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench {
@@ -56,6 +55,6 @@ std::vector<Warning> converter_warnings(const std::map<std::string, ConverterUse
 std::vector<Warning> converter_warnings(const std::vector<TrialSummary>& trials);
 
 // [{"about": ..., "text": ...}]
-nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings);
+Json warnings_json(const std::vector<Warning>& warnings);
 
 }  // namespace slipbench

@@ -113,10 +113,10 @@ std::string parameter_text(const ParameterSpec& spec, const Style& style, std::s
   return text;
 }
 
-nlohmann::ordered_json parameter_json(const ParameterSpec& spec) {
-  nlohmann::ordered_json json{{"name", spec.name}, {"type", type_text(spec)}};
+Json parameter_json(const ParameterSpec& spec) {
+  Json json{{"name", spec.name}, {"type", type_text(spec)}};
   json["unit"] = has_unit(spec) ? std::string(si_symbol(spec.quantity)) : "";
-  json["units"] = nlohmann::ordered_json::array();
+  json["units"] = Json::array();
   if (has_unit(spec)) {
     for (const Unit& unit : units_of(spec.quantity)) json["units"].push_back(std::string(unit.symbol));
   }
@@ -281,19 +281,19 @@ std::string describe_text(const CatalogueItem& item, const Catalogues& catalogue
   return text;
 }
 
-nlohmann::ordered_json describe_json(const CatalogueItem& item, const Catalogues& catalogues) {
+Json describe_json(const CatalogueItem& item, const Catalogues& catalogues) {
   const Entry& entry = item.entry;
-  nlohmann::ordered_json json{{"kind", std::string(item.kind.singular)},
-                              {"name", entry.name},
-                              {"summary", entry.summary},
-                              {"law", entry.law},
-                              {"source", entry.source}};
+  Json json{{"kind", std::string(item.kind.singular)},
+            {"name", entry.name},
+            {"summary", entry.summary},
+            {"law", entry.law},
+            {"source", entry.source}};
   if (!item.sensor.empty()) json["sensor"] = item.sensor;
   if (item.material) {
     json["mu_static"] = item.material->mu_static;
     json["mu_kinetic"] = item.material->mu_kinetic;
   }
-  json["parameters"] = nlohmann::ordered_json::array();
+  json["parameters"] = Json::array();
   for (const ParameterSpec& spec : entry.parameters) json["parameters"].push_back(parameter_json(spec));
   json["scene_key"] = std::string(item.kind.use);
   json["example"] = scene_example(item, catalogues);
@@ -320,10 +320,10 @@ std::string list_text(const std::vector<CatalogueItem>& items, std::span<const C
   return text;
 }
 
-nlohmann::ordered_json list_json(const std::vector<CatalogueItem>& items, std::span<const CatalogueKind> shown) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+Json list_json(const std::vector<CatalogueItem>& items, std::span<const CatalogueKind> shown) {
+  Json json = Json::object();
   for (const CatalogueKind& kind : shown) {
-    nlohmann::ordered_json& list = json[std::string(kind.plural)] = nlohmann::ordered_json::array();
+    Json& list = json[std::string(kind.plural)] = Json::array();
     for (const CatalogueItem& item : items_of(items, kind)) {
       list.push_back({{"name", item.entry.name}, {"summary", item.entry.summary}});
     }

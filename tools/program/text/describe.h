@@ -8,9 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/scene/catalogues.h"
+#include "tools/base/record/json.h"
 #include "tools/program/cli/terminal.h"
 
 namespace slipbench {
@@ -49,11 +48,11 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
 
 // The page of one item: summary, law, source; each parameter with its unit, default, what is allowed, meaning and source.
 std::string describe_text(const CatalogueItem& item, const Catalogues& catalogues, const Style& style, std::size_t width);
-nlohmann::ordered_json describe_json(const CatalogueItem& item, const Catalogues& catalogues);
+Json describe_json(const CatalogueItem& item, const Catalogues& catalogues);
 
 // Names and summaries of the kinds given; a part of the electronics that several sensors have is told once.
 std::string list_text(const std::vector<CatalogueItem>& items, std::span<const CatalogueKind> kinds, const Style& style,
                       std::size_t width);
-nlohmann::ordered_json list_json(const std::vector<CatalogueItem>& items, std::span<const CatalogueKind> kinds);
+Json list_json(const std::vector<CatalogueItem>& items, std::span<const CatalogueKind> kinds);
 
 }  // namespace slipbench

@@ -4,15 +4,14 @@
 #include <cstddef>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
+#include "tools/base/record/json.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/cost/explore.h"
 
 namespace slipbench {
 
 // `result`: of eval::evaluate(). The figures that mislead least come first.
-std::string eval_text(const nlohmann::ordered_json& result, const Style& style);
+std::string eval_text(const Json& result, const Style& style);
 
 // An exploration of `slipbench cost` as a person reads it on a terminal.
 

@@ -126,8 +126,8 @@ std::string recipe_list_text(const Style& style, std::size_t width) {
   return text;
 }
 
-nlohmann::ordered_json recipe_list_json() {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+Json recipe_list_json() {
+  Json list = Json::array();
   list.push_back({{"name", hd_recipe}, {"summary", hd_summary}});
   for (const train::Recipe& recipe : train::recipes()) list.push_back({{"name", recipe.name}, {"summary", recipe.summary}});
   return list;
@@ -142,8 +142,8 @@ std::string recipe_text(const train::Recipe& recipe, const Style& style, std::si
   return text;
 }
 
-nlohmann::ordered_json recipe_json(const train::Recipe& recipe) {
-  nlohmann::ordered_json json{{"kind", "recipe"}, {"name", recipe.name}, {"summary", recipe.summary}};
+Json recipe_json(const train::Recipe& recipe) {
+  Json json{{"kind", "recipe"}, {"name", recipe.name}, {"summary", recipe.summary}};
   for (const auto& [name, fact] : facts_of(recipe)) {
     std::string key = name;
     key.front() = static_cast<char>(key.front() - 'A' + 'a');

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "tools/base/record/json.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/train/recipes/recipe.h"
 #include "tools/program/train/train_hd.h"
@@ -20,11 +19,11 @@ inline constexpr const char* hd_recipe = "gst_hd";  // the hyperdimensional dete
 std::vector<std::string> recipe_names();
 
 std::string recipe_list_text(const Style& style, std::size_t width);
-nlohmann::ordered_json recipe_list_json();
+Json recipe_list_json();
 
 // What it reads, its layers, how it is taught, and where it is from.
 std::string recipe_text(const train::Recipe& recipe, const Style& style, std::size_t width);
-nlohmann::ordered_json recipe_json(const train::Recipe& recipe);
+Json recipe_json(const train::Recipe& recipe);
 
 // How a slip detector's classes compare with the truth, as text.
 

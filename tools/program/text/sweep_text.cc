@@ -21,7 +21,6 @@
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/cli/progress.h"
-#include "tools/program/cli/terminal.h"
 
 namespace slipbench {
 namespace {
@@ -170,7 +169,7 @@ std::string holds_text(const std::vector<TrialSummary>& trials, const Style& sty
 }
 
 // "force_ratio (ratio 0.3)": a detector or controller with its swept parameters. `key`: where these stand in the scene.
-std::string with_parameters(const std::string& type, const std::string& key, const nlohmann::ordered_json& params) {
+std::string with_parameters(const std::string& type, const std::string& key, const Json& params) {
   std::string values;
   for (const auto& [path, value] : params.items()) {
     if (!path.starts_with(key + '.') || path == key + ".type" || value.is_null()) continue;
@@ -184,7 +183,7 @@ std::string with_parameters(const std::string& type, const std::string& key, con
 
 // What decides the row of a grasp.
 std::string grasp_name(const TrialSummary& trial, bool parameters) {
-  const auto params = parameters ? nlohmann::ordered_json::parse(trial.params) : nlohmann::ordered_json::object();
+  const auto params = parameters ? Json::parse(trial.params) : Json::object();
   return fmt::format("{}, {}", trial.detector ? with_parameters(trial.detector->type, "detector", params) : "no detector",
                      trial.controller.empty() ? "no controller" : with_parameters(trial.controller, "controller", params));
 }
@@ -382,8 +381,8 @@ std::string detectors_text(const std::vector<DetectorScore>& scores, const Style
          table.text(style);
 }
 
-nlohmann::ordered_json detectors_json(const std::vector<DetectorScore>& scores) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+Json detectors_json(const std::vector<DetectorScore>& scores) {
+  Json list = Json::array();
   for (const DetectorScore& score : scores) {
     list.push_back({{"type", score.type},
                     {"oracle", score.type == oracle_type},
@@ -426,8 +425,8 @@ std::vector<GraspRow> grasp_rows(const SweepSummary& summary) {
   return rows;
 }
 
-nlohmann::ordered_json grasp_json(const std::vector<GraspRow>& rows) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+Json grasp_json(const std::vector<GraspRow>& rows) {
+  Json list = Json::array();
   for (const GraspRow& row : rows) {
     list.push_back({{"name", row.name},
                     {"trials", row.trials},

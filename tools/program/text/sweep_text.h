@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
+#include "tools/base/record/json.h"
 #include "tools/base/statistics/binomial.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/sweep/run_sweep.h"
@@ -61,7 +60,7 @@ std::vector<GraspRow> grasp_rows(const SweepSummary& summary);
 
 // The rows as a JSON array: {"name", "trials", "held", "held_share_95": [low, high], "median_slip_translation_m",
 // "median_slip_rotation_rad", "median_force_ratio", "median_reaction_time_s"}; null for NaN.
-nlohmann::ordered_json grasp_json(const std::vector<GraspRow>& rows);
+Json grasp_json(const std::vector<GraspRow>& rows);
 
 // A table of how the detectors did; empty where there is none.
 std::string detectors_text(const std::vector<DetectorScore>& scores, const Style& style);
@@ -69,7 +68,7 @@ std::string detectors_text(const std::vector<DetectorScore>& scores, const Style
 // The same as a JSON array: {"type", "oracle", "recall_of_slip", "balanced_accuracy", "constant_balanced_accuracy",
 // "median_delay_s", "worst_delay_s", "trials", "slipping", "seen", "early", "missed", "false_alarms", "accuracy",
 // "constant_accuracy", "confusion"}; null for NaN.
-nlohmann::ordered_json detectors_json(const std::vector<DetectorScore>& scores);
+Json detectors_json(const std::vector<DetectorScore>& scores);
 
 // Several trials: how many reached each stage of slip and when (earliest, median, latest), the shares of the classes, and tables
 // of the detectors and of the grasps.

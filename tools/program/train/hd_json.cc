@@ -1,33 +1,28 @@
 #include "tools/program/train/hd_json.h"
 
-#include <cmath>
 #include <stdexcept>
 
 namespace slipbench {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::array<std::pair<const char*, PadState>, 3> named_classes{
     {{"non_slip", PadState::non_slip}, {"incipient", PadState::incipient}, {"gross", PadState::gross}}};
-
-Json number(double value) { return std::isnan(value) ? Json(nullptr) : Json(value); }
 
 Json confusion_json(const Confusion& confusion) {
   Json recalls;
   Json counts;
   for (const auto& [name, truth] : named_classes) {
-    recalls[name] = number(recall(confusion, truth));
+    recalls[name] = or_null(recall(confusion, truth));
     for (const auto& [called_name, called] : named_classes) {
       counts[name][called_name] = confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(called)];
     }
   }
   return {{"frames", samples_in_contact(confusion)},
-          {"recall_of_slip", number(recall_of_slip(confusion))},
-          {"balanced_accuracy", number(balanced_accuracy(confusion))},
-          {"constant_balanced_accuracy", number(constant_balanced_accuracy(confusion))},
-          {"accuracy", number(accuracy(confusion))},
-          {"constant_accuracy", number(constant_accuracy(confusion))},
+          {"recall_of_slip", or_null(recall_of_slip(confusion))},
+          {"balanced_accuracy", or_null(balanced_accuracy(confusion))},
+          {"constant_balanced_accuracy", or_null(constant_balanced_accuracy(confusion))},
+          {"accuracy", or_null(accuracy(confusion))},
+          {"constant_accuracy", or_null(constant_accuracy(confusion))},
           {"recall", recalls},
           {"called", counts}};
 }
@@ -40,12 +35,12 @@ Json delays_json(const Delays& delays) {
           {"missed", delays.missed},
           {"false_alarms", delays.false_alarms},
           {"delay_s",
-           {{"lower_quartile", number(quantile(delays.delay, 0.25))},
-            {"median", number(median(delays.delay))},
-            {"upper_quartile", number(quantile(delays.delay, 0.75))}}}};
+           {{"lower_quartile", or_null(quantile(delays.delay, 0.25))},
+            {"median", or_null(median(delays.delay))},
+            {"upper_quartile", or_null(quantile(delays.delay, 0.75))}}}};
 }
 
-Json mean_sd_json(const MeanSd& value) { return {{"mean", number(value.mean)}, {"sd", number(value.sd)}}; }
+Json mean_sd_json(const MeanSd& value) { return {{"mean", or_null(value.mean)}, {"sd", or_null(value.sd)}}; }
 
 Json model_json(const hd::Model& model, hd::Quantiser quantiser) {
   return {{"name", model_name(model)},

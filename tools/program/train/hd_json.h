@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "detectors/hd/model.h"
 #include "detectors/hd/words.h"
+#include "tools/base/record/json.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/train/train_hd.h"
 
@@ -28,12 +27,12 @@ Evaluation pooled(std::span<const Evaluation> draws);
 
 // An evaluation: sizes, recall of slip, balanced accuracy, accuracy, the last two beside those of constant answers, recalls and
 // counts, all frames and moving ones, and the delays where there are any. What does not exist is null.
-nlohmann::ordered_json evaluation_json(const Evaluation& evaluation);
+Json evaluation_json(const Evaluation& evaluation);
 
 // All draws: the one for choosing, and mean and standard deviation of the others beside them.
-nlohmann::ordered_json draws_json(std::span<const Evaluation> draws);
+Json draws_json(std::span<const Evaluation> draws);
 
-nlohmann::ordered_json train_json(const HdSummary& summary, const HdTraining& options);
+Json train_json(const HdSummary& summary, const HdTraining& options);
 
 // The names of the paper for what makes a classifier.
 

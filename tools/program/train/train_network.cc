@@ -11,16 +11,14 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/record/json.h"
 #include "tools/program/train/network/engine_check.h"
 
 namespace slipbench::train {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // How every file that onnx_model() makes begins: version 8 of the format, made by slipbench.
 constexpr std::string_view beginning{"\x08\x08\x12\x09slipbench", 13};
@@ -144,11 +142,9 @@ void check_classes(const std::vector<std::string>& datasets, const char* part, c
   }
 }
 
-Json number_json(double value) { return std::isnan(value) ? Json() : Json(value); }
-
 Json counts_json(const Counts& counts) {
-  return {{"balanced_accuracy", number_json(counts.balanced_accuracy())},
-          {"f1", number_json(counts.f1())},
+  return {{"balanced_accuracy", or_null(counts.balanced_accuracy())},
+          {"f1", or_null(counts.f1())},
           {"slip_called_slip", counts.slip_called_slip},
           {"slip_called_hold", counts.slip_called_hold},
           {"hold_called_slip", counts.hold_called_slip},
@@ -323,7 +319,7 @@ Json trained_json(const NetworkTraining& training, const Lesson& lesson, const s
                {"split", hd::name_of(split_words, recipe.split)},
                {"held_out", training.held_out},
                {"seed", training.seed},
-               {"alarms_asked_per_minute", training.alarms ? Json(*training.alarms) : Json()},
+               {"alarms_asked_per_minute", or_null(training.alarms)},
                {"by_score", training.by_score},
                {"trials_learnt", trials_of(lesson.learning)},
                {"trials_validated", trials_of(lesson.validating)},
@@ -333,11 +329,11 @@ Json trained_json(const NetworkTraining& training, const Lesson& lesson, const s
                {"parameters", summary.parameters},
                {"steps", steps},
                {"validation",
-                {{"balanced_accuracy", summary.validation}, {"alarms_per_minute", number_json(summary.point.alarms_per_minute)}}},
+                {{"balanced_accuracy", summary.validation}, {"alarms_per_minute", or_null(summary.point.alarms_per_minute)}}},
                {"libraries", network_libraries()}};
   if (!lesson.judging.empty()) {
     trained["judged"] = counts_json(summary.held_out);
-    trained["judged"]["alarms_per_minute"] = number_json(summary.held_out_alarms);
+    trained["judged"]["alarms_per_minute"] = or_null(summary.held_out_alarms);
     trained["judged"]["all_classes_balanced_accuracy"] = summary.held_out_accuracy;
   }
   return trained;

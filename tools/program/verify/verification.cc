@@ -5,8 +5,6 @@
 namespace slipbench::verify {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct About {
   const char* name;
   const char* of;  // what is counted
@@ -17,11 +15,6 @@ constexpr std::array<About, 6> about{{{"digests", "trials"},
                                       {"values", "values"},
                                       {"events", "samples of units"},
                                       {"cone", "samples of units"}}};
-
-template <class Value>
-Json json_or_null(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
 
 }  // namespace
 
@@ -34,9 +27,9 @@ void Verification::fail(Check check, const Where& where, const std::string& what
   Entry& entry = of(check);
   if (entry.failed++ >= listed) return;
   entry.failures.push_back({{"check", about[static_cast<std::size_t>(check)].name},
-                            {"trial", json_or_null(where.trial)},
+                            {"trial", or_null(where.trial)},
                             {"array", where.array.empty() ? Json(nullptr) : Json(where.array)},
-                            {"sample", json_or_null(where.sample)},
+                            {"sample", or_null(where.sample)},
                             {"what", what}});
 }
 

@@ -7,9 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/scene/scene.h"
+#include "tools/base/record/json.h"
 #include "tools/base/record/trial_record.h"
 
 namespace slipbench::verify {
@@ -36,13 +35,13 @@ class Verification {
 
   [[nodiscard]] bool holds() const;
   // {"holds", "checks": [{"check", "checked", "of", "failed", "left_out": [...]}], "failures": [{"check", "trial", "array", "sample", "what"}]}
-  [[nodiscard]] nlohmann::ordered_json json() const;
+  [[nodiscard]] Json json() const;
 
  private:
   struct Entry {
     std::size_t checked = 0, failed = 0;
     std::vector<std::string> left_out;
-    nlohmann::ordered_json failures = nlohmann::ordered_json::array();
+    Json failures = Json::array();
   };
   Entry& of(Check check) { return entries_[static_cast<std::size_t>(check)]; }
 

@@ -24,7 +24,6 @@ namespace {
 
 using verify::Check;
 using verify::Verification;
-using Json = nlohmann::ordered_json;
 
 class DatasetCheck {
  public:

@@ -4,17 +4,17 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include "tools/base/record/json.h"
 
 namespace slipbench {
 
 struct Verified {
   // One object a dataset: {"file", "files", "schema", "complete", "trials", "holds", "checks", "failures"} as Verification::json()
   // has them, {"file", "error"} where it cannot be read, {"file", "part_of"} for a further file of a dataset that was named too.
-  nlohmann::ordered_json datasets = nlohmann::ordered_json::array();
+  Json datasets = Json::array();
   // Where several of them are shards of a sweep: {"shards", "trials", "duplicates", "holds", "failures": [text]}: whether they are of one sweep,
   // whole, and hold no trial twice with different digests; else null.
-  nlohmann::ordered_json sweep = nullptr;
+  Json sweep = nullptr;
   bool holds = true;
   bool readable = true;
 };

@@ -3,18 +3,15 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <map>
 #include <numeric>
 #include <set>
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "sensors/biotac_sp/skin.h"
 #include "sim/core/error.h"
-#include "tools/studies/grid.h"
 
 namespace slipbench::reproduce::biotac {
 

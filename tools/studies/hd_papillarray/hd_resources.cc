@@ -6,10 +6,8 @@
 #include <functional>
 #include <iterator>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "detectors/hd/engine.h"
 #include "detectors/hd/features.h"
@@ -23,8 +21,6 @@
 
 namespace slipbench::reproduce {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 double number_at(const Json& entry, const char* key, const std::string& subject) {
   const auto found = entry.find(key);

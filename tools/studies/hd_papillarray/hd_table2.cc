@@ -7,8 +7,6 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
-#include <optional>
-#include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -380,12 +378,11 @@ ResultTable force_table(const std::string& title, std::span<const GraspCell> cel
 }
 
 Json spread_json(const Spread& value) {
-  const auto finite = [](double number) { return std::isnan(number) ? Json() : Json(number); };
   return {{"n", value.n},
-          {"median", finite(value.median)},
-          {"median_95", {finite(value.interval.low), finite(value.interval.high)}},
-          {"mean", finite(value.mean_sd.mean)},
-          {"sd", finite(value.mean_sd.sd)}};
+          {"median", or_null(value.median)},
+          {"median_95", {or_null(value.interval.low), or_null(value.interval.high)}},
+          {"mean", or_null(value.mean_sd.mean)},
+          {"sd", or_null(value.mean_sd.sd)}};
 }
 
 Json cell_json(const GraspCell& cell, const Grasps& trials, std::uint64_t seed) {

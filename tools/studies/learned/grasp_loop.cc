@@ -151,12 +151,11 @@ ResultTable table_of(const Condition& condition, const std::vector<Loop>& rows, 
     table.rows.push_back({row.text, fmt::format("{} of {}", dropped, of.size()),
                           fmt::format("{:.0f} to {:.0f} %", 100.0 * share.low, 100.0 * share.high), decimals(slip),
                           decimals(most), decimals(last)});
-    const auto json = [](double value) { return std::isnan(value) ? Json() : Json(value); };
     figures[condition.text][row.name] = {{"dropped", dropped},
                                          {"trials", of.size()},
-                                         {"slip_mm", json(slip)},
-                                         {"greatest_force_ratio", json(most)},
-                                         {"last_force_ratio", json(last)}};
+                                         {"slip_mm", or_null(slip)},
+                                         {"greatest_force_ratio", or_null(most)},
+                                         {"last_force_ratio", or_null(last)}};
   }
   return table;
 }

@@ -5,7 +5,6 @@
 #include <memory>
 #include <set>
 #include <span>
-#include <utility>
 
 #include <fmt/format.h>
 

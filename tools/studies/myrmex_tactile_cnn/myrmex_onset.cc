@@ -4,11 +4,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <stdexcept>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>

@@ -1,5 +1,4 @@
 // Table I of the nib pad's paper: forces and moments out of the 36 capacitances, under uniform and under partial loads.
-#include <algorithm>
 #include <array>
 #include <span>
 

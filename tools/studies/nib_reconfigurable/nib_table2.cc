@@ -141,14 +141,13 @@ std::string safe_share(const ReleaseSummary& summary) {
 }
 
 Json summary_json(const ReleaseSummary& summary) {
-  const auto finite = [](double number) { return std::isnan(number) ? Json() : Json(number); };
   return {{"runs", summary.runs},
           {"safe", summary.safe},
           {"early", summary.early},
-          {"error_N", finite(summary.error.mean)},
-          {"error_sd_N", finite(summary.error.sd)},
-          {"gross_error_N", finite(summary.gross_error.mean)},
-          {"slip_mm", finite(summary.slip.mean)}};
+          {"error_N", or_null(summary.error.mean)},
+          {"error_sd_N", or_null(summary.error.sd)},
+          {"gross_error_N", or_null(summary.gross_error.mean)},
+          {"slip_mm", or_null(summary.slip.mean)}};
 }
 
 ResultTable release_table(const std::vector<ReleaseRun>& runs, Json& figures) {

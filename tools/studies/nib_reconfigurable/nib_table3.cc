@@ -135,7 +135,7 @@ Json cell_json(const ReorientCell& cell, const ReorientSummary& summary, std::ui
   for (std::size_t end = 0; end < turn_ends; ++end) ends[turn_end_names.at(end)] = summary.ends.at(end);
   return {{"name", cell.name},
           {"command", cell.grid(summary.runs).command(seed)},
-          {"published", cell.published ? Json(*cell.published) : Json(nullptr)},
+          {"published", or_null(cell.published)},
           {"trials", summary.runs},
           {"standing", summary.standing},
           {"standing_share_95", {share.low, share.high}},

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 #include "tools/program/train/draws.h"
 
 namespace slipbench::reproduce {

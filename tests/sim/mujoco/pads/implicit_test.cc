@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 #include <mujoco/mujoco.h>

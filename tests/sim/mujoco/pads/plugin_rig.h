@@ -5,11 +5,9 @@
 #include <cmath>
 #include <csetjmp>
 #include <cstdio>
-#include <cstring>
 #include <numbers>
 #include <sstream>
 #include <string>
-#include <vector>
 
 #include <mujoco/mujoco.h>
 #include <Eigen/Core>

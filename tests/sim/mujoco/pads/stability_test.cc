@@ -1,6 +1,5 @@
 #include "sim/mujoco/linear/stability.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

@@ -131,21 +131,26 @@ TEST(CostPage, RefusesWhatIsNoResult) {
   }
 }
 
-class CostFileTest : public ::slipbench::testing::FolderTest {};
+class CostFileTest : public ::slipbench::testing::FolderTest {
+ protected:
+  std::vector<std::string> write(const Json& result) const {
+    return page::write_page_files(path("c.html"), page_kind, cost_page(result), result);
+  }
+};
 
 TEST_F(CostFileTest, StandsBesideItsFigures) {
-  EXPECT_THAT(write_cost(path("c.html"), exploration()), ElementsAre(path("c.html"), path("c.json")));
+  EXPECT_THAT(write(exploration()), ElementsAre(path("c.html"), path("c.json")));
   EXPECT_EQ(Json::parse(bytes_of(path("c.json"))), exploration());
   EXPECT_EQ(bytes_of(path("c.html")), cost_page(exploration()));
   // Its own files are replaced, whichever of the two kinds they are, and no temporary one stays.
-  write_cost(path("c.html"), stability());
+  write(stability());
   EXPECT_EQ(Json::parse(bytes_of(path("c.json"))), stability());
   EXPECT_THAT(names(), ElementsAre("c.html", "c.json"));
 }
 
 TEST_F(CostFileTest, OtherFilesAreKept) {
   std::ofstream(path("c.json")) << "{\"mine\": 1}";
-  EXPECT_THAT(refusal_of([&] { write_cost(path("c.html"), exploration()); }), HasSubstr("c.json"));
+  EXPECT_THAT(refusal_of([&] { write(exploration()); }), HasSubstr("c.json"));
   EXPECT_EQ(bytes_of(path("c.json")), "{\"mine\": 1}");
   EXPECT_THAT(names(), ElementsAre("c.json"));
 

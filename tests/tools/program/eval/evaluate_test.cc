@@ -158,10 +158,11 @@ TEST_F(Evaluated, PageShowsTextAsText) {
   EXPECT_THAT(page, HasSubstr("default-src 'none'"));
   const auto trial = std::to_string(result.at("worst")[0].at("trial").get<std::size_t>());
   EXPECT_THAT(page, HasSubstr("href=\"data.html#trial-" + trial + "\"")) << "the report stands beside the page";
-  const std::vector<std::string> files = write_eval(path("page.html"), result);
+  const auto write = [&] { return page::write_page_files(path("page.html"), page_kind, page, result); };
+  const std::vector<std::string> files = write();
   ASSERT_EQ(files.size(), 2U);
   EXPECT_EQ(Json::parse(std::ifstream(files[1])), result);
-  EXPECT_EQ(write_eval(path("page.html"), result), files) << "its own kind is replaced";
+  EXPECT_EQ(write(), files) << "its own kind is replaced";
   std::ofstream(path("other.html")) << "years of work";
   EXPECT_THROW(page::check_page_files(path("other.html"), page_kind), InputError);
 }

@@ -1,6 +1,5 @@
 #include "tools/program/run/sampling.h"
 
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <vector>

@@ -10,7 +10,7 @@
 #include "detectors/hd/features.h"
 #include "detectors/hd/model.h"
 #include "sim/scene/parser.h"
-#include "tools/base/page/json.h"
+#include "tools/base/record/json.h"
 #include "tools/program/benchmark/benchmark.h"
 #include "tools/program/calibrate/calibrate.h"
 #include "tools/program/cli/command.h"

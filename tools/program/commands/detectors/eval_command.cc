@@ -146,7 +146,7 @@ int EvalCommand::run() {
   Json result = eval::evaluate(options);
   result["command"] = eval_command_text(*this);
   std::vector<std::string> files;
-  if (!output.empty()) files = eval::write_eval(output, result);
+  if (!output.empty()) files = page::write_page_files(output, eval::page_kind, eval::eval_page(result, output), result);
   if (json) return print_json(result);
   const Style style = style_for(stdout);
   fmt::print("{}{}", eval_text(result, style), step);
@@ -256,7 +256,7 @@ int BenchmarkCommand::run() {
     if (!verified.empty()) return verify();
     const Json result = made(asked);
     std::vector<std::string> files;
-    if (!output.empty()) files = benchmark::write_board(output, result);
+    if (!output.empty()) files = page::write_page_files(output, benchmark::page_kind, benchmark::board_page(result), result);
     if (!submission.empty()) {
       write_text_file(submission, benchmark::submission_text(result));
       files.push_back(submission);

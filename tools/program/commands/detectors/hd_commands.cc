@@ -1,11 +1,8 @@
 #include "tools/program/commands/detectors/detector_commands.h"
 
 #include <memory>
-#include <optional>
-#include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "detectors/hd/memory_files.h"
 #include "detectors/hd/words.h"
@@ -65,7 +62,7 @@ int HdReplayCommand::run() {
   const std::vector<HdVector> frames = read_hd_vectors(vectors);
   const std::unique_ptr<hd::Engine> classifier = make_hd_engine(engine, saved.model, saved.memories);
 
-  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  Json steps = Json::array();
   if (!json) fmt::print("step,class,d1,d2,d3\n");
   for (const HdVector& vector : frames) {
     const hd::Decision decision = classifier->update(vector.frame);

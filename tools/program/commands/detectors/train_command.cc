@@ -7,9 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <span>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -228,7 +226,7 @@ int TrainCommand::train_network() {
   }
   const network::Alarm& alarm = summary.point.alarm;
   if (json) {
-    nlohmann::ordered_json all = nlohmann::ordered_json::parse(summary.description);
+    Json all = Json::parse(summary.description);
     all["output"] = training->output;
     all["threshold"] = summary.point.threshold;
     all["alarm"] = {{"on", alarm.on}, {"off", alarm.off}, {"least", alarm.least}};

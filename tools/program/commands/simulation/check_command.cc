@@ -9,10 +9,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/record/json.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/check/check.h"
@@ -26,8 +26,6 @@
 
 namespace slipbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string rate_text(const Interval& rate) { return fmt::format("{:.3f} to {:.3f}", rate.low, rate.high); }
 
@@ -70,7 +68,7 @@ Json check_json(const SceneCheck& check) {
                             {"median", result.median},
                             {"worst", result.worst.value},
                             {"worst_trial", result.worst.trial},
-                            {"control_kept", result.control_kept ? Json(*result.control_kept) : Json(nullptr)},
+                            {"control_kept", or_null(result.control_kept)},
                             {"replay", result.replay}});
   }
   return {{"scene", check.scene_path},
@@ -83,7 +81,7 @@ Json check_json(const SceneCheck& check) {
           {"detectors", detectors_json(check.detectors)},
           {"failures", check.failures},
           {"warnings", warnings_json(check.warnings)},
-          {"replayed", check.replayed ? Json(*check.replayed) : Json(nullptr)},
+          {"replayed", or_null(check.replayed)},
           {"files", check.files}};
 }
 

@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "tools/base/workers/interrupt.h"
@@ -11,9 +10,7 @@
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/cost/cost_page.h"
-#include "tools/program/cost/explore.h"
 #include "tools/program/doctor/machine.h"
-#include "tools/program/sweep/run_sweep.h"
 #include "tools/program/text/eval_text.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "tools/program/cost/stability_map.h"
@@ -21,8 +18,6 @@
 
 namespace slipbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string command_text(const CostCommand& command) {
   const cost::ExploreOptions& explore = command.explore;
@@ -120,7 +115,7 @@ int CostCommand::run() {
     }
   }
   std::vector<std::string> files;
-  if (!output.empty()) files = cost::write_cost(output, found);
+  if (!output.empty()) files = page::write_page_files(output, cost::page_kind, cost::cost_page(found), found);
   if (json) {
     print_json(found);
   } else {

@@ -10,10 +10,10 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/shard_set.h"
+#include "tools/base/record/json.h"
 #include "tools/base/workers/interrupt.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
@@ -77,7 +77,7 @@ Finished simulate(const ReadSweep& read, SweepOptions sweep, const Catalogues& c
 }
 
 void print_json(const Finished& finished, const std::vector<Warning>& warnings, TrialsJson& trials) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::parse(summary_json(finished.summary));
+  Json json = Json::parse(summary_json(finished.summary));
   json["elapsed_s"] = finished.elapsed;
   json["computed_s"] = finished.summary.computed;
   json["times_real_time"] = finished.summary.simulated / finished.elapsed;
@@ -266,8 +266,8 @@ Examples:
 int MergeCommand::run() {
   const Merged merged = merge_shards(shards, output);
   if (json)
-    return print_json(nlohmann::ordered_json{
-        {"files", merged.files}, {"trials", merged.trials}, {"failed", merged.failed}, {"duplicates", merged.duplicates}});
+    return print_json(
+        Json{{"files", merged.files}, {"trials", merged.trials}, {"failed", merged.failed}, {"duplicates", merged.duplicates}});
   std::string about = fmt::format("{} trials", merged.trials);
   if (merged.failed > 0) about += fmt::format(", {} have failed", merged.failed);
   if (merged.duplicates > 0) about += fmt::format(", {} stood in several files", merged.duplicates);

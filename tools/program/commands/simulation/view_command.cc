@@ -4,12 +4,12 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/record/json.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/report/report.h"
@@ -126,8 +126,8 @@ int ViewCommand::run() {
   write_report(dataset, page, {.trial = trial});
   const std::optional<std::string> browser = open_in_browser(page);
   if (json) {
-    nlohmann::ordered_json found{{"dataset", dataset}, {"report", page}};
-    found["opened_by"] = browser ? nlohmann::ordered_json(*browser) : nlohmann::ordered_json();
+    Json found{{"dataset", dataset}, {"report", page}};
+    found["opened_by"] = browser ? Json(*browser) : Json();
     return print_json(found);
   }
   const Style style = style_for(stdout);

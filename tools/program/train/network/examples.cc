@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "detectors/network/frames.h"
 #include "sim/core/contact_frame.h"
@@ -19,14 +18,13 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/encoder.h"
+#include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/samples/myrmex_images.h"
 #include "tools/program/samples/recorded_samples.h"
 
 namespace slipbench::train {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 bool slips(std::uint8_t state) { return state >= static_cast<std::uint8_t>(PadState::incipient); }
 
