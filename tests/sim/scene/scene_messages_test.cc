@@ -41,7 +41,7 @@ TEST(SceneMessages, AnAliasWithoutAnAnchorIsRefused) {
 const std::string scene_keys =
     "accuracy, bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, gravity, grip, hold, integrator, model, motion, scatter, seed, sensors, slipbench, split, surface, sweep, time_step";
 const std::string sensor_keys =
-    "bias, bristle_spread, bristles, damping, electronics, follows, profile, rate, site, touches, type";
+    "bias, bristle_spread, bristles, corner_drop, damping, edge_drop, electronics, follows, profile, rate, site, touches, type";
 const std::string materials =
     "acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic, wet_felt, wet_paper, wet_ptfe, wet_rubber";
 

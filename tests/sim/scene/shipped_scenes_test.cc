@@ -43,8 +43,7 @@ TEST(ShippedScenes, HexapodIsThePublishedProtocol) {
   const TrialPlan plan(shipped("papillarray/hexapod.yaml"), catalogues, 0, 1);
   ASSERT_EQ(plan.size(), 200u);
   std::map<std::string, int> kinds;
-  std::set<double> compressions;
-  std::set<double> directions, speeds;
+  std::set<double> compressions, directions, speeds;
   double friction = 0.0;  // mean logarithm
   for (std::size_t i = 0; i < plan.size(); ++i) {
     const Scene scene = plan.trial(i).scene;
@@ -70,19 +69,18 @@ TEST(ShippedScenes, HexapodIsThePublishedProtocol) {
       EXPECT_DOUBLE_EQ(stop, motion.number("speed") <= 0.002 ? 0.100 : 0.050) << "trial " << i;
     }
     EXPECT_LE(std::abs(motion.number("rotation")) * 2.0, 30.001 * degree);
-    // One mounting.
-    EXPECT_DOUBLE_EQ(motion.vector("tilt")[0], -0.5 * degree);
-    EXPECT_DOUBLE_EQ(motion.vector("tilt")[1], 2.0 * degree);
+    // One mounting, flat but for the error of a mount: the published memory knows no tilt.
+    EXPECT_LE(std::hypot(motion.vector("tilt")[0], motion.vector("tilt")[1]), 0.2 * degree);
     compressions.insert(motion.number("compression"));
     directions.insert(motion.number("direction"));
     speeds.insert(motion.number("speed"));
     friction += std::log(scene.friction.static_coefficient) / static_cast<double>(plan.size());
   }
-  // 10 blocks of 5 motions x 4 compressions = 20 trials each: 7 translations, of which 2 stop, a rotation, 2 of both.
-  EXPECT_EQ(kinds["translation"], 140);
-  EXPECT_EQ(kinds["rotation"], 20);
-  EXPECT_EQ(kinds["both"], 40);
-  EXPECT_EQ(kinds["stop"], 40);
+  // 4 compressions of 50 motions: 4 translations at 6 speeds and 6 that stop, 8 rotations, 2 of both at 6 speeds.
+  EXPECT_EQ(kinds["translation"], 4 * (4 * 6 + 6));
+  EXPECT_EQ(kinds["rotation"], 4 * 8);
+  EXPECT_EQ(kinds["both"], 4 * 2 * 6);
+  EXPECT_EQ(kinds["stop"], 4 * 6);
   EXPECT_EQ(speeds, (std::set{0.0, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016}));
   EXPECT_EQ(compressions, (std::set{0.0006, 0.0009, 0.00105, 0.0013}));
   EXPECT_EQ(directions.size(), 200u) << "every trial draws its own direction";

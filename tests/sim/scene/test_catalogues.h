@@ -42,6 +42,8 @@ inline Catalogues test_catalogues() {
        "",
        {spec("rate", number, Quantity::frequency, "1 kHz", positive), spec("bristles", integer, Quantity::none, "1", {1.0, 64.0}),
         spec("bristle_spread", number, Quantity::none, "0.4", fraction),
+        spec("edge_drop", number, Quantity::length, "0.2 mm", non_negative),
+        spec("corner_drop", number, Quantity::length, "0.45 mm", non_negative),
         spec("profile", choice, Quantity::none, "gripper", any_value, {"gripper", "hexapod"}),
         spec("bias", flag, Quantity::none, "true")}}};
   catalogues.electronics["papillarray"] = {{"noise", "noise", "", "", {spec("scale", number, Quantity::none, "1", non_negative)}},
