@@ -196,7 +196,7 @@ TEST(CommandLine, TrainTakesARecipe) {
                             "latched", "--split", "object",   "--steps", "100",      "--held-out",    "25",
                             "--seed",  "3",       "--sensor", "pad",     "--alarms", "30/h",          "--resume"});
   ASSERT_TRUE(command.training.has_value());
-  EXPECT_EQ(command.training->dataset, "a.h5");
+  EXPECT_EQ(command.training->datasets.front(), "a.h5");
   EXPECT_EQ(command.training->output, "d.onnx");
   EXPECT_EQ(command.training->sensor, "pad");
   EXPECT_EQ(command.training->seed, 3U);
