@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
+#include <list>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <numeric>
 #include <set>
@@ -20,10 +22,12 @@
 #include "tools/base/dataset/kept_trials.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/isolated_worker.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/run/recorder.h"
 #include "tools/program/run/split.h"
+#include "tools/program/sweep/packed_trial.h"
 #include "tools/program/sweep/sweep_shard.h"
 
 namespace slipbench {
@@ -60,6 +64,26 @@ struct FinishedTrial {
   std::optional<EncodedTrial> encoded;
   std::string failure = {};  // why the trial failed; empty: it did not
 };
+
+template <MaybeConst<FinishedTrial> Value>
+auto fields_of(Value& trial) {
+  return std::tie(trial.summary, trial.duration, trial.computed, trial.encoded, trial.failure);
+}
+
+FinishedTrial failed_trial(std::size_t trial, std::string why) {
+  FinishedTrial failed;
+  failed.summary.trial = trial;
+  failed.failure = std::move(why);
+  return failed;
+}
+
+// `value` as an isolated process hands it over.
+template <class Value>
+std::string packed(const Value& value) {
+  Packed bytes;
+  bytes.put(value);
+  return bytes.release();
+}
 
 TrialSummary summary_of(TrialResult& result) {
   const TrialRecord& record = result.record;
@@ -146,33 +170,64 @@ std::vector<std::size_t> checked_trials(const TrialPlan& plan, const SweepOption
   return checked;
 }
 
+// What is found of a trial before anything runs.
+struct CheckedTrial {
+  double bytes = 0.0;              // of its record
+  std::vector<std::string> files;  // that it names
+};
+
+template <MaybeConst<CheckedTrial> Value>
+auto fields_of(Value& checked) {
+  return std::tie(checked.bytes, checked.files);
+}
+
+CheckedTrial check_one(const TrialPlan& plan, std::size_t index, std::size_t asked, const Catalogues& catalogues) {
+  try {
+    const Scene scene = plan.trial(index).scene;
+    if (scene.detector) check_run(*scene.detector, asked);
+    std::set<std::string> files;
+    add_named_files(scene, catalogues, files);
+    return {check_trial(scene, index), {files.begin(), files.end()}};
+  } catch (const SceneValueError& error) {
+    throw InputError(plan.where(index, error.path()) + ": " + error.what());
+  }
+}
+
+// Where an isolated trial was lost, and why.
+std::string lost_text(const TrialPlan& plan, std::size_t index, const LostWork& loss) {
+  return loss.path().empty() ? loss.what() : plan.where(index, loss.path()) + ": " + loss.what();
+}
+
 // Builds checked_trials(), so that a scene that contradicts itself, or whose records would not fit into memory, is refused before anything is
 // written. Adds the files that they name to `files`. `asked`: trials of the whole sweep.
 Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const std::vector<std::size_t>& trials,
                       std::size_t asked, const Catalogues& catalogues, std::set<std::string>& files) {
-  const std::vector<std::size_t> checked = checked_trials(plan, options, trials);
-  std::size_t index = checked.front();
-  std::size_t largest = index;  // trial of the largest record
+  const auto check = [&](std::size_t trial) { return check_one(plan, trial, options.only ? trial + 1 : asked, catalogues); };
+  std::optional<IsolatedWorker> apart;
+  if (options.isolate) apart.emplace([&](std::size_t trial) { return packed(check(trial)); }, options.trial_limit);
+  const std::vector<std::size_t> numbers = checked_trials(plan, options, trials);
+  std::size_t largest = numbers.front();  // trial of the largest record
   double bytes = 0.0;
-  try {
-    for (const std::size_t trial : checked) {
-      if (options.interrupt != nullptr && *options.interrupt) break;
-      index = trial;
-      const Scene scene = plan.trial(index).scene;
-      if (scene.detector) check_run(*scene.detector, options.only ? index + 1 : asked);
-      const double size = check_trial(scene, index);
-      add_named_files(scene, catalogues, files);
-      if (recording_of(options) == Recording::outcome || size <= bytes) continue;
-      largest = index;
-      bytes = size;
+  for (const std::size_t trial : numbers) {
+    if (options.interrupt != nullptr && *options.interrupt) break;
+    try {
+      const auto checked =
+          apart ? Packed::of(apart->run(trial, options.interrupt)).take<CheckedTrial>() : check(trial);
+      files.insert(checked.files.begin(), checked.files.end());
+      if (recording_of(options) == Recording::outcome || checked.bytes <= bytes) continue;
+      largest = trial;
+      bytes = checked.bytes;
+    } catch (const LostWork& loss) {
+      throw InputError(lost_text(plan, trial, loss));
     }
-    index = largest;
-    const Workforce workforce = workforce_for(options, trials.size(), bytes);
-    check_record_size(plan.trial(index).scene, bytes, workforce.max_bytes);
-    return workforce;
-  } catch (const SceneValueError& error) {
-    throw InputError(plan.where(index, error.path()) + ": " + error.what());
   }
+  const Workforce workforce = workforce_for(options, trials.size(), bytes);
+  try {
+    check_record_size(plan.trial(largest).scene, bytes, workforce.max_bytes);
+  } catch (const SceneValueError& error) {
+    throw InputError(plan.where(largest, error.path()) + ": " + error.what());
+  }
+  return workforce;
 }
 
 // As run_one; what went wrong is told with the trial's number, and with the line of the scene where one is to blame.
@@ -201,23 +256,35 @@ void hold_files(const WorkPlan& plan) {
   }
 }
 
-// `trials`: the numbers of those that the workers simulate.
-OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepOptions& options,
-                                              const std::vector<std::size_t>& trials) {
+// By the trial's number.
+using Simulate = std::function<FinishedTrial(std::size_t)>;
+
+Simulate simulation(const WorkPlan& plan, const SweepOptions& options) {
   std::shared_ptr<TrialEncoder> encoder = options.output.empty() ? nullptr : std::make_shared<TrialEncoder>();
-  return [plan, encoder, &trials](std::size_t index) {
+  return [plan, encoder](std::size_t trial) {
     try {
-      FinishedTrial finished = run_numbered(plan, trials[index], encoder.get());
+      FinishedTrial finished = run_numbered(plan, trial, encoder.get());
       hold_files(plan);
       return finished;
     } catch (const EndOfRun&) {
       throw;
     } catch (const InputError& error) {
       hold_files(plan);
-      FinishedTrial failed;
-      failed.summary.trial = trials[index];
-      failed.failure = error.what();
-      return failed;
+      return failed_trial(trial, error.what());
+    }
+  };
+}
+
+// The same by a process that does simulation().
+Simulate simulation_by(IsolatedWorker& worker, const WorkPlan& plan) {
+  return [&worker, plan](std::size_t trial) {
+    try {
+      return Packed::of(worker.run(trial, plan.interrupt)).take<FinishedTrial>();
+    } catch (const LostWork& loss) {
+      hold_files(plan);
+      return failed_trial(trial, fmt::format("trial {}: {}", trial, lost_text(plan.trials, trial, loss)));
+    } catch (const std::out_of_range&) {
+      return failed_trial(trial, fmt::format("trial {}: its process handed over what is none", trial));
     }
   };
 }
@@ -293,6 +360,9 @@ class RunningSweep {
   void finish();
   void report();
 
+  [[nodiscard]] WorkPlan work() const {
+    return {plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt, *files_};
+  }
   [[nodiscard]] bool holds(std::size_t trial) const { return kept_ && kept_->holds(trial); }
   [[nodiscard]] bool unpublished() const { return writer_ && writer_->published() < writer_->size(); }
 
@@ -303,6 +373,7 @@ class RunningSweep {
   std::vector<std::size_t> trials_;  // numbers of those that run
   Workforce workforce_;
   std::optional<HeldFiles> files_;  // that the trials name
+  std::list<IsolatedWorker> apart_;  // where trials are isolated one for each thread
   DatasetHeader header_;
   std::optional<KeptTrials> kept_;         // of an earlier run
   std::unique_ptr<DatasetWriter> writer_;  // null: nothing is written
@@ -339,6 +410,11 @@ void RunningSweep::check(const Catalogues& catalogues) {
              files_->digests(),
              {},
              summary_.shard};
+  // Here, since there are no threads and no dataset is open.
+  for (std::size_t i = 0; options_.isolate && i < workforce_.threads; ++i) {
+    apart_.emplace_back([simulate = simulation(work(), options_)](std::size_t trial) { return packed(simulate(trial)); },
+                        options_.trial_limit);
+  }
 }
 
 bool RunningSweep::resume() {
@@ -381,9 +457,14 @@ void RunningSweep::run_trials() {
   std::vector<std::size_t> missing;
   std::ranges::copy_if(trials_, std::back_inserter(missing), [&](std::size_t trial) { return !holds(trial); });
   summary_.trials.reserve(summary_.planned);  // growing, it would leave holes of as much again in the heap
-  const WorkPlan work{plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt, *files_};
-  OrderedWorkers<FinishedTrial> workers(
-      missing.size(), workforce_.threads, [&] { return make_work(work, options_, missing); }, options_.interrupt);
+  std::mutex mutex;
+  auto next = apart_.begin();
+  const auto make_work = [&]() -> OrderedWorkers<FinishedTrial>::Work {
+    const std::lock_guard lock(mutex);
+    Simulate simulate = apart_.empty() ? simulation(work(), options_) : simulation_by(*next++, work());
+    return [simulate = std::move(simulate), &missing](std::size_t index) { return simulate(missing[index]); };
+  };
+  OrderedWorkers<FinishedTrial> workers(missing.size(), workforce_.threads, make_work, options_.interrupt);
   // What is finished is made safe while nothing else is to be done, and at the latest after a moment: a sync may take a while.
   constexpr std::chrono::milliseconds longest_unsafe{250};
   auto due = std::chrono::steady_clock::now() + longest_unsafe;
@@ -391,7 +472,7 @@ void RunningSweep::run_trials() {
     end_if(options_.interrupt);
     const bool resumed = holds(trial);
     if (!resumed && unpublished() && !workers.ready_until(due)) writer_->publish();
-    std::optional<FinishedTrial> finished = resumed ? resumed_trial(*kept_, work, trial) : workers.next();
+    std::optional<FinishedTrial> finished = resumed ? resumed_trial(*kept_, work(), trial) : workers.next();
     if (!finished) break;
     take(*finished);
     if (!resumed) workers.give_back(std::move(*finished));

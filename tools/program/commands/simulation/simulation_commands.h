@@ -26,6 +26,7 @@ class SimulationCommand : public Command {
   int run() override;
 
   SweepOptions sweep;
+  bool isolate = false, together = false;  // as the options say; neither: isolated where there may be a plugin
   bool brief = false;  // progress and errors, no summary: for a command that says itself what came of it
 
  protected:
