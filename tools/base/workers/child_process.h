@@ -21,7 +21,9 @@ namespace slipbench {
 // What Packed is told of a type that it cannot copy: fields_of(value) is std::tie() of its members, for
 // `template <MaybeConst<Type> Value> auto fields_of(Value& value)`.
 template <class Value>
-concept HasFields = requires(Value& value) { fields_of(value); };
+concept HasFields = requires(Value& value) {
+  fields_of(value);
+};
 template <class Value, class Type>
 concept MaybeConst = std::is_same_v<std::remove_const_t<Value>, Type>;
 
@@ -37,6 +39,14 @@ class Packed {
     Packed packed;
     packed.elsewhere_ = bytes;
     return packed;
+  }
+
+  // `values` put one after the other.
+  template <class... Values>
+  static std::string bytes_of(const Values&... values) {
+    Packed packed;
+    packed.put(values...);
+    return packed.release();
   }
 
   template <class... Values>

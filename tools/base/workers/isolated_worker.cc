@@ -37,9 +37,7 @@ constexpr double idle = std::numeric_limits<double>::infinity();
 // On the clock that all processes share [s].
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-[[noreturn]] void throw_system(const char* what) {
-  throw std::runtime_error(fmt::format("{}: {}", what, std::strerror(errno)));
-}
+[[noreturn]] void throw_system(const char* what) { throw std::runtime_error(fmt::format("{}: {}", what, std::strerror(errno))); }
 
 // A process ends with the one that made it, and leaves signals of the terminal or of a batch system to the first.
 void depend_on(pid_t maker) {
@@ -74,8 +72,7 @@ struct IsolatedWorker::Message {
   int status = 0;     // waitpid's
 };
 
-IsolatedWorker::IsolatedWorker(std::function<std::string(std::size_t)> work, double limit)
-    : limit_(limit) {
+IsolatedWorker::IsolatedWorker(std::function<std::string(std::size_t)> work, double limit) : limit_(limit) {
   std::error_code gone;
   folder_ = std::filesystem::current_path(gone).string();
   std::array<int, 2> ends{};
@@ -189,12 +186,12 @@ IsolatedWorker::Message IsolatedWorker::answer(const std::atomic<bool>* interrup
 void IsolatedWorker::tell_loss(const Message& message) const {
   const auto text = [](const auto& place) { return std::string(place.data(), ::strnlen(place.data(), place.size())); };
   const std::string key = text(page_->lost.key), function = text(page_->lost.function);
-  const std::string subject =
-      function.empty() ? "its process" : fmt::format("{}: {}", key, text(page_->lost.library));
+  const std::string subject = function.empty() ? "its process" : fmt::format("{}: {}", key, text(page_->lost.library));
   const std::string in = function.empty() ? "" : " in " + function;
   const std::string path = function.empty() ? "" : key;
   if (message.late) throw LostWork(path, fmt::format("{} was still at work{} after {:g} s, the limit", subject, in, limit_));
-  if (!WIFSIGNALED(message.status)) throw LostWork(path, fmt::format("{} ended{}{}", subject, function.empty() ? "" : " its process", in));
+  if (!WIFSIGNALED(message.status))
+    throw LostWork(path, fmt::format("{} ended{}{}", subject, function.empty() ? "" : " its process", in));
   throw LostWork(path, fmt::format("{} crashed{}: {}", subject, in, signal_text(WTERMSIG(message.status))));
 }
 

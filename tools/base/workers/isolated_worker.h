@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "sim/core/error.h"
+#include "tools/base/workers/child_process.h"
 
 namespace slipbench {
 
@@ -42,6 +43,14 @@ class IsolatedWorker {
   // that ends a process which has done other work is done once more in a fresh one: it may be innocent.
   std::string_view run(std::size_t index, const std::atomic<bool>* interrupt);
 
+  // What make() returns, made here or, where `apart` says so, as the only work of such a process.
+  template <class Make>
+  static auto made(bool apart, double limit, const Make& make) {
+    if (!apart) return make();
+    IsolatedWorker worker([&make](std::size_t) { return Packed::bytes_of(make()); }, limit);
+    return Packed::of(worker.run(0, nullptr)).template take<decltype(make())>();
+  }
+
  private:
   struct Page;
   struct Message;
@@ -52,14 +61,14 @@ class IsolatedWorker {
   [[noreturn]] void tell_loss(const Message& message) const;
   void map(std::size_t size);
 
-  double limit_;           // s
-  int channel_ = -1;       // to both other processes
-  int bytes_ = -1;         // file in memory, of the last answer
-  int keeper_ = -1;        // process
-  Page* page_ = nullptr;   // shared
-  std::string folder_;     // that is current
+  double limit_;            // s
+  int channel_ = -1;        // to both other processes
+  int bytes_ = -1;          // file in memory, of the last answer
+  int keeper_ = -1;         // process
+  Page* page_ = nullptr;    // shared
+  std::string folder_;      // that is current
   std::uint64_t sent_ = 0;  // requests
-  bool fresh_ = true;      // the process has answered nothing yet
+  bool fresh_ = true;       // the process has answered nothing yet
   const char* mapped_ = nullptr;
   std::size_t mapped_size_ = 0;
 };

@@ -77,14 +77,6 @@ FinishedTrial failed_trial(std::size_t trial, std::string why) {
   return failed;
 }
 
-// `value` as an isolated process hands it over.
-template <class Value>
-std::string packed(const Value& value) {
-  Packed bytes;
-  bytes.put(value);
-  return bytes.release();
-}
-
 TrialSummary summary_of(TrialResult& result) {
   const TrialRecord& record = result.record;
   TrialSummary summary{.trial = record.trial, .params = record.params, .outcome = record.outcome, .sensors = {}, .detector = {}};
@@ -107,7 +99,6 @@ struct WorkPlan {
   Recording recording = Recording::full;
   double max_bytes = max_record_bytes;  // of a trial's record
   const std::atomic<bool>* interrupt = nullptr;
-  const HeldFiles& files;
 };
 
 // Says nothing of the trial. So it ends the run, whose finished trials are kept, and is not noted as a failure.
@@ -204,15 +195,14 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const 
                       std::size_t asked, const Catalogues& catalogues, std::set<std::string>& files) {
   const auto check = [&](std::size_t trial) { return check_one(plan, trial, options.only ? trial + 1 : asked, catalogues); };
   std::optional<IsolatedWorker> apart;
-  if (options.isolate) apart.emplace([&](std::size_t trial) { return packed(check(trial)); }, options.trial_limit);
+  if (options.isolate) apart.emplace([&](std::size_t trial) { return Packed::bytes_of(check(trial)); }, options.trial_limit);
   const std::vector<std::size_t> numbers = checked_trials(plan, options, trials);
   std::size_t largest = numbers.front();  // trial of the largest record
   double bytes = 0.0;
   for (const std::size_t trial : numbers) {
     if (options.interrupt != nullptr && *options.interrupt) break;
     try {
-      const auto checked =
-          apart ? Packed::of(apart->run(trial, options.interrupt)).take<CheckedTrial>() : check(trial);
+      const auto checked = apart ? Packed::of(apart->run(trial, options.interrupt)).take<CheckedTrial>() : check(trial);
       files.insert(checked.files.begin(), checked.files.end());
       if (recording_of(options) == Recording::outcome || checked.bytes <= bytes) continue;
       largest = trial;
@@ -247,15 +237,6 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
   }
 }
 
-// After a trial: whether it read the same files as all others.
-void hold_files(const WorkPlan& plan) {
-  try {
-    plan.files.check();
-  } catch (const InputError& error) {
-    throw EndOfRun(error.what());
-  }
-}
-
 // By the trial's number.
 using Simulate = std::function<FinishedTrial(std::size_t)>;
 
@@ -263,13 +244,10 @@ Simulate simulation(const WorkPlan& plan, const SweepOptions& options) {
   std::shared_ptr<TrialEncoder> encoder = options.output.empty() ? nullptr : std::make_shared<TrialEncoder>();
   return [plan, encoder](std::size_t trial) {
     try {
-      FinishedTrial finished = run_numbered(plan, trial, encoder.get());
-      hold_files(plan);
-      return finished;
+      return run_numbered(plan, trial, encoder.get());
     } catch (const EndOfRun&) {
       throw;
     } catch (const InputError& error) {
-      hold_files(plan);
       return failed_trial(trial, error.what());
     }
   };
@@ -281,7 +259,6 @@ Simulate simulation_by(IsolatedWorker& worker, const WorkPlan& plan) {
     try {
       return Packed::of(worker.run(trial, plan.interrupt)).take<FinishedTrial>();
     } catch (const LostWork& loss) {
-      hold_files(plan);
       return failed_trial(trial, fmt::format("trial {}: {}", trial, lost_text(plan.trials, trial, loss)));
     } catch (const std::out_of_range&) {
       return failed_trial(trial, fmt::format("trial {}: its process handed over what is none", trial));
@@ -332,7 +309,11 @@ TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, 
 
 // The numbers of those that run.
 std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const SweepOptions& options, std::uint64_t seed) {
-  if (options.shard) return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
+  if (options.shard) {
+    return IsolatedWorker::made(options.isolate, options.trial_limit, [&] {
+      return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
+    });
+  }
   std::vector<std::size_t> trials(options.only ? 1 : planned.asked);
   std::iota(trials.begin(), trials.end(), options.only.value_or(0));
   return trials;
@@ -361,7 +342,7 @@ class RunningSweep {
   void report();
 
   [[nodiscard]] WorkPlan work() const {
-    return {plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt, *files_};
+    return {plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt};
   }
   [[nodiscard]] bool holds(std::size_t trial) const { return kept_ && kept_->holds(trial); }
   [[nodiscard]] bool unpublished() const { return writer_ && writer_->published() < writer_->size(); }
@@ -372,7 +353,7 @@ class RunningSweep {
   const TrialPlan& plan_;
   std::vector<std::size_t> trials_;  // numbers of those that run
   Workforce workforce_;
-  std::optional<HeldFiles> files_;  // that the trials name
+  std::optional<HeldFiles> files_;   // that the trials name
   std::list<IsolatedWorker> apart_;  // where trials are isolated one for each thread
   DatasetHeader header_;
   std::optional<KeptTrials> kept_;         // of an earlier run
@@ -412,8 +393,9 @@ void RunningSweep::check(const Catalogues& catalogues) {
              summary_.shard};
   // Here, since there are no threads and no dataset is open.
   for (std::size_t i = 0; options_.isolate && i < workforce_.threads; ++i) {
-    apart_.emplace_back([simulate = simulation(work(), options_)](std::size_t trial) { return packed(simulate(trial)); },
-                        options_.trial_limit);
+    apart_.emplace_back(
+        [simulate = simulation(work(), options_)](std::size_t trial) { return Packed::bytes_of(simulate(trial)); },
+        options_.trial_limit);
   }
 }
 
@@ -462,7 +444,11 @@ void RunningSweep::run_trials() {
   const auto make_work = [&]() -> OrderedWorkers<FinishedTrial>::Work {
     const std::lock_guard lock(mutex);
     Simulate simulate = apart_.empty() ? simulation(work(), options_) : simulation_by(*next++, work());
-    return [simulate = std::move(simulate), &missing](std::size_t index) { return simulate(missing[index]); };
+    return [this, simulate = std::move(simulate), &missing](std::size_t index) {
+      FinishedTrial finished = simulate(missing[index]);
+      files_->check();  // whether it read the same files as all others
+      return finished;
+    };
   };
   OrderedWorkers<FinishedTrial> workers(missing.size(), workforce_.threads, make_work, options_.interrupt);
   // What is finished is made safe while nothing else is to be done, and at the latest after a moment: a sync may take a while.

@@ -176,7 +176,8 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
                  recording_words);
   arguments.flag("--isolate", isolate,
                  "Simulate in processes of their own, so that a plugin that ends one, or never returns, fails its trial alone");
-  arguments.flag("--no-isolate", together, "Simulate in threads (the default, but for several trials of a scene that says plugin)");
+  arguments.flag("--no-isolate", together,
+                 "Simulate in threads (the default, but for several trials of a scene that says plugin)");
   arguments.quantity("--trial-limit TIME", sweep.trial_limit, "A trial that takes longer has failed; implies --isolate",
                      Quantity::time);
   arguments.flag("--resume", sweep.resume, "Go on with what a killed or interrupted run of the same command has left of FILE.h5");
