@@ -5,7 +5,7 @@
 #include <csetjmp>
 #include <csignal>
 #include <cstddef>
-#include <stdexcept>
+#include <cstring>
 
 namespace slipbench {
 namespace {
@@ -108,8 +108,7 @@ int run_guarded(void (*call)(void*), void* context) {
 
 std::string signal_text(int signal) {
   const auto* const found = std::ranges::find(guarded_signals, signal, &GuardedSignal::number);
-  if (found == guarded_signals.end()) throw std::logic_error("a signal that is not guarded");
-  return found->text;
+  return found == guarded_signals.end() ? ::strsignal(signal) : found->text;
 }
 
 }  // namespace slipbench

@@ -34,7 +34,7 @@ int run_guarded(Call& call) {
   return run_guarded([](void* context) { (*static_cast<Call*>(context))(); }, std::addressof(call));
 }
 
-// A signal that run_guarded() returns, for a message: "SIGSEGV (segmentation fault)".
+// A signal for a message: "SIGSEGV (segmentation fault)".
 std::string signal_text(int signal);
 
 }  // namespace slipbench

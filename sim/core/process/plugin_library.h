@@ -1,6 +1,7 @@
 // The program's side of sim/core/plugin_abi.h: what sensors, detectors and controllers from shared libraries have in common.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <exception>
 #include <optional>
@@ -16,6 +17,13 @@
 #include "sim/core/sensor_frame.h"
 
 namespace slipbench {
+
+// A call into a library, noted where those can read it who outlive the process that makes it.
+struct NotedCall {
+  std::array<char, 128> key{};       // of the scene: "detector.library"
+  std::array<char, 1024> library{};  // in quotes
+  std::array<char, 64> function{};   // empty: no call is under way
+};
 
 // A shared library, or code of the same interface that the program is built with. A library stays loaded when the object goes, since threads that
 // it has started may run on; one that has changed since needs another start of the program. Whatever it does wrong is a SceneValueError at
@@ -35,6 +43,9 @@ class PluginLibrary {
   // Whether the process has loaded one, or tried to. Its threads and its destructors may crash while the process ends, so that it should end by
   // std::_Exit().
   static bool any();
+
+  // For a process that may be lost: from here on `place` holds the call that is under way, and a crash ends the process, as exit() does, unheard.
+  static void note_calls(NotedCall& place);
 
   // What the library declares as its parameters, with the values of `given`. Throws SceneValueError at `where`.parameters.<name>
   // for a name that the library does not declare and a value that is not of the declared type, and at `where`.library for a
@@ -77,7 +88,14 @@ class PluginLibrary {
         thrown = "an exception";
       }
     };
-    settle(function, run_guarded(caught), thrown);
+    const bool noted = note(function);
+    int signal = 0;
+    if (noted) {
+      caught();
+    } else {
+      signal = run_guarded(caught);
+    }
+    settle(function, signal, thrown);
   }
 
   [[nodiscard]] bool has_crashed() const { return crashed_; }
@@ -90,6 +108,8 @@ class PluginLibrary {
  private:
   [[nodiscard]] void* symbol(const std::string& name) const;
   void check_build(const slipbench_abi& own);
+  // Whether calls are noted; then so is this one, until settle().
+  [[nodiscard]] bool note(const std::string& function) const;
   void settle(const std::string& function, int signal, const std::string& thrown);
   std::vector<Values::Value> declared();
   void take(const std::string& text, Values::Value& value) const;

@@ -66,7 +66,7 @@ TEST_F(CrashGuard, ReturnsTheSignal) {
     EXPECT_EQ(guarded([&] { std::raise(signal); }), signal);
     EXPECT_EQ(signal_text(signal).substr(0, 3), "SIG");
   }
-  EXPECT_THROW(signal_text(SIGTERM), std::logic_error);
+  EXPECT_EQ(signal_text(SIGTERM), "Terminated");
 }
 
 TEST_F(CrashGuard, ReturnsFromAnOverflowOfTheStack) {

@@ -23,25 +23,11 @@ namespace {
 
 using Kind = ChildEnd::Kind;
 
-// The first byte of what a child sends is a Kind.
-std::string message(Kind kind, std::string_view text) { return static_cast<char>(kind) + std::string(text); }
-
-std::string message_of(const std::function<std::string()>& action) {
-  try {
-    return message(Kind::result, action());
-  } catch (const InputError& error) {
-    return message(Kind::bad_input, error.what());
-  } catch (const std::bad_alloc&) {
-    return message(Kind::no_memory, "");
-  } catch (const std::exception& error) {
-    return message(Kind::failure, error.what());
-  }
-}
-
 [[noreturn]] void be_the_child(int channel, const std::function<std::string()>& action) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   std::signal(SIGINT, SIG_IGN);
-  const std::string text = message_of(action);
+  const ChildEnd end = ChildEnd::of(action);
+  const std::string text = static_cast<char>(end.kind) + end.text;  // as ChildProcess::end() reads it
   std::size_t sent = 0;
   while (sent < text.size()) {
     const ssize_t count = ::write(channel, text.data() + sent, text.size() - sent);
@@ -51,22 +37,33 @@ std::string message_of(const std::function<std::string()>& action) {
   ::_exit(0);  // nothing of the parent's is torn down or flushed twice
 }
 
-std::string result_of(ChildProcess& child) {
-  ChildEnd end = child.end();
-  switch (end.kind) {
+}  // namespace
+
+ChildEnd ChildEnd::of(const std::function<std::string()>& action) {
+  try {
+    return {.kind = Kind::result, .text = action()};
+  } catch (const InputError& error) {
+    return {.kind = Kind::bad_input, .text = error.what()};
+  } catch (const std::bad_alloc&) {
+    return {.kind = Kind::no_memory, .text = {}};
+  } catch (const std::exception& error) {
+    return {.kind = Kind::failure, .text = error.what()};
+  }
+}
+
+std::string ChildEnd::result() && {
+  switch (kind) {
     case Kind::result: break;
-    case Kind::bad_input: throw InputError(end.text);
+    case Kind::bad_input: throw InputError(text);
     case Kind::no_memory: throw std::runtime_error("a process had no memory left");
-    case Kind::failure: throw std::runtime_error(end.text);
+    case Kind::failure: throw std::runtime_error(text);
     case Kind::broken:
       throw std::runtime_error(
           fmt::format("a process ended without a result{}",
-                      WIFSIGNALED(end.status) ? fmt::format(" ({})", ::strsignal(WTERMSIG(end.status))) : std::string()));
+                      WIFSIGNALED(status) ? fmt::format(" ({})", ::strsignal(WTERMSIG(status))) : std::string()));
   }
-  return std::move(end.text);
+  return std::move(text);
 }
-
-}  // namespace
 
 ChildProcess::ChildProcess(const std::function<std::string()>& action) {
   std::array<int, 2> ends{};
@@ -143,7 +140,7 @@ std::vector<std::string> run_in_processes(std::size_t count, std::size_t jobs,
         left.push_back(std::move(running[i]));
       } else {
         const std::size_t index = running[i].index;
-        results[index] = result_of(running[i].child);
+        results[index] = running[i].child.end().result();
         if (done) done(index, results[index]);
       }
     }

@@ -5,20 +5,49 @@
 #include <cstddef>
 #include <cstring>
 #include <functional>
+#include <stdexcept>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace slipbench {
 
-// Values as bytes on their way from a child process (child_process.h) to its caller. Both are the same program.
+// Values as bytes on their way from a child process to its caller. Both are the same program.
 
-// What is put is taken in the same order: values that can be copied as bytes, and texts and vectors of such.
+// What Packed is told of a type that it cannot copy: fields_of(value) is std::tie() of its members, for
+// `template <MaybeConst<Type> Value> auto fields_of(Value& value)`.
+template <class Value>
+concept HasFields = requires(Value& value) {
+  fields_of(value);
+};
+template <class Value, class Type>
+concept MaybeConst = std::is_same_v<std::remove_const_t<Value>, Type>;
+
+// What is put is taken in the same order: values that can be copied as bytes, those that have fields_of(), and of both texts, vectors, maps, optionals
+// and variants.
+// Taking throws std::out_of_range where the bytes are not those that were put.
 class Packed {
  public:
   Packed() = default;
   explicit Packed(std::string bytes) : bytes_(std::move(bytes)) {}
+  // Bytes that must outlive the object.
+  static Packed of(std::string_view bytes) {
+    Packed packed;
+    packed.elsewhere_ = bytes;
+    return packed;
+  }
+
+  // `values` put one after the other.
+  template <class... Values>
+  static std::string bytes_of(const Values&... values) {
+    Packed packed;
+    packed.put(values...);
+    return packed.release();
+  }
 
   template <class... Values>
   void put(const Values&... values) {
@@ -34,7 +63,7 @@ class Packed {
     take_one(value);
     return value;
   }
-  [[nodiscard]] bool at_end() const { return place_ == bytes_.size(); }
+  [[nodiscard]] bool at_end() const { return place_ == all().size(); }
   std::string release() { return std::move(bytes_); }
 
  private:
@@ -42,26 +71,68 @@ class Packed {
   void put_one(const Value& value) {
     if constexpr (std::is_trivially_copyable_v<Value>) {
       bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+    } else if constexpr (HasFields<const Value>) {
+      std::apply([this](const auto&... fields) { put(fields...); }, fields_of(value));
+    } else if constexpr (requires { value.has_value(); }) {
+      put_one(value.has_value());
+      if (value) put_one(*value);
+    } else if constexpr (requires { value.valueless_by_exception(); }) {
+      put_one(value.index());
+      std::visit([this](const auto& held) { put_one(held); }, value);
     } else {
       put_one(value.size());
-      bytes_.append(reinterpret_cast<const char*>(value.data()), value.size() * sizeof(typename Value::value_type));
+      if constexpr (requires { typename Value::mapped_type; }) {
+        for (const auto& [key, mapped] : value) put(key, mapped);
+      } else if constexpr (std::is_trivially_copyable_v<typename Value::value_type>) {
+        bytes_.append(reinterpret_cast<const char*>(value.data()), value.size() * sizeof(typename Value::value_type));
+      } else {
+        for (const auto& each : value) put_one(each);
+      }
     }
   }
   template <class Value>
   void take_one(Value& value) {
     if constexpr (std::is_trivially_copyable_v<Value>) {
       copy(&value, sizeof value);
+    } else if constexpr (HasFields<Value>) {
+      std::apply([this](auto&... fields) { take(fields...); }, fields_of(value));
+    } else if constexpr (requires { value.has_value(); }) {
+      if (take<bool>()) take_one(value.emplace());
+    } else if constexpr (requires { typename Value::mapped_type; }) {
+      for (auto left = take<std::size_t>(); left > 0; --left) {
+        const auto key = take<typename Value::key_type>();
+        take_one(value[key]);
+      }
     } else {
-      value.resize(take<std::size_t>());
-      copy(value.data(), value.size() * sizeof(typename Value::value_type));
+      const auto count = take<std::size_t>();
+      constexpr bool plain = std::is_trivially_copyable_v<typename Value::value_type>;
+      expect(count, plain ? sizeof(typename Value::value_type) : 1);
+      value.resize(count);
+      if constexpr (plain) {
+        copy(value.data(), count * sizeof(typename Value::value_type));
+      } else {
+        for (auto& each : value) take_one(each);
+      }
     }
   }
+  template <class... Kinds>
+  void take_one(std::variant<Kinds...>& value) {
+    const auto index = take<std::size_t>();
+    std::size_t kind = 0;
+    ((kind++ == index ? take_one(value.template emplace<Kinds>()) : void()), ...);
+  }
   void copy(void* to, std::size_t size) {
-    if (size > 0) std::memcpy(to, bytes_.data() + place_, size);
+    expect(size, 1);
+    if (size > 0) std::memcpy(to, all().data() + place_, size);
     place_ += size;
   }
+  void expect(std::size_t count, std::size_t size) const {
+    if (count > (all().size() - place_) / size) throw std::out_of_range("bytes that are not those that were put");
+  }
+  [[nodiscard]] std::string_view all() const { return elsewhere_.empty() ? bytes_ : elsewhere_; }
 
   std::string bytes_;
+  std::string_view elsewhere_;
   std::size_t place_ = 0;
 };
 
@@ -79,6 +150,11 @@ struct ChildEnd {
   Kind kind = Kind::broken;
   std::string text;  // what it returned, or the exception's words
   int status = 0;    // waitpid's
+
+  // How `action`, called here, ends.
+  static ChildEnd of(const std::function<std::string()>& action);
+  // What it returned. Throws InputError as such, all else as std::runtime_error.
+  std::string result() &&;
 };
 
 // A copy of this process that does one thing. It ends with its parent, and a Ctrl-C of the terminal is the parent's affair. Call it while this

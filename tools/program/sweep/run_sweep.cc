@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
+#include <list>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <numeric>
 #include <set>
@@ -20,10 +22,12 @@
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/isolated_worker.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/run/recorder.h"
 #include "tools/program/run/split.h"
+#include "tools/program/sweep/packed_trial.h"
 #include "tools/program/sweep/sweep_shard.h"
 
 namespace slipbench {
@@ -59,6 +63,18 @@ struct FinishedTrial {
   std::string failure = {};  // why the trial failed; empty: it did not
 };
 
+template <MaybeConst<FinishedTrial> Value>
+auto fields_of(Value& trial) {
+  return std::tie(trial.summary, trial.duration, trial.computed, trial.encoded, trial.failure);
+}
+
+FinishedTrial failed_trial(std::size_t trial, std::string why) {
+  FinishedTrial failed;
+  failed.summary.trial = trial;
+  failed.failure = std::move(why);
+  return failed;
+}
+
 TrialSummary summary_of(TrialResult& result) {
   const TrialRecord& record = result.record;
   TrialSummary summary{.trial = record.trial, .params = record.params, .outcome = record.outcome, .sensors = {}, .detector = {}};
@@ -81,7 +97,6 @@ struct WorkPlan {
   Recording recording = Recording::full;
   double max_bytes = max_record_bytes;  // of a trial's record
   const std::atomic<bool>* interrupt = nullptr;
-  const HeldFiles& files;
 };
 
 // Says nothing of the trial. So it ends the run, whose finished trials are kept, and is not noted as a failure.
@@ -144,33 +159,63 @@ std::vector<std::size_t> checked_trials(const TrialPlan& plan, const SweepOption
   return checked;
 }
 
+// What is found of a trial before anything runs.
+struct CheckedTrial {
+  double bytes = 0.0;              // of its record
+  std::vector<std::string> files;  // that it names
+};
+
+template <MaybeConst<CheckedTrial> Value>
+auto fields_of(Value& checked) {
+  return std::tie(checked.bytes, checked.files);
+}
+
+CheckedTrial check_one(const TrialPlan& plan, std::size_t index, std::size_t asked, const Catalogues& catalogues) {
+  try {
+    const Scene scene = plan.trial(index).scene;
+    if (scene.detector) check_run(*scene.detector, asked);
+    std::set<std::string> files;
+    add_named_files(scene, catalogues, files);
+    return {check_trial(scene, index), {files.begin(), files.end()}};
+  } catch (const SceneValueError& error) {
+    throw InputError(plan.where(index, error.path()) + ": " + error.what());
+  }
+}
+
+// Where an isolated trial was lost, and why.
+std::string lost_text(const TrialPlan& plan, std::size_t index, const LostWork& loss) {
+  return loss.path().empty() ? loss.what() : plan.where(index, loss.path()) + ": " + loss.what();
+}
+
 // Builds checked_trials(), so that a scene that contradicts itself, or whose records would not fit into memory, is refused before anything is
 // written. Adds the files that they name to `files`. `asked`: trials of the whole sweep.
 Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const std::vector<std::size_t>& trials,
                       std::size_t asked, const Catalogues& catalogues, std::set<std::string>& files) {
-  const std::vector<std::size_t> checked = checked_trials(plan, options, trials);
-  std::size_t index = checked.front();
-  std::size_t largest = index;  // trial of the largest record
+  const auto check = [&](std::size_t trial) { return check_one(plan, trial, options.only ? trial + 1 : asked, catalogues); };
+  std::optional<IsolatedWorker> apart;
+  if (options.isolate) apart.emplace([&](std::size_t trial) { return Packed::bytes_of(check(trial)); }, options.trial_limit);
+  const std::vector<std::size_t> numbers = checked_trials(plan, options, trials);
+  std::size_t largest = numbers.front();  // trial of the largest record
   double bytes = 0.0;
-  try {
-    for (const std::size_t trial : checked) {
-      if (options.interrupt != nullptr && *options.interrupt) break;
-      index = trial;
-      const Scene scene = plan.trial(index).scene;
-      if (scene.detector) check_run(*scene.detector, options.only ? index + 1 : asked);
-      const double size = check_trial(scene, index);
-      add_named_files(scene, catalogues, files);
-      if (recording_of(options) == Recording::outcome || size <= bytes) continue;
-      largest = index;
-      bytes = size;
+  for (const std::size_t trial : numbers) {
+    if (options.interrupt != nullptr && *options.interrupt) break;
+    try {
+      const auto checked = apart ? Packed::of(apart->run(trial, options.interrupt)).take<CheckedTrial>() : check(trial);
+      files.insert(checked.files.begin(), checked.files.end());
+      if (recording_of(options) == Recording::outcome || checked.bytes <= bytes) continue;
+      largest = trial;
+      bytes = checked.bytes;
+    } catch (const LostWork& loss) {
+      throw InputError(lost_text(plan, trial, loss));
     }
-    index = largest;
-    const Workforce workforce = workforce_for(options, trials.size(), bytes);
-    check_record_size(plan.trial(index).scene, bytes, workforce.max_bytes);
-    return workforce;
-  } catch (const SceneValueError& error) {
-    throw InputError(plan.where(index, error.path()) + ": " + error.what());
   }
+  const Workforce workforce = workforce_for(options, trials.size(), bytes);
+  try {
+    check_record_size(plan.trial(largest).scene, bytes, workforce.max_bytes);
+  } catch (const SceneValueError& error) {
+    throw InputError(plan.where(largest, error.path()) + ": " + error.what());
+  }
+  return workforce;
 }
 
 // As run_one; what went wrong is told with the trial's number, and with the line of the scene where one is to blame.
@@ -190,32 +235,31 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
   }
 }
 
-// After a trial: whether it read the same files as all others.
-void hold_files(const WorkPlan& plan) {
-  try {
-    plan.files.check();
-  } catch (const InputError& error) {
-    throw EndOfRun(error.what());
-  }
-}
+// By the trial's number.
+using Simulate = std::function<FinishedTrial(std::size_t)>;
 
-// `trials`: the numbers of those that the workers simulate.
-OrderedWorkers<FinishedTrial>::Work make_work(const WorkPlan& plan, const SweepOptions& options,
-                                              const std::vector<std::size_t>& trials) {
+Simulate simulation(const WorkPlan& plan, const SweepOptions& options) {
   std::shared_ptr<TrialEncoder> encoder = options.output.empty() ? nullptr : std::make_shared<TrialEncoder>();
-  return [plan, encoder, &trials](std::size_t index) {
+  return [plan, encoder](std::size_t trial) {
     try {
-      FinishedTrial finished = run_numbered(plan, trials[index], encoder.get());
-      hold_files(plan);
-      return finished;
+      return run_numbered(plan, trial, encoder.get());
     } catch (const EndOfRun&) {
       throw;
     } catch (const InputError& error) {
-      hold_files(plan);
-      FinishedTrial failed;
-      failed.summary.trial = trials[index];
-      failed.failure = error.what();
-      return failed;
+      return failed_trial(trial, error.what());
+    }
+  };
+}
+
+// The same by a process that does simulation().
+Simulate simulation_by(IsolatedWorker& worker, const WorkPlan& plan) {
+  return [&worker, plan](std::size_t trial) {
+    try {
+      return Packed::of(worker.run(trial, plan.interrupt)).take<FinishedTrial>();
+    } catch (const LostWork& loss) {
+      return failed_trial(trial, fmt::format("trial {}: {}", trial, lost_text(plan.trials, trial, loss)));
+    } catch (const std::out_of_range&) {
+      return failed_trial(trial, fmt::format("trial {}: its process handed over what is none", trial));
     }
   };
 }
@@ -263,7 +307,11 @@ TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, 
 
 // The numbers of those that run.
 std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const SweepOptions& options, std::uint64_t seed) {
-  if (options.shard) return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
+  if (options.shard) {
+    return IsolatedWorker::made(options.isolate, options.trial_limit, [&] {
+      return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
+    });
+  }
   std::vector<std::size_t> trials(options.only ? 1 : planned.asked);
   std::iota(trials.begin(), trials.end(), options.only.value_or(0));
   return trials;
@@ -291,6 +339,9 @@ class RunningSweep {
   void finish();
   void report();
 
+  [[nodiscard]] WorkPlan work() const {
+    return {plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt};
+  }
   [[nodiscard]] bool holds(std::size_t trial) const { return kept_ && kept_->holds(trial); }
   [[nodiscard]] bool unpublished() const { return writer_ && writer_->published() < writer_->size(); }
 
@@ -300,7 +351,8 @@ class RunningSweep {
   const TrialPlan& plan_;
   std::vector<std::size_t> trials_;  // numbers of those that run
   Workforce workforce_;
-  std::optional<HeldFiles> files_;  // that the trials name
+  std::optional<HeldFiles> files_;   // that the trials name
+  std::list<IsolatedWorker> apart_;  // where trials are isolated one for each thread
   DatasetHeader header_;
   std::optional<KeptTrials> kept_;         // of an earlier run
   std::unique_ptr<DatasetWriter> writer_;  // null: nothing is written
@@ -337,6 +389,12 @@ void RunningSweep::check(const Catalogues& catalogues) {
              files_->digests(),
              {},
              summary_.shard};
+  // Here, since there are no threads and no dataset is open.
+  for (std::size_t i = 0; options_.isolate && i < workforce_.threads; ++i) {
+    apart_.emplace_back(
+        [simulate = simulation(work(), options_)](std::size_t trial) { return Packed::bytes_of(simulate(trial)); },
+        options_.trial_limit);
+  }
 }
 
 bool RunningSweep::resume() {
@@ -379,9 +437,18 @@ void RunningSweep::run_trials() {
   std::vector<std::size_t> missing;
   std::ranges::copy_if(trials_, std::back_inserter(missing), [&](std::size_t trial) { return !holds(trial); });
   summary_.trials.reserve(summary_.planned);  // growing, it would leave holes of as much again in the heap
-  const WorkPlan work{plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt, *files_};
-  OrderedWorkers<FinishedTrial> workers(
-      missing.size(), workforce_.threads, [&] { return make_work(work, options_, missing); }, options_.interrupt);
+  std::mutex mutex;
+  auto next = apart_.begin();
+  const auto make_work = [&]() -> OrderedWorkers<FinishedTrial>::Work {
+    const std::lock_guard lock(mutex);
+    Simulate simulate = apart_.empty() ? simulation(work(), options_) : simulation_by(*next++, work());
+    return [this, simulate = std::move(simulate), &missing](std::size_t index) {
+      FinishedTrial finished = simulate(missing[index]);
+      files_->check();  // whether it read the same files as all others
+      return finished;
+    };
+  };
+  OrderedWorkers<FinishedTrial> workers(missing.size(), workforce_.threads, make_work, options_.interrupt);
   // What is finished is made safe while nothing else is to be done, and at the latest after a moment: a sync may take a while.
   constexpr std::chrono::milliseconds longest_unsafe{250};
   auto due = std::chrono::steady_clock::now() + longest_unsafe;
@@ -389,7 +456,7 @@ void RunningSweep::run_trials() {
     end_if(options_.interrupt);
     const bool resumed = holds(trial);
     if (!resumed && unpublished() && !workers.ready_until(due)) writer_->publish();
-    std::optional<FinishedTrial> finished = resumed ? resumed_trial(*kept_, work, trial) : workers.next();
+    std::optional<FinishedTrial> finished = resumed ? resumed_trial(*kept_, work(), trial) : workers.next();
     if (!finished) break;
     take(*finished);
     if (!resumed) workers.give_back(std::move(*finished));

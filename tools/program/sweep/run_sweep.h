@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -63,7 +64,10 @@ struct SweepOptions {
   bool resume = false;     // go on with what a run of the same that did not come to its end has left of `output`
   bool keep_units = true;  // in the summary of every trial of several: some 100 B a unit
   std::size_t jobs = 0;    // worker threads; 0: as many as the machine has, or as their records have room for
-  std::string output;      // dataset; empty: nothing is written
+  bool isolate =
+      false;  // simulate in processes of their own, for code that may end them; not in a process that has other threads
+  double trial_limit = std::numeric_limits<double>::infinity();  // s, after which an isolated trial has failed
+  std::string output;                                            // dataset; empty: nothing is written
   Recording recording = Recording::full;  // what the dataset holds of a trial: its outcome alone takes some kB
   std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
   const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials end and count for nothing

@@ -8,17 +8,25 @@
 #include <optional>
 #include <set>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "tools/base/workers/isolated_worker.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/run/split.h"
 
 namespace slipbench {
+
+template <MaybeConst<Warning> Value>
+auto fields_of(Value& warning) {
+  return std::tie(warning.about, warning.text);
+}
+
 namespace {
 
 constexpr std::size_t most_read = 64;     // trials whose values are looked at
@@ -229,7 +237,13 @@ std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& s
     numbers.resize(planned.asked);
     std::iota(numbers.begin(), numbers.end(), std::size_t{0});
   }
-  std::vector<Warning> warnings = scene_warnings(planned.plan, numbers, true);
+  std::vector<Warning> warnings;
+  try {
+    warnings =
+        IsolatedWorker::made(sweep.isolate, sweep.trial_limit, [&] { return scene_warnings(planned.plan, numbers, true); });
+  } catch (const LostWork&) {
+    // Running it says why.
+  }
   if (!sweep.output.empty()) std::ranges::move(split_warnings(planned.plan, numbers), std::back_inserter(warnings));
   return warnings;
 }

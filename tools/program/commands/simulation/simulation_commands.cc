@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -145,6 +146,13 @@ SweepShard parse_shard_option(const std::string& text) {
   throw InputError(fmt::format("sweep: --shard is {}; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8", quote(text)));
 }
 
+// Whether plugins may be at work: their type stands in the scene or in a --set.
+bool may_load_plugins(const ReadSweep& read, const SweepOptions& options) {
+  const auto says = [](const std::string& text) { return text.find("plugin") != std::string::npos; };
+  return says(read.file.text()) ||
+         std::ranges::any_of(options.overrides, [&](const Override& change) { return says(change.value); });
+}
+
 int report_interrupted(const SweepSummary& summary) {
   const std::string kept = summary.files.empty()
                                ? "nothing is kept"
@@ -166,8 +174,18 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
   arguments.file("-o,--output FILE.h5", sweep.output, "Write the dataset (HDF5)");
   arguments.word("--record NAME", sweep.recording, "What -o writes: everything (full, the default), or outcomes alone (outcome)",
                  recording_words);
+  arguments.flag("--isolate", isolate,
+                 "Simulate in processes of their own, so that a plugin that ends one, or never returns, fails its trial alone");
+  arguments.flag("--no-isolate", together,
+                 "Simulate in threads (the default, but for several trials of a scene that says plugin)");
+  arguments.quantity("--trial-limit TIME", sweep.trial_limit, "A trial that takes longer has failed; implies --isolate",
+                     Quantity::time);
   arguments.flag("--resume", sweep.resume, "Go on with what a killed or interrupted run of the same command has left of FILE.h5");
   arguments.then([this] {
+    isolate = isolate || std::isfinite(sweep.trial_limit);
+    if (isolate && together) {
+      throw InputError(sweep.verb + ": --no-isolate stands beside --isolate or --trial-limit; allowed: one of them");
+    }
     if (sweep.resume && sweep.output.empty())
       throw InputError(sweep.verb + ": --resume goes on with a dataset; allowed: with -o");
     if (sweep.recording != Recording::full && sweep.output.empty()) {
@@ -180,6 +198,7 @@ int SimulationCommand::run() {
   const Catalogues catalogues = program_catalogues();
   settle_accuracy(sweep, catalogues, *this);
   const ReadSweep read = read_sweep(sweep, catalogues);
+  sweep.isolate = isolate || (!together && !sweep.only && read.planned.asked > 1 && may_load_plugins(read, sweep));
   std::vector<Warning> warnings = scene_warnings(read, sweep);
   print_warnings(warnings);
   TrialsJson trials;

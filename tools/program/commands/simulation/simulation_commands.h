@@ -26,7 +26,8 @@ class SimulationCommand : public Command {
   int run() override;
 
   SweepOptions sweep;
-  bool brief = false;  // progress and errors, no summary: for a command that says itself what came of it
+  bool isolate = false, together = false;  // as the options say; neither: isolated where there may be a plugin
+  bool brief = false;                      // progress and errors, no summary: for a command that says itself what came of it
 
  protected:
   // The options of both; --trials, which they read differently, goes to `trials`.

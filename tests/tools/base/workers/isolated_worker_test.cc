@@ -1,0 +1,69 @@
+#include "tools/base/workers/isolated_worker.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+#include "sim/core/process/interrupted.h"
+#include "tests/expect.h"
+
+namespace slipbench {
+namespace {
+
+TEST(IsolatedWorker, HandsOverWhatWorkReturnsAndThrows) {
+  IsolatedWorker worker([](std::size_t index) -> std::string {
+    if (index == 1) throw InputError("bad");
+    if (index == 2) throw std::bad_alloc();
+    if (index == 3) throw std::runtime_error("worse");
+    return std::string(index, 'x');
+  });
+  // A larger answer after a small one, and then a smaller.
+  for (const std::size_t size : {std::size_t{10}, std::size_t{5'000'000}, std::size_t{0}, std::size_t{7}}) {
+    EXPECT_EQ(worker.run(size, nullptr), std::string(size, 'x'));
+  }
+  EXPECT_EQ(refusal_of([&] { worker.run(1, nullptr); }), "bad");
+  EXPECT_THROW(worker.run(2, nullptr), std::bad_alloc);
+  EXPECT_THROW(worker.run(3, nullptr), std::runtime_error);
+}
+
+// Work 0 leaves what ends its process in work 1, which is done once more and well. Work 2 ends every process.
+TEST(IsolatedWorker, DoesInnocentWorkOnceMore) {
+  bool harmed = false;
+  IsolatedWorker worker([&](std::size_t index) -> std::string {
+    if (index == 2 || (index == 1 && harmed)) ::_exit(0);
+    harmed = true;
+    return std::to_string(index);
+  });
+  EXPECT_EQ(worker.run(0, nullptr), "0");
+  EXPECT_EQ(worker.run(1, nullptr), "1");
+  EXPECT_EQ(refusal_of([&] { worker.run(2, nullptr); }), "its process ended");
+  EXPECT_EQ(worker.run(4, nullptr), "4");
+}
+
+TEST(IsolatedWorker, BeginsEachWorkInTheCallersFolder) {
+  IsolatedWorker worker([](std::size_t) {
+    std::string folder = std::filesystem::current_path().string();
+    std::filesystem::current_path("/");
+    return folder;
+  });
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(worker.run(0, nullptr), std::filesystem::current_path().string());
+}
+
+// Work that sleeps for a minute: the test's own time shows that it is not waited for.
+TEST(IsolatedWorker, EndsWhatTakesTooLongAndWhatIsInterrupted) {
+  const auto sleep = [](std::size_t) {
+    ::sleep(60);
+    return std::string();
+  };
+  IsolatedWorker limited(sleep, 0.1);
+  EXPECT_EQ(refusal_of([&] { limited.run(0, nullptr); }), "its process was still at work after 0.1 s, the limit");
+  IsolatedWorker interrupted(sleep);
+  const std::atomic<bool> now{true};
+  EXPECT_THROW(interrupted.run(0, &now), Interrupted);
+}
+
+}  // namespace
+}  // namespace slipbench

@@ -1,0 +1,82 @@
+// A detector that does as its parameter `deed` says when it has been updated a hundred times, or when it is made where the deed begins with
+// "make ". With SLIPBENCH_HONEST in the environment it does nothing of the kind.
+#include <csignal>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+#include <unistd.h>
+
+#include "detectors/plugin_abi.h"
+
+namespace {
+
+struct Detector {
+  std::string deed;
+  int updates = 0;
+};
+
+volatile int sink = 0;
+
+[[gnu::noinline]] int overflow(int depth) {
+  volatile char room[4096] = {};
+  room[0] = static_cast<char>(depth);
+  return depth < 0 ? 0 : overflow(depth + 1) + room[0];
+}
+
+void crash() { *reinterpret_cast<volatile int*>(std::getenv("SLIPBENCH_HONEST")) = 1; }  // which is null
+
+// A size that no chunk has.
+void corrupt_heap() {
+  auto* const chunk = static_cast<std::size_t*>(std::malloc(100));
+  const_cast<volatile std::size_t*>(chunk)[-1] = 0x7e7e;
+  std::free(chunk);
+}
+
+[[noreturn]] void loop() {
+  while (true) sink = sink + 1;
+}
+
+void do_deed(const std::string& deed) {
+  if (std::getenv("SLIPBENCH_HONEST") != nullptr) return;
+  if (deed == "segv") crash();
+  if (deed == "abort") std::abort();
+  if (deed == "fpe") std::raise(SIGFPE);
+  if (deed == "stack") sink = overflow(0);
+  if (deed == "kill") ::kill(::getpid(), SIGKILL);
+  if (deed == "exit") std::exit(0);
+  if (deed == "_exit") ::_exit(0);
+  if (deed == "heap") corrupt_heap();
+  if (deed == "files") ::close_range(3, ~0U, 0);
+  if (deed == "folder") sink = ::chdir("/");
+  if (deed == "output") std::puts("not JSON"), std::fflush(stdout);
+  if (deed == "thread") std::thread(crash).join();
+  if (deed == "loop") loop();
+  if (deed == "deaf") {
+    for (int signal = 1; signal < NSIG; ++signal) std::signal(signal, SIG_IGN);
+    while (true) ::pause();
+  }
+}
+
+void update(void* self, const slipbench_detector_input* /*input*/, slipbench_estimate* estimate) {
+  auto& detector = *static_cast<Detector*>(self);
+  if (++detector.updates == 100) do_deed(detector.deed);
+  estimate->state = 1;
+}
+
+void destroy(void* self) { delete static_cast<Detector*>(self); }
+
+}  // namespace
+
+const slipbench_parameter slipbench_detector_parameters[] = {SLIPBENCH_A_TEXT("deed", "none"), SLIPBENCH_NO_MORE};
+const slipbench_abi slipbench_detector_abi = SLIPBENCH_DETECTOR_BUILD;
+
+void slipbench_make_detector(const slipbench_source* source, slipbench_detector* detector) {
+  const std::string deed = source->parameters[0].text;
+  if (deed.rfind("make ", 0) == 0) do_deed(deed.substr(5));
+  detector->self = new Detector{deed};
+  detector->update = update;
+  detector->destroy = destroy;
+}
