@@ -35,7 +35,8 @@ constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
 struct ShippedNetwork {
   const char *path, *sensor;
 };
-constexpr std::array<ShippedNetwork, 1> shipped_networks{{{"scenes/learn/papillarray_slip.onnx", "papillarray"}}};
+constexpr std::array<ShippedNetwork, 2> shipped_networks{
+    {{"scenes/learn/papillarray_slip.onnx", "papillarray"}, {"scenes/learn/piezo_slip.onnx", "piezo_skin"}}};
 constexpr const char* no_engine = "a network is taught by libtorch and run by OpenVINO: see slipbench doctor";
 
 std::string file_digest(const std::string& path) {

@@ -24,7 +24,7 @@ RecordedSamples::RecordedSamples(const SensorRecord& sensor) : sensor_(&sensor) 
   std::size_t name = 0;
   for (const SensorColumn& column : sensor.channels) {
     Channel& channel = channels_.emplace_back(Channel{column.name, column.unit, column.shape, {}});
-    const std::size_t rows = column.time ? column.time->size() : sensor.time.size(), size = channel.size();
+    const std::size_t rows = sensor.times_of(column).size(), size = channel.size();
     if (column.values.size() != rows * size) {
       throw InputError(fmt::format("sensor {}: channel {} has {} values for {} samples of {}; allowed: as many", sensor.name,
                                    column.name, column.values.size(), rows, size));

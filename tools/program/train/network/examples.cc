@@ -137,9 +137,8 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
     }
     return labels;
   }
-  const bool unclear = rule == LabelRule::masked && !record.outcome.grasp;  // what sticks again
-  bool slipped = false;                                                     // in this contact
-  std::uint8_t latest = masked;                                             // class of its latest slip
+  bool slipped = false;          // in this contact
+  std::uint8_t latest = masked;  // class of its latest slip
   for (std::size_t row = 0; row < states.size(); ++row) {
     if (states[row] == static_cast<std::uint8_t>(PadState::no_contact)) slipped = false;
     if (slips(states[row])) {
@@ -150,7 +149,7 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
     } else if (slipped && rule == LabelRule::latched) {
       labels.push_back(latest);
     } else {
-      labels.push_back(slipped && unclear ? masked : std::uint8_t{0});
+      labels.push_back(slipped && rule == LabelRule::masked ? masked : std::uint8_t{0});
     }
   }
   return labels;

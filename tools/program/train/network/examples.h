@@ -23,8 +23,7 @@ enum class LabelRule {
   strict,   // truth: a whole unit slips
   paper,    // the rule of the sensor's paper: of a piezo_skin, that its 100 Hz position has changed
   latched,  // micro, and from its first slip on until nothing touches any more
-  masked,  // micro, and on a stage a frame that sticks again after a slip, before nothing touches, is masked: it is under the shear that made it slip.
-           // In a grasp it is hold: the grip has tightened
+  masked,  // micro, and a frame that sticks again after a slip, before nothing touches, is masked: it is under the shear that made it slip
 };
 inline constexpr std::array label_words{
     hd::Word<LabelRule>{"micro", LabelRule::micro}, hd::Word<LabelRule>{"strict", LabelRule::strict},
