@@ -33,7 +33,7 @@ std::string text_of(const std::string& path) {
 // The sweep of 200 long trials, cut to 50 short ones: writing all of them as text takes long.
 std::string shortened(const std::string& sweep) {
   const std::string fewer = std::regex_replace(sweep, std::regex("motion.compression: \\[.*\\]"), "motion.compression: [1 mm]");
-  return std::regex_replace(fewer, std::regex("duration: 4 s"), "duration: 2.1 s");
+  return std::regex_replace(fewer, std::regex("duration: 4 s"), "duration: 2.5 s");
 }
 
 // In the order of the commands, since the later ones read what the earlier ones have written.
