@@ -287,9 +287,9 @@ NetworkSummary sizes_of(const Lesson& lesson) {
   summary.validated = trials_of(lesson.validating).size();
   summary.judged = trials_of(lesson.judging).size();
   summary.trials = summary.learnt + summary.validated + summary.judged;
-  std::set<std::string> sensors;
-  for (const Example& example : lesson.examples.all) sensors.insert(example.sensor);
-  summary.sensors.assign(sensors.begin(), sensors.end());
+  for (const Example& example : lesson.examples.all) {
+    if (std::ranges::find(summary.sensors, example.sensor) == summary.sensors.end()) summary.sensors.push_back(example.sensor);
+  }
   for (const Example* example : lesson.learning) summary.frames += example->frames.label.size();
   return summary;
 }

@@ -30,7 +30,7 @@ struct NetworkTraining {
 
 struct NetworkSummary {
   std::size_t trials = 0, learnt = 0, validated = 0, judged = 0;  // trials: all, and by part
-  std::vector<std::string> sensors;                               // learnt from, by the scene's names
+  std::vector<std::string> sensors;                               // learnt from, by the scene's names, as they come
   std::size_t frames = 0;                                         // learnt from
   std::size_t parameters = 0;                                     // of one member
   std::size_t steps = 0;                                          // of the best state, of the last member

@@ -225,7 +225,7 @@ TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
   EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--jobs", "1"}), HasSubstr("train: --jobs is of gst_hd"));
   EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--turned", "2"}), HasSubstr("and piezo_mlp reads a piezo_skin"));
   EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--labels", "has_slipped"}),
-              HasSubstr("allowed: micro, strict, paper, latched, masked"));
+              HasSubstr("allowed: micro, strict, paper, latched, masked, tightened"));
   EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--split", "window"}), HasSubstr("allowed: trial, material, object, speed"));
   EXPECT_THAT(refused({"--recipe", "piezo_mlp"}),
               HasSubstr("-o m: a network is an ONNX file; allowed: a name that ends with .onnx"));

@@ -87,7 +87,7 @@ that begin and end an alarm and the least it lasts, of the greatest balanced acc
 the greatest score of open recordings (`slipbench benchmark`) with --score. The ONNX file is a whole detector, and says what it has seen. A killed training goes on with --resume, to the same bytes. One thread, one network at a time.
 
 Labels: strict and micro are the truth (a unit slips as a whole, or in part), paper is the rule of the sensor's paper. Of networks:
-latched is micro, and slip until contact is lost; masked leaves out frames that stick again after a slip. Of gst_hd: with has_slipped
+latched is micro, and slip until contact is lost; masked leaves out frames that stick again after a slip, tightened does so on a stage alone. Of gst_hd: with has_slipped
 a pillar that slipped by the paper's rule so counts until it loses contact.
 
 Examples:
@@ -100,7 +100,7 @@ Examples:
   arguments.text("--recipe NAME", recipe_, "What is taught: `slipbench list recipes` (default: gst_hd)");
   arguments.text(
       "--labels RULE", labels_,
-      "Truth to learn: paper, has_slipped, strict, micro of gst_hd (default: paper); micro, strict, paper, latched, masked of a network "
+      "Truth to learn: paper, has_slipped, strict, micro of gst_hd (default: paper); micro, strict, paper, latched, masked, tightened of a network "
       "(default: the recipe's)");
   arguments.text("--sensor NAME", options.sequences.sensor,
                  "The scene's name of the sensor (default: the only one; of a network every one that fits)");
@@ -202,8 +202,9 @@ void TrainCommand::read_network() {
 int TrainCommand::run() { return training ? train_network() : train_hd(); }
 
 std::string TrainCommand::eval_options(const std::vector<std::string>& sensors) const {
-  return " --sensor " + shell_word(sensors.front()) + " --labels " +
-         std::string(hd::name_of(train::label_words, training->recipe.labels));
+  const train::LabelRule learnt = training->recipe.labels;
+  const train::LabelRule judged = learnt == train::LabelRule::tightened ? train::LabelRule::masked : learnt;
+  return " --sensor " + shell_word(sensors.front()) + " --labels " + std::string(hd::name_of(train::label_words, judged));
 }
 
 int TrainCommand::train_network() {

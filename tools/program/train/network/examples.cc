@@ -137,6 +137,7 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
     }
     return labels;
   }
+  const bool clear = rule != LabelRule::masked && (rule != LabelRule::tightened || record.outcome.grasp);
   bool slipped = false;          // in this contact
   std::uint8_t latest = masked;  // class of its latest slip
   for (std::size_t row = 0; row < states.size(); ++row) {
@@ -149,7 +150,7 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
     } else if (slipped && rule == LabelRule::latched) {
       labels.push_back(latest);
     } else {
-      labels.push_back(slipped && rule == LabelRule::masked ? masked : std::uint8_t{0});
+      labels.push_back(slipped && !clear ? masked : std::uint8_t{0});
     }
   }
   return labels;

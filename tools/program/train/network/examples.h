@@ -24,11 +24,12 @@ enum class LabelRule {
   paper,    // the rule of the sensor's paper: of a piezo_skin, that its 100 Hz position has changed
   latched,  // micro, and from its first slip on until nothing touches any more
   masked,  // micro, and a frame that sticks again after a slip, before nothing touches, is masked: it is under the shear that made it slip
+  tightened,  // on a stage masked, in a grasp micro: what sticks again there is held, since the grip has tightened
 };
 inline constexpr std::array label_words{
-    hd::Word<LabelRule>{"micro", LabelRule::micro}, hd::Word<LabelRule>{"strict", LabelRule::strict},
-    hd::Word<LabelRule>{"paper", LabelRule::paper}, hd::Word<LabelRule>{"latched", LabelRule::latched},
-    hd::Word<LabelRule>{"masked", LabelRule::masked}};
+    hd::Word<LabelRule>{"micro", LabelRule::micro},   hd::Word<LabelRule>{"strict", LabelRule::strict},
+    hd::Word<LabelRule>{"paper", LabelRule::paper},   hd::Word<LabelRule>{"latched", LabelRule::latched},
+    hd::Word<LabelRule>{"masked", LabelRule::masked}, hd::Word<LabelRule>{"tightened", LabelRule::tightened}};
 
 // What slip is divided into.
 enum class ClassRule {

@@ -46,6 +46,7 @@ Recipe slip_gru() {
   slip.input.spans = {10, 20, 40, 80, 160};
   slip.input.floor = 1e-3;  // N, the noise of a pillar: what is less tells nothing
   slip.scaling = Scaling::common;
+  slip.labels = LabelRule::tightened;
   const std::size_t features = 2 + 3 * slip.input.spans.size();
   slip.network = {9 * features,
                   {Reshape{{9, features}}, BatchNorm{1}, Linear{32}, Relu{}, PoolUnits{true}, Linear{48}, Relu{}, PoolUnits{},

@@ -32,11 +32,11 @@ void set(std::vector<std::uint8_t>& states, std::size_t first, std::size_t last,
             static_cast<std::uint8_t>(state));
 }
 
-Example example(const SensorRecord& sensor, LabelRule labels) {
+Example example(const SensorRecord& sensor, LabelRule labels, const TrialRecord& record = {}) {
   ExampleOptions options;
   options.input = find_recipe("piezo_fft_gru").input;
   options.labels = labels;
-  return example_of({}, sensor, options);
+  return example_of(record, sensor, options);
 }
 
 // A sine of 300 Hz has six whole periods in a frame: its variance a^2/2 is all in the bin of 300 Hz, 50 Hz wide. Silence is that of rounding,
@@ -81,6 +81,11 @@ TEST(Example, LatchesOrMasksRestAfterASlip) {
   EXPECT_THAT(example(sensor, LabelRule::micro).frames.label, ElementsAre(1, 0, 0));
   EXPECT_THAT(example(sensor, LabelRule::latched).frames.label, ElementsAre(1, 1, 0));
   EXPECT_THAT(example(sensor, LabelRule::masked).frames.label, ElementsAre(1, masked, 0));
+  EXPECT_THAT(example(sensor, LabelRule::tightened).frames.label, ElementsAre(1, masked, 0));
+  TrialRecord grasp;
+  grasp.outcome.grasp.emplace();
+  EXPECT_THAT(example(sensor, LabelRule::masked, grasp).frames.label, ElementsAre(1, masked, 0));
+  EXPECT_THAT(example(sensor, LabelRule::tightened, grasp).frames.label, ElementsAre(1, 0, 0));
 }
 
 // Four units at the corners of a square of 2 mm: all go along, turn about the middle, or do both, the turn slower at the rim than what they go
