@@ -58,6 +58,7 @@ sigset_t end_of_child() {
 struct IsolatedWorker::Page {
   std::atomic<std::uint64_t> taken{0};  // the last request that a worker has begun
   std::atomic<double> begun{idle};      // s, when
+  std::atomic<pid_t> worker{0};         // that there is, and what it has started: its group
   NotedCall call;                       // that is under way
   NotedCall lost;                       // that was when the latest worker was lost
   static_assert(std::atomic<double>::is_always_lock_free, "processes share it");
@@ -65,14 +66,14 @@ struct IsolatedWorker::Page {
 
 // A request, or an answer of the worker or, where it was lost, of its keeper.
 struct IsolatedWorker::Message {
-  std::uint64_t number = 0;  // of the request
+  std::uint64_t number = 0;  // of the request; of a loss, of the last one that was begun
   std::size_t value = 0;     // of a request the work's number, of an answer its size in bytes
   Kind kind = Kind::broken;
   bool late = false;  // it was ended for the limit
   int status = 0;     // waitpid's
 };
 
-IsolatedWorker::IsolatedWorker(std::function<std::string(std::size_t)> work, double limit) : limit_(limit) {
+IsolatedWorker::IsolatedWorker(const std::function<std::string(std::size_t)>& work, double limit) : limit_(limit) {
   std::error_code gone;
   folder_ = std::filesystem::current_path(gone).string();
   std::array<int, 2> ends{};
@@ -96,6 +97,7 @@ IsolatedWorker::IsolatedWorker(std::function<std::string(std::size_t)> work, dou
 IsolatedWorker::~IsolatedWorker() {
   ::kill(keeper_, SIGKILL);
   while (::waitpid(keeper_, nullptr, 0) < 0 && errno == EINTR) continue;
+  if (page_->worker > 0) ::kill(-page_->worker, SIGKILL);
   ::close(channel_);
   ::close(bytes_);
   ::munmap(page_, sizeof(Page));
@@ -104,11 +106,13 @@ IsolatedWorker::~IsolatedWorker() {
 
 void IsolatedWorker::keep_working(int channel, const std::function<std::string(std::size_t)>& work) {
   PluginLibrary::note_calls(page_->call);
+  const pid_t self = ::getpid();
   Message message;
   while (::recv(channel, &message, sizeof message, 0) == sizeof message) {
     page_->begun = now();
     page_->taken = message.number;
     const ChildEnd end = ChildEnd::of([&] { return work(message.value); });
+    if (::getpid() != self) ::_exit(0);  // a copy that the work has made of this process
     page_->begun = idle;
     message = {.number = message.number, .value = end.text.size(), .kind = end.kind};
     for (std::size_t done = 0; done < end.text.size();) {
@@ -139,6 +143,7 @@ void IsolatedWorker::keep_a_worker(int channel, const std::function<std::string(
       depend_on(self);
       keep_working(channel, work);
     }
+    page_->worker = worker;
     Message message;
     while (::waitpid(worker, &message.status, WNOHANG) == 0) {
       constexpr timespec a_while{.tv_sec = 0, .tv_nsec = 50'000'000};
@@ -147,16 +152,17 @@ void IsolatedWorker::keep_a_worker(int channel, const std::function<std::string(
       if (message.late) ::kill(worker, SIGKILL);
     }
     ::kill(-worker, SIGKILL);
+    page_->worker = 0;
     page_->lost = page_->call;
+    message.number = page_->taken;
     if (::send(channel, &message, sizeof message, MSG_NOSIGNAL) < 0) ::_exit(1);
   }
 }
 
 std::string_view IsolatedWorker::run(std::size_t index, const std::atomic<bool>* interrupt) {
   while (true) {
-    const Message request{.number = ++sent_, .value = index};
-    if (::send(channel_, &request, sizeof request, MSG_NOSIGNAL) < 0) throw_system("a process has gone");
-    const Message message = answer(interrupt);
+    ask(index);
+    const Message message = answer(index, interrupt);
     const bool lost = message.kind == Kind::broken;
     const bool alone = std::exchange(fresh_, lost);
     if (lost && !message.late && !alone) continue;
@@ -170,7 +176,12 @@ std::string_view IsolatedWorker::run(std::size_t index, const std::atomic<bool>*
   }
 }
 
-IsolatedWorker::Message IsolatedWorker::answer(const std::atomic<bool>* interrupt) {
+void IsolatedWorker::ask(std::size_t index) {
+  const Message request{.number = ++sent_, .value = index};
+  if (::send(channel_, &request, sizeof request, MSG_NOSIGNAL) < 0) throw_system("a process has gone");
+}
+
+IsolatedWorker::Message IsolatedWorker::answer(std::size_t index, const std::atomic<bool>* interrupt) {
   constexpr int a_while = 100;  // ms, after which a set `interrupt` is seen
   while (true) {
     end_if(interrupt);
@@ -178,8 +189,11 @@ IsolatedWorker::Message IsolatedWorker::answer(const std::atomic<bool>* interrup
     if (::poll(&ready, 1, a_while) <= 0) continue;
     Message message;
     if (::recv(channel_, &message, sizeof message, 0) != sizeof message) throw std::runtime_error("a process has gone");
-    if (message.kind != Kind::broken || page_->taken == sent_) return message;
-    fresh_ = true;  // it was lost between two requests: the next worker takes this one
+    if (message.number == sent_) return message;
+    if (message.kind != Kind::broken) continue;  // of a request that was given up
+    // A worker was lost that had not begun this request. It may have taken it from the channel, or not: then it is done twice, and heard once.
+    fresh_ = true;
+    ask(index);
   }
 }
 

@@ -33,7 +33,8 @@ class IsolatedWorker {
  public:
   // `limit`: what a work may take [s]. Call it while this process has no other thread and no file open that work should not hold open. Throws
   // std::runtime_error where the system gives no process.
-  explicit IsolatedWorker(std::function<std::string(std::size_t)> work, double limit = std::numeric_limits<double>::infinity());
+  explicit IsolatedWorker(const std::function<std::string(std::size_t)>& work,
+                          double limit = std::numeric_limits<double>::infinity());
   ~IsolatedWorker();  // kills what is under way
   IsolatedWorker(const IsolatedWorker&) = delete;
   IsolatedWorker& operator=(const IsolatedWorker&) = delete;
@@ -57,7 +58,8 @@ class IsolatedWorker {
 
   [[noreturn]] void keep_working(int channel, const std::function<std::string(std::size_t)>& work);
   [[noreturn]] void keep_a_worker(int channel, const std::function<std::string(std::size_t)>& work);
-  Message answer(const std::atomic<bool>* interrupt);
+  void ask(std::size_t index);
+  Message answer(std::size_t index, const std::atomic<bool>* interrupt);
   [[noreturn]] void tell_loss(const Message& message) const;
   void map(std::size_t size);
 

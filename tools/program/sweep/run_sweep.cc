@@ -206,7 +206,7 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const 
       largest = trial;
       bytes = checked.bytes;
     } catch (const LostWork& loss) {
-      throw InputError(lost_text(plan, trial, loss));
+      throw InputError(fmt::format("trial {}: {}", trial, lost_text(plan, trial, loss)));
     }
   }
   const Workforce workforce = workforce_for(options, trials.size(), bytes);

@@ -1,11 +1,12 @@
 #include "tools/base/workers/isolated_worker.h"
 
-#include <unistd.h>
-
+#include <csignal>
 #include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <string>
+
+#include <unistd.h>
 
 #include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
@@ -41,6 +42,26 @@ TEST(IsolatedWorker, DoesInnocentWorkOnceMore) {
   EXPECT_EQ(worker.run(1, nullptr), "1");
   EXPECT_EQ(refusal_of([&] { worker.run(2, nullptr); }), "its process ended");
   EXPECT_EQ(worker.run(4, nullptr), "4");
+}
+
+// Each process is killed from outside as soon as it has answered, at the latest while it takes up the next work.
+TEST(IsolatedWorker, LosesNoWorkWithAProcessThatEndsBetweenTwo) {
+  IsolatedWorker worker([](std::size_t index) { return std::to_string(index) + " " + std::to_string(::getpid()); });
+  for (std::size_t i = 0; i < 50; ++i) {
+    const std::string answer(worker.run(i, nullptr));
+    const std::size_t gap = answer.find(' ');
+    EXPECT_EQ(answer.substr(0, gap), std::to_string(i));
+    ::kill(std::stoi(answer.substr(gap)), SIGKILL);
+  }
+}
+
+// A copy of the process would answer, too.
+TEST(IsolatedWorker, HearsOfACopiedProcessOnce) {
+  IsolatedWorker worker([](std::size_t index) {
+    if (index == 0) static_cast<void>(::fork());
+    return std::to_string(index);
+  });
+  for (const std::size_t index : {0, 1, 0, 2}) EXPECT_EQ(worker.run(index, nullptr), std::to_string(index));
 }
 
 TEST(IsolatedWorker, BeginsEachWorkInTheCallersFolder) {
