@@ -73,13 +73,13 @@ struct LeftOut {
 
 // A set of trials with all that came of it.
 struct Board {
-  Track track = Track::open;
+  Held held{};
   std::vector<Seat> seats{};
   std::vector<LeftOut> left_out{};
   std::vector<std::string> params{};  // JSON of each trial
   std::vector<std::string> digests{};
   std::string sensor{};
-  std::vector<bool> needed{};  // of each grasp: who never tightens drops the box
+  std::vector<GraspOutcome> untightened{};  // of each grasp: that of who never tightens
 };
 
 DetectorScene told(const Entrant& entrant, const Held& held, const Scene& scene) {
@@ -99,12 +99,17 @@ DetectorScene detector_for(const Seat& seat, const Held* held, const Scene* scen
   return detector;
 }
 
+// How answers are judged by what is true; `held`: nullptr of a recording of a real sensor.
+eval::Judgement judged(const Held* held, std::size_t trial, const eval::Truth& truth, const eval::Replayed& replayed) {
+  return eval::judged(trial, truth, replayed, held != nullptr && held->grace ? truth.period : 0.0);
+}
+
 Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule) {
   Answer answer;
   try {
     const eval::Replayed replayed =
         eval::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
-    answer.judgement = eval::judged(record.trial, eval::truth_of(scene, record, record.sensors[seat.sensor], rule), replayed);
+    answer.judgement = judged(held, record.trial, eval::truth_of(scene, record, record.sensors[seat.sensor], rule), replayed);
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", record.trial, error.what());
   }
@@ -123,7 +128,7 @@ Answer grasp_answer(const Seat& seat, const Held& held, Scene scene, std::size_t
     seen.seen_since = sensor.time;
     seen.stuck_fraction.assign(sensor.time.size(), std::numeric_limits<double>::quiet_NaN());
     seen.probability = seen.stuck_fraction;
-    answer.judgement = eval::judged(trial, eval::truth_of(&scene, record, sensor, rule_of(Track::loop)), seen);
+    answer.judgement = judged(&held, trial, eval::truth_of(&scene, record, sensor, rule_of(Track::loop)), seen);
     answer.grasp = record.outcome.grasp;
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", trial, error.what());
@@ -186,7 +191,7 @@ std::vector<Part> parts_of(const Board& board, const Seat& seat) {
   std::vector<Part> parts;
   for (std::size_t k = 0; k < seat.answers.size(); ++k) {
     const Answer& answer = seat.answers[k];
-    parts.push_back(answer.grasp ? grasp_part(answer.judgement, *answer.grasp, board.needed[k])
+    parts.push_back(answer.grasp ? grasp_part(answer.judgement, *answer.grasp, board.untightened[k])
                                  : recording_part(answer.judgement));
   }
   return parts;
@@ -213,8 +218,8 @@ Json grasps_json(const Seat& seat) {
 
 Json row_json(const Board& board, const Seat& seat) {
   const std::vector<Part> parts = parts_of(board, seat);
-  const Score score = score_of(parts, board.track);
-  const Interval interval = score_interval(parts, board.track);
+  const Score score = score_of(parts, board.held);
+  const Interval interval = score_interval(parts, board.held);
   std::vector<eval::Judgement> judgements;
   for (const Answer& answer : seat.answers) judgements.push_back(answer.judgement);
   Json row = {{"rank", nullptr},
@@ -228,6 +233,7 @@ Json row_json(const Board& board, const Seat& seat) {
               {"false_alarms_per_minute", score.alarms_per_minute},
               {"said", score.said},
               {"figures", eval::summary_json(eval::summarised(judgements))}};
+  if (board.held.needless) row["needless"] = score.needless;
   if (seat.answers.front().grasp) row["grasps"] = grasps_json(seat);
   return row;
 }
@@ -267,7 +273,7 @@ Json groups_json(const Board& board) {
         const std::vector<Part> all = parts_of(board, seat);
         std::vector<Part> parts;
         for (const std::size_t k : trials) parts.push_back(all[k]);
-        scores.push_back(score_of(parts, board.track).value);
+        scores.push_back(score_of(parts, board.held).value);
       }
       list.push_back({{"name", name}, {"trials", trials.size()}, {"scores", std::move(scores)}});
     }
@@ -279,7 +285,7 @@ Json groups_json(const Board& board) {
 // Adds rows, left_out and by to what is said of a set of trials.
 Json board_json(Json json, Board board) {
   clear_seats(board);
-  const auto value = [&board](const Seat& seat) { return score_of(parts_of(board, seat), board.track).value; };
+  const auto value = [&board](const Seat& seat) { return score_of(parts_of(board, seat), board.held).value; };
   std::ranges::stable_sort(board.seats, [&](const Seat& a, const Seat& b) {
     return std::pair(-value(a), a.entrant->name) < std::pair(-value(b), b.entrant->name);
   });
@@ -396,26 +402,27 @@ void judge_grasps(Board& board, const Held& held, const HeldTrials& trials, cons
       [&](Answer&& answer) { board.seats[done++ % seats].answers.push_back(std::move(answer)); });
   const auto tightens_never = [](const Seat& seat) { return seat.entrant->name == never_slip; };
   for (const Answer& answer : std::ranges::find_if(board.seats, tightens_never)->answers)
-    board.needed.push_back(answer.grasp && answer.grasp->dropped);
+    board.untightened.push_back(answer.grasp.value());
 }
 
 Json held_json(const Held& held, const std::vector<const Entrant*>& entrants, const Options& options,
                const Catalogues& catalogues) {
-  if (options.say) options.say(fmt::format("{}: {}", track_name(held.track), held.sensor));
+  if (options.say) options.say(fmt::format("{}: {} {}", track_name(held.track), held.sensor, held.domain));
   const HeldTrials trials(held, options.asked.trials, catalogues);
-  Board board{.track = held.track};
+  Board board{.held = held};
   const TrialRecord first = trials.recorded(trials.numbers.front());
   seat_all(board, entrants, first, places_of(held.readers, first));
   (held.track == Track::open ? judge_recordings : judge_grasps)(board, held, trials, options);
   std::string digests;
   for (const std::string& digest : board.digests) digests += digest + "\n";
-  return board_json({{"track", track_name(held.track)},
-                     {"sensor", held.sensor},
-                     {"scene", held.scene},
-                     {"trials", trials.numbers.size()},
-                     {"data_sha256", text_sha256(digests)},
-                     {"labels", eval::label_rule_name(rule_of(held.track))}},
-                    std::move(board));
+  Json json = {{"track", track_name(held.track)},
+               {"sensor", held.sensor},
+               {"scene", held.scene},
+               {"trials", trials.numbers.size()},
+               {"data_sha256", text_sha256(digests)},
+               {"labels", eval::label_rule_name(rule_of(held.track))}};
+  if (!held.domain.empty()) json["domain"] = held.domain;
+  return board_json(std::move(json), std::move(board));
 }
 
 // A dataset of real recordings.
@@ -423,7 +430,7 @@ std::string transfer_text(const std::string& file, const std::vector<const Entra
   const DatasetReader reader(file);
   if (!reader.complete()) throw InputError(file + ": its run did not come to its end; allowed: a whole dataset");
   ContentCheck check(reader);
-  Board board{.track = Track::transfer};
+  Board board{.held = {.track = Track::transfer}};
   std::string digests;
   for (const std::size_t trial : chosen_trials(reader.trials().size(), 0)) {
     const std::size_t number = reader.trials()[trial];
@@ -463,9 +470,9 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
   return Json::parse(guarded(file, limits, [&] { return transfer_text(file, entrants, options); }));
 }
 
-void check_sensor(const std::string& sensor) {
+void check_sensor(const std::string& sensor, const Protocol& protocol) {
   std::set<std::string> known;
-  for (const Held& held : held_out()) known.insert(held.sensor);
+  for (const Held& held : protocol.held_out) known.insert(held.sensor);
   const std::vector<std::string> names(known.begin(), known.end());
   if (!sensor.empty() && !known.contains(sensor))
     throw InputError("benchmark: no sensor " + quote(sensor) + allowed_names(sensor, names));
@@ -512,9 +519,9 @@ std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const
   return some;
 }
 
-Json protocol_json(const Asked& asked) {
-  return {{"name", protocol_name},
-          {"sha256", protocol_sha256()},
+Json protocol_json(const Protocol& protocol, const Asked& asked) {
+  return {{"name", protocol.name},
+          {"sha256", protocol_sha256(protocol)},
           {"half_delay_s", half_delay},
           {"alarms_per_minute", alarm_limit},
           {"force_ratio", worst_force_ratio},
@@ -549,13 +556,15 @@ Asked parse_asked(const Json& json) {
 
 Json benchmark(const Options& options) {
   const Asked& asked = options.asked;
-  check_sensor(asked.sensor);
+  const Protocol& protocol = find_protocol(options.protocol);
+  check_sensor(asked.sensor, protocol);
   std::vector<Entrant> entrants = known_entrants(asked);
   const ScratchFolder folder;
   Taught taught;
   if (!asked.untaught) {
     taught =
-        teach({.sensor = asked.sensor, .jobs = options.jobs, .interrupt = options.interrupt, .say = options.say}, folder.path());
+        teach(protocol.lessons,
+              {.sensor = asked.sensor, .jobs = options.jobs, .interrupt = options.interrupt, .say = options.say}, folder.path());
     for (Entrant& entrant : taught.entrants) entrants.push_back(std::move(entrant));
   }
   entrants.push_back(oracle_entrant());
@@ -566,7 +575,7 @@ Json benchmark(const Options& options) {
   Json transfer = Json::array();
   for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(entrants, nullptr), options));
   Json sets = Json::array();
-  for (const Held& held : held_out()) {
+  for (const Held& held : protocol.held_out) {
     if (!asked.sensor.empty() && held.sensor != asked.sensor) continue;
     Json set = held_json(held, entering(entrants, &held), options, catalogues);
     for (const Missing& one : missing) {
@@ -577,7 +586,7 @@ Json benchmark(const Options& options) {
   for (Json& set : transfer) sets.push_back(std::move(set));
   Json result = {{result_key, 1},
                  {"asked", asked_json(asked)},
-                 {"protocol", protocol_json(asked)},
+                 {"protocol", protocol_json(protocol, asked)},
                  {"machine", machine_json()},
                  {"learnt_from", taught.data},
                  {"sets", sets}};
@@ -593,13 +602,14 @@ Json parse_submission(const std::string& text, const std::string& name) {
   if (!json.is_object() || !json.contains(result_key) || !json.contains("asked") || !json.contains("protocol"))
     throw InputError(name + ": is no submission; allowed: what benchmark --submit writes");
   const Json& protocol = json.at("protocol");
-  if (!protocol.is_object() || !protocol.contains("name") || protocol.at("name") != protocol_name)
-    throw InputError(fmt::format("{}: is of another protocol; allowed: {}", name, protocol_name));
-  const std::string here = protocol_sha256();
+  if (!protocol.is_object() || !protocol.contains("name") || !protocol.at("name").is_string())
+    throw InputError(name + ": /protocol/name: is none; allowed: as benchmark --submit writes it");
+  const Protocol& known = find_protocol(protocol.at("name").get<std::string>());
+  const std::string here = protocol_sha256(known);
   const std::string there = protocol.contains("sha256") ? found(protocol.at("sha256")) : "nothing";
   if (there != found(here))
-    throw InputError(fmt::format("{}: /protocol/sha256: {} in the file; allowed: {}, that of {} here", name, there, found(here),
-                                 protocol_name));
+    throw InputError(
+        fmt::format("{}: /protocol/sha256: {} in the file; allowed: {}, that of {} here", name, there, found(here), known.name));
   return json;
 }
 

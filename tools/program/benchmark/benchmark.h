@@ -9,6 +9,7 @@
 
 #include "sim/scene/parser.h"
 #include "tools/base/record/json.h"
+#include "tools/program/benchmark/protocol.h"
 
 namespace slipbench::benchmark {
 
@@ -25,6 +26,7 @@ struct Asked {
 
 struct Options {
   Asked asked;
+  std::string protocol = default_protocol;
   std::size_t jobs = 0;  // worker threads; 0: one a hardware thread
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void(const std::string&)> say = {};  // what is being done; may be empty
@@ -38,13 +40,13 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 //   machine     environment_json() without its load
 //   learnt_from [{scene, trials, sha256}]
 //   sets        [{track, sensor, scene or file, trials, data_sha256, labels, rows, left_out: [{detector, why}], by}] in the protocol's order,
-//               transfer last
+//               transfer last; with `domain` where the protocol tells domains apart
 //     rows      the best first: {rank (null of the oracle), detector, kind, sensor, parameters, sha256, score: {value, low, high}, credit,
 //               false_alarms_per_minute, said, figures (eval::summary_json()), and of a closed loop
-//               grasps: {trials, dropped, low, high, force_ratio, slip_m}}
+//               grasps: {trials, dropped, low, high, force_ratio, slip_m} and, where the protocol counts it, needless}
 //     by        [{by, groups: [{name, trials, scores: [of each row]}]}] of what the scene's grid varies
 //   transfer    why the track transfer is empty, where it is
-// Times in s. No clock time: the same on one machine whatever the threads. Throws InputError: no such sensor, a detector or file that cannot be
+// Times in s. No clock time: the same on one machine whatever the threads. Throws InputError: no such protocol or sensor, a detector or file that cannot be
 // read, a scene that cannot be simulated; Interrupted.
 Json benchmark(const Options& options);
 
@@ -54,7 +56,8 @@ Asked parse_asked(const Json& json);
 
 // The bytes of a submission.
 std::string submission_text(const Json& result);
-// Throws InputError for a text that is no submission of this protocol, by its name and its digest: nothing has to be computed to see that.
+// Throws InputError for a text that is no submission of a protocol of this program, by its name and its digest: nothing has to be computed to see
+// that.
 Json parse_submission(const std::string& text, const std::string& name);
 
 // How a recomputed board, with the submission's own `machine` in the place of this one, differs from the submission's bytes:

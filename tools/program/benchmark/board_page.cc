@@ -24,7 +24,10 @@ std::string drawing(const Json& set) {
   constexpr double width = 640.0, left = 190.0, right = 620.0, line = 20.0, top = 12.0;
   const Json& rows = set.at("rows");
   const double foot = top + line * static_cast<double>(rows.size());
-  const page::Axis across{.low = -1.0, .high = 1.0, .begin = left, .end = right, .ticks = {-1.0, -0.5, 0.0, 0.5, 1.0}};
+  const bool needless = !rows.empty() && rows[0].contains("needless");  // which takes a score to -2
+  const page::Axis across =
+      needless ? page::Axis{.low = -2.0, .high = 1.0, .begin = left, .end = right, .ticks = {-2.0, -1.0, 0.0, 1.0}}
+               : page::Axis{.low = -1.0, .high = 1.0, .begin = left, .end = right, .ticks = {-1.0, -0.5, 0.0, 0.5, 1.0}};
   page::Svg svg(width, foot + 40.0);
   for (const double tick : across.ticks) {
     svg.line("mesh", across.at(tick), top, across.at(tick), foot);
@@ -78,23 +81,27 @@ constexpr const char* opening =
     "Scores of slip detectors, each with its 95 % interval by trial: 100 is the best there can be, 0 is what never saying slip earns.";
 
 constexpr const char* rule =
-    "Score, -100 to 100: credit × min(1, limit / false alarms a minute) − time wrongly called slip. An open recording's credit is half_delay / "
+    "Score, at most 100: credit × min(1, limit / false alarms a minute) − time wrongly called slip. An open recording's credit is half_delay / "
     "(half_delay + delay) of a slip that is seen from its true beginning on, and 0 of one that is missed or alarmed early. A grasp's is 1 with the "
     "least force that holds, 0 from force_ratio times that on or when the box is dropped; boxes that the preset force holds have none to earn, and "
-    "false alarms have their price in force, not in the limit. Early alarms are false alarms. Never to say slip gives 0, always to say it "
-    "nearly -100. Intervals: 95 %, by trial.";
+    "false alarms have their price in force, not in the limit. From slip-2 on the mean needless force on boxes that the preset holds is taken off: "
+    "0 of the force of who never tightens, 1 from force_ratio times that on. Early alarms are false alarms. Never to say slip gives 0, always to say it "
+    "nearly the least there is. Intervals: 95 %, by trial.";
 
 }  // namespace
 
 BoardTable board_table(const Json& set) {
   BoardTable table;
-  table.title = fmt::format("{}, {}: {} trials", set.at("track").get<std::string>(), set.at("sensor").get<std::string>(),
-                            set.at("trials").get<std::size_t>());
+  const std::string domain = set.contains("domain") ? ", " + set.at("domain").get<std::string>() : "";
+  table.title = fmt::format("{}{}, {}: {} trials", set.at("track").get<std::string>(), domain,
+                            set.at("sensor").get<std::string>(), set.at("trials").get<std::size_t>());
   const bool grasps = !set.at("rows").empty() && set.at("rows")[0].contains("grasps");
+  const bool needless = grasps && set.at("rows")[0].contains("needless");
   table.head = {"", "rank", "kind", "score", "95 %", "credit", "false alarms/min", "wrongly slip", "recall"};
   const std::vector<std::string> events = grasps ? std::vector<std::string>{"dropped", "force/least", "slip"}
                                                  : std::vector<std::string>{"median delay", "early", "missed"};
   table.head.insert(table.head.end(), events.begin(), events.end());
+  if (needless) table.head.emplace_back("needless force");
   for (const Json& row : set.at("rows")) {
     const Json& score = row.at("score");
     std::vector<std::string> cells{row.at("detector").get<std::string>(),
@@ -111,6 +118,7 @@ BoardTable board_table(const Json& set) {
       cells.push_back(fmt::format("{} of {}", grasp.at("dropped").get<std::size_t>(), grasp.at("trials").get<std::size_t>()));
       cells.push_back(shown(grasp.at("force_ratio"), 1.0, "", 2));
       cells.push_back(shown(grasp.at("slip_m"), ms, " mm", 1));
+      if (needless) cells.push_back(points(row.at("needless")));
     } else {
       cells.push_back(shown(row.at("figures").at("figures").at("delay_median_s").at("value"), ms, " ms", 0));
       cells.push_back(share_of(row, "early"));

@@ -187,9 +187,9 @@ Entrant oracle_entrant() {
   return oracle;
 }
 
-Taught teach(const Teaching& teaching, const std::string& folder) {
+Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const std::string& folder) {
   Taught taught;
-  for (const Lesson& lesson : lessons()) {
+  for (const Lesson& lesson : lessons) {
     if (!teaching.sensor.empty() && lesson.sensor != teaching.sensor) continue;
     const std::string& name = lesson.recipe;
     if (!train::networks_available() || !network::engine_available()) {

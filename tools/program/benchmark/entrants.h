@@ -81,6 +81,6 @@ struct Taught {
 };
 // Simulates the scenes of the lessons and teaches each from it, in `folder`. Throws InputError for a scene that cannot be simulated or a folder that
 // cannot be written, and Interrupted.
-Taught teach(const Teaching& teaching, const std::string& folder);
+Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const std::string& folder);
 
 }  // namespace slipbench::benchmark

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/error.h"
 #include "sim/scene/parser.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
@@ -14,18 +15,16 @@
 namespace slipbench::benchmark {
 namespace {
 
-constexpr const char* folder = "scenes/benchmark/slip-1/";
-
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 struct Controls {
   double clock, time;  // s
 };
 
-Held open_recordings(const std::string& sensor, std::vector<std::string> readers, Controls controls, std::string mover = "") {
+Held slip_1_open(const std::string& sensor, std::vector<std::string> readers, Controls controls, std::string mover = "") {
   return {.track = Track::open,
           .sensor = sensor,
-          .scene = folder + ("open_" + sensor + ".yaml"),
+          .scene = "scenes/benchmark/slip-1/open_" + sensor + ".yaml",
           .readers = std::move(readers),
           .mover = std::move(mover),
           .clock = controls.clock,
@@ -33,14 +32,67 @@ Held open_recordings(const std::string& sensor, std::vector<std::string> readers
 }
 
 // All lifts begin at the same instant, so that a clock would know no less than who knows the motion.
-Held closed_loop(const std::string& sensor, std::vector<std::string> readers) {
+Held slip_1_loop(const std::string& sensor, std::vector<std::string> readers) {
   return {.track = Track::loop,
           .sensor = sensor,
-          .scene = folder + ("loop_" + sensor + ".yaml"),
+          .scene = "scenes/benchmark/slip-1/loop_" + sensor + ".yaml",
           .readers = std::move(readers),
-          .mover = "",
-          .clock = none,
           .time = 0.16};
+}
+
+Protocol slip_1() {
+  return {.name = "slip-1",
+          .held_out = {slip_1_open("papillarray", {"pad", "slow"}, {3.9, 0.14}), slip_1_open("piezo_skin", {"pad"}, {3.3, none}),
+                       slip_1_open("nib_pad", {"pad"}, {5.3, 2.05}, "pull"),
+                       slip_1_open("myrmex", {"left"}, {none, 5.3}, "apart"), slip_1_open("biotac_sp", {"pad"}, {3.4, 0.08}),
+                       slip_1_loop("papillarray", {"pad", "fast"}), slip_1_loop("piezo_skin", {"skin"}),
+                       slip_1_loop("nib_pad", {"skin"}), slip_1_loop("myrmex", {"skin"}), slip_1_loop("biotac_sp", {"skin"})},
+          .lessons = {{"papillarray_gru", "papillarray", "scenes/benchmark/slip-1/learn_papillarray.yaml", 0},
+                      {"piezo_mlp", "piezo_skin", "scenes/piezo_skin/dataset.yaml", 100},
+                      {"piezo_fft_gru", "piezo_skin", "scenes/piezo_skin/dataset.yaml", 100},
+                      {"myrmex_net1", "myrmex", "scenes/myrmex/dataset.yaml", 0},
+                      {"biotac_lstm", "biotac_sp", "scenes/biotac_sp/slip.yaml", 3}}};
+}
+
+// What is judged of one sensor by slip-2.
+struct Sensor {
+  std::string type;
+  std::vector<std::string> open, loop;  // readers
+  std::string mover;
+  Controls inside, outside;
+};
+
+Protocol slip_2() {
+  const std::string folder = "scenes/benchmark/slip-2/";
+  const std::vector<Sensor> sensors{
+      {"papillarray", {"pad", "slow"}, {"pad", "fast"}, "", {none, 2.55}, {none, 0.66}},
+      {"piezo_skin", {"pad"}, {"skin"}, "", {none, 2.65}, {none, 2.6}},
+      {"nib_pad", {"pad"}, {"skin"}, "pull", {none, 7.7}, {8.9, 5.7}},
+      {"myrmex", {"left"}, {"skin"}, "apart", {none, 6.05}, {none, none}},
+      {"biotac_sp", {"pad"}, {"skin"}, "", {none, 2.4}, {3.9, 1.5}},
+  };
+  constexpr Controls in_loop{none, 0.04};
+  Protocol protocol{.name = "slip-2", .held_out = {}, .lessons = {}};
+  const auto add = [&](const Sensor& sensor, Track track, const std::string& scene, const std::string& domain,
+                       Controls controls) {
+    const bool loop = track == Track::loop;
+    protocol.held_out.push_back({.track = track,
+                                 .sensor = sensor.type,
+                                 .scene = folder + scene + "_" + sensor.type + ".yaml",
+                                 .readers = loop ? sensor.loop : sensor.open,
+                                 .mover = loop ? "" : sensor.mover,
+                                 .domain = domain,
+                                 .grace = true,
+                                 .needless = loop,
+                                 .clock = controls.clock,
+                                 .time = controls.time});
+  };
+  for (const Sensor& sensor : sensors) {
+    add(sensor, Track::open, "open", "inside", sensor.inside);
+    add(sensor, Track::open, "outside", "outside", sensor.outside);
+  }
+  for (const Sensor& sensor : sensors) add(sensor, Track::loop, "loop", "", in_loop);
+  return protocol;
 }
 
 // The bytes of a scene, and of the model that it names.
@@ -65,38 +117,30 @@ std::string_view track_name(Track track) {
   return {};
 }
 
-const std::vector<Held>& held_out() {
-  static const std::vector<Held> all{open_recordings("papillarray", {"pad", "slow"}, {3.9, 0.14}),
-                                     open_recordings("piezo_skin", {"pad"}, {3.3, none}),
-                                     open_recordings("nib_pad", {"pad"}, {5.3, 2.05}, "pull"),
-                                     open_recordings("myrmex", {"left"}, {none, 5.3}, "apart"),
-                                     open_recordings("biotac_sp", {"pad"}, {3.4, 0.08}),
-                                     closed_loop("papillarray", {"pad", "fast"}),
-                                     closed_loop("piezo_skin", {"skin"}),
-                                     closed_loop("nib_pad", {"skin"}),
-                                     closed_loop("myrmex", {"skin"}),
-                                     closed_loop("biotac_sp", {"skin"})};
+const std::vector<Protocol>& protocols() {
+  static const std::vector<Protocol> all{slip_1(), slip_2()};
   return all;
 }
 
-const std::vector<Lesson>& lessons() {
-  static const std::vector<Lesson> all{{"papillarray_gru", "papillarray", "scenes/benchmark/slip-1/learn_papillarray.yaml", 0},
-                                       {"piezo_mlp", "piezo_skin", "scenes/piezo_skin/dataset.yaml", 100},
-                                       {"piezo_fft_gru", "piezo_skin", "scenes/piezo_skin/dataset.yaml", 100},
-                                       {"myrmex_net1", "myrmex", "scenes/myrmex/dataset.yaml", 0},
-                                       {"biotac_lstm", "biotac_sp", "scenes/biotac_sp/slip.yaml", 3}};
-  return all;
+const Protocol& find_protocol(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Protocol& protocol : protocols()) {
+    if (protocol.name == name) return protocol;
+    names.push_back(protocol.name);
+  }
+  throw InputError("benchmark: no protocol " + quote(name) + allowed_names(name, names));
 }
 
-std::string protocol_sha256() {
-  std::string text = fmt::format("{} {} {} {}\n", protocol_name, half_delay, alarm_limit, worst_force_ratio);
+std::string protocol_sha256(const Protocol& protocol) {
+  std::string text = fmt::format("{} {} {} {}\n", protocol.name, half_delay, alarm_limit, worst_force_ratio);
   std::set<std::string> scenes;
-  for (const Held& held : held_out()) {
+  for (const Held& held : protocol.held_out) {
     text += fmt::format("{} {} {} {} {} {} {}\n", track_name(held.track), held.sensor, held.scene, fmt::join(held.readers, ","),
                         held.mover, held.clock, held.time);
+    if (held.grace) text += fmt::format("{} {} {}\n", held.domain, held.grace, held.needless);
     scenes.insert(held.scene);
   }
-  for (const Lesson& lesson : lessons()) {
+  for (const Lesson& lesson : protocol.lessons) {
     text += fmt::format("{} {} {} {}\n", lesson.recipe, lesson.sensor, lesson.scene, lesson.trials);
     scenes.insert(lesson.scene);
   }

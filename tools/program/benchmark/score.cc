@@ -40,19 +40,25 @@ Part recording_part(const eval::Judgement& judgement) {
   return part;
 }
 
-Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, bool needed) {
+Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, const GraspOutcome& untightened) {
   Part part = alarms_of(judgement);
-  part.credited = needed;
-  const double ratio = grasp.max_grip_force / grasp.ideal_grip_force;
-  if (needed && !grasp.dropped) part.credit = std::clamp((worst_force_ratio - ratio) / (worst_force_ratio - 1.0), 0.0, 1.0);
+  part.credited = untightened.dropped;
+  if (!part.credited) {
+    const double ratio = grasp.max_grip_force / untightened.max_grip_force;
+    part.needless = std::clamp((ratio - 1.0) / (worst_force_ratio - 1.0), 0.0, 1.0);
+  } else if (!grasp.dropped) {
+    const double ratio = grasp.max_grip_force / grasp.ideal_grip_force;
+    part.credit = std::clamp((worst_force_ratio - ratio) / (worst_force_ratio - 1.0), 0.0, 1.0);
+  }
   return part;
 }
 
-Score score_of(std::span<const Part> parts, Track track) {
+Score score_of(std::span<const Part> parts, const Held& held) {
   Part sum;
   double credited = 0.0;
   for (const Part& part : parts) {
     sum.credit += part.credit;
+    sum.needless += part.needless;
     credited += part.credited ? 1.0 : 0.0;
     sum.alarms += part.alarms;
     sum.quiet += part.quiet;
@@ -61,14 +67,15 @@ Score score_of(std::span<const Part> parts, Track track) {
   }
   Score score;
   score.credit = share(sum.credit, credited);
+  score.needless = share(sum.needless, static_cast<double>(parts.size()) - credited);
   score.alarms_per_minute = seconds_a_minute * share(sum.alarms, sum.quiet);
   score.said = share(sum.said, sum.still);
-  const double counts = track == Track::loop ? 1.0 : alarm_limit / std::max(score.alarms_per_minute, alarm_limit);
-  score.value = score.credit * counts - score.said;
+  const double counts = held.track == Track::loop ? 1.0 : alarm_limit / std::max(score.alarms_per_minute, alarm_limit);
+  score.value = score.credit * counts - score.said - (held.needless ? score.needless : 0.0);
   return score;
 }
 
-Interval score_interval(std::span<const Part> parts, Track track) {
+Interval score_interval(std::span<const Part> parts, const Held& held) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   if (parts.size() < eval::fewest_experiments) return {nan, nan};
   return bootstrap_intervals(parts.size(), bootstrap_draws, bootstrap_seed,
@@ -76,7 +83,7 @@ Interval score_interval(std::span<const Part> parts, Track track) {
                                std::vector<Part> some;
                                some.reserve(drawn.size());
                                for (const std::size_t k : drawn) some.push_back(parts[k]);
-                               return std::vector<double>{score_of(some, track).value};
+                               return std::vector<double>{score_of(some, held).value};
                              })
       .front();
 }

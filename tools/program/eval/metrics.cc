@@ -1,5 +1,6 @@
 #include "tools/program/eval/metrics.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -114,12 +115,14 @@ Estimate auc_of(std::span<const Judgement> trials, const std::vector<std::vector
 
 }  // namespace
 
-Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed) {
+Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed, double grace) {
   const std::size_t rows = truth.time.size();
   if (truth.state.size() != rows || replayed.seen.size() != rows) throw std::logic_error("truth and answers differ in length");
   Judgement result;
   result.trial = trial;
   result.slip_time = truth.first_slip;
+  // NaN, of which no time is after, without a slip.
+  const auto in_time = [&truth, grace](double alarm) { return alarm >= truth.first_slip || alarm > truth.first_slip - grace; };
   bool seen_before = false;
   for (std::size_t row = 0; row < rows; ++row) {
     const double time = truth.time[row];
@@ -137,6 +140,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
       }
     }
     const bool begins = !std::exchange(seen_before, is_slip(seen)) && is_slip(seen);
+    const bool graced = time < truth.first_slip && in_time(time);
     if (!truth.counts(time)) continue;
     if (is_slip(seen) && std::isnan(result.alarm_time)) {
       // One that was there before it counted is an alarm from the sample on from which it counts.
@@ -146,20 +150,20 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
     if (!judges || rows == 1) continue;  // one sample lasts no time: its period is the nominal rate's
     if (state == PadState::non_slip) {
       result.stick_time += truth.period;
-      result.stick_alarms += begins ? 1U : 0U;
+      result.stick_alarms += begins && !graced ? 1U : 0U;
     } else if (state == PadState::no_contact) {
       result.air_time += truth.period;
-      result.air_alarms += begins ? 1U : 0U;
+      result.air_alarms += begins && !graced ? 1U : 0U;
     }
   }
   TrialOutcome outcome;
   if (!std::isnan(result.alarm_time)) {
     // Without a slip it is a false alarm.
-    (result.alarm_time >= truth.first_slip ? outcome.detection_time : outcome.false_alarm_time) = result.alarm_time;
+    (in_time(result.alarm_time) ? outcome.detection_time : outcome.false_alarm_time) = result.alarm_time;
   }
   settle_detection(outcome, !std::isnan(truth.first_slip));
   result.detection = *outcome.detection;
-  if (result.detection == Detection::seen && rows > 1) result.delay = result.alarm_time - truth.first_slip;
+  if (result.detection == Detection::seen && rows > 1) result.delay = std::max(0.0, result.alarm_time - truth.first_slip);
   return result;
 }
 

@@ -38,8 +38,9 @@ struct Judgement {
   std::vector<double> positives, negatives;
 };
 
-// Throws std::logic_error where both have not the same samples.
-Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed);
+// `grace` [s]: an alarm that begins less than that before the first slip is neither early nor false, and is seen without delay. Throws
+// std::logic_error where both have not the same samples.
+Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed, double grace = 0.0);
 
 // A figure of a set of trials.
 struct Figure {

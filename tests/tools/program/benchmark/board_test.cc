@@ -28,8 +28,10 @@
 namespace slipbench::benchmark {
 namespace {
 
-Json board(const std::string& sensor, std::size_t trials, std::size_t jobs, const std::string& flip = "") {
+Json board(const std::string& protocol, const std::string& sensor, std::size_t trials, std::size_t jobs,
+           const std::string& flip = "") {
   Options options;
+  options.protocol = protocol;
   options.asked.sensor = sensor;
   options.asked.trials = trials;
   options.asked.untaught = true;
@@ -47,7 +49,8 @@ const Json& row_of(const Json& set, const std::string& detector) {
 double score(const Json& set, const std::string& detector) { return row_of(set, detector).at("score").at("value").get<double>(); }
 
 TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
-  const Json result = board("", 1, 2);
+  const std::vector<Held>& slip_2 = find_protocol("slip-2").held_out;
+  const Json result = board("slip-2", "", 1, 2);
   std::map<std::string, std::set<std::string>> tracks;  // by detector
   for (const Json& set : result.at("sets")) {
     SCOPED_TRACE(set.at("scene"));
@@ -57,7 +60,7 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
       tracks[row.at("detector")].insert(set.at("track"));
     }
     for (const char* control : {"always slip", "never slip", "motion known"}) EXPECT_TRUE(here.contains(control)) << control;
-    const Held& held = *std::ranges::find(held_out(), set.at("scene").get<std::string>(), &Held::scene);
+    const Held& held = *std::ranges::find(slip_2, set.at("scene").get<std::string>(), &Held::scene);
     EXPECT_EQ(here.contains("clock"), !std::isnan(held.clock));
     EXPECT_EQ(here.contains("motion known, timed"), !std::isnan(held.time));
     EXPECT_EQ(score(set, "never slip"), 0.0);
@@ -79,8 +82,8 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
 
 // The same bytes with one thread and with two; then the same detectors with 1, 5 and 20 % of their answers flipped, beside the unflipped that ship.
 TEST(Board, SameBytesAndFlipsLowerTheScore) {
-  const Json one = board("papillarray", 2, 1);
-  EXPECT_EQ(submission_text(one), submission_text(board("papillarray", 2, 2)));
+  const Json one = board("slip-1", "papillarray", 2, 1);
+  EXPECT_EQ(submission_text(one), submission_text(board("slip-1", "papillarray", 2, 2)));
   // Trials 0 and 48 of the 96 have the first speed of the grid and its third.
   const Json& by = one.at("sets").at(0).at("by");
   const auto speeds = std::ranges::find_if(by, [](const Json& axis) { return axis.at("by") == "motion.speed"; });
@@ -94,7 +97,7 @@ TEST(Board, SameBytesAndFlipsLowerTheScore) {
       before[set.at("track").get<std::string>() + detector] = score(set, detector);
   }
   for (const char* flip : {"0.01", "0.05", "0.2"}) {
-    const Json flipped = board("papillarray", 2, 2, flip);
+    const Json flipped = board("slip-1", "papillarray", 2, 2, flip);
     for (const Json& set : flipped.at("sets")) {
       for (const char* detector : {"shear_rate", "stuck_fraction"}) {
         double& last = before[set.at("track").get<std::string>() + detector];
@@ -122,25 +125,25 @@ Trials all_trials(const Held& held) {
 }
 
 // The score in open recordings of a detector that `detector` makes for each scene.
-double score_on(const Trials& trials, const std::function<DetectorScene(const Scene&)>& detector) {
+double score_on(const Held& held, const Trials& trials, const std::function<DetectorScene(const Scene&)>& detector) {
   std::vector<Part> parts;
   for (const auto& [scene, record] : trials) {
     const eval::Truth truth = eval::truth_of(&scene, record, record.sensors[0], eval::TruthRule::masked);
     const eval::Replayed replayed = eval::replay(detector(scene), record.sensors, 0, record.seed, record.trial);
-    parts.push_back(recording_part(eval::judged(record.trial, truth, replayed)));
+    parts.push_back(recording_part(eval::judged(record.trial, truth, replayed, held.grace ? truth.period : 0.0)));
   }
-  return score_of(parts, Track::open).value;
+  return score_of(parts, held).value;
 }
 
 // What the controls are told scores better than a step more or less of it.
 TEST(Protocol, ControlsAreToldTheBest) {
   constexpr double clock_step = 0.1, time_step = 0.02;  // s
   register_control();
-  const Held& held = *std::ranges::find(held_out(), "biotac_sp", &Held::sensor);
+  const Held& held = *std::ranges::find(find_protocol("slip-1").held_out, "biotac_sp", &Held::sensor);
   const Trials trials = all_trials(held);
-  const auto clock = [&trials](double time) { return score_on(trials, [=](const Scene&) { return control_of(time, never); }); };
-  const auto timed = [&trials](double time) {
-    return score_on(trials, [=](const Scene& scene) { return motion_known_and(time, scene, ""); });
+  const auto clock = [&](double time) { return score_on(held, trials, [=](const Scene&) { return control_of(time, never); }); };
+  const auto timed = [&](double time) {
+    return score_on(held, trials, [=](const Scene& scene) { return motion_known_and(time, scene, ""); });
   };
   const double by_clock = clock(held.clock), by_time = timed(held.time);
   EXPECT_GT(by_clock, 0.0) << "never to say slip would be better";
@@ -154,22 +157,27 @@ TEST(Protocol, ControlsAreToldTheBest) {
 TEST(Protocol, SharesNoSeedWithWhatIsLearntFrom) {
   const auto seed = [](const std::string& scene) { return SceneFile::load(project_file(scene)).root().find("seed")->text; };
   std::set<std::string> learnt;
-  for (const Lesson& lesson : lessons()) learnt.insert(seed(lesson.scene));
-  learnt.insert(seed("scenes/grasp/learn.yaml"));  // of the network that ships
-  for (const Held& held : held_out()) EXPECT_FALSE(learnt.contains(seed(held.scene))) << held.scene;
+  for (const char* scene : {"grasp/learn", "learn/papillarray", "learn/piezo_skin", "learn/biotac_sp", "learn/grasp"})
+    learnt.insert(seed(fmt::format("scenes/{}.yaml", scene)));  // of the networks that ship
+  for (const Protocol& protocol : protocols()) {
+    for (const Lesson& lesson : protocol.lessons) learnt.insert(seed(lesson.scene));
+    for (const Held& held : protocol.held_out) EXPECT_FALSE(learnt.contains(seed(held.scene))) << held.scene;
+  }
 }
 
 // Every loop has the same boxes, whichever sensor it reads.
 TEST(Protocol, LoopsDifferInTheirSensorAlone) {
-  std::set<std::string> sweeps, seeds;
-  for (const Held& held : held_out()) {
-    if (held.track != Track::loop) continue;
-    const SceneFile file = SceneFile::load(project_file(held.scene));
-    sweeps.insert(file.text().substr(file.text().find("sweep:")));
-    seeds.insert(file.root().find("seed")->text);
+  for (const Protocol& protocol : protocols()) {
+    std::set<std::string> sweeps, seeds;
+    for (const Held& held : protocol.held_out) {
+      if (held.track != Track::loop) continue;
+      const SceneFile file = SceneFile::load(project_file(held.scene));
+      sweeps.insert(file.text().substr(file.text().find("sweep:")));
+      seeds.insert(file.root().find("seed")->text);
+    }
+    EXPECT_EQ(sweeps.size(), 1U) << protocol.name;
+    EXPECT_EQ(seeds.size(), 1U) << protocol.name;
   }
-  EXPECT_EQ(sweeps.size(), 1U);
-  EXPECT_EQ(seeds.size(), 1U);
 }
 
 TEST(Submission, NamesTheFirstDifference) {

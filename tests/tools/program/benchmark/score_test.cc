@@ -24,6 +24,12 @@ eval::Judgement judgement(Detection detection, double delay, std::size_t said, s
 }
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
+const Held open{.track = Track::open}, loop{.track = Track::loop};
+
+// A box that 2 N hold, gripped with `ratio` times that.
+GraspOutcome grasp(double ratio, bool dropped) {
+  return {.dropped = dropped, .max_grip_force = 2.0 * ratio, .ideal_grip_force = 2.0};
+}
 
 // A slip that is seen after 0, 1 or 3 times half_delay earns 1, 1/2 or 1/4.
 TEST(Score, CreditFallsWithTheDelay) {
@@ -36,9 +42,9 @@ TEST(Score, CreditFallsWithTheDelay) {
 
 TEST(Score, ConstantAnswersEarnNothing) {
   const std::vector<Part> never{recording_part(judgement(Detection::missed, none, 0, 0))};
-  EXPECT_EQ(score_of(never, Track::open).value, 0.0);
+  EXPECT_EQ(score_of(never, open).value, 0.0);
   const std::vector<Part> always{recording_part(judgement(Detection::early, none, 60, 1))};
-  EXPECT_EQ(score_of(always, Track::open).value, -1.0) << "no credit, and slip is said in all of the time without it";
+  EXPECT_EQ(score_of(always, open).value, -1.0) << "no credit, and slip is said in all of the time without it";
 }
 
 // One trial seen at once, one early with an alarm a sample long: credit 1/2. Two trials have 1.2 s without slip: 1 alarm is 50 a minute, which the
@@ -46,7 +52,7 @@ TEST(Score, ConstantAnswersEarnNothing) {
 TEST(Score, FalseAlarmsBeyondTheLimitTakeTheCreditAway) {
   const std::vector<Part> parts{recording_part(judgement(Detection::seen, 0.0, 0, 0)),
                                 recording_part(judgement(Detection::early, none, 1, 1))};
-  const Score score = score_of(parts, Track::open);
+  const Score score = score_of(parts, open);
   EXPECT_DOUBLE_EQ(score.credit, 0.5);
   EXPECT_NEAR(score.alarms_per_minute, 50.0, 1e-9);
   EXPECT_NEAR(score.value, 0.5 * alarm_limit / 50.0 - 1.0 / 120.0, 1e-12);
@@ -57,42 +63,58 @@ TEST(Score, RecordingsWithoutSlipOnlyCost) {
   eval::Judgement quiet = judgement(Detection::quiet, none, 0, 0);
   quiet.slip_time = none;
   const Part seen = recording_part(judgement(Detection::seen, half_delay, 0, 0));
-  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet)}, Track::open).value, 0.5);
+  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet)}, open).value, 0.5);
   quiet.frames[1][1] = 30;
   quiet.frames[1][3] = 30;
-  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet)}, Track::open).value, 0.5 - 30.0 / 120.0);
+  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet)}, open).value, 0.5 - 30.0 / 120.0);
 }
 
 // The least force earns 1, worst_force_ratio times it 0, half-way 1/2. A dropped box and one that needs no tightening earn nothing, and the latter
 // does not count among those that could.
 TEST(Score, AGraspEarnsByItsForce) {
   const eval::Judgement silent = judgement(Detection::missed, none, 0, 0);
-  const auto grasp = [](double ratio, bool dropped) {
-    return GraspOutcome{.dropped = dropped, .max_grip_force = 2.0 * ratio, .ideal_grip_force = 2.0};
-  };
-  EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(1.0, false), true).credit, 1.0);
-  EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(0.5 * (1.0 + worst_force_ratio), false), true).credit, 0.5);
-  EXPECT_EQ(grasp_part(silent, grasp(2.0 * worst_force_ratio, false), true).credit, 0.0);
-  EXPECT_EQ(grasp_part(silent, grasp(1.0, true), true).credit, 0.0);
-  const std::vector<Part> parts{grasp_part(silent, grasp(1.0, false), true), grasp_part(silent, grasp(1.0, false), false)};
-  EXPECT_EQ(score_of(parts, Track::loop).value, 1.0);
+  const GraspOutcome lost = grasp(1.0, true), held = grasp(1.0, false);
+  EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(1.0, false), lost).credit, 1.0);
+  EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(0.5 * (1.0 + worst_force_ratio), false), lost).credit, 0.5);
+  EXPECT_EQ(grasp_part(silent, grasp(2.0 * worst_force_ratio, false), lost).credit, 0.0);
+  EXPECT_EQ(grasp_part(silent, grasp(1.0, true), lost).credit, 0.0);
+  const std::vector<Part> parts{grasp_part(silent, grasp(1.0, false), lost), grasp_part(silent, grasp(1.0, false), held)};
+  EXPECT_EQ(score_of(parts, loop).value, 1.0);
+}
+
+// A box that is held anyway: the force of who never tightens costs nothing, worst_force_ratio times it 1, half-way 1/2; by slip-2 alone. Of two such
+// boxes the mean counts, whatever those earn that need tightening.
+TEST(Score, NeedlessForceCostsWhereTheProtocolSaysSo) {
+  const eval::Judgement silent = judgement(Detection::quiet, none, 0, 0);
+  const GraspOutcome lost = grasp(1.0, true), held = grasp(1.0, false);
+  const double half = 0.5 * (1.0 + worst_force_ratio);
+  EXPECT_EQ(grasp_part(silent, held, held).needless, 0.0);
+  EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(half, false), held).needless, 0.5);
+  EXPECT_EQ(grasp_part(silent, grasp(2.0 * worst_force_ratio, false), held).needless, 1.0);
+  EXPECT_EQ(grasp_part(silent, grasp(half, false), lost).needless, 0.0);
+  const std::vector<Part> parts{grasp_part(silent, held, lost), grasp_part(silent, held, held),
+                                grasp_part(silent, grasp(half, false), held)};
+  EXPECT_EQ(score_of(parts, loop).value, 1.0);
+  Held counts = loop;
+  counts.needless = true;
+  EXPECT_DOUBLE_EQ(score_of(parts, counts).value, 1.0 - 0.25);
 }
 
 // In a loop an alarm costs force: the same alarms leave the credit as it is.
 TEST(Score, ALoopHasNoLimitOfAlarms) {
   const Part part{.credit = 1.0, .alarms = 10.0, .quiet = 1.0};
-  EXPECT_EQ(score_of(std::vector<Part>{part}, Track::loop).value, 1.0);
-  EXPECT_NEAR(score_of(std::vector<Part>{part}, Track::open).value, alarm_limit / 600.0, 1e-12);
+  EXPECT_EQ(score_of(std::vector<Part>{part}, loop).value, 1.0);
+  EXPECT_NEAR(score_of(std::vector<Part>{part}, open).value, alarm_limit / 600.0, 1e-12);
 }
 
 TEST(Score, IntervalsAreOfTenTrialsAndMore) {
   std::vector<Part> parts(9);
-  EXPECT_TRUE(std::isnan(score_interval(parts, Track::open).low));
+  EXPECT_TRUE(std::isnan(score_interval(parts, open).low));
   for (std::size_t k = 0; k < 10; ++k) {
     parts.resize(k + 1);
     parts[k].credit = k % 2 == 0 ? 1.0 : 0.0;
   }
-  const Interval interval = score_interval(parts, Track::open);  // of a share of 5 of 10
+  const Interval interval = score_interval(parts, open);  // of a share of 5 of 10
   EXPECT_LT(interval.low, 0.5);
   EXPECT_GT(interval.high, 0.5);
   EXPECT_GT(interval.low, 0.0);

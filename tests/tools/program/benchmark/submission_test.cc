@@ -61,7 +61,7 @@ TEST_F(Submissions, AreRecomputedByteForByte) {
   const ChildResult foreign = run_program_file({"benchmark", "--verify", file});
   EXPECT_EQ(foreign.status, 2);
   EXPECT_EQ(foreign.err,
-            fmt::format("slipbench: {}: /protocol/sha256: \"{}\" in the file; allowed: \"{}\", that of slip-1 here\n", file,
+            fmt::format("slipbench: {}: /protocol/sha256: \"{}\" in the file; allowed: \"{}\", that of slip-2 here\n", file,
                         other, digest));
 }
 
@@ -69,8 +69,8 @@ TEST_F(Submissions, AreRecomputedByteForByte) {
 // With biotac_lstm, which the protocol teaches.
 TEST_F(Submissions, WhatIsTaughtIsTheSameWithOneThreadAndWithTwo) {
   for (const char* jobs : {"1", "2"}) {
-    const ChildResult made = run_program_file(
-        {"benchmark", "--sensor", "biotac_sp", "--trials", "1", "--quiet", "--jobs", jobs, "--submit", folder_ / jobs});
+    const ChildResult made = run_program_file({"benchmark", "--protocol", "slip-1", "--sensor", "biotac_sp", "--trials", "1",
+                                               "--quiet", "--jobs", jobs, "--submit", folder_ / jobs});
     ASSERT_EQ(made.status, 0) << made.err;
   }
   EXPECT_THAT(text_of(folder_ / "1"), HasSubstr("\"biotac_lstm\""));
@@ -110,8 +110,8 @@ TEST_F(Submissions, WhoHasSeenTheTrialsIsNotJudged) {
   const ChildResult taught =
       run_program_file({"train", folder_ / "seen.h5", "--recipe", "grasp_gru", "--steps", "2", "-o", model, "--json"});
   ASSERT_EQ(taught.status, 0) << taught.err;
-  const ChildResult made =
-      run({"benchmark", model, "--sensor", "papillarray", "--trials", "2", "--untaught", "--quiet", "--json"});
+  const ChildResult made = run({"benchmark", model, "--protocol", "slip-1", "--sensor", "papillarray", "--trials", "2",
+                                "--untaught", "--quiet", "--json"});
   ASSERT_EQ(made.status, 0) << made.err;
   const Json left_out = Json::parse(made.out).at("sets").at(0).at("left_out");
   const auto named = std::ranges::find_if(left_out, [&](const Json& one) { return one.at("detector") == model; });
@@ -143,6 +143,7 @@ TEST_F(Submissions, WhatIsRefused) {
     EXPECT_THAT(result.err, HasSubstr(message));
   };
   expect_refusal({"benchmark", "--sensor", "papilarray"}, "benchmark: no sensor 'papilarray'; did you mean 'papillarray'?");
+  expect_refusal({"benchmark", "--protocol", "slip-3"}, "benchmark: no protocol 'slip-3'; did you mean 'slip-1'?");
   expect_refusal({"benchmark", "shear_rat", "--sensor", "myrmex"}, "no detector 'shear_rat'; did you mean 'shear_rate'?");
   // The controls' own detector is the board's.
   for (const std::vector<std::string>& words : {std::vector<std::string>{"benchmark_control"},

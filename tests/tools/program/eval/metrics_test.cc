@@ -54,6 +54,23 @@ TEST(Judged, AnAlarmBeforeTheSlipIsEarlyAndCountedWhereItBegins) {
   EXPECT_EQ(result.stick_alarms, 2U) << "that at 0.4 s goes on into the slip";
 }
 
+// An alarm at 0.5 s is 0.05 s before the slip: by a grace of more than that it is neither early nor false. One at 0.2 s is, whatever comes after it.
+TEST(Judged, GraceForgivesAnAlarmJustBeforeTheSlip) {
+  const Replayed soon = seen({none, stick, stick, stick, stick, all, all, all, stick, stick});
+  for (const double grace : {0.0, 0.04}) {
+    const Judgement early = judged(0, truth(), soon, grace);
+    EXPECT_EQ(early.detection, Detection::early) << grace;
+    EXPECT_EQ(early.stick_alarms, 1U) << grace;
+  }
+  const Judgement forgiven = judged(0, truth(), soon, 0.06);
+  EXPECT_EQ(forgiven.detection, Detection::seen);
+  EXPECT_EQ(forgiven.delay, 0.0);
+  EXPECT_EQ(forgiven.stick_alarms, 0U);
+  const Judgement twice = judged(0, truth(), seen({none, stick, some, stick, stick, all, all, all, stick, stick}), 0.06);
+  EXPECT_EQ(twice.detection, Detection::early);
+  EXPECT_EQ(twice.stick_alarms, 1U);
+}
+
 // Samples 8 and 9, in which the pad sticks again, are masked: neither a frame nor a false alarm, but the alarm at 0.8 s sees the slip.
 TEST(Judged, MaskedFramesJudgeNothingButTheDelay) {
   Truth masked = truth();

@@ -76,11 +76,12 @@ class BenchmarkCommand final : public Command {
 
   benchmark::Asked asked;
   std::size_t jobs = 0;
+  std::string protocol;                      // empty: the default
   std::string output, submission, verified;  // files; empty: none
 
  private:
   // The board, while an interrupt ends it.
-  [[nodiscard]] Json made(benchmark::Asked asked_for) const;
+  [[nodiscard]] Json made(benchmark::Asked asked_for, const std::string& by) const;
   [[nodiscard]] int verify() const;
   [[nodiscard]] std::string text(const Json& result) const;
 };

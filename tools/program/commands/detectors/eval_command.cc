@@ -157,8 +157,8 @@ int EvalCommand::run() {
 void BenchmarkCommand::declare(Arguments& arguments) {
   arguments.about("benchmark", "Judge all slip detectors by one protocol", R"(
 Puts every detector on a board: those that ship, those that the protocol teaches, the negative controls (always slip, never slip, a
-clock, the motion known, the motion known and timed), and the DETECTORs given. The protocol slip-1 is fixed: recordings and grasps
-of scenes/benchmark/slip-1, which share no seed, material or object with what is learnt from, and a score that false alarms lower
+clock, the motion known, the motion known and timed), and the DETECTORs given. A protocol is fixed: recordings and grasps
+of scenes/benchmark/PROTOCOL, which share no seed with what is learnt from, and a score that false alarms lower
 (tools/program/benchmark/README.md).
 
 Three tracks: open recordings; closed loop, where a gripper tightens by what the detector says; transfer, with --real, where what was taught on
@@ -175,6 +175,7 @@ Examples:
   slipbench benchmark --verify my.json
   slipbench benchmark shear_rate --set flip=0.05 --sensor papillarray --trials 8 --untaught)");
   arguments.texts("DETECTOR", asked.detectors, "Detectors beside those that ship");
+  arguments.text("--protocol NAME", protocol, fmt::format("slip-1 or slip-2 (default: {})", benchmark::default_protocol));
   arguments.sets(asked.parameters, "A parameter of the DETECTOR given, e.g. ratio=0.35");
   arguments.texts("--real FILE", asked.real, "Datasets of real recordings (slipbench import), for the track transfer");
   arguments.text("--sensor TYPE", asked.sensor, "One type of sensor alone (default: all)");
@@ -188,7 +189,7 @@ Examples:
   arguments.then([this] {
     const bool sets = std::ranges::any_of(asked.parameters, [](const Override& change) { return change.path != "library"; });
     const bool asks = !asked.detectors.empty() || sets || !asked.real.empty() || !asked.sensor.empty() || asked.trials > 0 ||
-                      asked.untaught || !output.empty() || !submission.empty();
+                      asked.untaught || !protocol.empty() || !output.empty() || !submission.empty();
     if (!verified.empty() && asks)
       throw InputError(
           "benchmark: --verify takes what was asked from its file; allowed: it alone, --jobs, and --set library=PATH");
@@ -201,12 +202,13 @@ Examples:
   });
 }
 
-Json BenchmarkCommand::made(benchmark::Asked asked_for) const {
+Json BenchmarkCommand::made(benchmark::Asked asked_for, const std::string& by) const {
   const InterruptGuard guard("stopping; nothing is kept");
-  return benchmark::benchmark(
-      {.asked = std::move(asked_for), .jobs = jobs, .interrupt = &InterruptGuard::flag(), .say = [this](const std::string& what) {
-         tell(what);
-       }});
+  return benchmark::benchmark({.asked = std::move(asked_for),
+                               .protocol = by,
+                               .jobs = jobs,
+                               .interrupt = &InterruptGuard::flag(),
+                               .say = [this](const std::string& what) { tell(what); }});
 }
 
 std::string BenchmarkCommand::text(const Json& result) const {
@@ -231,7 +233,7 @@ int BenchmarkCommand::verify() const {
   const Json submitted = benchmark::parse_submission(submitted_text, verified);
   benchmark::Asked submitted_asked = benchmark::parse_asked(submitted.at("asked"));
   check_libraries(submitted_asked, asked.parameters, verified);
-  const Json result = made(std::move(submitted_asked));
+  const Json result = made(std::move(submitted_asked), submitted.at("protocol").at("name").get<std::string>());
   const std::string difference = benchmark::difference(submitted_text, submitted, result);
   const bool same_machine = submitted.contains("machine") && submitted.at("machine") == result.at("machine");
   if (json) {
@@ -254,7 +256,7 @@ int BenchmarkCommand::run() {
   }
   try {
     if (!verified.empty()) return verify();
-    const Json result = made(asked);
+    const Json result = made(asked, protocol.empty() ? benchmark::default_protocol : protocol);
     std::vector<std::string> files;
     if (!output.empty()) files = page::write_page_files(output, benchmark::page_kind, benchmark::board_page(result), result);
     if (!submission.empty()) {
