@@ -407,7 +407,8 @@ void judge_grasps(Board& board, const Held& held, const HeldTrials& trials, cons
 
 Json held_json(const Held& held, const std::vector<const Entrant*>& entrants, const Options& options,
                const Catalogues& catalogues) {
-  if (options.say) options.say(fmt::format("{}: {} {}", track_name(held.track), held.sensor, held.domain));
+  if (options.say)
+    options.say(fmt::format("{}: {}{}", track_name(held.track), held.sensor, held.domain.empty() ? "" : ", " + held.domain));
   const HeldTrials trials(held, options.asked.trials, catalogues);
   Board board{.held = held};
   const TrialRecord first = trials.recorded(trials.numbers.front());
@@ -556,7 +557,7 @@ Asked parse_asked(const Json& json) {
 
 Json benchmark(const Options& options) {
   const Asked& asked = options.asked;
-  const Protocol& protocol = find_protocol(options.protocol);
+  const Protocol& protocol = find_protocol(options.protocol, "benchmark");
   check_sensor(asked.sensor, protocol);
   std::vector<Entrant> entrants = known_entrants(asked);
   const ScratchFolder folder;
@@ -604,7 +605,7 @@ Json parse_submission(const std::string& text, const std::string& name) {
   const Json& protocol = json.at("protocol");
   if (!protocol.is_object() || !protocol.contains("name") || !protocol.at("name").is_string())
     throw InputError(name + ": /protocol/name: is none; allowed: as benchmark --submit writes it");
-  const Protocol& known = find_protocol(protocol.at("name").get<std::string>());
+  const Protocol& known = find_protocol(protocol.at("name").get<std::string>(), name);
   const std::string here = protocol_sha256(known);
   const std::string there = protocol.contains("sha256") ? found(protocol.at("sha256")) : "nothing";
   if (there != found(here))

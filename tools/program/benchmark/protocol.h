@@ -55,8 +55,8 @@ struct Protocol {
 inline constexpr const char* default_protocol = "slip-2";
 // In the order in which they were made.
 const std::vector<Protocol>& protocols();
-// Throws InputError where none has this name.
-const Protocol& find_protocol(const std::string& name);
+// Throws InputError where none has this name; `subject` is who names it, a command or a file.
+const Protocol& find_protocol(const std::string& name, const std::string& subject);
 
 // SHA-256, 64 hexadecimal digits, over the name, the constants, both tables and the bytes of every scene and model that they name. Throws
 // InputError where one cannot be read.

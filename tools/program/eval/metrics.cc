@@ -121,7 +121,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
   Judgement result;
   result.trial = trial;
   result.slip_time = truth.first_slip;
-  // NaN, of which no time is after, without a slip.
+  // Without a slip first_slip is NaN, and no alarm is in time.
   const auto in_time = [&truth, grace](double alarm) { return alarm >= truth.first_slip || alarm > truth.first_slip - grace; };
   bool seen_before = false;
   for (std::size_t row = 0; row < rows; ++row) {

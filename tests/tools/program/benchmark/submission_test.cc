@@ -166,6 +166,12 @@ TEST_F(Submissions, WhatIsRefused) {
   std::ofstream(folder_ / "no.json") << "{}";
   expect_refusal({"benchmark", "--verify", folder_ / "no.json"},
                  "no.json: is no submission; allowed: what benchmark --submit writes");
+  // A protocol that this program does not have is named with the file, and costs no computing.
+  std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": "slip-3"}})";
+  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, "no.json: no protocol 'slip-3'; did you mean 'slip-1'?");
+  std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": 3}})";
+  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, "no.json: /protocol/name: is none");
+  std::ofstream(folder_ / "no.json") << "{}";
   expect_refusal({"benchmark", "--submit", folder_ / "no.json"}, "no.json");
   expect_refusal({"benchmark", "--verify", "/dev/zero"}, "/dev/zero: is a device, no file");
 }

@@ -81,7 +81,7 @@ class BenchmarkCommand final : public Command {
 
  private:
   // The board, while an interrupt ends it.
-  [[nodiscard]] Json made(benchmark::Asked asked_for, const std::string& by) const;
+  [[nodiscard]] Json made(benchmark::Asked asked_for, const std::string& protocol_name) const;
   [[nodiscard]] int verify() const;
   [[nodiscard]] std::string text(const Json& result) const;
 };

@@ -202,10 +202,10 @@ Examples:
   });
 }
 
-Json BenchmarkCommand::made(benchmark::Asked asked_for, const std::string& by) const {
+Json BenchmarkCommand::made(benchmark::Asked asked_for, const std::string& protocol_name) const {
   const InterruptGuard guard("stopping; nothing is kept");
   return benchmark::benchmark({.asked = std::move(asked_for),
-                               .protocol = by,
+                               .protocol = protocol_name,
                                .jobs = jobs,
                                .interrupt = &InterruptGuard::flag(),
                                .say = [this](const std::string& what) { tell(what); }});
