@@ -32,6 +32,13 @@ struct ResultChart {
   std::string bar_name;             // what it says beside it
 };
 
+// A figure that others measured on a real device, and ours. `reproduce realism` gathers them from all studies.
+struct RealFigure {
+  std::string what;               // with its unit
+  double real = 0.0, ours = 0.0;  // NaN: not published
+  std::string note = {};          // what was fitted or assumed; may be empty
+};
+
 struct Result {
   std::string title;               // "Ablation of the hyperdimensional slip detector"
   std::string source;              // what is reproduced: paper and place in it
@@ -39,7 +46,8 @@ struct Result {
   std::vector<ResultTable> tables;
   std::vector<ResultChart> charts = {};  // drawn before the tables
   std::vector<std::string> remarks;      // what differs from the paper, and why
-  Json figures;                          // every number of the tables, unrounded
+  std::vector<RealFigure> real = {};
+  Json figures;  // every number of the tables, unrounded
 };
 
 // The one JSON object of `--json` and of the written file: name, title, source, setup, figures, remarks.

@@ -46,6 +46,10 @@ const std::vector<Reproduction>& reproductions() {
        "detectors that learnt from simulated grasps, in the published loop: drops, slip and force beside an oracle and two controls",
        {"--data", "--trials", "--only", "--seed", "--jobs"},
        &learned_grasp_loop},
+      {"learned/scaling",
+       "how many trials to learn from, and what has to be varied in them: score, delay and alarms on slip-2",
+       {"--trials", "--only", "--full", "--seed", "--jobs", "--resume"},
+       &learned_scaling},
       {"myrmex-tactile-cnn/onset_label",
        "the onset that a third sensor on the object labels, beside the true one: 64 trials, several readings of the rule", runs,
        &myrmex_onset_label},
@@ -81,6 +85,10 @@ const std::vector<Reproduction>& reproductions() {
       {"piezo-fft-gru/slip_against_hold",
        "slip and hold told apart by the power of one frame, against the motors' vibration, and which frames are mistaken", runs,
        &piezo_slip_against_hold},
+      {"realism",
+       "every published figure of a real device beside ours, from all studies",
+       {"--real", "--trials", "--only", "--full", "--seed", "--jobs"},
+       &realism_table},
   };
   return all;
 }

@@ -51,6 +51,7 @@ Result hd_table3(const ReproduceOptions& options);
 Result hd_latency(const ReproduceOptions& options);
 Result hd_resources(const ReproduceOptions& options);
 Result learned_grasp_loop(const ReproduceOptions& options);
+Result learned_scaling(const ReproduceOptions& options);
 Result myrmex_onset_label(const ReproduceOptions& options);
 Result myrmex_table2(const ReproduceOptions& options);
 Result myrmex_table3(const ReproduceOptions& options);
@@ -64,5 +65,6 @@ Result piezo_table3(const ReproduceOptions& options);
 Result piezo_table4(const ReproduceOptions& options);
 Result piezo_delay(const ReproduceOptions& options);
 Result piezo_slip_against_hold(const ReproduceOptions& options);
+Result realism_table(const ReproduceOptions& options);
 
 }  // namespace slipbench::reproduce

@@ -29,6 +29,8 @@ TEST(GraspLoop, UnknownRowsGetTheNearest) {
   ReproduceOptions options;
   options.only = {"grasp_gro"};
   EXPECT_THAT(refusal_of([&] { learned_grasp_loop(options); }), HasSubstr("did you mean 'grasp_gru'"));
+  options.only = {"papilarray"};
+  EXPECT_THAT(refusal_of([&] { learned_scaling(options); }), HasSubstr("did you mean 'papillarray'"));
 }
 
 }  // namespace

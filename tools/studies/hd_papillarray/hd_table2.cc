@@ -517,7 +517,15 @@ Result hd_table2(const ReproduceOptions& options) {
     std::size_t last = first;
     while (last < cells.size() && cells[last].protocol.name == cells[first].protocol.name &&
            cells[last].box.name == cells[first].box.name) {
-      result.figures["cells"].push_back(cell_json(cells[last], results[last], seed));
+      const GraspCell& cell = cells[last];
+      result.figures["cells"].push_back(cell_json(cell, results[last], seed));
+      for (const PublishedGrasp& row : published_grasps()) {
+        if (cell.protocol.name != "as_recorded" || cell.loop.name != "oracle" || row.surface != cell.surface.name ||
+            row.box != cell.box.name)
+          continue;
+        result.real.push_back({fmt::format("slip of the {} box, {}, median, mm", row.box, row.surface), row.slip_median,
+                               spread_of(results[last], &GraspFigures::slip, 1e3).median, "the oracle in place of the detector"});
+      }
       ++last;
     }
     const std::string title = cells[first].protocol.text + ", " + cells[first].box.text;

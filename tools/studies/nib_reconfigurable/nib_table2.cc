@@ -227,6 +227,14 @@ Result nib_table2(const ReproduceOptions& options) {
   }
   const std::vector<std::vector<ReleaseRun>>& by_reading = runs.front().by_reading;
   const ResultTable release = release_table(by_reading.front(), result.figures);
+  for (const PublishedSurface& surface : published_surfaces) {
+    const ReleaseSummary summary = summary_of(by_reading.front(), surface.material);
+    result.real.push_back({fmt::format("force at which slip is told, error on {}, N", surface.text), surface.all,
+                           summary.error.mean, "friction and its patches assumed"});
+    result.real.push_back({fmt::format("slips told before 6 mm on {}, %", surface.text),
+                           100.0 * static_cast<double>(surface.safe) / static_cast<double>(surface.runs),
+                           100.0 * static_cast<double>(summary.safe) / static_cast<double>(summary.runs), ""});
+  }
   for (std::size_t k = 0; k < by_reading.size(); ++k) {
     const DetectorReading& reading = detector_readings()[k];
     readings.rows.push_back(surfaces_row(reading.text, by_reading[k]));

@@ -236,6 +236,13 @@ Result nib_table3(const ReproduceOptions& options) {
     table.rows.push_back(success_row(cells[i], summary));
     ends.rows.push_back(ends_row(cells[i], summary));
     result.figures["cells"].push_back(cell_json(cells[i], summary, seed));
+    if (!cells[i].published) continue;
+    const auto share = [](std::size_t standing, std::size_t runs) {
+      return 100.0 * static_cast<double>(standing) / static_cast<double>(runs);
+    };
+    result.real.push_back({fmt::format("boxes turned up and released, {}, %", cells[i].name),
+                           share(*cells[i].published, published_runs), share(summary.standing, summary.runs),
+                           "thresholds assumed"});
   }
   result.tables.push_back(std::move(table));
   result.tables.push_back(std::move(ends));

@@ -134,6 +134,12 @@ Result piezo_table1(const ReproduceOptions& options) {
     result.tables.back().note =
         "Each is told that alone, and not the signal. Speed of the motors: the sum over all that run, those that do not move the tip among them. A bench whose motor moves a tip that touches does slip but for the shear before it: contact and motors together are a definition more than a shortcut.";
   }
+  for (const NetworkRow& row : rows) {
+    if (std::isnan(row.accuracy)) continue;
+    result.real.push_back({row.text + ", balanced accuracy of frames, %", row.accuracy,
+                           on_all(validations.folds(numbers[LabelRule::paper][row.name])).accuracy.mean,
+                           "ours has learnt from simulation"});
+  }
   result.setup = setup_lines(options, size, recordings.size());
   result.setup.push_back(
       "A convolution looks back, before a recording begins, to its first frame: all frames are judged. The paper pads, too.");
