@@ -27,10 +27,10 @@ Recipe slip_recipe(const char* name, const char* summary, const char* sensor, do
   Recipe slip = begun_recipe(
       name, summary, "none published: for scenes/learn, where device, load, friction and the way differ from trial to trial",
       sensor, rate, channels);
-  slip.assumed = "all of it; frames that stick again after a slip teach nothing; Adam at 3e-3";
+  slip.assumed = "all of it; on a stage frames that stick again after a slip teach nothing; Adam at 3e-3";
   slip.input.window = slip.input.stride = static_cast<std::size_t>(std::lround(rate / 100.0));
   slip.scaling = Scaling::standard;
-  slip.labels = LabelRule::masked;
+  slip.labels = LabelRule::tightened;
   slip.training = {
       .steps = 3000, .batch = 64, .clip = 150, .optimiser = Optimiser::adam, .learning_rate = 3e-3, .final_rate = 0.02};
   slip.training.validate_every = 150;
@@ -46,7 +46,6 @@ Recipe slip_gru() {
   slip.input.spans = {10, 20, 40, 80, 160};
   slip.input.floor = 1e-3;  // N, the noise of a pillar: what is less tells nothing
   slip.scaling = Scaling::common;
-  slip.labels = LabelRule::tightened;
   const std::size_t features = 2 + 3 * slip.input.spans.size();
   slip.network = {9 * features,
                   {Reshape{{9, features}}, BatchNorm{1}, Linear{32}, Relu{}, PoolUnits{true}, Linear{48}, Relu{}, PoolUnits{},
