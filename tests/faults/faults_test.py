@@ -49,7 +49,7 @@ class Bench:
         scene = self.path("scene.yaml")
         Path(scene).write_text(SCENE, encoding="ascii")
         self.made("sweep", scene, "-o", self.path("two.h5"))
-        self.made("sweep", scene, "--trials", "12", "--set", "duration=0.2 s", "-o", self.path("many.h5"))
+        self.made("sweep", scene, "--trials", "12", "--set", "duration=0.6 s", "motion.start=0.3 s", "motion.compression=0.6 mm", "-o", self.path("many.h5"))
         for k in ("1", "2"):
             self.made("sweep", scene, "--shard", f"{k}/2", "-o", self.path(f"shard-{k}.h5"))
         self.made("export", self.path("two.h5"), "--format", "vendor-csv", "-o", self.path("vendor"))
@@ -87,8 +87,8 @@ def cases(bench):
         "resume": (["sweep", scene, "--trials", "4", "-o", "OUT/a.h5", "--quiet", "--resume"], []),
         "merge": (["merge", bench.path("shard-1.h5"), bench.path("shard-2.h5"), "-o", "OUT/a.h5"], []),
         "import": (["import", bench.path("vendor"), "--format", "papillarray-csv", "-o", "OUT/a.h5"], []),
-        "train": (["train", bench.path("many.h5"), "-o", "OUT/memories", "--quiet"], []),
-        "recipe": (["train", bench.path("many.h5"), "--recipe", "papillarray_gru", "--steps", "2", "-o", "OUT/a.onnx", "--quiet"], []),
+        "train": (["train", bench.path("many.h5"), "-o", "OUT/memories"], []),
+        "recipe": (["train", bench.path("many.h5"), "--recipe", "papillarray_gru", "--steps", "2", "-o", "OUT/a.onnx"], []),
         "report": (["report", two, "-o", "OUT/a.html"], []),
         "benchmark": (["benchmark", "--sensor", "biotac_sp", "--trials", "1", "--untaught", "--quiet", "--submit", "OUT/a.json", "-o", "OUT/a.html"], []),
     }
