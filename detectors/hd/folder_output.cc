@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
 #include <system_error>
 
@@ -10,6 +9,7 @@
 #include <unistd.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/whole_write.h"
 
 namespace slipbench::hd {
 namespace {
@@ -26,19 +26,6 @@ std::error_code last_error() { return {errno, std::generic_category()}; }
 fs::path whole_name(const std::string& folder) {
   const fs::path name = fs::absolute(folder).lexically_normal();
   return name.has_filename() ? name : name.parent_path();
-}
-
-void write_file(const fs::path& name, const std::string& text) {
-  // A link that stands there is not followed.
-  const int descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (descriptor < 0) throw std::system_error(last_error());
-  std::FILE* const file = ::fdopen(descriptor, "wb");
-  if (file == nullptr) throw std::system_error(last_error());
-  const bool written =
-      std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0 && ::fsync(descriptor) == 0;
-  const std::error_code reason = last_error();
-  if (std::fclose(file) != 0 && written) throw std::system_error(last_error());
-  if (!written) throw std::system_error(reason);
 }
 
 }  // namespace
@@ -82,7 +69,10 @@ void write_folder(const std::string& folder, const std::vector<TextFile>& files)
   const std::string stale = target.string() + ".old." + std::to_string(::getpid());
   try {
     fs::create_directories(fresh);
-    for (const TextFile& file : files) write_file(fs::path(fresh) / file.name, file.text);
+    for (const TextFile& file : files) {
+      // A link that stands there is not followed.
+      if (!write_synced_file((fs::path(fresh) / file.name).c_str(), O_EXCL, file.text)) throw std::system_error(last_error());
+    }
     replace_folder(fresh, target, stale);
   } catch (const std::system_error& error) {
     std::error_code ignored;

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <set>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -89,12 +88,15 @@ void check_size(const std::string& file, const Tag& tag, const char* what, doubl
                    std::to_string(found) + "; allowed: at most " + std::to_string(most));
 }
 
-void check_file(const fs::path& path, const fs::path& root, std::set<std::string>& seen) {
+using Files = std::map<std::string, std::vector<Tag>>;
+
+void check_file(const fs::path& path, const fs::path& root, Files& seen) {
   check_regular_file(path.string(), largest_file);
-  if (!seen.insert(path.lexically_normal().string()).second) return;  // MuJoCo refuses one that includes itself
+  const auto [file, fresh] = seen.try_emplace(path.lexically_normal().string());
+  if (!fresh) return;  // MuJoCo refuses one that includes itself
   std::ifstream stream(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  const std::vector<Tag> tags = tags_of(text);
+  const std::vector<Tag>& tags = file->second = tags_of(text);
   std::vector<fs::path> folders{root, path.parent_path()};
   for (const Tag& tag : tags) {
     for (const char* key : {"assetdir", "meshdir", "texturedir"}) {
@@ -124,8 +126,35 @@ void check_file(const fs::path& path, const fs::path& root, std::set<std::string
 }  // namespace
 
 void check_mjcf(const std::string& path) {
-  std::set<std::string> seen;
+  Files seen;
   check_file(path, fs::path(path).parent_path(), seen);
+}
+
+std::string placed_message(const std::string& path, std::string message) {
+  const auto word_after = [&message](std::string_view what) {
+    const std::size_t at = message.find(what);
+    return at == std::string::npos ? ""
+                                   : message.substr(at + what.size(), message.find('\'', at + what.size()) - at - what.size());
+  };
+  constexpr std::string_view no_line = ", line 0";
+  const std::size_t line = message.rfind(no_line);
+  const std::string element = word_after("Element '"), name = word_after("Element name '");
+  const std::string attribute = word_after("attribute: '") + word_after("attribute '");
+  if (line == std::string::npos || element.empty() == name.empty()) return message;
+  const auto is_meant = [&](const Tag& tag) {
+    if (!element.empty()) return tag.name == element && (attribute.empty() || tag.attributes.contains(attribute));
+    const auto named = tag.attributes.find("name");
+    return named != tag.attributes.end() && named->second == name;
+  };
+  Files files;
+  check_file(path, fs::path(path).parent_path(), files);
+  std::string places;
+  for (const auto& [file, tags] : files) {
+    for (const Tag& tag : tags) {
+      if (is_meant(tag)) places += (places.empty() ? ", " : " or ") + file + ":" + std::to_string(tag.line);
+    }
+  }
+  return places.empty() ? message : message.replace(line, no_line.size(), places);
 }
 
 }  // namespace slipbench

@@ -10,4 +10,7 @@ namespace slipbench {
 // cells, a `count` of more than 10^6, `memory` of more than 4 GB. What cannot be found or is not XML is MuJoCo's to refuse.
 void check_mjcf(const std::string& path);
 
+// A message of MuJoCo about the file, with the places that it may mean, "FILE:LINE", instead of its line 0: of what is included it counts no lines.
+std::string placed_message(const std::string& path, std::string message);
+
 }  // namespace slipbench

@@ -4,7 +4,14 @@
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <string_view>
 #include <utility>
+#include <vector>
+
+#include <sys/resource.h>
 
 #include "sim/core/error.h"
 
@@ -28,6 +35,17 @@ void on_warning(const char*) {}
 
 }  // namespace
 
+CompilerMemory::CompilerMemory() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+  static std::mutex mutex;
+  alone_ = std::unique_lock(mutex);
+  // As many as lift.yaml takes three times over; of a size that comes from the heap from which the compiler's own come.
+  constexpr std::size_t blocks = 256, bytes = 1 << 16;
+  std::vector<std::unique_ptr<char[]>> taken;
+  for (std::size_t i = 0; i < blocks; ++i) taken.push_back(std::make_unique_for_overwrite<char[]>(bytes));
+}
+
 void call_mujoco(void (*action)(void* context), void* context) {
   [[maybe_unused]] static const bool installed = [] {
     mju_user_error = on_error;
@@ -44,6 +62,7 @@ void call_mujoco(void (*action)(void* context), void* context) {
   }
   way_back = outer;
   if (carried) std::rethrow_exception(std::exchange(carried, nullptr));
+  if (std::string_view(text.data()).find("Could not allocate memory") != std::string_view::npos) throw std::bad_alloc();
   throw InputError(text.data());
 }
 

@@ -3,6 +3,7 @@
 
 #include <exception>
 #include <memory>
+#include <mutex>
 #include <type_traits>
 
 #include <mujoco/mujoco.h>
@@ -28,6 +29,16 @@ template <class Action>
 void call_mujoco(Action&& action) {
   call_mujoco([](void* context) { (*static_cast<std::remove_reference_t<Action>*>(context))(); }, &action);
 }
+
+// MuJoCo's parser and compiler have a C++ run time of their own, whose std::bad_alloc ends the process. Where memory is limited (ulimit -v), no two of
+// these objects live at a time, and making one throws std::bad_alloc where less is left than a model of the bench takes: make one around such calls.
+class CompilerMemory {
+ public:
+  CompilerMemory();
+
+ private:
+  std::unique_lock<std::mutex> alone_;
+};
 
 // For what MuJoCo calls back, before it ends with mju_error, which takes no more than a text: the call_mujoco() around it throws `error`
 // itself. Does nothing where MuJoCo was called by others.

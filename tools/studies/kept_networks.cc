@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/whole_write.h"
 #include "tools/base/files/sha256.h"
 
 namespace slipbench::reproduce {
@@ -52,13 +53,8 @@ std::string bytes_of_file(int file, const std::string& path) {
 }
 
 void append_and_sync(int file, std::string_view bytes, const std::string& path) {
-  if (::lseek(file, 0, SEEK_END) < 0) fail_to_write(path);
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0) fail_to_write(path);
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  if (::fsync(file) != 0) fail_to_write(path);
+  const off_t end = ::lseek(file, 0, SEEK_END);
+  if (end < 0 || !write_whole(file, bytes, static_cast<std::uint64_t>(end)) || !sync_file(file)) fail_to_write(path);
 }
 
 struct KeptRecord {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sim/core/error.h"
+#include "sim/core/wrong_run.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/articulated/articulated_stage.h"
 #include "sim/simulation/pad_clocks.h"
@@ -61,7 +62,7 @@ void ArticulatedSimulation::step() {
   try {
     for (const std::size_t pad : s.clocks.stepped()) s.pads[pad]->step(pad_in_surface, time);
   } catch (const std::runtime_error& error) {
-    throw InputError(std::string("the run has gone wrong: ") + error.what());
+    throw WrongRun(std::string("the run has gone wrong: ") + error.what());
   }
 }
 

@@ -81,6 +81,7 @@ ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surfa
   w.parts = parts;
   w.dt = pillars.dt;
 
+  const CompilerMemory memory;
   const SpecPointer spec(mj_makeSpec());
   set_pillar_options(spec.get(), pillars);
   mju_zero3(spec->option.gravity);

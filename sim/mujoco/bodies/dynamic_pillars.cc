@@ -6,6 +6,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
+#include "sim/core/wrong_run.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
 #include "sim/mujoco/bodies/finger_spring.h"
 #include "sim/mujoco/bodies/gripper_model.h"
@@ -84,7 +85,7 @@ void DynamicSimulation::State::settle_tips() {
     try {
       refuse_warnings(held.get(), settled.get(), dt * k);
     } catch (const InputError& error) {
-      throw InputError(std::string("the tips do not come to rest before the run: ") + error.what());
+      throw WrongRun(std::string("the tips do not come to rest before the run: ") + error.what());
     }
     for (const Pad& pad : pads) {
       pad.pillars->read(held.get(), settled.get(), 0.0, dt);

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/wrong_run.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
 #include "sim/mujoco/bodies/model_builder.h"
 #include "sim/mujoco/pads/field_plugin.h"
@@ -99,8 +100,7 @@ void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocit
     now.momentum = now.mass * (velocity.segment<3>(body.dof) + spin.cross(arm));
     if (const auto wrong = body.rule.check(now, dt)) {
       const char* name = mj_id2name(m(), mjOBJ_BODY, body.body);
-      throw InputError(
-          fmt::format("the run has gone wrong at {:.6g} s: body '{}' {}", time, name == nullptr ? "" : name, *wrong));
+      throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: body '{}' {}", time, name == nullptr ? "" : name, *wrong));
     }
   }
 }
@@ -130,15 +130,14 @@ void DynamicSimulation::State::watch(double time, const Eigen::VectorXd& velocit
   mj_mulM(m(), d(), work_space.data(), mean.data());
   now.kinetic = 0.5 * mean.dot(work_space);
   if (const auto wrong = energy->check(now, dt)) {
-    throw InputError(fmt::format("the run has gone wrong at {:.6g} s: {}", time, *wrong));
+    throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: {}", time, *wrong));
   }
   for (const int body : moving) {
     const MjVector centre(d()->xipos + 3 * body);
     const double speed = (centre - MjVector(&centres[3 * static_cast<std::size_t>(body)])).norm() / dt;
     if (const auto wrong = energy->check_body(0.5 * m()->body_mass[body] * speed * speed)) {
       const char* name = mj_id2name(m(), mjOBJ_BODY, body);
-      throw InputError(
-          fmt::format("the run has gone wrong at {:.6g} s: body '{}' {}", time, name == nullptr ? "" : name, *wrong));
+      throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: body '{}' {}", time, name == nullptr ? "" : name, *wrong));
     }
   }
   weigh(time, velocity);

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/wrong_run.h"
 #include "sim/effects/install.h"
 #include "sim/motion/lift.h"
 #include "sim/mujoco/bodies/finger_spring.h"
@@ -254,7 +255,7 @@ void GraspSimulation::State::observe(double time) {
     truth.pad_force[k] = simulation->normal_force(finger.pad);
     const double allowed = 2.0 * finger.most + finger.impact;
     if (truth.pad_force[k] > allowed) {
-      throw InputError(fmt::format(
+      throw WrongRun(fmt::format(
           "the run has gone wrong at {:.6g} s: the {}'s normal force is {:.4g} N, and the finger's spring has reached {:.4g} N at most; allowed: {:.4g} N",
           time, k == 0 ? "sensor's pad" : "second pad", truth.pad_force[k], finger.most, allowed));
     }

@@ -179,9 +179,13 @@ class Builder {
   // What of the scene a message of MuJoCo is about.
   [[nodiscard]] std::string blame() const { return scene_.model.empty() ? "bodies" : "model"; }
 
+  [[nodiscard]] std::string placed(const char* message) const {
+    return scene_.model.empty() ? message : placed_message(scene_.model, message);
+  }
+
   ModelPointer compile(mjSpec* spec) {
     ModelPointer model(mj_compile(spec, &vfs_.vfs));
-    if (!model) throw SceneValueError(blame(), std::string("MuJoCo cannot compile it: ") + mjs_getError(spec));
+    if (!model) throw SceneValueError(blame(), "MuJoCo cannot compile it: " + placed(mjs_getError(spec)));
     return model;
   }
 
@@ -307,7 +311,7 @@ class Builder {
       mj_addBufferVFS(&vfs_.vfs, wrapper.c_str(), text.data(), static_cast<int>(text.size()));
       spec.reset(mj_parseXML(wrapper.c_str(), &vfs_.vfs, error.data(), size));
     }
-    if (!spec) throw SceneValueError(blame(), std::string("MuJoCo cannot read it: ") + error.data());
+    if (!spec) throw SceneValueError(blame(), "MuJoCo cannot read it: " + placed(error.data()));
     return spec;
   }
 
@@ -565,11 +569,13 @@ class Builder {
 }  // namespace
 
 ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand) {
+  const CompilerMemory memory;
   return Builder(scene, pads, trial, hand).build();
 }
 
 ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,
                                      const std::function<double(double)>& step_for, const Hand* hand) {
+  const CompilerMemory memory;
   return Builder(scene, pads, 0, hand).build_articulated(step_for);
 }
 

@@ -206,6 +206,7 @@ bool finish_names(const std::string& path) {
   while (found_at(temporary_path(shard_path(path, count))).kind == Found::Kind::dataset) ++count;
   for (std::size_t k = 0; k < count; ++k) check_own_name(path, k);
   for (std::size_t k = count; k-- > 0;) rename_file(temporary_path(shard_path(path, k)), shard_path(path, k));
+  remove_kept(path, 0);
   return true;
 }
 

@@ -114,7 +114,7 @@ std::string guarded(const std::string& subject, const ReadingLimits& limits, con
       throw unreadable(fmt::format("reading needed more than {:.3g} GB", 1e-9 * static_cast<double>(limits.memory)));
     case ChildEnd::Kind::failure: throw std::runtime_error(end->text);
     case ChildEnd::Kind::broken:
-      throw InputError(fmt::format("{}: is damaged: HDF5 crashed on it{}", subject,
+      throw InputError(fmt::format("{}: is damaged, or there was too little memory: HDF5 crashed on it{}", subject,
                                    WIFSIGNALED(end->status) ? fmt::format(" ({})", ::strsignal(WTERMSIG(end->status))) : ""));
     case ChildEnd::Kind::result: break;
   }

@@ -46,22 +46,10 @@ std::string file_difference(const std::map<std::string, std::string>& left, cons
   return "";
 }
 
-// JSON: the numbers of the trials that are as they were written, and of the others.
+// JSON: the numbers of the trials, and the files' names.
 std::string parts_of(const std::string& name) {
-  std::vector<std::size_t> whole;
-  std::vector<std::size_t> damaged;
   const DatasetReader reader(name);
-  for (const std::size_t trial : reader.trials()) {
-    const auto is_whole = [&] {
-      try {
-        return hexadecimal(reader.stored_digest(trial)) == reader.trial_sha256(trial);
-      } catch (const std::runtime_error&) {
-        return false;
-      }
-    };
-    (is_whole() ? whole : damaged).push_back(trial);
-  }
-  return nlohmann::json{whole, damaged}.dump();
+  return nlohmann::json{reader.trials(), reader.files()}.dump();
 }
 
 }  // namespace
@@ -119,8 +107,17 @@ KeptTrials::KeptTrials(const std::string& path, const DatasetHeader& header) {
   lock_ = lock_file(name);
   const auto parts = nlohmann::json::parse(guarded(name, [&] { return parts_of(name); }));
   trials_ = parts.at(0).get<std::vector<std::size_t>>();
-  damaged_ = parts.at(1).get<std::vector<std::size_t>>();
-  reader_.emplace(name);
+  files_ = parts.at(1).get<std::vector<std::string>>();
+}
+
+std::optional<KeptTrials::Trial> KeptTrials::read(std::size_t trial) const {
+  try {
+    if (!reader_) reader_.emplace(files_.front());
+    Trial read{reader_->read_counts(trial), reader_->read_encoded(trial)};
+    if (recomputed_digest(read.encoded) == read.encoded.digest) return read;
+  } catch (const std::runtime_error&) {  // is damage
+  }
+  return std::nullopt;
 }
 
 bool KeptTrials::holds(std::size_t trial) const { return std::ranges::binary_search(trials_, trial); }

@@ -25,20 +25,23 @@ class KeptTrials {
 
   [[nodiscard]] std::size_t size() const { return trials_.size(); }
   [[nodiscard]] bool holds(std::size_t trial) const;
-  // What is told of a trial, and the trial as it is stored, both without its material.
-  [[nodiscard]] TrialRecord read_counts(std::size_t trial) const { return reader_->read_counts(trial); }
-  [[nodiscard]] EncodedTrial read_encoded(std::size_t trial) const { return reader_->read_encoded(trial); }
-  // Numbers of the trials that were left too, and whose digest does not hold or which cannot be read: this object does not hold
-  // them.
-  [[nodiscard]] const std::vector<std::size_t>& damaged() const { return damaged_; }
   // Names of its files.
-  [[nodiscard]] std::vector<std::string> files() const { return reader_ ? reader_->files() : std::vector<std::string>(); }
+  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+
+  // What is told of a trial, and the trial as it is stored, both without its material.
+  struct Trial {
+    TrialRecord counts;
+    EncodedTrial encoded;
+  };
+  // Empty where its digest does not hold or it cannot be read. Damage may end the process: call it in one that may end (isolated_worker.h), which then
+  // opens the files for itself.
+  [[nodiscard]] std::optional<Trial> read(std::size_t trial) const;
 
  private:
   Descriptor lock_;  // of what is left: no other run goes on with it meanwhile
-  std::optional<DatasetReader> reader_;
   std::vector<std::size_t> trials_;
-  std::vector<std::size_t> damaged_;
+  std::vector<std::string> files_;
+  mutable std::optional<DatasetReader> reader_;  // made by the first read()
 };
 
 // A dataset whose run came to its end.

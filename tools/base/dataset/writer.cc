@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/whole_write.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/files/output_file.h"
@@ -27,7 +28,7 @@ std::uint64_t closing_bytes(std::size_t trials) { return 32768 + 32 * static_cas
 void sync_folder(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   const Descriptor descriptor(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (descriptor.get() < 0 || ::fsync(descriptor.get()) != 0) {
+  if (descriptor.get() < 0 || !sync_file(descriptor.get(), true)) {
     throw InputError(fmt::format("{} is written, and a power failure may still take its name: its folder cannot be synced: {}",
                                  path, std::strerror(errno)));
   }
@@ -187,6 +188,13 @@ std::vector<std::string> DatasetWriter::keep_partial() {
     state_->shards.clear();
   }
   if (state_->shards.empty()) return state_->kept_files;
+  if (state_->shards.front().prepared()) {
+    // It lacks only its name, or is seen to; under this one --resume gives it that.
+    std::vector<std::string> names;
+    for (const Shard& shard : state_->shards) names.push_back(shard.path());
+    state_->shards.clear();
+    return names;
+  }
   return state_->finish_as(kept_path(state_->path), false);
 }
 

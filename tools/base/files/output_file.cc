@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/whole_write.h"
 
 namespace slipbench {
 namespace {
@@ -83,21 +84,12 @@ void check_text_target(const std::string& path, const std::vector<std::string>& 
 
 void write_text_file(const std::string& path, const std::string& text) {
   const std::string temporary = temporary_path(path);
-  const auto fail = [&](int reason) {
-    std::remove(temporary.c_str());
-    refuse(path, std::strerror(reason));
-  };
   // A link that has come since the name was checked is not followed.
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
-  if (descriptor < 0) refuse(path, std::strerror(errno));
-  std::FILE* const file = ::fdopen(descriptor, "wb");
-  if (file == nullptr) refuse(path, std::strerror(errno));
-  const bool written =
-      std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0 && ::fsync(::fileno(file)) == 0;
+  if (write_synced_file(temporary.c_str(), O_TRUNC | O_NOFOLLOW, text) && std::rename(temporary.c_str(), path.c_str()) == 0)
+    return;
   const int reason = errno;
-  const bool closed = std::fclose(file) == 0;
-  if (!written) fail(reason);
-  if (!closed || std::rename(temporary.c_str(), path.c_str()) != 0) fail(errno);
+  std::remove(temporary.c_str());
+  refuse(path, std::strerror(reason));
 }
 
 namespace fs = std::filesystem;

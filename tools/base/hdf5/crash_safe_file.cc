@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "sim/core/process/whole_write.h"
+
 namespace slipbench::hdf5 {
 namespace {
 
@@ -60,15 +62,8 @@ std::uint32_t checksum(std::span<const std::uint8_t> bytes) {
   return c;
 }
 
-bool write_whole(int descriptor, std::span<const std::uint8_t> bytes, std::uint64_t address) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(address));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-    address += static_cast<std::uint64_t>(count);
-  }
-  return true;
+bool write_at(int descriptor, std::span<const std::uint8_t> bytes, std::uint64_t address) {
+  return write_whole(descriptor, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, address);
 }
 
 // What lies beyond the file's end reads as zeros: space that is allocated and not written yet.
@@ -174,7 +169,7 @@ struct CrashSafeDriver {
       bytes = bytes.subspan(held);
       address += held;
     }
-    return write_whole(to.descriptor, bytes, address) ? 0 : failed("write");
+    return write_at(to.descriptor, bytes, address) ? 0 : failed("write");
   }
   // The length follows when what lies there is shown.
   static herr_t truncate(H5FD_t*, hid_t, hbool_t) { return 0; }
@@ -242,7 +237,7 @@ void CrashSafeFile::begin(const char* list) {
     view = {address, address + root.size()};
     relink(root, list, linked, view.list);
     linked = view.list;
-    if (!write_whole(disk_->descriptor, root, view.root)) fail();
+    if (!write_at(disk_->descriptor, root, view.root)) fail();
     address += root.size() + list_bytes_;
   }
   flush();
@@ -259,7 +254,7 @@ void CrashSafeFile::publish() {
   shown_ = 1 - shown_;
   std::vector<std::uint8_t> list(list_bytes_);
   if (!read_whole(disk_->descriptor, list, list_address_)) fail();
-  if (!write_whole(disk_->descriptor, list, views_[shown_].list)) fail();
+  if (!write_at(disk_->descriptor, list, views_[shown_].list)) fail();
   std::array<std::uint8_t, 48> superblock = disk_->superblock;
   put(&superblock[root_field], views_[shown_].root, 8);
   put(&superblock[end_field], disk_->end, 8);
@@ -274,13 +269,13 @@ void CrashSafeFile::close() {
   file_.close();
   show(disk_->superblock);
   const std::vector<std::uint8_t> nothing(reserve_bytes_);
-  if (!write_whole(disk_->descriptor, nothing, reserve)) fail();
-  if (::ftruncate(disk_->descriptor, static_cast<off_t>(disk_->end)) != 0 || ::fsync(disk_->descriptor) != 0) fail();
+  if (!write_at(disk_->descriptor, nothing, reserve)) fail();
+  if (::ftruncate(disk_->descriptor, static_cast<off_t>(disk_->end)) != 0 || !sync_file(disk_->descriptor)) fail();
 }
 
 void CrashSafeFile::show(const std::array<std::uint8_t, 48>& superblock) {
   sync();
-  if (!write_whole(disk_->descriptor, superblock, 0) || ::fdatasync(disk_->descriptor) != 0) fail();
+  if (!write_at(disk_->descriptor, superblock, 0) || !sync_file(disk_->descriptor)) fail();
 }
 
 // The disk begins to write what has been flushed, and nobody waits for it: a sync then has little left to do. Where it fails, the sync says so.
@@ -302,7 +297,7 @@ void CrashSafeFile::lengthen() {
 
 void CrashSafeFile::sync() {
   lengthen();
-  if (::fdatasync(disk_->descriptor) != 0) fail();
+  if (!sync_file(disk_->descriptor)) fail();
 }
 
 std::uint64_t CrashSafeFile::size_bytes() const {

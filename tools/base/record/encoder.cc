@@ -82,14 +82,18 @@ void add_attribute(ContentDigest& digest, const EncodedAttribute& attribute) {
   std::visit(Adder{digest, attribute.path + "@" + attribute.name}, attribute.value);
 }
 
+void add_array(ContentDigest& digest, const std::string& path, ElementType type, const Extents& shape, const void* values,
+               std::size_t bytes, const std::string& unit, std::string_view codes) {
+  digest.add_numbers(path, numpy_name(type), shape, values, bytes);
+  digest.add_text(path + "@unit", unit);
+  if (!codes.empty()) digest.add_text(path + "@codes", std::string(codes));
+}
+
 // The same entries that content_walk.h finds in the file.
 Digest digest_of(const std::vector<ArrayView>& arrays, const std::vector<EncodedAttribute>& attributes) {
   ContentDigest digest;
-  for (const ArrayView& view : arrays) {
-    digest.add_numbers(view.path, numpy_name(view.type), view.shape, view.bytes, view.size_bytes());
-    digest.add_text(view.path + "@unit", view.unit);
-    if (!view.codes.empty()) digest.add_text(view.path + "@codes", std::string(view.codes));
-  }
+  for (const ArrayView& view : arrays)
+    add_array(digest, view.path, view.type, view.shape, view.bytes, view.size_bytes(), view.unit, view.codes);
   for (const EncodedAttribute& attribute : attributes) add_attribute(digest, attribute);
   return digest.finish();
 }
@@ -100,6 +104,14 @@ void shuffle(const std::uint8_t* in, std::size_t bytes, std::uint8_t* out) {
   const std::size_t count = bytes / Size;
   for (std::size_t byte = 0; byte < Size; ++byte) {
     for (std::size_t i = 0; i < count; ++i) out[byte * count + i] = in[i * Size + byte];
+  }
+}
+
+// The reverse: shuffling by the number of the elements.
+void unshuffle(const std::vector<std::uint8_t>& in, std::size_t element, std::uint8_t* out) {
+  const std::size_t count = in.size() / element;
+  for (std::size_t byte = 0; byte < element; ++byte) {
+    for (std::size_t i = 0; i < count; ++i) out[i * element + byte] = in[byte * count + i];
   }
 }
 
@@ -188,6 +200,40 @@ EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
   trial.digest = digest_of(arrays, trial.attributes);
   trial.attributes.push_back({"", trial_sha256_name, hexadecimal(trial.digest)});
   return trial;
+}
+
+Digest recomputed_digest(const EncodedTrial& trial) {
+  const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> inflater(
+      libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
+  if (!inflater) throw std::bad_alloc();
+  ContentDigest digest;
+  std::vector<std::uint8_t> shuffled;
+  std::vector<std::uint8_t> values;
+  for (const EncodedArray& array : trial.arrays) {
+    const auto refuse = [&] { throw InputError(array.path + ": a chunk does not hold its rows"); };
+    const std::size_t element = size_of(array.type);
+    std::size_t row = element;  // bytes
+    for (std::size_t axis = 1; axis < array.shape.size(); ++axis) row *= array.shape[axis];
+    shuffled.resize(0);
+    values.resize(0);
+    for (const std::vector<std::uint8_t>& chunk : array.chunks) {
+      constexpr std::size_t most = 1032;  // bytes that deflate makes of one
+      if (row == 0 || array.chunk_rows > most * chunk.size() / row) refuse();
+      shuffled.resize(array.chunk_rows * row);
+      values.resize(values.size() + shuffled.size());
+      if (libdeflate_zlib_decompress(inflater.get(), chunk.data(), chunk.size(), shuffled.data(), shuffled.size(), nullptr) !=
+          LIBDEFLATE_SUCCESS)
+        refuse();
+      unshuffle(shuffled, element, values.data() + values.size() - shuffled.size());
+    }
+    const std::size_t bytes = array.shape.front() * row;
+    if (bytes > values.size()) refuse();
+    add_array(digest, array.path, array.type, array.shape, values.data(), bytes, array.unit, array.codes);
+  }
+  for (const EncodedAttribute& attribute : trial.attributes) {
+    if (!attribute.path.empty() || attribute.name != trial_sha256_name) add_attribute(digest, attribute);
+  }
+  return digest.finish();
 }
 
 std::string truth_sha256(const LabelRecord& labels) {

@@ -84,6 +84,9 @@ class TrialEncoder {
   std::unique_ptr<State> state_;
 };
 
+// EncodedTrial::digest by its chunks and attributes, whatever it says itself. Throws InputError where a chunk does not hold the rows that it should.
+Digest recomputed_digest(const EncodedTrial& trial);
+
 // EncodedTrial::digest of a trial, without encoding it.
 Digest trial_digest(const TrialRecord& record);
 

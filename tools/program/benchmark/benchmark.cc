@@ -540,7 +540,7 @@ Json asked_json(const Asked& asked) {
           {"sensor", asked.sensor},       {"trials", asked.trials}, {"untaught", asked.untaught}};
 }
 
-Asked parse_asked(const Json& json) {
+Asked parse_asked(const Json& json, const std::string& file) {
   try {
     Asked asked;
     asked.detectors = json.at("detectors").get<std::vector<std::string>>();
@@ -551,7 +551,7 @@ Asked parse_asked(const Json& json) {
     asked.untaught = json.at("untaught").get<bool>();
     return asked;
   } catch (const Json::exception& error) {
-    throw InputError(fmt::format("asked: {}; allowed: as benchmark --submit writes it", error.what()));
+    throw InputError(fmt::format("{}: /asked: {}; allowed: as benchmark --submit writes it", file, error.what()));
   }
 }
 

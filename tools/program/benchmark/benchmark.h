@@ -51,8 +51,8 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 Json benchmark(const Options& options);
 
 Json asked_json(const Asked& asked);
-// The inverse. Throws InputError, which names the key.
-Asked parse_asked(const Json& json);
+// The inverse. Throws InputError, which names `file` and the key.
+Asked parse_asked(const Json& json, const std::string& file);
 
 // The bytes of a submission.
 std::string submission_text(const Json& result);

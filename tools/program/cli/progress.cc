@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <string_view>
 #include <utility>
+
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -39,7 +43,25 @@ std::string speed_text(const ProgressState& state, std::string_view after) {
   return state.sim_seconds ? fmt::format("{} x real time{}", short_count(per_second(*state.sim_seconds, state)), after) : "";
 }
 
+void say_preparing(int) {
+  constexpr std::string_view text = "slipbench: still preparing the trials after 10 s; the more bodies, the longer it takes\n";
+  const int before = errno;
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
+  errno = before;
+}
+
 }  // namespace
+
+PreparationNotice::PreparationNotice(bool quiet) {
+  struct sigaction action {};
+  action.sa_handler = quiet ? SIG_IGN : &say_preparing;
+  action.sa_flags = SA_RESTART;
+  ::sigaction(SIGALRM, &action, nullptr);
+  constexpr unsigned patience = 10;  // s
+  ::alarm(patience);
+}
+
+PreparationNotice::~PreparationNotice() { ::alarm(0); }
 
 std::string short_count(double value) {
   constexpr std::array<const char*, 4> suffixes{"", "k", "M", "G"};
@@ -98,6 +120,16 @@ void Progress::update(std::size_t done, std::size_t total, std::optional<double>
   } else {
     say(stream_, progress_line_text(state) + '\n');
   }
+  last_drawn_ = now;
+}
+
+void Progress::part(double share) {
+  const double now = clock_(), elapsed = now - start_;
+  if (mode_ == Mode::off || elapsed < line_period || now - last_drawn_ < (mode_ == Mode::bar ? bar_period : line_period)) return;
+  const std::string left = share > 0.0 ? clock_text(elapsed * (1.0 - share) / share) : "?";
+  const std::string text = fmt::format("{:.3g} % of the trial, {}, ETA {}", 100.0 * share, clock_text(elapsed), left);
+  say(stream_, mode_ == Mode::bar ? "\r\033[K" + text : text + '\n');
+  on_screen_ = mode_ == Mode::bar;
   last_drawn_ = now;
 }
 

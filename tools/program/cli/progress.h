@@ -29,6 +29,16 @@ std::string progress_bar_text(const ProgressState& state, std::size_t width);
 // "100/200 trials (50 %), 3.1k x real time, 24 trials/s, ETA 4 s"
 std::string progress_line_text(const ProgressState& state);
 
+// As long as it lives, and that is 10 s, says on stderr, once, that the trials are still being prepared: a process that forks has no thread to wait in,
+// so it takes SIGALRM.
+class PreparationNotice {
+ public:
+  explicit PreparationNotice(bool quiet);
+  ~PreparationNotice();
+  PreparationNotice(const PreparationNotice&) = delete;
+  PreparationNotice& operator=(const PreparationNotice&) = delete;
+};
+
 // Draws the progress of one sweep; an unfinished bar goes with the object, so that what follows, a message too, starts on an empty line. Not thread-safe: the sweep calls it from one thread at a time.
 class Progress {
  public:
@@ -52,6 +62,8 @@ class Progress {
   // Reports `done` of `total` trials and what has been simulated so far. Draws when the time has come, and always at the end.
   // A sweep of one trial has no progress to show: nothing is drawn.
   void update(std::size_t done, std::size_t total, std::optional<double> sim_seconds);
+  // Of a run of one trial: how much of it is done. Draws once it has taken `line_period`.
+  void part(double share);
   // Removes an unfinished bar, so that the text which follows starts on an empty line.
   void clear();
 

@@ -1,6 +1,7 @@
 #include "tools/program/export/formats.h"
 
 #include <memory>
+#include <new>
 #include <span>
 #include <stdexcept>
 
@@ -47,6 +48,7 @@ class ZipArchive {
     return static_cast<la_ssize_t>(size);
   }
   void check(int status) const {
+    if (status == ARCHIVE_FATAL) throw std::bad_alloc();  // nothing else can fail so: it writes to memory
     if (status != ARCHIVE_OK) throw std::runtime_error(fmt::format("libarchive: {}", archive_error_string(archive_.get())));
   }
   void write(const void* data, std::size_t size) {

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/whole_write.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/files/output_file.h"
@@ -201,8 +202,8 @@ void write_robomimic(const DatasetReader& reader, const std::vector<std::size_t>
     file = make_file(temporary);
     put_all(file.get(), reader, trials, options);
     file.close();
-    if (::fsync(own.get()) != 0) throw std::runtime_error(std::strerror(errno));
-    if (std::rename(temporary.c_str(), path.c_str()) != 0) throw std::runtime_error(std::strerror(errno));
+    if (!sync_file(own.get()) || std::rename(temporary.c_str(), path.c_str()) != 0)
+      throw std::runtime_error(std::strerror(errno));
   } catch (const InputError&) {
     file.abandon();
     ::unlink(temporary.c_str());

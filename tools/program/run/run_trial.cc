@@ -118,6 +118,8 @@ constexpr double field_step = 0.3e-6, body_step = 5e-6, pillar_step = 20e-6;
 // Steps after which an interrupt is looked for: looking costs more than the rest of this loop, and 16 steps take some ms at most.
 constexpr std::size_t steps_between_looks = 16;
 
+std::atomic<double> share_so_far{0.0};
+
 double shortest_step(const Simulation& simulation, std::size_t pads) {
   double shortest = simulation.time_step(0);
   for (std::size_t pad = 1; pad < pads; ++pad) shortest = std::min(shortest, simulation.time_step(pad));
@@ -125,6 +127,8 @@ double shortest_step(const Simulation& simulation, std::size_t pads) {
 }
 
 }  // namespace
+
+double simulated_share() { return share_so_far; }
 
 double check_trial(const Scene& scene, std::uint64_t trial) {
   const Sensors sensors = make_sensors(scene, trial);
@@ -165,7 +169,10 @@ TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double
 
 // These two are the inner loop: a call of each is a percent of a cheap scene's instructions.
 [[gnu::always_inline]] inline std::span<const Tick> TrialRun::advance() {
-  if (steps_++ % steps_between_looks == 0) end_if(interrupt_);
+  if (steps_++ % steps_between_looks == 0) {
+    end_if(interrupt_);
+    share_so_far.store(simulation_->contact(0).time / scene_.duration, std::memory_order_relaxed);
+  }
   simulation_->step();
   const std::span<const Tick> ticks = sampler_.measure();
   loop_.update(ticks);

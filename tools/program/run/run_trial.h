@@ -45,6 +45,9 @@ inline constexpr double max_record_bytes = 4e9;
 TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes = max_record_bytes,
                       const std::atomic<bool>* interrupt = nullptr);
 
+// The share of its trial that the run which has looked for an interrupt last has simulated: of the only one, where there is one at a time.
+double simulated_share();
+
 // Builds what run_trial would step, and throws what it would throw before the first step, but for a record over the limit:
 // returns the bytes that a full one would take, its events aside.
 double check_trial(const Scene& scene, std::uint64_t trial);

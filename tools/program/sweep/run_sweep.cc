@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/wrong_run.h"
 #include "sim/scene/scene_reader.h"
 #include "tools/base/dataset/kept_trials.h"
 #include "tools/base/record/encoder.h"
@@ -226,6 +227,8 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
     throw;
   } catch (const SceneValueError& error) {
     throw InputError(fmt::format("trial {}: {}: {}", index, plan.trials.where(index, error.path()), error.what()));
+  } catch (const WrongRun& error) {
+    throw InputError(fmt::format("trial {}: {}: {}", index, plan.trials.where(index, "time_step"), error.what()));
   } catch (const InputError& error) {
     throw InputError(fmt::format("trial {}: {}", index, error.what()));
   } catch (const std::bad_alloc&) {
@@ -264,16 +267,27 @@ Simulate simulation_by(IsolatedWorker& worker, const WorkPlan& plan) {
   };
 }
 
-// A trial of an earlier run, as it would be handed over by a worker.
+// A trial of an earlier run, as it would be handed over by a worker; one that is not resumed where it is damaged.
 FinishedTrial resumed_trial(const KeptTrials& kept, const WorkPlan& plan, std::size_t index) {
+  std::optional<KeptTrials::Trial> read = kept.read(index);
+  if (!read) return {};
   TrialResult result;
-  result.record = kept.read_counts(index);
+  result.record = std::move(read->counts);
   result.units.resize(result.record.sensors.size());
   const Scene scene = plan.trials.trial(index).scene;
-  FinishedTrial finished{summary_of(result), scene.duration, 0.0, kept.read_encoded(index)};
+  FinishedTrial finished{summary_of(result), scene.duration, 0.0, std::move(read->encoded)};
   finished.encoded->material = split_group(scene);
   finished.summary.resumed = true;
   return finished;
+}
+
+// The same by a process that does resumed_trial(), which damage may end.
+FinishedTrial resumed_by(IsolatedWorker& reader, std::size_t trial, const std::atomic<bool>* interrupt) {
+  try {
+    return Packed::of(reader.run(trial, interrupt)).take<FinishedTrial>();
+  } catch (const LostWork&) {
+    return {};
+  }
 }
 
 // The command that runs one trial of a sweep again.
@@ -351,8 +365,9 @@ class RunningSweep {
   const TrialPlan& plan_;
   std::vector<std::size_t> trials_;  // numbers of those that run
   Workforce workforce_;
-  std::optional<HeldFiles> files_;   // that the trials name
-  std::list<IsolatedWorker> apart_;  // where trials are isolated one for each thread
+  std::optional<HeldFiles> files_;     // that the trials name
+  std::list<IsolatedWorker> apart_;    // where trials are isolated one for each thread
+  std::list<IsolatedWorker> readers_;  // of what an earlier run has left, one for each thread
   DatasetHeader header_;
   std::optional<KeptTrials> kept_;         // of an earlier run
   std::unique_ptr<DatasetWriter> writer_;  // null: nothing is written
@@ -399,8 +414,12 @@ void RunningSweep::check(const Catalogues& catalogues) {
 
 bool RunningSweep::resume() {
   kept_.emplace(options_.output, header_);
-  summary_.damaged = kept_->damaged();
-  if (kept_->size() > 0 || !kept_->damaged().empty()) return false;
+  for (std::size_t i = 0; kept_->size() > 0 && i < workforce_.threads; ++i) {
+    constexpr double long_enough = 120.0;  // s, where damage makes HDF5 run for ever
+    readers_.emplace_back([this](std::size_t trial) { return Packed::bytes_of(resumed_trial(*kept_, work(), trial)); },
+                          long_enough);
+  }
+  if (kept_->size() > 0) return false;
   std::optional<FinishedDataset> whole = finished_dataset(options_.output, header_);
   if (!whole) return false;
   summary_.was_complete = true;
@@ -434,32 +453,36 @@ void RunningSweep::run() {
 }
 
 void RunningSweep::run_trials() {
-  std::vector<std::size_t> missing;
-  std::ranges::copy_if(trials_, std::back_inserter(missing), [&](std::size_t trial) { return !holds(trial); });
   summary_.trials.reserve(summary_.planned);  // growing, it would leave holes of as much again in the heap
   std::mutex mutex;
   auto next = apart_.begin();
+  auto reader = readers_.begin();
   const auto make_work = [&]() -> OrderedWorkers<FinishedTrial>::Work {
     const std::lock_guard lock(mutex);
     Simulate simulate = apart_.empty() ? simulation(work(), options_) : simulation_by(*next++, work());
-    return [this, simulate = std::move(simulate), &missing](std::size_t index) {
-      FinishedTrial finished = simulate(missing[index]);
+    IsolatedWorker* const reads = readers_.empty() ? nullptr : &*reader++;
+    return [this, simulate = std::move(simulate), reads](std::size_t index) {
+      const std::size_t trial = trials_[index];
+      FinishedTrial finished = holds(trial) ? resumed_by(*reads, trial, options_.interrupt) : FinishedTrial();
+      if (!finished.summary.resumed) finished = simulate(trial);
       files_->check();  // whether it read the same files as all others
       return finished;
     };
   };
-  OrderedWorkers<FinishedTrial> workers(missing.size(), workforce_.threads, make_work, options_.interrupt);
+  OrderedWorkers<FinishedTrial> workers(trials_.size(), workforce_.threads, make_work, options_.interrupt);
   // What is finished is made safe while nothing else is to be done, and at the latest after a moment: a sync may take a while.
   constexpr std::chrono::milliseconds longest_unsafe{250};
   auto due = std::chrono::steady_clock::now() + longest_unsafe;
-  for (const std::size_t trial : trials_) {
+  for (std::size_t i = 0; i < trials_.size(); ++i) {
     end_if(options_.interrupt);
-    const bool resumed = holds(trial);
-    if (!resumed && unpublished() && !workers.ready_until(due)) writer_->publish();
-    std::optional<FinishedTrial> finished = resumed ? resumed_trial(*kept_, work(), trial) : workers.next();
+    if (unpublished() && !workers.ready_until(due)) writer_->publish();
+    constexpr std::chrono::milliseconds a_while{100};
+    while (progress_ && trials_.size() == 1 && !workers.ready_until(std::chrono::steady_clock::now() + a_while))
+      progress_({.total = 1, .share = simulated_share()});
+    std::optional<FinishedTrial> finished = workers.next();
     if (!finished) break;
     take(*finished);
-    if (!resumed) workers.give_back(std::move(*finished));
+    workers.give_back(std::move(*finished));
     if (writer_ && std::chrono::steady_clock::now() >= due) writer_->publish();
     if (std::chrono::steady_clock::now() >= due) due = std::chrono::steady_clock::now() + longest_unsafe;
     report();
@@ -467,6 +490,7 @@ void RunningSweep::run_trials() {
 }
 
 void RunningSweep::take(FinishedTrial& trial) {
+  if (holds(trial.summary.trial) && !trial.summary.resumed) summary_.damaged.push_back(trial.summary.trial);
   if (!trial.failure.empty()) {
     const std::size_t number = trial.summary.trial;
     summary_.failed.push_back({number, std::move(trial.failure), repeating_command(options_, summary_.seed, number)});

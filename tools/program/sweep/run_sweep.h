@@ -25,6 +25,7 @@ struct SweepProgress {
   std::size_t done = 0;  // trials that failed, or are finished and, with a dataset, safe in it
   std::size_t total = 0;
   double simulated = 0.0;  // s, of the trials done
+  double share = 0.0;      // of a run of one trial, told while it runs: what of it is simulated
 };
 using ProgressCallback = std::function<void(const SweepProgress&)>;
 

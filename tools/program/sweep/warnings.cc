@@ -160,12 +160,12 @@ std::string long_time_text(double seconds) {
 }
 
 void look_at_steps(const Scene& scene, std::size_t trial, Collector& found) {
-  if (scene.time_step) return;
   const PlannedSteps steps = planned_steps(scene, trial);
   if (steps.seconds <= longest_trial) return;
   found.add(trial, "time_step",
-            fmt::format("auto makes steps of {:.3g} s, {:.2g} in a trial, which take {} or more", steps.shortest, steps.count,
-                        long_time_text(steps.seconds)));
+            fmt::format("{} makes steps of {:.3g} s, {:.2g} in a trial, which take {} or more{}",
+                        scene.time_step ? format_quantity(*scene.time_step, Quantity::time) : "auto", steps.shortest, steps.count,
+                        long_time_text(steps.seconds), scene.time_step ? "; auto takes the longest that is right" : ""));
 }
 
 void count(const TrialOutcome& outcome, const std::string& sensor, const StateCounts& states,

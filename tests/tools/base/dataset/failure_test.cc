@@ -255,7 +255,8 @@ TEST(Guarded, CrashIsDamage) {
       return "";
     };
   };
-  EXPECT_EQ(refusal_of([&] { guarded("a.h5", raise(SIGSEGV)); }), "a.h5: is damaged: HDF5 crashed on it (Segmentation fault)");
+  EXPECT_EQ(refusal_of([&] { guarded("a.h5", raise(SIGSEGV)); }),
+            "a.h5: is damaged, or there was too little memory: HDF5 crashed on it (Segmentation fault)");
   EXPECT_EQ(refusal_of<std::runtime_error>([&] { guarded("a.h5", raise(SIGTERM)); }), "a.h5: reading it was ended: Terminated");
   // A terminal sends Ctrl-C to all processes of a program. The parent decides.
   const auto interrupted = []() -> std::string {

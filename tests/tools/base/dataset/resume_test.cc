@@ -30,7 +30,7 @@ class ResumeTest : public FolderTest {
     DatasetWriter writer(path("out.h5"), header, trials, limit, &kept);
     TrialEncoder encoder;
     for (std::size_t k = 0; k < end; ++k) {
-      EncodedTrial trial = kept.holds(k) ? kept.read_encoded(k) : encoder.encode(make_grasp_record(k, rows));
+      EncodedTrial trial = kept.holds(k) ? kept.read(k)->encoded : encoder.encode(make_grasp_record(k, rows));
       trial.material = "acrylic";
       writer.append(trial);
     }
@@ -237,10 +237,9 @@ TEST_F(ResumeTest, DamagedTrialIsNotKept) {
   H5Oclose(labels);
   H5Fclose(file);
   const KeptTrials kept(path("out.h5"), header);
-  EXPECT_EQ(kept.size(), 2U);
-  EXPECT_THAT(kept.damaged(), ElementsAre(1));
-  EXPECT_FALSE(kept.holds(1));
-  EXPECT_TRUE(kept.holds(2));
+  EXPECT_EQ(kept.size(), 3U);
+  EXPECT_FALSE(kept.read(1));
+  EXPECT_TRUE(kept.read(2));
 }
 
 // The list of a file is one block, however long the names in it.

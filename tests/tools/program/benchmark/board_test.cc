@@ -208,7 +208,8 @@ TEST(Submission, AskedIsReadBack) {
                     .sensor = "myrmex",
                     .trials = 4,
                     .untaught = true};
-  EXPECT_EQ(asked_json(parse_asked(asked_json(asked))), asked_json(asked));
+  EXPECT_EQ(asked_json(parse_asked(asked_json(asked), "a.json")), asked_json(asked));
+  EXPECT_THAT(refusal_of([] { parse_asked(Json::array(), "a.json"); }), HasSubstr("a.json: /asked: "));
 }
 
 }  // namespace

@@ -231,7 +231,7 @@ std::string BenchmarkCommand::text(const Json& result) const {
 int BenchmarkCommand::verify() const {
   const std::string submitted_text = read_text(verified);
   const Json submitted = benchmark::parse_submission(submitted_text, verified);
-  benchmark::Asked submitted_asked = benchmark::parse_asked(submitted.at("asked"));
+  benchmark::Asked submitted_asked = benchmark::parse_asked(submitted.at("asked"), verified);
   check_libraries(submitted_asked, asked.parameters, verified);
   const Json result = made(std::move(submitted_asked), submitted.at("protocol").at("name").get<std::string>());
   const std::string difference = benchmark::difference(submitted_text, submitted, result);

@@ -63,16 +63,20 @@ class TrialsJson {
   bool empty_ = true;
 };
 
-Finished simulate(const ReadSweep& read, SweepOptions sweep, const Catalogues& catalogues, bool silent) {
+Finished simulate(const ReadSweep& read, SweepOptions sweep, const Catalogues& catalogues, bool silent,
+                  std::optional<PreparationNotice>& preparing) {
   // Until the scene is checked there is nothing to keep: a signal ends the program as usual.
   std::optional<InterruptGuard> guard;
-  sweep.on_start = [&guard] { guard.emplace(); };
+  sweep.on_start = [&] {
+    preparing.reset();
+    guard.emplace();
+  };
   sweep.interrupt = &InterruptGuard::flag();
   sweep.keep_units = false;
   Progress progress = Progress::for_stream(stderr, silent);
   const auto start = std::chrono::steady_clock::now();
   SweepSummary summary = run_sweep(read, sweep, catalogues, [&progress](const SweepProgress& state) {
-    progress.update(state.done, state.total, state.simulated);
+    state.done == 0 && state.total == 1 ? progress.part(state.share) : progress.update(state.done, state.total, state.simulated);
   });
   return {std::move(summary), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
 }
@@ -197,13 +201,14 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
 int SimulationCommand::run() {
   const Catalogues catalogues = program_catalogues();
   settle_accuracy(sweep, catalogues, *this);
+  std::optional<PreparationNotice> preparing(silent());
   const ReadSweep read = read_sweep(sweep, catalogues);
   sweep.isolate = isolate || (!together && !sweep.only && read.planned.asked > 1 && may_load_plugins(read, sweep));
   std::vector<Warning> warnings = scene_warnings(read, sweep);
   print_warnings(warnings);
   TrialsJson trials;
   if (json) sweep.on_trial = [&trials](const TrialSummary& trial) { trials.add(trial); };
-  const Finished finished = simulate(read, sweep, catalogues, silent());
+  const Finished finished = simulate(read, sweep, catalogues, silent(), preparing);
   const SweepSummary& summary = finished.summary;
   // A trial that was asked for alone is no part of a sweep that could go on.
   if (summary.planned == 1 && !summary.shard && !summary.failed.empty()) throw InputError(summary.failed.front().message);

@@ -1,0 +1,213 @@
+"""Makes the calls of the program fail, one after the other (faults.c), as SQLite's tests do.
+
+usage: faults_test.py SLIPBENCH COMPILER FOLDER FAULTS [CASE ...]
+
+Of each case, kind of call and error up to FAULTS calls fail, evenly chosen; 0: all. A call that fails alone, and one from which on all fail.
+Each time: an error that names file and reason, or the right bytes; no signal, no hang, no other bytes under a final name; and the same command, with
+--resume where there is one, then comes to the right bytes.
+"""
+import collections
+import errno
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+SECONDS = 60  # no command takes longer
+LARGE = 1 << 15  # bytes, of an allocation that fails
+
+# Half a write: 0. Whoever is interrupted, or has written a part, goes on.
+KINDS = {"write": (errno.ENOSPC, errno.EIO, errno.EINTR, 0), "sync": (errno.EIO, errno.ENOSPC, errno.EINTR), "rename": (errno.EIO, errno.ENOSPC),
+         "open": (errno.ENOSPC, errno.EIO, errno.EMFILE), "memory": (errno.ENOMEM,)}
+SURVIVED = (errno.EINTR, 0)
+
+SCENE = """slipbench: 1
+description: short slides
+duration: 0.1 s
+time_step: 1 ms
+seed: 7
+surface: {material: acrylic}
+motion: {kind: stage, gap: 0 mm, compression: 0.1 mm, approach_speed: 10 mm/s, start: 50 ms, speed: 16 mm/s, acceleration: 1 m/s2}
+sensors:
+  pad: {type: papillarray, rate: 1 kHz, electronics: typical, bristles: 3}
+sweep:
+  motion.direction: {draw: uniform, min: 0 deg, max: 360 deg}
+  trials: 2
+"""
+
+
+class Bench:
+    def __init__(self, program, compiler, folder):
+        self.program, self.folder = program, folder
+        self.shim, self.count = folder / "faults.so", folder / "count"
+        subprocess.run([compiler, "-O1", "-shared", "-fPIC", "-Wall", "-Werror", "-o", self.shim, HERE / "faults.c", "-ldl"], check=True)
+        scene = self.path("scene.yaml")
+        Path(scene).write_text(SCENE, encoding="ascii")
+        self.made("sweep", scene, "-o", self.path("two.h5"))
+        self.made("sweep", scene, "--trials", "12", "--set", "duration=0.6 s", "motion.start=0.3 s", "motion.compression=0.6 mm", "-o", self.path("many.h5"))
+        for k in ("1", "2"):
+            self.made("sweep", scene, "--shard", f"{k}/2", "-o", self.path(f"shard-{k}.h5"))
+        self.made("export", self.path("two.h5"), "--format", "vendor-csv", "-o", self.path("vendor"))
+        self.made("sweep", HERE / "../../scenes/biotac_sp/slip.yaml", "--trials", "1", "--set", "duration=100 ms", "sweep={}", "-o", self.path("biotac.h5"))
+        self.made("sweep", HERE / "../../scenes/myrmex/slip.yaml", "--trials", "1", "--set", "duration=50 ms", "sweep={}", "-o", self.path("myrmex.h5"))
+
+    def path(self, name):
+        return str(self.folder / name)
+
+    def made(self, *words):
+        subprocess.run([self.program, *words], check=True, capture_output=True, timeout=SECONDS)
+
+    def run(self, words, where, kind=None, error=0, span=(0, 0)):
+        """Status, what stderr had, and how many calls of the kind there were."""
+        env = {**os.environ, "TMPDIR": str(where)}
+        if kind:
+            self.count.write_bytes(bytes(8))
+            env |= {"LD_PRELOAD": str(self.shim), "FAULT_UNDER": f"{where}/", "FAULT_KIND": kind, "FAULT_ERROR": str(error), "FAULT_FROM": str(span[0]),
+                    "FAULT_TO": str(span[1]), "FAULT_LARGE": str(LARGE), "FAULT_COUNT": str(self.count)}
+        try:
+            done = subprocess.run([self.program, *words], capture_output=True, env=env, timeout=SECONDS, cwd=where, check=False)
+        except subprocess.TimeoutExpired:
+            return "hang", "", 0
+        return done.returncode, done.stderr.decode(errors="replace"), int.from_bytes(self.count.read_bytes(), sys.byteorder) if kind else 0
+
+
+def cases(bench):
+    """What each command is: its words (OUT: the folder that it writes into), and what it adds to go on."""
+    scene, two = bench.path("scene.yaml"), bench.path("two.h5")
+    found = {
+        "run": (["run", scene, "--trials", "2", "-o", "OUT/a.h5", "--quiet"], ["--resume"]),
+        "sweep": (["sweep", scene, "--jobs", "2", "-o", "OUT/a.h5", "--quiet"], ["--resume"]),
+        "six": (["sweep", scene, "--trials", "6", "--jobs", "1", "-o", "OUT/a.h5", "--quiet"], ["--resume"]),
+        "isolate": (["sweep", scene, "--isolate", "-o", "OUT/a.h5", "--quiet"], ["--resume"]),
+        "resume": (["sweep", scene, "--trials", "4", "-o", "OUT/a.h5", "--quiet", "--resume"], []),
+        "merge": (["merge", bench.path("shard-1.h5"), bench.path("shard-2.h5"), "-o", "OUT/a.h5"], []),
+        "import": (["import", bench.path("vendor"), "--format", "papillarray-csv", "-o", "OUT/a.h5"], []),
+        "train": (["train", bench.path("many.h5"), "-o", "OUT/memories"], []),
+        "recipe": (["train", bench.path("many.h5"), "--recipe", "papillarray_gru", "--steps", "2", "-o", "OUT/a.onnx"], []),
+        "report": (["report", two, "-o", "OUT/a.html"], []),
+        "benchmark": (["benchmark", "--sensor", "biotac_sp", "--trials", "1", "--untaught", "--quiet", "--submit", "OUT/a.json", "-o", "OUT/a.html"], []),
+    }
+    of_sensor = {"slip-csv": "biotac.h5", "myrmex-csv": "myrmex.h5", "myrmex-rotated": "myrmex.h5"}
+    for format in ("csv", "npz", "robomimic", "vendor-csv", "training-csv", "slip-csv", "myrmex-csv", "myrmex-rotated", "parquet", "mcap", "lerobot"):
+        out = "OUT/a.h5" if format == "robomimic" else "OUT/out"
+        found[f"export {format}"] = (["export", bench.path(of_sensor.get(format, "two.h5")), "--format", format, "-o", out], [])
+    return found
+
+
+class Case:
+    def __init__(self, bench, name, words, resume):
+        self.bench, self.name, self.words, self.resume = bench, name, words, resume
+        self.begin = bench.folder / f"begin-{name}"  # what lies there before the command runs
+        self.begin.mkdir()
+        if name == "resume":
+            self.leave_half(self.begin)
+        status, told, _ = self.run()
+        assert status == 0, f"{words}: {told}"
+        self.right = contents(self.where)
+        assert self.right, words
+
+    def leave_half(self, folder):
+        """A sweep that had no memory after its first trials."""
+        words = [str(folder / "a.h5") if word == "OUT/a.h5" else word for word in self.words if word != "--resume"]
+        for call in range(3, 60):
+            shutil.rmtree(folder)
+            folder.mkdir()
+            status, told, _ = self.bench.run(words, folder, "memory", errno.ENOMEM, (call, call))
+            if re.search("holds [1-3] of 4 trials", told):
+                return
+        raise AssertionError(told)
+
+    def run(self, *fault):
+        self.where = self.bench.folder / "out"
+        shutil.rmtree(self.where, ignore_errors=True)
+        shutil.copytree(self.begin, self.where)
+        return self.bench.run(self.at(self.words), self.where, *fault)
+
+    def at(self, words):
+        return [word.replace("OUT", str(self.where)) for word in words]
+
+    def wrong(self, kind, error, span):
+        """What is wrong with how the command bears this fault: empty where nothing is. None: it makes no such call."""
+        status, told, calls = self.run(kind, error, span)
+        if status == "hang":
+            return "hang"
+        if calls < span[0]:
+            return None
+        if status < 0:
+            return f"signal {-status}"
+        left = {name: bytes for name, bytes in contents(self.where).items() if ".partial" not in name and "checkpoint" not in name}
+        if any(bytes != self.right.get(name) for name, bytes in left.items() if not unfinished(name, bytes, self.begin)):
+            return "other bytes under a final name"
+        if status == 0:
+            return "" if left == self.right else "status 0, and files are missing"
+        if error in SURVIVED:
+            return f"not survived: {told.strip()}"
+        message = told[told.rfind("slipbench: "):].strip()
+        if status not in (1, 2) or not message or "internal error" in told or "Traceback" in told:
+            return f"status {status}: {told.strip()}"
+        # Where a library reads, it does not tell want of memory from other reasons.
+        reasons = ("memory", "cannot be read") if kind == "memory" else (os.strerror(error),)
+        if not any(reason in message for reason in reasons) or (kind != "memory" and str(self.where) not in message):
+            return f"file or reason not named: {message}"
+        held = re.search(r"holds? (\d+) of", told)
+        again = [*self.at(self.words), *self.resume, *(["--json"] if held else [])]
+        done = subprocess.run([self.bench.program, *again], capture_output=True, timeout=SECONDS, check=False)
+        if done.returncode != 0 or contents(self.where) != self.right:
+            return f"the next one ends with {done.returncode}: {done.stderr.decode().strip()}"
+        if held and json.loads(done.stdout)["resumed"] < int(held[1]):
+            return f"finished trials are lost: {told.strip()}"
+        return ""
+
+
+def contents(folder):
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def unfinished(name, bytes, begin):
+    """Whether a file was there before."""
+    return (begin / name).exists() and (begin / name).read_bytes() == bytes
+
+
+def chosen(calls, most):
+    """Up to `most` of the calls 1 to `calls`, evenly; 0: all, and one beyond."""
+    return range(1, calls + 1) if most == 0 or calls <= most else sorted({1 + i * (calls - 1) // max(1, most - 1) for i in range(most)})
+
+
+def main(program, compiler, folder, most, only):
+    folder = Path(tempfile.mkdtemp(dir=folder)).resolve()
+    try:
+        bench = Bench(Path(program).resolve(), compiler, folder)
+        faults, wrong = collections.Counter(), collections.Counter()
+        for name, (words, resume) in cases(bench).items():
+            if only and name not in only:
+                continue
+            case = Case(bench, name, words, resume)
+            for kind, errors in KINDS.items():
+                calls = case.run(kind, 0, (0, 0))[2]
+                for error in errors:
+                    for last in (0, 1 << 40):  # alone, and for ever
+                        if last and error in SURVIVED:
+                            continue
+                        for call in chosen(calls, most):
+                            found = case.wrong(kind, error, (call, last or call))
+                            if found is None:
+                                break
+                            faults[name, kind] += 1
+                            if found:
+                                wrong[name, kind] += 1
+                                print(f"{name}: {kind} {call}{' and all after' if last else ''}, {errno.errorcode.get(error, 'half')}: {found}"
+                                      .replace(str(folder), "DIR"), flush=True)
+                print(f"{name}: {kind}: {calls} calls, {faults[name, kind]} faults, {wrong[name, kind]} violations", flush=True)
+        print(f"{faults.total()} faults, {wrong.total()} violations")
+        return 1 if wrong or not faults else 0
+    finally:
+        shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2], sys.argv[3], int(sys.argv[4]), sys.argv[5:]))
