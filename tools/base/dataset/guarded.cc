@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/workers/child_process.h"
 
@@ -60,11 +61,12 @@ void set_limits(const ReadingLimits& limits) {
 // What the child hands back; empty: it took longer than `seconds`. They are counted while this process runs, so that one that is stopped
 // (Ctrl-Z) and goes on has them still.
 std::optional<ChildEnd> end_of(ChildProcess& child, std::uint64_t seconds) {
-  while (true) {
+  constexpr std::uint64_t looks = 10;  // a second, at which an interrupt is seen
+  for (std::uint64_t left = looks * seconds;;) {
+    end_if_interrupted();
     pollfd ready{child.channel(), POLLIN, 0};
-    constexpr int one_second = 1000;
-    const int count = ::poll(&ready, 1, one_second);
-    if (count == 0 && seconds-- == 0) return std::nullopt;
+    const int count = ::poll(&ready, 1, 1000 / static_cast<int>(looks));
+    if (count == 0 && left-- == 0) return std::nullopt;
     if (count > 0 && !child.read()) return child.end();
   }
 }

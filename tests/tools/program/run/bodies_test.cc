@@ -195,7 +195,7 @@ TEST_F(BodiesRun, MessagesNameTheLineOfTheScene) {
 TEST_F(BodiesRun, RunThatGoesWrongFailsWithWhatWasSeen) {
   const SweepSummary summary = run(scenes + "pressed_box.yaml", "x.h5", 1, {{"bodies.box.position", "[0 mm, 0 mm, -15 mm]"}});
   ASSERT_EQ(summary.failed.size(), 1U);
-  EXPECT_THAT(summary.failed[0].message, HasSubstr("trial 0: the run has gone wrong at "));
+  EXPECT_THAT(summary.failed[0].message, HasSubstr("trial 0: " + scenes + "pressed_box.yaml:5: the run has gone wrong at "));
   EXPECT_THAT(summary.failed[0].message, HasSubstr("body 'box'"));
 }
 

@@ -212,7 +212,7 @@ int TrainCommand::train_network() {
   StepReport report;
   train::NetworkSummary summary;
   try {
-    const InterruptGuard guard("stopping at the next validation");
+    const InterruptGuard guard("stopping; the last validation's state is kept");
     const InterruptScope scope(&InterruptGuard::flag());
     summary = train::train_network(*training, [&](const train::MemberProgress& progress) {
       tell(report(progress));

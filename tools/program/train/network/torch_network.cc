@@ -14,6 +14,7 @@
 #include <torch/torch.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/interrupted.h"
 #include "sim/core/random.h"
 #include "tools/program/train/network/torch_library.h"
 
@@ -306,6 +307,7 @@ class TorchNetwork final : public Network {
       keep(run);
     }
     while (!run.ended && run.result.losses.size() < options.steps) {
+      end_if_interrupted();  // what the last validation has saved stays
       const std::size_t step = run.result.losses.size();
       set_rate(*optimiser, options.learning_rate * (1.0 - (1.0 - options.final_rate) * static_cast<double>(step) /
                                                               static_cast<double>(options.steps)));
