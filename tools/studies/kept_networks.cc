@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/files/sha256.h"
+#include "tools/base/files/output_file.h"
 
 namespace slipbench::reproduce {
 namespace {

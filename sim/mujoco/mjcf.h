@@ -10,4 +10,10 @@ namespace slipbench {
 // cells, a `count` of more than 10^6, `memory` of more than 4 GB. What cannot be found or is not XML is MuJoCo's to refuse.
 void check_mjcf(const std::string& path);
 
+// `text` as it stands between double quotes.
+[[nodiscard]] std::string escaped(const std::string& text);
+
+// <config key="..." value="..."/>: an attribute of a plugin's instance.
+[[nodiscard]] std::string config_element(const std::string& key, const std::string& value);
+
 }  // namespace slipbench

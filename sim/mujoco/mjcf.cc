@@ -1,4 +1,4 @@
-#include "sim/mujoco/mjcf_check.h"
+#include "sim/mujoco/mjcf.h"
 
 #include <algorithm>
 #include <cctype>
@@ -11,6 +11,8 @@
 #include <string_view>
 #include <system_error>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
@@ -126,6 +128,23 @@ void check_file(const fs::path& path, const fs::path& root, std::set<std::string
 void check_mjcf(const std::string& path) {
   std::set<std::string> seen;
   check_file(path, fs::path(path).parent_path(), seen);
+}
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&': result += "&amp;"; break;
+      case '<': result += "&lt;"; break;
+      case '"': result += "&quot;"; break;
+      default: result += c;
+    }
+  }
+  return result;
+}
+
+std::string config_element(const std::string& key, const std::string& value) {
+  return fmt::format("<config key=\"{}\" value=\"{}\"/>", key, escaped(value));
 }
 
 }  // namespace slipbench
