@@ -2,7 +2,6 @@
 #include <utility>
 #include <vector>
 
-#include "sensors/nib_pad/electrodes.h"
 #include "sensors/nib_pad/nib_pad.h"
 #include "sim/core/parameters.h"
 
@@ -11,6 +10,37 @@ namespace nib_pad {
 namespace {
 
 constexpr Range some_length = positive_up_to(0.1);
+
+// Counts at 13 bit. None is published for this device.
+constexpr double si_noise = 1.5, cluster_noise = 1.2;
+constexpr double offset = 20.0;
+constexpr double drift = 0.02;  // counts/s
+constexpr double gain = 0.05;   // of one electrode
+
+// Where a taxel is from the middle one: -1, 0 or 1 to the east and to the north.
+struct Place {
+  int east, north;
+};
+Place place_of(std::size_t taxel) { return {static_cast<int>(taxel % 3) - 1, 1 - static_cast<int>(taxel / 3)}; }
+
+// Whether the electrode on `side` of a taxel is on the side to which a counter-clockwise turn (`turn` = 1; clockwise: -1) about the pad's
+// middle drags it: the turn's velocity there is (-north, east).
+bool is_ahead(std::size_t taxel, Side side, int turn) {
+  const Place place = place_of(taxel);
+  switch (side) {
+    case Side::west: return turn * place.north > 0;
+    case Side::north: return turn * place.east > 0;
+    case Side::east: return turn * place.north < 0;
+    case Side::south: return turn * place.east < 0;
+  }
+  return false;
+}
+
+bool connects(std::size_t v, std::size_t taxel, Side side) {
+  if (v < si_size) return v == sides * taxel + static_cast<std::size_t>(side);
+  if (v < fr_first) return side == (v == fl_first ? Side::north : Side::south);
+  return is_ahead(taxel, side, v == fr_first ? 1 : -1);
+}
 
 }  // namespace
 
@@ -112,19 +142,6 @@ SensorView view() {
                                 .note = "Behind each taxel its four electrodes: what SI reads there above its first image."}};
 }
 
-}  // namespace nib_pad
-
-namespace nib_pad {
-namespace {
-
-// Counts at 13 bit. None is published for this device.
-constexpr double si_noise = 1.5, cluster_noise = 1.2;
-constexpr double offset = 20.0;
-constexpr double drift = 0.02;  // counts/s
-constexpr double gain = 0.05;   // of one electrode
-
-}  // namespace
-
 SignalModel signal_model(double rate, double count) {
   SignalModel model;
   model.rate = rate;
@@ -150,6 +167,18 @@ std::vector<Entry> electronics_parts() {
        {"noise",
         "assumed: 1.5 counts of 13 bit for si, 1.2 for clusters. The maker calls less than 10 counts quiet (Infineon's tuning guide); another capacitive fingertip has 0.8 to 1.3 counts (FabricSlide)",
         {{"corner", "inf", "a converter's noise is white: each reading integrates anew"}}}});
+}
+
+std::size_t taxel_of(std::size_t nib) { return 3 * (nib / rows / 2) + nib % rows / 2; }
+
+std::vector<Electrode> electrodes_of(std::size_t v) {
+  std::vector<Electrode> electrodes;
+  for (std::size_t nib = 0; nib < nibs; ++nib) {
+    for (const Side side : {Side::west, Side::north, Side::east, Side::south}) {
+      if (connects(v, taxel_of(nib), side)) electrodes.push_back({nib, side});
+    }
+  }
+  return electrodes;
 }
 
 }  // namespace nib_pad

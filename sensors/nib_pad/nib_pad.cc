@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "sensors/electronics/pad_sensor.h"
-#include "sensors/nib_pad/electrodes.h"
 #include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "sim/core/sensor.h"

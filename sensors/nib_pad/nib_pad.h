@@ -1,12 +1,14 @@
 // The capacitive nib pad: 6x6 silicone nibs over electrodes that a multiplexer clusters anew at each reading.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "sensors/electronics/electronics.h"
 #include "sim/core/parameters.h"
 #include "sim/core/sensor_kind.h"
-#include "sim/core/sensor_view.h"
 
 namespace slipbench {
 
@@ -22,6 +24,67 @@ SensorKind nib_pad_sensor();
 }  // namespace slipbench
 
 namespace slipbench::nib_pad {
+
+// Which electrode of which nib a reading connects, and what the nib does to its capacitance.
+
+inline constexpr double pitch = 3.8e-3;  // m, from nib to nib
+inline constexpr std::size_t rows = 6;   // of nibs, and as many columns
+inline constexpr std::size_t nibs = rows * rows;
+inline constexpr std::size_t taxels = 9;  // of 2x2 nibs
+inline constexpr std::size_t sides = 4;   // electrodes of a taxel
+
+// The values of a sample, in the order of its channels: si {9,4}, fl {2}, fr {2}.
+inline constexpr std::size_t si_size = taxels * sides;
+inline constexpr std::size_t fl_first = si_size;
+inline constexpr std::size_t fr_first = fl_first + 2;
+inline constexpr std::size_t value_count = fr_first + 2;
+
+// The side of a nib on which an electrode lies, in the order of the device: -x, +y, +x, -y of the pad frame.
+enum class Side : std::size_t { west, north, east, south };
+
+struct Electrode {
+  std::size_t nib;
+  Side side;
+};
+
+// Nib 6 row + column, taxel 3 row + column: rows from north to south, columns from west to east.
+std::size_t taxel_of(std::size_t nib);
+
+// The electrodes that value v of a sample connects. Of si, v = 4 taxel + side, those on one side of a taxel's four nibs. Of fl, those on
+// the north side of all taxels, then those on the south side. Of fr, the tangential ones of the eight outer taxels, one of an edge, two of
+// a corner: first those towards which nibs lean that are dragged counter-clockwise about +z, then the opposite ones.
+std::vector<Electrode> electrodes_of(std::size_t v);
+
+// The electrode of a nib against the grounded fabric above it:
+//   C   = C0 g0/(g0 - u - r a),   a = (t_e - t_w, t_n - t_s of the side) the fabric's tilt towards the electrode
+//   u   = min(f_n/k_post, g0 - gf)          the post alone compresses the gap
+//   t   = q/L, no longer than (g0 - u - gf)/R
+// f_n: normal force [N]; q: tip's deflection [m] in the pad's plane; L: from the hinge in the gap to the tip; R: radius of the fabric that
+// tilts with the nib; gf: gap that is left where the fabric rests on the mask. There it is in contact: its rim ends the tilt, and once it
+// lies flat nothing compresses any more, whatever the nib above it does. So the gap never falls to zero, and no capacitance is cut off.
+// Plate capacitor without fringes; rest: C0 at f_n = 0, q = 0.
+struct NibCapacitor {
+  double rest;           // pF, C0
+  double gap;            // m, g0
+  double mask_gap;       // m, gf
+  double post;           // N/m, k_post
+  double lever;          // m, L
+  double fabric_radius;  // m, R
+  double place;          // m, r, of the electrode's middle from the nib's axis
+  bool linear;           // instead of 1/gap its tangent at rest, C0 (1 + (u + r a)/g0)
+
+  // C - C0 [pF] of the electrode on `side`.
+  [[nodiscard]] double change(double force, double qx, double qy, Side side) const {
+    const double room = gap - mask_gap;
+    const double u = std::min(force / post, room);
+    const double along = side == Side::east ? qx : side == Side::west ? -qx : side == Side::north ? qy : -qy;
+    const double landed = (room - u) / fabric_radius * lever;  // m, deflection at which the rim rests on the mask
+    const double length2 = qx * qx + qy * qy;
+    const double share = length2 > landed * landed ? landed / std::sqrt(length2) : 1.0;
+    const double closed = u + place * share * along / lever;
+    return linear ? rest * closed / gap : rest * closed / (gap - closed);
+  }
+};
 
 // What the catalogue says of the nib pad.
 

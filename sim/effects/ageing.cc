@@ -1,7 +1,7 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/effects/effects.h"
+#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {

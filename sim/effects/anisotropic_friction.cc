@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "sim/core/error.h"
-#include "sim/effects/effects.h"
+#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {

@@ -1,7 +1,5 @@
 #include "sim/effects/effect_catalogue.h"
 
-#include "sim/effects/effects.h"
-
 namespace slipbench {
 
 const std::vector<EffectKind>& effect_catalogue() {

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "sim/core/pad_layout.h"
 #include "sim/core/parameters.h"
 #include "sim/core/random.h"
 #include "sim/field/effect.h"
+#include "sim/field/surface/surface.h"
 
 namespace slipbench {
 
@@ -36,5 +38,35 @@ struct EffectKind {
 };
 
 const std::vector<EffectKind>& effect_catalogue();
+
+// The longest step [s] that sees every wave of `wavelength` [m] 16 times when it passes at `speed` [m/s].
+inline double step_per_wave(double wavelength, double speed) {
+  constexpr double samples_per_wave = 16.0;
+  return speed > 0.0 ? wavelength / (samples_per_wave * speed) : std::numeric_limits<double>::infinity();
+}
+
+EffectKind ageing();
+EffectKind anisotropic_friction();
+EffectKind asperities();
+EffectKind elastic_skin();
+EffectKind inertia();
+EffectKind lean();
+EffectKind load_dependent_friction();
+EffectKind patchy_friction();
+EffectKind roughness();
+EffectKind stribeck();
+EffectKind texture();
+EffectKind viscoelastic();
+EffectKind viscous_friction();
+
+// From the effects that a scene names to those of a field.
+
+// The effects that a scene names, installed in its order on a field of `layout` against `surface`; `seed` and `trial` key their random
+// streams. Throws SceneValueError when one does not fit the field. Every name must be in the catalogue, with all its parameters.
+FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout& layout, const Surface& surface,
+                             std::uint64_t seed, std::uint64_t trial);
+
+// The longest step [s] that all of them resolve when pad and surface move at up to `speed` [m/s].
+double longest_step(const FieldEffects& effects, double speed);
 
 }  // namespace slipbench

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "sim/core/error.h"
-#include "sim/effects/effects.h"
+#include "sim/effects/effect_catalogue.h"
 #include "sim/effects/skin/elastic_contact.h"
 #include "sim/effects/skin/influence.h"
 

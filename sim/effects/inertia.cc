@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/core/error.h"
-#include "sim/effects/effects.h"
+#include "sim/effects/effect_catalogue.h"
 #include "sim/effects/stick_slip.h"
 #include "sim/field/kernel.h"
 #include "sim/field/vectorise.h"

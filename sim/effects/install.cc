@@ -1,11 +1,10 @@
-#include "sim/effects/install.h"
+#include "sim/effects/effect_catalogue.h"
 
 #include <algorithm>
 #include <limits>
 #include <string>
 
 #include "sim/core/error.h"
-#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/effects/effects.h"
+#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 

@@ -9,7 +9,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "sim/core/error.h"
-#include "sim/effects/effects.h"
+#include "sim/effects/effect_catalogue.h"
 #include "sim/field/vectorise.h"
 
 namespace slipbench {

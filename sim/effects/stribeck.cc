@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "sim/effects/effects.h"
+#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {

@@ -2,7 +2,7 @@
 #include <numbers>
 
 #include "sim/core/error.h"
-#include "sim/effects/effects.h"
+#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {

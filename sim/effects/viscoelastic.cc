@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/effects/effects.h"
+#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {

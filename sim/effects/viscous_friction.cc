@@ -3,7 +3,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/effects/effects.h"
+#include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/motion/lift.h"
+#include "sim/motion/motion.h"
 
 #include <cmath>
 #include <numbers>

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <variant>
 
-#include "sim/scene/csv.h"
+#include "sim/scene/yaml_tree.h"
 
 namespace slipbench {
 namespace {

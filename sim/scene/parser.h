@@ -10,7 +10,7 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/scene_reader.h"
+#include "sim/scene/section_readers.h"
 #include "sim/scene/yaml_tree.h"
 
 namespace slipbench {

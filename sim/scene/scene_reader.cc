@@ -1,4 +1,3 @@
-#include "sim/scene/scene_reader.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
 // Sections of a scene that are read apart: what its results have to be, and the bodies that move by forces.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -64,5 +65,14 @@ const YamlNode* find_kept(const YamlNode& root, std::string_view key);
 // where it does not; `allowed`: what stands in it.
 std::string named_part(const YamlNode& node, const std::string& list, const std::string& what, const std::string& allowed,
                        const std::string& selector, const std::vector<Entry>& entries);
+
+// From a tree of YAML values to a checked Scene.
+
+// Reads the tree of a scene without its key `sweep`. Throws InputError at the first thing that is wrong. `trace` may be null.
+// Throws InputError naming the root's line where a default name (the motion 'stage', say) is not in its catalogue.
+Scene read_scene(const YamlNode& root, const Catalogues& catalogues, Trace* trace);
+
+// The scene's `seed`, 0 where it has none. Throws InputError when it is no unsigned number of 64 bits.
+std::uint64_t read_seed(const YamlNode& root);
 
 }  // namespace slipbench

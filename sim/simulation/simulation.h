@@ -18,9 +18,9 @@ struct NamedBody {
   std::vector<double> size = {};  // [3] m, its extent along its own axes; empty: not said
 };
 
-class HeldBox;  // sim/grasp/held_box.h
+class HeldBox;  // sim/grasp/grasp.h
 
-// Every pad has ticks of its own, the k-th (from 0) at t = k * time_step (tick_times.h): those that it would have if it were alone, so that what it is told
+// Every pad has ticks of its own, the k-th (from 0) at t = k * time_step (step_plan.h): those that it would have if it were alone, so that what it is told
 // does not depend on who is beside it. The simulation goes from one instant at which a pad has a tick to the next.
 class Simulation {
  public:

@@ -3,15 +3,38 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "sim/core/pad_layout.h"
+#include "sim/core/parameters.h"
 #include "sim/core/pose.h"
 #include "sim/field/effect.h"
+#include "sim/field/surface/surface.h"
 #include "sim/motion/motion.h"
 #include "sim/scene/scene.h"
-#include "sim/simulation/surfaces.h"
 
 namespace slipbench {
+
+// The shapes that a scene may press on, and where they stand.
+
+// A shape in the world: its highest point or line is at z = 0 unless its position says otherwise.
+struct PlacedSurface {
+  Surface shape;
+  Pose pose;  // of the surface frame in the world
+};
+
+struct SurfaceKind {
+  Entry about;
+  PlacedSurface (*create)(const Parameters& parameters);
+};
+
+// All shapes, one line each.
+const std::vector<SurfaceKind>& surface_catalogue();
+
+// The shapes that a scene's own bodies may have.
+
+// All shapes, one line each: what `bodies` of a scene may name and `describe` prints. sim/mujoco builds them.
+const std::vector<Entry>& body_catalogue();
 
 // The scene's motion in trial number `trial`. Throws SceneValueError when its parameters contradict each other.
 std::unique_ptr<Motion> make_motion(const Scene& scene, std::uint64_t trial);

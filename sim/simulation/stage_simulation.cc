@@ -10,17 +10,13 @@
 
 #include "sim/core/error.h"
 #include "sim/effects/effect_catalogue.h"
-#include "sim/effects/install.h"
 #include "sim/field/contact_labels.h"
 #include "sim/field/field.h"
 #include "sim/grasp/grasp.h"
 #include "sim/motion/motion.h"
 #include "sim/scene/catalogues.h"
-#include "sim/simulation/bodies.h"
-#include "sim/simulation/pad_clocks.h"
 #include "sim/simulation/stage_setup.h"
 #include "sim/simulation/step_plan.h"
-#include "sim/simulation/surfaces.h"
 
 namespace slipbench {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "detectors/hd/engine.h"
 #include "detectors/hd/memories.h"
-#include "detectors/hd/training.h"
 #include "tests/detectors/hd/random_frames.h"
 
 namespace slipbench::hd {

@@ -1,6 +1,5 @@
 // The catalogue with one effect more, linked in the place of sim/effects/effect_catalogue.cc: what does a step cost then?
 #include "sim/effects/effect_catalogue.h"
-#include "sim/effects/effects.h"
 
 namespace slipbench {
 namespace {

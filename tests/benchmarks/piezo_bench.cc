@@ -6,7 +6,6 @@
 #include <benchmark/benchmark.h>
 
 #include "sim/effects/effect_catalogue.h"
-#include "sim/effects/install.h"
 #include "sim/field/contact_labels.h"
 #include "sim/field/field.h"
 #include "sim/motion/motion.h"

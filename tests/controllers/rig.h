@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/program/catalogue/controller_catalogue.h"
+#include "tools/program/catalogue/detector_catalogue.h"
 
 namespace slipbench::controllers {
 

@@ -14,7 +14,6 @@
 
 #include "sim/core/error.h"
 #include "tools/program/environment/grasp_environment.h"
-#include "tools/program/environment/vector_environment.h"
 #include "tools/python/module.h"
 
 namespace nb = nanobind;

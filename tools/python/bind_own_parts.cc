@@ -20,7 +20,6 @@
 
 #include "sensors/own/own_sensor.h"
 #include "sim/core/error.h"
-#include "tools/program/catalogue/controller_catalogue.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/python/module.h"

@@ -10,7 +10,7 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
-#include "tools/base/files/sha256.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/trial_record.h"
 #include "tools/python/module.h"

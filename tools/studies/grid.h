@@ -23,7 +23,6 @@
 #include "tools/base/record/trial_record.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/child_process.h"
-#include "tools/base/workers/interrupt.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/train/network/validation.h"
 #include "tools/program/train/train_network.h"

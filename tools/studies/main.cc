@@ -1,4 +1,4 @@
-#include "tools/program/cli/program.h"
+#include "tools/program/cli/command.h"
 #include "tools/studies/reproduce_command.h"
 
 int main(int argc, char** argv) {

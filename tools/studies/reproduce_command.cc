@@ -15,7 +15,7 @@
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
-#include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/studies/kept_networks.h"

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -11,9 +12,13 @@
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
 
+#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
+#include "sim/core/wrong_run.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/mujoco_call.h"
+#include "sim/simulation/stage_setup.h"
+#include "sim/simulation/step_plan.h"
 
 namespace slipbench {
 namespace {
@@ -167,6 +172,65 @@ const ContactFrame& ArticulatedStage::step(const Pose& pad_in_surface, double ti
   w.frame.slip_velocity = slip;
   w.frame.events = std::move(events);
   return w.frame;
+}
+
+namespace {
+
+class ArticulatedSimulation final : public Simulation {
+ public:
+  ArticulatedSimulation(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
+                        std::uint64_t trial) {
+    refuse_without_field(scene);
+    StageSetup stage = set_up_stage(scene, trial);
+    motion_ = std::move(stage.motion);
+    refuse_motors(*motion_);
+    world_in_surface_ = stage.surface.pose.inverse();
+    for (std::size_t i = 0; i < pads.size(); ++i) {
+      clocks_.add(plan_steps(scene, output_rates.subspan(i, 1), std::numeric_limits<double>::infinity(), "the pads", i));
+      refuse_inside(*pads[i], stage.surface, {}, motion_->pad_at(0.0).pose);
+      const Friction friction{scene.friction.static_coefficient, scene.friction.kinetic_coefficient};
+      const double dt = clocks_.time_step(i);
+      pads_.push_back(scene.contact ? std::make_unique<ArticulatedStage>(*pads[i], stage.surface.shape, friction,
+                                                                         user_pillars(*scene.contact, dt))
+                                    : std::make_unique<ArticulatedStage>(*pads[i], stage.surface.shape, friction, dt));
+    }
+    bodies_ = {{"pad", motion_->pad_at(0.0)},
+               {"surface", {stage.surface.pose, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
+  }
+
+  [[nodiscard]] std::size_t ticks(std::size_t pad) const override { return clocks_.ticks(pad); }
+  [[nodiscard]] double time_step(std::size_t pad) const override { return clocks_.time_step(pad); }
+  [[nodiscard]] std::size_t stride(std::size_t pad) const override { return clocks_.stride(pad); }
+  [[nodiscard]] std::span<const std::size_t> stepped() const override { return clocks_.stepped(); }
+  [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override { return pads_[pad]->frame(); }
+  // "pad" and "surface".
+  [[nodiscard]] const std::vector<NamedBody>& bodies() const override { return bodies_; }
+  [[nodiscard]] bool rotating() const override { return motion_->turns(); }
+
+  void step() override {
+    const double time = clocks_.advance();
+    bodies_.front().state = motion_->pad_at(time);
+    const Pose pad_in_surface = world_in_surface_ * bodies_.front().state.pose;
+    try {
+      for (const std::size_t pad : clocks_.stepped()) pads_[pad]->step(pad_in_surface, time);
+    } catch (const std::runtime_error& error) {
+      throw WrongRun(std::string("the run has gone wrong: ") + error.what());
+    }
+  }
+
+ private:
+  std::unique_ptr<Motion> motion_;
+  Pose world_in_surface_;
+  std::vector<std::unique_ptr<ArticulatedStage>> pads_;
+  std::vector<NamedBody> bodies_;
+  PadClocks clocks_;
+};
+
+}  // namespace
+
+std::unique_ptr<Simulation> articulated_simulation(const Scene& scene, std::span<const PadLayout* const> pads,
+                                                   std::span<const double> output_rates, std::uint64_t trial) {
+  return std::make_unique<ArticulatedSimulation>(scene, pads, output_rates, trial);
 }
 
 }  // namespace slipbench

@@ -1,13 +1,17 @@
-// A pad of articulated pillars that moves as prescribed against one analytic surface.
+// Pads of articulated pillars that move as prescribed against one analytic surface.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 
 #include "sim/core/contact_frame.h"
 #include "sim/core/pad_layout.h"
 #include "sim/core/pose.h"
 #include "sim/field/field.h"
 #include "sim/field/surface/surface.h"
+#include "sim/scene/scene.h"
+#include "sim/simulation/simulation.h"
 
 namespace slipbench {
 
@@ -41,5 +45,12 @@ class ArticulatedStage {
   ArticulatedStage(const PadLayout& layout, const Surface& surface, Friction friction, const PillarSettings& pillars, int parts);
   std::unique_ptr<World> world_;
 };
+
+// `fidelity: articulated` and `mujoco_contact`: a scene of prescribed motion with MuJoCo's own bodies, joints and contacts for
+// the elements. The same scene, the same truth and bodies as StageSimulation's, from an ArticulatedStage a pad.
+// As StageSimulation's. Throws SceneValueError as that does, and for what articulated pads cannot have: effects, and a kinetic friction
+// that is not the static one.
+std::unique_ptr<Simulation> articulated_simulation(const Scene& scene, std::span<const PadLayout* const> pads,
+                                                   std::span<const double> output_rates, std::uint64_t trial);
 
 }  // namespace slipbench

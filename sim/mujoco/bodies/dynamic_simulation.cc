@@ -14,7 +14,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
-#include "sim/effects/install.h"
+#include "sim/effects/effect_catalogue.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
 #include "sim/mujoco/bodies/finger_spring.h"
 #include "sim/mujoco/bodies/gripper_model.h"

@@ -1,5 +1,5 @@
 // The insides of DynamicSimulation, for its own files: dynamic_bench.cc (the run, and pads as fields), dynamic_pillars.cc (articulated
-// pads) and dynamic_watch.cc.
+// pads) and watch.cc.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,6 @@
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/pads/pad_instance.h"
 #include "sim/simulation/step_plan.h"
-#include "sim/simulation/tick_times.h"
 
 namespace slipbench {
 

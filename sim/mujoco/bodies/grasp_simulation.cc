@@ -12,14 +12,13 @@
 
 #include "sim/core/error.h"
 #include "sim/core/wrong_run.h"
-#include "sim/effects/install.h"
-#include "sim/motion/lift.h"
+#include "sim/effects/effect_catalogue.h"
+#include "sim/motion/motion.h"
 #include "sim/mujoco/bodies/finger_spring.h"
 #include "sim/mujoco/bodies/gripper_model.h"
 #include "sim/mujoco/pads/field_plugin.h"
-#include "sim/simulation/bodies.h"
 #include "sim/simulation/stage_setup.h"
-#include "sim/simulation/tick_times.h"
+#include "sim/simulation/step_plan.h"
 
 namespace slipbench {
 namespace {

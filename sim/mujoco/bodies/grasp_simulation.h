@@ -9,7 +9,6 @@
 
 #include "sim/core/pad_layout.h"
 #include "sim/grasp/grasp.h"
-#include "sim/grasp/held_box.h"
 #include "sim/mujoco/bodies/dynamic_simulation.h"
 #include "sim/scene/scene.h"
 #include "sim/simulation/simulation.h"
@@ -20,7 +19,7 @@ namespace slipbench {
 // a whole count that leaves the clearance: the loop closes them. The world's origin is the point between the pads, Z up (Grasp).
 //
 // Who steps it plays the loop between two steps, at the time of the tick last stepped to: when the gripper's read is due it is read and the
-// controller asked, when its write is due the command is written. What is written acts from the gripper's own instant on (gripper.h), so that the result does not
+// controller asked, when its write is due the command is written. What is written acts from the gripper's own instant on (grasp.h), so that the result does not
 // depend on the tick at which it was asked.
 //
 // Dropped: after the lift has begun, at the first tick at which the table does not carry the box and a pad does not touch it; or, once the

@@ -7,9 +7,9 @@
 
 #include <Eigen/Geometry>
 
-#include "sim/effects/install.h"
+#include "sim/effects/effect_catalogue.h"
 #include "sim/mujoco/pads/geom_surface.h"
-#include "sim/simulation/tick_times.h"
+#include "sim/simulation/step_plan.h"
 
 namespace slipbench {
 namespace {

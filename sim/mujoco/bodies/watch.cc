@@ -1,7 +1,17 @@
 #include "sim/mujoco/bodies/watch.h"
 
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
 #include <Eigen/Geometry>
+
+#include "sim/core/error.h"
+#include "sim/core/wrong_run.h"
+#include "sim/mujoco/bodies/dynamic_state.h"
+#include "sim/mujoco/bodies/model_builder.h"
+#include "sim/mujoco/pads/field_plugin.h"
+#include "sim/mujoco/pads/pad_group.h"
 
 namespace slipbench {
 
@@ -72,6 +82,145 @@ std::optional<std::string> EnergyRule::check_body(double kinetic) const {
   return fmt::format(
       "has {:.3g} J of kinetic energy, and all that there was and that weight, motors and the stage have given is {:.3g} J; it was thrown out",
       kinetic, total_);
+}
+
+// DynamicSimulation's watch over the run (watch.h).
+
+void DynamicSimulation::State::find_watched(const WatchLimits& limits) {
+  energy.emplace(limits, judge_fields);
+  const int stage = motion ? mj_name2id(m(), mjOBJ_BODY, stage_name) : -1;
+  for (int body = 1; body < m()->nbody; ++body) {
+    if (body == stage || m()->body_weldid[body] == 0 || is_tip(body)) continue;
+    moving.push_back(body);
+    const bool is_free = m()->body_jntnum[body] == 1 && m()->jnt_type[m()->body_jntadr[body]] == mjJNT_FREE;
+    // With more bodies in the tree the six coordinates are not this body's alone.
+    if (!is_free || m()->body_subtreemass[body] != m()->body_mass[body]) continue;
+    WeighedBody weighed_body{body, m()->body_dofadr[body], WeightRule(limits), {}};
+    weighed_body.now.mass = m()->body_mass[body];
+    weighed_body.now.weight = weighed_body.now.mass * (1.0 - m()->body_gravcomp[body]) * gravity();
+    weighed.push_back(std::move(weighed_body));
+  }
+  const Eigen::Index nv = m()->nv;
+  mean = work_space = field_force = Eigen::VectorXd::Zero(nv);
+  before = after = Eigen::Map<Eigen::VectorXd>(d()->qvel, nv);
+  centres.assign(d()->xipos, d()->xipos + 3 * m()->nbody);
+}
+
+// Work of the weights since the tick before [J].
+double DynamicSimulation::State::weight_work() {
+  const Eigen::Vector3d pull = gravity();
+  double work = 0.0;
+  for (const int body : moving) {
+    const MjVector now(d()->xipos + 3 * body);
+    work += m()->body_mass[body] * (1.0 - m()->body_gravcomp[body]) *
+            pull.dot(now - MjVector(&centres[3 * static_cast<std::size_t>(body)]));
+  }
+  return work;
+}
+
+// The generalized force of all fields in the step that has been taken; of articulated pads, what they do to the stage: all else that
+// they do is MuJoCo's springs and contacts.
+void DynamicSimulation::State::find_field_force() {
+  if (articulated) {
+    field_force.setZero();
+    if (motion) field_force.segment<6>(stage_dof) = Eigen::Map<const Vector6d>(d()->qfrc_constraint + stage_dof);
+    return;
+  }
+  const auto force = [this](const mjtNum* values) { return Eigen::Map<const Eigen::VectorXd>(values, m()->nv); };
+  const auto others = force(d()->qfrc_spring) + force(d()->qfrc_damper) + force(d()->qfrc_gravcomp) + force(d()->qfrc_fluid);
+  if (!implicit) {
+    field_force = force(d()->qfrc_passive) - others;
+    return;
+  }
+  field_force.setZero();
+  pad_group_of(m(), d())->add_applied(m(), d(), field_force.data());
+}
+
+// Works of the step that has been taken. That of the fields on the stage waits for the force at the step's end: what moves as
+// prescribed does not answer the force at its start, and the trapezoid is what the springs take up.
+void DynamicSimulation::State::note_works() {
+  const auto force = [this](const mjtNum* values) { return Eigen::Map<const Eigen::VectorXd>(values, m()->nv); };
+  mean = 0.5 * (before + force(d()->qvel));
+  pending = {};
+  pending.field_work = dt * field_force.dot(mean);
+  if (motion) {
+    stage_force = field_force.segment<6>(stage_dof);
+    stage_way = dt * mean.segment<6>(stage_dof);
+    pending.field_work -= stage_force.dot(stage_way);
+  }
+  pending.supply = dt * std::max(0.0, (force(d()->qfrc_spring) + force(d()->qfrc_actuator) + force(d()->qfrc_applied)).dot(mean));
+  pending.contact_supply = dt * std::max(0.0, force(d()->qfrc_constraint).dot(mean));
+}
+
+void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocity) {
+  for (WeighedBody& body : weighed) {
+    WatchedBody& now = body.now;
+    const auto linear = [&body](const mjtNum* values) { return MjVector(values + body.dof); };
+    now.force = linear(d()->qfrc_constraint) + linear(d()->qfrc_actuator) + linear(d()->qfrc_applied) + linear(d()->qfrc_spring) +
+                linear(d()->qfrc_damper) + linear(d()->qfrc_fluid);
+    now.dashpots.clear();
+    for (const Contact& contact : contacts) {
+      const Pad& pad = pads[contact.pad];
+      if (contact.object_body != body.body && pad.body != body.body) continue;
+      now.force += pad.body == body.body ? contact.on_pad : Eigen::Vector3d(-contact.on_pad);
+      now.dashpots.push_back({pad.damping_constant, pad.reach, pad.instance->fields()[contact.field].pad_in_surface()});
+    }
+    // The coordinates are those of the body's frame; its momentum is that of its centre.
+    const MjMatrix rotation(d()->xmat + 9 * body.body);
+    const Eigen::Vector3d arm = MjVector(d()->xipos + 3 * body.body) - MjVector(d()->xpos + 3 * body.body);
+    const Eigen::Vector3d spin = rotation * velocity.segment<3>(body.dof + 3);
+    now.momentum = now.mass * (velocity.segment<3>(body.dof) + spin.cross(arm));
+    if (const auto wrong = body.rule.check(now, dt)) {
+      const char* name = mj_id2name(m(), mjOBJ_BODY, body.body);
+      throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: body '{}' {}", time, name == nullptr ? "" : name, *wrong));
+    }
+  }
+}
+
+// Looks at the tick at `time`, when the bodies had the given velocity, after the step that tells its truth.
+void DynamicSimulation::State::watch(double time, const Eigen::VectorXd& velocity) {
+  WatchedEnergy now = pending;
+  now.supply += std::max(0.0, weight_work());
+  if (motion) {
+    const double on_stage = 0.5 * (stage_force + field_force.segment<6>(stage_dof)).dot(stage_way);
+    now.field_work += on_stage;
+    now.supply += std::max(0.0, -on_stage);
+  }
+  double slip_loss = 0.0;  // with the speed at the end of the step
+  for (Contact& contact : contacts) {
+    const Pad& pad = pads[contact.pad];
+    const Field& field = pad.instance->fields()[contact.field];
+    const kernel::SpringSums sums = field.spring_sums();
+    contact.on_pad = pad_pose(pad).rotation * (field.pad_in_surface().rotation.transpose() * sums.force_on_pad);
+    now.elastic += sums.elastic;
+    slip_loss += sums.slip_loss;
+  }
+  // The fields' work is taken with the mean speed of a step, and so must be what is lost: else a slide that gains dv seems to give mu f_n h dv/2.
+  now.slip_loss = 0.5 * (slip_loss + std::exchange(last_slip_loss, slip_loss));
+  mean = velocity;
+  if (motion) mean.segment<6>(stage_dof).setZero();
+  mj_mulM(m(), d(), work_space.data(), mean.data());
+  now.kinetic = 0.5 * mean.dot(work_space);
+  if (const auto wrong = energy->check(now, dt)) {
+    throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: {}", time, *wrong));
+  }
+  for (const int body : moving) {
+    const MjVector centre(d()->xipos + 3 * body);
+    const double speed = (centre - MjVector(&centres[3 * static_cast<std::size_t>(body)])).norm() / dt;
+    if (const auto wrong = energy->check_body(0.5 * m()->body_mass[body] * speed * speed)) {
+      const char* name = mj_id2name(m(), mjOBJ_BODY, body);
+      throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: body '{}' {}", time, name == nullptr ? "" : name, *wrong));
+    }
+  }
+  weigh(time, velocity);
+  centres.assign(d()->xipos, d()->xipos + 3 * m()->nbody);
+}
+
+void DynamicSimulation::State::watch_step(double time, const Eigen::VectorXd& velocity) {
+  find_field_force();
+  if (leads && tick > 0) note_works();
+  watch(time, velocity);
+  if (!leads) note_works();
 }
 
 }  // namespace slipbench

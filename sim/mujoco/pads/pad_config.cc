@@ -10,8 +10,8 @@
 
 #include "sim/core/error.h"
 #include "sim/mujoco/pads/element_table.h"
-#include "sim/scene/scene_reader.h"
 #include "sim/scene/scene_values.h"
+#include "sim/scene/section_readers.h"
 #include "sim/scene/yaml_tree.h"
 
 namespace slipbench {

@@ -10,7 +10,7 @@
 
 #include "sim/core/sensor.h"
 #include "sim/field/field.h"
-#include "sim/mujoco/pads/pad_catalogue.h"
+#include "sim/mujoco/pads/register_plugin.h"
 #include "sim/scene/scene.h"
 
 namespace slipbench {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/effects/install.h"
+#include "sim/effects/effect_catalogue.h"
 #include "sim/mujoco/mujoco_differences.h"
 #include "sim/mujoco/pads/geom_surface.h"
 

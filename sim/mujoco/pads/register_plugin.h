@@ -1,9 +1,23 @@
 // Makes the engine plugin `slipbench.field` known to MuJoCo.
 #pragma once
 
-#include "sim/mujoco/pads/pad_catalogue.h"
+#include <cstdint>
+#include <memory>
+
+#include "sim/core/sensor.h"
+#include "sim/scene/catalogues.h"
+#include "sim/scene/scene.h"
 
 namespace slipbench {
+
+// What pads are made of.
+
+// sim/ knows no sensor: whoever composes a program or the plugin's library hands them in.
+struct PadCatalogue {
+  Catalogues catalogues;
+  // Throws InputError when the sensor cannot be as the scene says.
+  std::unique_ptr<Sensor> (*make_sensor)(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) = nullptr;
+};
 
 inline constexpr const char* field_plugin_name = "slipbench.field";
 // The same plugin in models that the program builds. A process may hold the program and the plugin's library, two copies of the same code, and

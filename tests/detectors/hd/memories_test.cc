@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "detectors/hd/engine.h"
-#include "detectors/hd/training.h"
 #include "sim/core/error.h"
 #include "sim/core/random.h"
 

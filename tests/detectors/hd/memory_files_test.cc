@@ -10,7 +10,6 @@
 #include <system_error>
 #include <vector>
 
-#include "detectors/hd/folder_output.h"
 #include "tests/detectors/hd/published.h"
 #include "tests/detectors/hd/random_frames.h"
 #include "tests/expect.h"

@@ -1,5 +1,5 @@
 // Spectra against closed forms: Hamming's transform, the line that is taken away, bands and hops.
-#include "detectors/nib/stft.h"
+#include "detectors/nib/features.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "sensors/nib_pad/electrodes.h"
+#include "sensors/nib_pad/nib_pad.h"
 #include "tests/expect.h"
 #include "tests/sensors/nib_pad/rig.h"
 

@@ -1,7 +1,16 @@
-#include "sim/core/process/own_library.h"
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
 
+#include <gtest/gtest.h>
+
+#include "sim/core/process/interrupted.h"
+#include "sim/core/process/own_library.h"
+#include "sim/core/process/regular_file.h"
 #include "tests/expect.h"
 
 namespace slipbench {
@@ -18,5 +27,47 @@ TEST(OwnLibrary, ThatIsMissingIsNamedWithWhatHelps) {
               AllOf(StartsWith("cannot load a library: " + own_path("../lib/gone.so")), EndsWith("; allowed: another build")));
 }
 
+std::string refusal(const std::string& path, std::uintmax_t most) {
+  return refusal_of([&] { check_regular_file(path, most); });
+}
+
+TEST(RegularFile, RefusesWhatIsNone) {
+  const std::string name = testing::TempDir() + "slipbench_regular_" + std::to_string(getpid());
+  EXPECT_EQ(refusal(name, 3), "accepted");  // nothing there: opening it says so
+  ASSERT_EQ(mkfifo(name.c_str(), 0600), 0);
+  EXPECT_EQ(refusal(name, 3), name + ": is a pipe, no file");
+  std::filesystem::remove(name);
+  EXPECT_EQ(refusal("/dev/null", 3), "/dev/null: is a device, no file");
+  EXPECT_EQ(refusal("/tmp", 3), "/tmp: is a folder, no file");
+  std::ofstream(name) << "abc";
+  EXPECT_EQ(refusal(name, 3), "accepted");
+  EXPECT_EQ(refusal(name, 2), name + ": has 3 bytes; allowed: at most 2");
+  std::filesystem::remove(name);
+}
+
+TEST(Interrupted, EndsTheWorkOfTheThreadThatHasTheScope) {
+  std::atomic<bool> interrupt{false};
+  const InterruptScope scope(&interrupt);
+  EXPECT_NO_THROW(end_if_interrupted());
+  interrupt = true;
+  EXPECT_THROW(end_if_interrupted(), Interrupted);
+  std::thread([] { EXPECT_NO_THROW(end_if_interrupted()); }).join();
+}
+
+TEST(Interrupted, ScopesNest) {
+  const std::atomic<bool> interrupt{true};
+  EXPECT_NO_THROW(end_if_interrupted());
+  {
+    const InterruptScope outer(&interrupt);
+    {
+      const InterruptScope inner(nullptr);
+      EXPECT_NO_THROW(end_if_interrupted());
+    }
+    EXPECT_THROW(end_if_interrupted(), Interrupted);
+  }
+  EXPECT_NO_THROW(end_if_interrupted());
+}
+
 }  // namespace
+
 }  // namespace slipbench

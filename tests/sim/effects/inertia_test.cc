@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "sim/effects/install.h"
+#include "sim/effects/effect_catalogue.h"
 #include "sim/field/contact_labels.h"
 #include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <tuple>
 
-#include "sim/effects/install.h"
+#include "sim/effects/effect_catalogue.h"
 #include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"
 #include "tests/sim/field/random_case.h"

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "sim/grasp/grasp.h"
-#include "sim/grasp/gripper.h"
 #include "tests/expect.h"
 
 namespace slipbench {

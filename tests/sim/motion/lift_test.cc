@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/motion/lift.h"
+#include "sim/motion/motion.h"
 
 namespace slipbench {
 namespace {

@@ -1,5 +1,5 @@
 // The motors' vibration: where its lines are, how strong, and when it is silent.
-#include "sim/motion/motor_vibration.h"
+#include "sim/motion/motion.h"
 
 #include <cmath>
 #include <complex>

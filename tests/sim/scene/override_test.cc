@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/scene/parser.h"
-#include "sim/scene/scene_reader.h"
+#include "sim/scene/section_readers.h"
 #include "tests/expect.h"
 #include "tests/sim/scene/test_catalogues.h"
 

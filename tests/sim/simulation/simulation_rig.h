@@ -8,8 +8,8 @@
 
 #include "sim/effects/effect_catalogue.h"
 #include "sim/motion/motion.h"
+#include "sim/simulation/stage_setup.h"
 #include "sim/simulation/stage_simulation.h"
-#include "sim/simulation/surfaces.h"
 #include "tests/oracle/pads.h"
 
 namespace slipbench::testing_bench {

@@ -1,8 +1,11 @@
 // The shapes of a scene: where they stand in the world.
+
+#include <cstddef>
 #include <variant>
 
 #include <gtest/gtest.h>
 
+#include "sim/simulation/step_plan.h"
 #include "tests/sim/simulation/simulation_rig.h"
 
 namespace slipbench::testing_bench {
@@ -97,5 +100,19 @@ TEST(Surfaces, SphereHasItsRadius) {
   EXPECT_NEAR(met(sphere, {5e-3, 0.0, 0.0}).first, std::hypot(5e-3, 25e-3) - 25e-3, 1e-15);
 }
 
+TEST(TickTimes, AreQuotientsOfWholeNumbersWhereTheStepIsAnNthOfASecond) {
+  const TickTimes milliseconds(0.001), tenths(0.0001);
+  for (std::size_t k = 0; k < 60'000; ++k) ASSERT_EQ(milliseconds.at(k), tenths.at(10 * k)) << k;
+  EXPECT_EQ(milliseconds.at(9), 0.009);  // the double next to 9/1000, as decimal text is read
+  EXPECT_NE(9.0 * 0.001, 0.009);         // which is why
+  EXPECT_EQ(TickTimes(1.0 / 2400.0).at(24), 0.01);
+}
+
+TEST(TickTimes, AreMultiplesOfAStepThatIsNone) {
+  EXPECT_EQ(TickTimes(0.0003).at(7), 7.0 * 0.0003);  // 3,333.3 a second
+  EXPECT_EQ(TickTimes(2.0).at(3), 6.0);
+}
+
 }  // namespace
+
 }  // namespace slipbench::testing_bench

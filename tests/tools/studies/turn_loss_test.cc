@@ -1,5 +1,5 @@
 // What a record says became of a box that was to be turned up.
-#include "tools/studies/nib_reconfigurable/nib_table3.h"
+#include "tools/studies/nib_reconfigurable/nib_tables.h"
 
 #include <cmath>
 #include <stdexcept>

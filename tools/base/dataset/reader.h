@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tools/base/dataset/header.h"
-#include "tools/base/files/sha256.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/trial_record.h"
 

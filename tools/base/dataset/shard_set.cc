@@ -12,7 +12,6 @@
 
 #include "sim/core/error.h"
 #include "tools/base/dataset/dataset_target.h"
-#include "tools/base/dataset/kept_trials.h"
 #include "tools/base/dataset/stored_trials.h"
 #include "tools/base/dataset/writer.h"
 

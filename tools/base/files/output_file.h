@@ -1,11 +1,16 @@
 // Files and folders of ours: written whole, for the time being, or locked.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+struct evp_md_ctx_st;
 
 namespace slipbench {
 
@@ -72,5 +77,27 @@ class Descriptor {
 // Opens the file for reading and writing, makes it where there is none, and locks it against other runs for as long as the
 // descriptor lives. Throws InputError, "cannot write PATH: another run is writing it" or with the system's reason.
 Descriptor lock_file(const std::string& path);
+
+// SHA-256, by OpenSSL.
+
+using Digest = std::array<std::uint8_t, 32>;
+
+class Sha256 {
+ public:
+  Sha256();
+  ~Sha256();
+  Sha256(const Sha256&) = delete;
+  Sha256& operator=(const Sha256&) = delete;
+
+  void update(const void* bytes, std::size_t size);
+  // The digest of all that was given; the object then begins anew.
+  Digest finish();
+
+ private:
+  evp_md_ctx_st* context_;
+};
+
+// 64 hexadecimal digits.
+std::string hexadecimal(const Digest& digest);
 
 }  // namespace slipbench

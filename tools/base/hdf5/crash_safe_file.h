@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "tools/base/hdf5/hdf5_handle.h"
+#include "tools/base/hdf5/hdf5_place.h"
 
 namespace slipbench::hdf5 {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/files/sha256.h"
+#include "tools/base/files/output_file.h"
 #include "tools/base/hdf5/hdf5_place.h"
 
 namespace slipbench {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "tools/base/statistics/binomial.h"
+#include "tools/base/statistics/descriptive.h"
 
 namespace slipbench {
 

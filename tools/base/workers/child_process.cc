@@ -1,22 +1,18 @@
 #include "tools/base/workers/child_process.h"
 
-#include <algorithm>
-#include <array>
-#include <cerrno>
-#include <csignal>
-#include <new>
-#include <stdexcept>
-#include <string_view>
-
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <new>
+
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/process/interrupted.h"
 
 namespace slipbench {
 namespace {
@@ -35,6 +31,32 @@ using Kind = ChildEnd::Kind;
     if (count > 0) sent += static_cast<std::size_t>(count);
   }
   ::_exit(0);  // nothing of the parent's is torn down or flushed twice
+}
+
+std::atomic<bool> interrupted{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
+
+std::string announcement;                            // whole before the handler is set
+constexpr std::string_view clear_line = "\r\033[K";  // on a terminal a progress bar may stand in it
+volatile std::sig_atomic_t on_terminal = 0;
+
+// Nothing can be done where stderr cannot be written.
+void say(std::string_view text) { [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size()); }
+
+void note_interrupt(int signal) {
+  if (interrupted.exchange(true)) {
+    std::raise(signal);  // the other signal came first; this one's action is the default again
+    return;
+  }
+  const int before = errno;
+  if (on_terminal != 0) say(clear_line);
+  say(announcement);
+  errno = before;
+}
+
+void catch_unless_ignored(int signal, const struct sigaction& action, struct sigaction& previous) {
+  sigaction(signal, nullptr, &previous);
+  if (previous.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
 }
 
 }  // namespace
@@ -148,5 +170,30 @@ std::vector<std::string> run_in_processes(std::size_t count, std::size_t jobs,
   }
   return results;
 }
+
+InterruptGuard::InterruptGuard(std::string_view notice) {
+  interrupted.store(false);
+  announcement = fmt::format("slipbench: {}; once more to stop at once\n", notice);
+  on_terminal = isatty(STDERR_FILENO);
+  struct sigaction action {};
+  action.sa_handler = &note_interrupt;
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  catch_unless_ignored(SIGINT, action, previous_int_);
+  catch_unless_ignored(SIGTERM, action, previous_term_);
+  catch_unless_ignored(SIGHUP, action, previous_hang_up_);
+  action.sa_handler = SIG_IGN;
+  action.sa_flags = 0;
+  sigaction(SIGXFSZ, &action, &previous_file_size_);
+}
+
+InterruptGuard::~InterruptGuard() {
+  sigaction(SIGINT, &previous_int_, nullptr);
+  sigaction(SIGTERM, &previous_term_, nullptr);
+  sigaction(SIGHUP, &previous_hang_up_, nullptr);
+  sigaction(SIGXFSZ, &previous_file_size_, nullptr);
+}
+
+const std::atomic<bool>& InterruptGuard::flag() { return interrupted; }
 
 }  // namespace slipbench

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <csignal>
 #include <cstddef>
 #include <cstring>
 #include <functional>
@@ -13,6 +14,8 @@
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "sim/core/process/interrupted.h"
 
 namespace slipbench {
 
@@ -187,5 +190,26 @@ std::vector<std::string> run_in_processes(std::size_t count, std::size_t jobs,
                                           const std::function<std::string(std::size_t)>& work,
                                           const std::function<void(std::size_t)>& begun, const std::atomic<bool>& interrupt,
                                           const std::function<void(std::size_t, const std::string&)>& done = {});
+
+// Ctrl-C that ends what runs and keeps what is finished.
+
+// While alive, the first SIGINT, SIGTERM or SIGHUP sets the flag and says on stderr what happens next, `notice`, and the second
+// ends the process as usual; a signal that was ignored before (a job that a script put in the background) stays ignored. A write
+// beyond the process's limit on file sizes fails instead of ending it. One at a time.
+class InterruptGuard {
+ public:
+  explicit InterruptGuard(std::string_view notice = "stopping");
+  ~InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+  [[nodiscard]] static const std::atomic<bool>& flag();
+
+ private:
+  struct sigaction previous_int_ {};
+  struct sigaction previous_term_ {};
+  struct sigaction previous_hang_up_ {};
+  struct sigaction previous_file_size_ {};
+};
 
 }  // namespace slipbench

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/scene/parser.h"
+#include "tools/base/page/page.h"
 #include "tools/base/record/json.h"
 #include "tools/program/benchmark/protocol.h"
 
@@ -63,5 +64,23 @@ Json parse_submission(const std::string& text, const std::string& name);
 // How a recomputed board, with the submission's own `machine` in the place of this one, differs from the submission's bytes:
 // "/sets/0/rows/2/credit: 0.41 in the file, 0.43 here". Empty: in nothing.
 std::string difference(const std::string& text, const Json& submitted, Json recomputed);
+
+// The board as a page and as a table.
+
+// One HTML page without scripts of a board (benchmark.h).
+std::string board_page(const Json& result);
+
+// The page and the board as they are written.
+inline constexpr page::PageKind page_kind{
+    "a board", "slipbench benchmark", "page of slipbench benchmark", "board of slipbench benchmark", {result_key}};
+
+// The columns of one set's table, "score" among them, and its rows in order.
+struct BoardTable {
+  std::string title;  // "open recordings, papillarray: 96 trials"
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> left_out;  // "gst_hd: why"
+};
+BoardTable board_table(const Json& set);
 
 }  // namespace slipbench::benchmark

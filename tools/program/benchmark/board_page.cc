@@ -1,4 +1,4 @@
-#include "tools/program/benchmark/board_page.h"
+#include "tools/program/benchmark/benchmark.h"
 
 #include <fmt/format.h>
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -82,5 +83,25 @@ struct Taught {
 // Simulates the scenes of the lessons and teaches each from it, in `folder`. Throws InputError for a scene that cannot be simulated or a folder that
 // cannot be written, and Interrupted.
 Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const std::string& folder);
+
+// The negative controls: what is known without feeling anything.
+
+// A detector by this name says slip from its parameter `from` [s] to `until` [s], and stick else, whatever its sensor feels.
+inline constexpr const char* control_type = "benchmark_control";
+
+inline constexpr double never = std::numeric_limits<double>::infinity();  // s
+
+// Makes it known to the catalogue of detectors in this process.
+void register_control();
+
+// Between `from` and `until` [s]; `never` is allowed.
+DetectorScene control_of(double from, double until);
+
+// What a scene is told to do, without its truth: slip from the instant when the motion, or the actuator `mover`, begins to move what is in
+// contact, until it stops. In a grasp from the lift on.
+DetectorScene motion_known(const Scene& scene, const std::string& mover);
+
+// The same with a time [s] beside it: in an open recording slip is said so much later; in a grasp for so long.
+DetectorScene motion_known_and(double time, const Scene& scene, const std::string& mover);
 
 }  // namespace slipbench::benchmark

@@ -1,5 +1,8 @@
 #include "tools/program/catalogue/detector_catalogue.h"
 
+#include <optional>
+#include <utility>
+
 #include "detectors/detector_kinds.h"
 #include "detectors/flip.h"
 #include "detectors/hd/hd_detector.h"
@@ -72,6 +75,17 @@ constexpr EngineKind engine_catalogue[] = {
     {"rtl", make_rtl},
 };
 
+Registry<ControllerMaker>& registered_controllers() {
+  static Registry<ControllerMaker> registry;
+  return registry;
+}
+
+std::vector<Entry> own_entries() {
+  std::vector<Entry> entries;
+  for (const ControllerKind& kind : controller_catalogue()) entries.push_back(kind.about);
+  return entries;
+}
+
 }  // namespace
 
 std::vector<Entry> detector_entries() {
@@ -131,6 +145,35 @@ std::unique_ptr<hd::Engine> make_hd_engine(std::string_view name, const hd::Mode
     if (kind.name == name) return kind.create(model, memories);
   }
   throw InputError("unknown engine " + quote(name) + allowed_names(name, hd_engine_names()));
+}
+
+const std::vector<ControllerKind>& controller_catalogue() {
+  using namespace controllers;
+  static const std::vector<ControllerKind> kinds{
+      constant_force(), force_pid(), force_ratio(), hold_preset(), plugin(), reorient(), step_on_slip(), stuck_fraction(),
+  };
+  return kinds;
+}
+
+std::vector<Entry> controller_entries() {
+  std::vector<Entry> entries = own_entries();
+  for (const Entry& entry : registered_controllers().entries()) entries.push_back(entry);
+  return entries;
+}
+
+void register_controller(const Entry& about, ControllerMaker make) {
+  registered_controllers().put("controller", about, std::move(make), own_entries());
+}
+
+std::unique_ptr<Controller> make_controller(const Named& controller, const GripSource& source) {
+  for (const ControllerKind& kind : controller_catalogue()) {
+    if (kind.about.name == controller.name) return kind.create(controller.parameters, source);
+  }
+  if (const std::optional<ControllerMaker> make = registered_controllers().find(controller.name))
+    return (*make)(controller.parameters, source);
+  std::vector<std::string> names;
+  for (const Entry& entry : controller_entries()) names.push_back(entry.name);
+  throw InputError("controller: unknown type " + quote(controller.name) + allowed_names(controller.name, names));
 }
 
 }  // namespace slipbench

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "controllers/controller_kinds.h"
 #include "detectors/hd/engine.h"
 #include "sim/core/detector.h"
 #include "sim/core/parameters.h"
@@ -53,5 +54,21 @@ std::vector<std::string> hd_engine_names();
 
 // The engine of that name. Throws InputError for a name that the catalogue does not have, and what the engine itself refuses.
 std::unique_ptr<hd::Engine> make_hd_engine(std::string_view name, const hd::Model& model, const hd::Memories& memories);
+
+// All of the program's own controllers that a scene may name as controller.type, beside none.
+const std::vector<ControllerKind>& controller_catalogue();
+
+// `parameters`: those of the controller's entry, all present.
+using ControllerMaker = std::function<std::unique_ptr<Controller>(const Parameters& parameters, const GripSource& source)>;
+
+// As register_detector().
+void register_controller(const Entry& about, ControllerMaker make);
+
+// The declarations of all: the program's own in the same order, then those that are registered.
+std::vector<Entry> controller_entries();
+
+// The controller `controller.name` with its parameters, for `source`. Throws InputError for a name that the catalogue does
+// not have, and what the controller itself refuses.
+std::unique_ptr<Controller> make_controller(const Named& controller, const GripSource& source);
 
 }  // namespace slipbench

@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "tools/program/catalogue/controller_catalogue.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "sim/core/sensor.h"
-#include "sim/core/sensor_view.h"
+#include "sim/core/sensor_kind.h"
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
 

@@ -11,9 +11,8 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
-#include "tools/base/statistics/binomial.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/sweep/run_sweep.h"
-#include "tools/program/sweep/sweep_json.h"
 #include "tools/program/sweep/warnings.h"
 
 namespace slipbench {
@@ -85,7 +84,7 @@ SweepOptions sweep_of(const CheckOptions& options);
 
 // Runs the scene's trials and holds each expectation against them. A trial that fails keeps none. Throws InputError for a scene that
 // cannot be run, for a reliability that so many trials cannot show, and where the files of a failed check cannot be written; Interrupted
-// (tools/base/workers/interrupt.h) once options.interrupt is true.
+// (tools/base/workers/child_process.h) once options.interrupt is true.
 SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 
 // What is to be said of an expectation that failed: "max_slip: 3 of 20 trials fail, allowed 0 (at most 3 mm); worst: 4.1 mm in trial 7".

@@ -1,4 +1,4 @@
-#include "tools/program/cli/program.h"
+#include "tools/program/cli/command.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -20,7 +20,7 @@
 #include "tools/base/record/json.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/doctor/machine.h"
+#include "tools/program/doctor/doctor.h"
 
 namespace slipbench {
 namespace {

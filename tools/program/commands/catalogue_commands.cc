@@ -1,4 +1,4 @@
-#include "tools/program/commands/catalogue_commands.h"
+#include "tools/program/commands/dataset_commands.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -17,7 +17,6 @@
 #include "tools/program/doctor/doctor.h"
 #include "tools/program/plugin/plugin_builds.h"
 #include "tools/program/text/describe.h"
-#include "tools/program/text/recipe_text.h"
 
 namespace slipbench {
 

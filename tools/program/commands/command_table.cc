@@ -3,8 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "tools/program/cli/program.h"
-#include "tools/program/commands/catalogue_commands.h"
+#include "tools/program/cli/command.h"
 #include "tools/program/commands/dataset_commands.h"
 #include "tools/program/commands/detectors/detector_commands.h"
 #include "tools/program/commands/simulation/simulation_commands.h"

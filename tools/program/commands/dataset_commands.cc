@@ -14,9 +14,8 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/json.h"
-#include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/cli/arguments.h"
-#include "tools/program/cli/progress.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/verify/verify.h"
 

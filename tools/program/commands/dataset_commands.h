@@ -50,4 +50,39 @@ class VerifyCommand final : public Command {
   std::vector<std::string> datasets;
 };
 
+// The commands that say what there is: to name in a scene, and on this machine.
+
+// `list` and `describe`: what a scene may name.
+class ListCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::string catalogue;  // empty: all
+};
+
+class DescribeCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::string name;
+};
+
+// `doctor` and `plugin-path`: what is installed, and where.
+class DoctorCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+};
+
+class PluginPathCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+ private:
+  std::string mujoco;  // version
+};
+
 }  // namespace slipbench

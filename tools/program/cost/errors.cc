@@ -10,8 +10,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "tools/program/cost/measure_values.h"
-
 namespace slipbench {
 namespace {
 

@@ -2,7 +2,9 @@
 // number of elements, output rate).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -11,6 +13,7 @@
 #include <vector>
 
 #include "sim/scene/scene.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench {
@@ -78,5 +81,54 @@ std::vector<std::pair<std::size_t, std::size_t>> common_rows(std::span<const dou
 // `times`: [L] s. `margin`: [L] of the unit, NaN while it is detached.
 double load_time(std::span<const double> times, std::span<const float> margin, double time);
 inline constexpr double least_load_time = 10e-3;  // s
+
+// Values of one measure while they are gathered: for errors.cc and closed_form.cc.
+
+class MeasureValues {
+ public:
+  void add(double value) { values_.push_back(value); }
+  void add_count(std::size_t differing, std::size_t of) {
+    if (of > 0) add(static_cast<double>(differing) / static_cast<double>(of));
+  }
+  // A root mean square as a share of the reference's, of sums of squares over as many values. Where the reference's is 0 and the
+  // run's not, it is 1, and different.
+  void add_share(double squares, double of) {
+    if (of > 0.0) {
+      add(std::sqrt(squares / of));
+    } else if (squares > 0.0) {
+      add(1.0);
+      different_ = true;
+    }
+  }
+  // Onsets of a unit [s], NaN: never, and the time that its friction took to be used up [s]; `end` of the trial [s].
+  void add_onsets(double in_run, double in_reference, double load_time, double end) {
+    if (std::isnan(in_run) && std::isnan(in_reference)) return;
+    if (std::isnan(in_run) || std::isnan(in_reference)) {
+      const double left = end - (std::isnan(in_run) ? in_reference : in_run);
+      add(std::max(0.0, left) / load_time);
+      different_ = different_ || values_.back() > end_share;
+    } else {
+      add(std::abs(in_run - in_reference) / load_time);
+    }
+  }
+  // Divides all values gathered so far.
+  void divide(double by) {
+    for (double& value : values_) value /= by;
+  }
+
+  // Empty when nothing was added.
+  [[nodiscard]] std::optional<MeasureError> error() const {
+    if (values_.empty()) return std::nullopt;
+    return MeasureError{std::ranges::max(values_), median(values_), different_};
+  }
+
+ private:
+  // Of a unit that slips in one run alone: how much of its loading time before the trial's end makes that a difference. Later,
+  // its onset in the other run may well come right after the end.
+  static constexpr double end_share = 0.01;
+
+  std::vector<double> values_;
+  bool different_ = false;
+};
 
 }  // namespace slipbench

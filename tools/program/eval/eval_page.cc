@@ -1,4 +1,4 @@
-#include "tools/program/eval/eval_page.h"
+#include "tools/program/eval/evaluate.h"
 
 #include <algorithm>
 #include <array>

@@ -19,7 +19,6 @@
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/statistics/roc.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/eval/detector_choice.h"
 #include "tools/program/eval/metrics.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/run/recorded_scene.h"

@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
 
 namespace slipbench::eval {

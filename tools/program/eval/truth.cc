@@ -9,8 +9,8 @@
 
 #include "sim/core/contact_frame.h"
 #include "sim/core/error.h"
-#include "sim/motion/lift.h"
-#include "tools/program/samples/papillarray_samples.h"
+#include "sim/motion/motion.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench::eval {
 namespace {

@@ -13,7 +13,6 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "tools/program/export/formats.h"
-#include "tools/program/samples/commanded_motion.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench {

@@ -12,8 +12,7 @@
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/trial_record.h"
 #include "tools/program/export/export.h"
-#include "tools/program/samples/commanded_motion.h"
-#include "tools/program/samples/papillarray_samples.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 

@@ -9,7 +9,7 @@
 #include <archive_entry.h>
 #include <fmt/format.h>
 
-#include "tools/base/record/arrays.h"
+#include "tools/base/record/encoder.h"
 
 namespace slipbench {
 namespace {

@@ -11,7 +11,6 @@
 
 #include "sim/core/error.h"
 #include "tools/base/record/json.h"
-#include "tools/program/import/import_format.h"
 #include "tools/program/import/source_table.h"
 
 namespace slipbench {

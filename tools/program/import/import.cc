@@ -10,7 +10,7 @@
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/writer.h"
-#include "tools/program/import/import_format.h"
+#include "tools/program/import/source_table.h"
 #include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench {

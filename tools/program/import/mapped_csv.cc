@@ -11,7 +11,6 @@
 #include "sim/core/parameters.h"
 #include "sim/scene/entry_reader.h"
 #include "sim/scene/parser.h"
-#include "tools/program/import/import_format.h"
 #include "tools/program/import/source_table.h"
 
 namespace slipbench {

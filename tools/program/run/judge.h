@@ -11,12 +11,11 @@
 
 #include "sim/core/contact_frame.h"
 #include "sim/core/sensor.h"
-#include "sim/grasp/held_box.h"
+#include "sim/grasp/grasp.h"
 #include "sim/scene/scene.h"
 #include "sim/simulation/simulation.h"
 #include "tools/program/run/control_loop.h"
 #include "tools/program/run/run_trial.h"
-#include "tools/program/run/sampling.h"
 
 namespace slipbench {
 

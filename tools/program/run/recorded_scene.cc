@@ -1,12 +1,68 @@
 #include "tools/program/run/recorded_scene.h"
 
-#include <string>
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <variant>
 
 #include "sim/core/error.h"
+#include "sim/scene/entry_reader.h"
 #include "sim/scene/parser.h"
 #include "tools/base/record/json.h"
 
 namespace slipbench {
+namespace {
+
+// Where an object stands and how it moves is no part of what it is.
+constexpr std::array<std::string_view, 5> of_place{"angle", "free", "position", "rotation", "velocity"};
+
+struct Text {
+  std::string operator()(double value) const { return json_number(value); }
+  std::string operator()(std::int64_t value) const { return std::to_string(value); }
+  std::string operator()(bool value) const { return value ? "true" : "false"; }
+  std::string operator()(const std::string& value) const { return json_text(value); }
+  std::string operator()(const std::vector<double>& values) const {
+    std::string text;
+    for (const double value : values) text += json_number(value) + ",";
+    return text;
+  }
+  std::string operator()(const NumberTable& table) const {
+    std::string text;
+    for (const std::vector<double>& row : table.rows) text += (*this)(row) + "/";
+    return text;
+  }
+  std::string operator()(const ParameterMap& values) const {
+    std::string text;
+    for (const auto& [name, value] : values) text += json_text(name) + "=" + json_text(value) + ",";
+    return text;
+  }
+};
+
+std::string text_of(const std::string& name, const Parameters& parameters) {
+  std::string text = name + ":";
+  for (const auto& [key, value] : parameters.values()) {
+    if (std::ranges::find(of_place, key) == of_place.end()) text += key + "=" + std::visit(Text{}, value) + ";";
+  }
+  return text;
+}
+
+std::string object_of(const Scene& scene) {
+  std::string text = scene.material + "|";
+  if (scene.grasp) return text + text_of("box", scene.grasp->box);
+  if (!scene.dynamic()) return text + text_of(scene.surface.name, scene.surface.parameters);
+  text += scene.model;
+  for (const BodyScene& body : scene.bodies) text += "|" + text_of(body.shape.name, body.shape.parameters);
+  return text;
+}
+
+std::string speed_of(const Scene& scene) {
+  const auto& values = scene.motion.parameters.values();
+  const auto speed = values.find("speed");
+  if (speed != values.end()) return json_number(std::get<double>(speed->second));
+  throw SceneValueError("split.by", "the motion '" + scene.motion.name + "' has no speed; allowed: material, object, trial");
+}
+
+}  // namespace
 
 Scene recorded_scene(const DatasetReader& reader, const TrialRecord& record, const Catalogues& catalogues) {
   SceneFile file = SceneFile::from_text(reader.header().scene, "attribute scene");
@@ -23,6 +79,18 @@ Scene recorded_scene(const DatasetReader& reader, const TrialRecord& record, con
   file.apply({"sweep", "{}"});
   apply(record.params, "params");
   return parse_scene(file, catalogues);
+}
+
+std::optional<SplitRule> split_rule(const Scene& scene) {
+  if (!scene.split) return std::nullopt;
+  const std::vector<double>& shares = scene.split->vector("shares");
+  return SplitRule{scene.split->choice("by"), {shares[0], shares[1], shares[2]}};
+}
+
+std::string split_group(const Scene& scene) {
+  const std::string by = scene.split ? scene.split->choice("by") : "material";
+  if (by == "object") return object_of(scene);
+  return by == "speed" ? speed_of(scene) : scene.material;
 }
 
 }  // namespace slipbench

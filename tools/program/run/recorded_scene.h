@@ -1,8 +1,12 @@
 // The scene behind a recorded trial.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
+#include "tools/base/dataset/header.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/trial_record.h"
 
@@ -10,5 +14,13 @@ namespace slipbench {
 
 // The scene that a trial ran: the dataset's, with what was set and what was drawn. Throws InputError where this version cannot read it.
 Scene recorded_scene(const DatasetReader& reader, const TrialRecord& record, const Catalogues& catalogues);
+
+// The scene's `split`; empty where it has none.
+std::optional<SplitRule> split_rule(const Scene& scene);
+
+// What the trial has in common with those that must be in the same part: its material, or what else the scene's `split` says. An
+// object is what the pads touch, its material and shape, wherever it stands. Throws SceneValueError where the scene splits by
+// speed and its motion has none.
+std::string split_group(const Scene& scene);
 
 }  // namespace slipbench

@@ -10,15 +10,14 @@
 #include "sim/core/quantity.h"
 #include "sim/simulation/stage_simulation.h"
 #include "tools/base/record/encoder.h"
-#include "tools/base/workers/interrupt.h"
-#include "tools/program/catalogue/controller_catalogue.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/finite.h"
-#include "tools/program/run/split.h"
+#include "tools/program/run/recorded_scene.h"
+#include "tools/program/run/recorder.h"
 #include "tools/program/run/trial_run.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
-#include "sim/mujoco/articulated/articulated_simulation.h"
+#include "sim/mujoco/articulated/articulated_stage.h"
 #include "sim/mujoco/bodies/dynamic_simulation.h"
 #include "sim/mujoco/bodies/grasp_simulation.h"
 #include "sim/mujoco/pads/register_plugin.h"
@@ -38,7 +37,7 @@ Sensors make_sensors(const Scene& scene, std::uint64_t trial) {
 #ifdef SLIPBENCH_WITH_MUJOCO
 std::unique_ptr<Simulation> make_mujoco_simulation(const Scene& scene, std::span<const PadLayout* const> pads,
                                                    std::span<const double> rates, std::uint64_t trial) {
-  if (!scene.dynamic()) return std::make_unique<ArticulatedSimulation>(scene, pads, rates, trial);
+  if (!scene.dynamic()) return articulated_simulation(scene, pads, rates, trial);
   [[maybe_unused]] static const bool registered = (register_bench_plugin({pad_catalogues(), &make_sensor}), true);
   if (scene.grasp) return std::make_unique<GraspSimulation>(scene, pads, rates, trial);
   return std::make_unique<DynamicSimulation>(scene, pads, rates, trial);

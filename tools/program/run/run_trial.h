@@ -41,7 +41,7 @@ inline constexpr double max_record_bytes = 4e9;
 // Runs trial number `trial` of a dataset whose seed is `scene.seed`. `params` of the record is left to the caller, who knows the
 // sweep. Throws InputError when the scene cannot be simulated as it says (StageSimulation, make_sensor, make_detector), when its
 // full record would take more than `max_bytes`, or when something in the record (without one: in the last tick) is not finite
-// that must be. Throws Interrupted (tools/base/workers/interrupt.h) within a few steps once `interrupt` is true; it may be null.
+// that must be. Throws Interrupted (tools/base/workers/child_process.h) within a few steps once `interrupt` is true; it may be null.
 TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes = max_record_bytes,
                       const std::atomic<bool>* interrupt = nullptr);
 

@@ -19,7 +19,6 @@
 #include "tools/program/run/judge.h"
 #include "tools/program/run/recorder.h"
 #include "tools/program/run/run_trial.h"
-#include "tools/program/run/sampling.h"
 
 namespace slipbench {
 

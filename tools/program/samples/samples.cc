@@ -1,14 +1,17 @@
 #include "tools/program/samples/samples.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "detectors/hd/words.h"
 #include "sim/core/error.h"
+#include "sim/motion/motion.h"
+#include "sim/scene/parser.h"
+#include "tools/base/record/json.h"
 #include "tools/base/record/layout.h"
 
 namespace slipbench {
@@ -30,6 +33,92 @@ std::vector<T> rows_at(const std::vector<T>& values, const std::vector<double>& 
 constexpr std::array rules{hd::Word<SlipRule>{"strict", SlipRule::strict}, hd::Word<SlipRule>{"micro", SlipRule::micro},
                            hd::Word<SlipRule>{"paper", SlipRule::paper},
                            hd::Word<SlipRule>{"has_slipped", SlipRule::has_slipped}};
+
+// Samples from one row of a channel to the next.
+std::size_t samples_a_row(const SensorColumn& column, const SensorRecord& sensor) {
+  if (!column.time || column.time->size() == sensor.time.size()) return 1;
+  if (column.time->size() < 2) return sensor.time.size();
+  const double every = std::round(((*column.time)[1] - (*column.time)[0]) * sensor.rate);
+  return static_cast<std::size_t>(std::clamp(every, 1.0, static_cast<double>(sensor.time.size())));
+}
+
+Json object_of(const std::string& text, const std::string& subject) {
+  Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object()) throw InputError(subject + " is not a JSON object");
+  return json;
+}
+
+// The scene as it was run, but for what was swept.
+SceneFile scene_of(const DatasetReader& reader) {
+  const std::string file = reader.files().front();
+  SceneFile scene = SceneFile::from_text(reader.header().scene, file + ": scene");
+  if (scene.root().kind != YamlNode::Kind::map) throw InputError(file + ": attribute scene is not a scene");
+  const Json overrides = object_of(reader.header().overrides, file + ": attribute overrides");
+  for (const auto& [path, value] : overrides.items()) {
+    if (!value.is_string()) throw InputError(file + ": attribute overrides holds no text for " + path);
+    scene.apply({path, value.get<std::string>()});
+  }
+  return scene;
+}
+
+const Entry& motion_of(const YamlNode& root, const std::string& file) {
+  const YamlNode* kind = node_at(root, std::vector<std::string>{"motion", "kind"});
+  const std::string name = kind != nullptr ? kind->text : "stage";
+  for (const MotionKind& candidate : motion_catalogue()) {
+    if (candidate.about.name == name) return candidate.about;
+  }
+  throw InputError(fmt::format("{}: attribute scene has the motion '{}', which this program does not know", file, name));
+}
+
+// What one trial was told: swept values before written ones.
+class Commanded {
+ public:
+  Commanded(const DatasetReader& reader, std::size_t trial)
+      : file_(reader.files()[reader.file_of(trial)]),
+        swept_(object_of(reader.info(trial).params, fmt::format("{}: trial {}: attribute params", file_, trial))),
+        scene_(scene_of(reader)) {}
+
+  // Empty where the motion has no such number.
+  [[nodiscard]] std::optional<double> number(const std::string& name) const {
+    const Entry& motion = motion_of(scene_.root(), file_);
+    const auto spec = std::ranges::find(motion.parameters, name, &ParameterSpec::name);
+    if (spec == motion.parameters.end() || spec->type != ParameterType::number) return std::nullopt;
+    if (const auto found = swept_.find("motion." + name); found != swept_.end() && found->is_number())
+      return found->get<double>();
+    const YamlNode* written = node_at(scene_.root(), std::vector<std::string>{"motion", name});
+    if (written == nullptr) return std::get<double>(default_of(*spec));
+    try {
+      return std::get<double>(parse_scalar(*spec, written->text));
+    } catch (const std::invalid_argument& error) {
+      throw InputError(fmt::format("{}: motion.{}: {}", written->origin.text(), name, error.what()));
+    }
+  }
+
+  [[nodiscard]] double needed(const std::string& name) const {
+    if (const auto found = number(name)) return *found;
+    throw InputError(
+        fmt::format("{}: its motion '{}' has no {}; allowed: a dataset whose pad is pressed and slides, such as that of a stage",
+                    file_, motion_of(scene_.root(), file_).name, name));
+  }
+
+  [[nodiscard]] std::string word(const std::string& path) const {
+    if (const auto found = swept_.find(path); found != swept_.end() && found->is_string()) return found->get<std::string>();
+    const YamlNode* written = node_at(scene_.root(), split_path(path, scene_.root().origin));
+    return written != nullptr && written->kind == YamlNode::Kind::scalar ? written->text : "";
+  }
+
+ private:
+  std::string file_;
+  Json swept_;
+  SceneFile scene_;
+};
+
+const std::vector<float>& channel_of(const SensorRecord& record, const std::string& name) {
+  for (const SensorColumn& channel : record.channels) {
+    if (channel.name == name && channel.shape == std::vector<std::size_t>{pillars, 3}) return channel.values;
+  }
+  throw InputError(fmt::format("sensor {}: has no channel '{}' of {} pillars", record.name, name, pillars));
+}
 
 }  // namespace
 
@@ -90,5 +179,127 @@ SlipRule parse_slip_rule(const std::string& name) {
 
 std::vector<std::string> slip_rule_names() { return hd::names_of(rules); }
 std::string slip_rule_name(SlipRule rule) { return hd::name_of(rules, rule); }
+
+RecordedSamples::RecordedSamples(const SensorRecord& sensor) : sensor_(&sensor) {
+  std::size_t name = 0;
+  for (const SensorColumn& column : sensor.channels) {
+    Channel& channel = channels_.emplace_back(Channel{column.name, column.unit, column.shape, {}});
+    const std::size_t rows = sensor.times_of(column).size(), size = channel.size();
+    if (column.values.size() != rows * size) {
+      throw InputError(fmt::format("sensor {}: channel {} has {} values for {} samples of {}; allowed: as many", sensor.name,
+                                   column.name, column.values.size(), rows, size));
+    }
+    channel.every = samples_a_row(column, sensor);
+    if (column.time && !column.time->empty() && channel.every <= sensor.time.size()) {
+      channel.age = sensor.time[channel.every - 1] - column.time->front();
+    }
+    for (std::size_t v = 0; v < size && name < sensor.channel_names.size(); ++v) {
+      channel.channel_names.push_back(sensor.channel_names[name++]);
+    }
+    if (rows == 0)
+      values_.resize(values_.size() + size);
+    else
+      values_.insert(values_.end(), column.values.begin(), column.values.begin() + static_cast<std::ptrdiff_t>(size));
+  }
+}
+
+SensorFrame RecordedSamples::take() {
+  float* values = values_.data();
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const std::size_t size = channels_[c].size(), row = next_ / channels_[c].every;
+    const std::vector<float>& column = sensor_->channels[c].values;
+    if ((next_ + 1) % channels_[c].every == 0 && (row + 1) * size <= column.size()) {
+      std::copy_n(column.data() + row * size, size, values);
+    }
+    values += size;
+  }
+  return {sensor_->time[next_++], values_};
+}
+
+CommandedMotion commanded_motion(const DatasetReader& reader, std::size_t trial) {
+  const Commanded told(reader, trial);
+  return {told.needed("speed"), told.needed("rotation"), told.needed("compression")};
+}
+
+std::optional<double> commanded_number(const DatasetReader& reader, std::size_t trial, const std::string& name) {
+  return Commanded(reader, trial).number(name);
+}
+
+std::string commanded_word(const DatasetReader& reader, std::size_t trial, const std::string& path) {
+  return Commanded(reader, trial).word(path);
+}
+
+PapillarraySamples::PapillarraySamples(const SensorRecord& record, SlipRule rule, double label_speed)
+    : record_(&record), rule_(rule), label_speed_(label_speed) {
+  if (record.type != "papillarray") {
+    throw InputError(fmt::format("sensor {}: is a {}, this format holds a papillarray", record.name, record.type));
+  }
+  if (record.labels.units() != pillars) {
+    throw InputError(fmt::format("sensor {}: labels of {} units, expected {}", record.name, record.labels.units(), pillars));
+  }
+  force_ = &channel_of(record, "force");
+  displacement_ = &channel_of(record, "displacement");
+  if (rule != SlipRule::has_slipped) return;
+  has_slipped_.resize(size() * pillars);
+  for (std::size_t row = 0; row < size(); ++row) {
+    for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
+      const std::size_t place = row * pillars + pillar;
+      const bool before = row > 0 && has_slipped_[place - pillars] != 0;
+      has_slipped_[place] = (before && touching(row, pillar)) || fast(row, pillar) ? 1 : 0;
+    }
+  }
+}
+
+bool PapillarraySamples::fast(std::size_t row, std::size_t pillar) const {
+  const float* velocity = record_->labels.slip_velocity.data() + (row * pillars + pillar) * 2;
+  return touching(row, pillar) && std::hypot(velocity[0], velocity[1]) > label_speed_;
+}
+
+bool PapillarraySamples::slipping(std::size_t row, std::size_t pillar) const {
+  const UnitState state = this->state(row, pillar);
+  switch (rule_) {
+    case SlipRule::strict: return state == UnitState::slip;
+    case SlipRule::micro: return state == UnitState::slip || state == UnitState::partial;
+    case SlipRule::paper: return fast(row, pillar);
+    case SlipRule::has_slipped: return has_slipped_[row * pillars + pillar] != 0;
+  }
+  return false;
+}
+
+PadState PapillarraySamples::pad_state(std::size_t row, bool turning) const {
+  bool in_contact = false;
+  std::size_t judged = 0;
+  std::size_t slipped = 0;
+  for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
+    if (!touching(row, pillar)) continue;
+    in_contact = true;
+    if (turning && pillar == middle_pillar) continue;
+    ++judged;
+    if (slipping(row, pillar)) ++slipped;
+  }
+  if (!in_contact) return PadState::no_contact;
+  if (slipped == 0) return PadState::non_slip;
+  return slipped == judged ? PadState::gross : PadState::incipient;
+}
+
+double PapillarraySamples::tangential_force(std::size_t row, std::size_t pillar) const {
+  const auto [x, y, z] = triple(record_->labels.force, row, pillar);
+  return std::hypot(x, y);
+}
+
+std::array<double, 3> PapillarraySamples::tip(std::size_t pillar) const {
+  const LabelRecord& labels = record_->labels;
+  return {labels.unit_positions[2 * pillar], labels.unit_positions[2 * pillar + 1], labels.unit_heights[pillar]};
+}
+
+std::vector<std::string> papillarrays_of(const DatasetReader& reader, std::size_t trial) {
+  reader.check_recorded(trial);
+  std::vector<std::string> names;
+  for (const std::string& name : reader.sensors(trial)) {
+    if (reader.sensor_type(trial, name) == "papillarray") names.push_back(name);
+  }
+  if (names.empty()) throw InputError(fmt::format("trial {}: has no papillarray, which is what this format holds", trial));
+  return names;
+}
 
 }  // namespace slipbench

@@ -1,13 +1,18 @@
 // What the formats share that hold any sensor.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "sim/core/pad_state.h"
+#include "sim/core/sensor_frame.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 
@@ -41,5 +46,101 @@ inline constexpr double default_label_speed = 1e-4;  // m/s
 SlipRule parse_slip_rule(const std::string& name);
 std::vector<std::string> slip_rule_names();
 std::string slip_rule_name(SlipRule rule);
+
+// A recorded sensor's samples, one after the other, as it measured them.
+
+class RecordedSamples {
+ public:
+  // `sensor` outlives it. Throws InputError for a channel that has not as many values as its rows and shape say.
+  explicit RecordedSamples(const SensorRecord& sensor);
+
+  [[nodiscard]] SensorSource source() const { return {sensor_->name, sensor_->type, sensor_->rate, channels_}; }
+  [[nodiscard]] const std::vector<Channel>& channels() const { return channels_; }
+  [[nodiscard]] bool ended() const { return next_ == sensor_->time.size(); }
+  [[nodiscard]] double time() const { return sensor_->time[next_]; }  // s, of the next one
+
+  // The next one. Of a slower channel the latest row that is complete, before its first one that first one.
+  SensorFrame take();
+
+ private:
+  const SensorRecord* sensor_;
+  std::vector<Channel> channels_;
+  std::vector<float> values_;
+  std::size_t next_ = 0;
+};
+
+// How a trial's pad was told to move.
+
+// A corner pillar's distance from the centre [m]: where a PapillArray's rotation is given as a speed.
+inline constexpr double corner_radius = 9.9e-3;
+
+struct CommandedMotion {
+  double speed = 0.0;        // m/s, motion.speed
+  double rotation = 0.0;     // rad/s, motion.rotation
+  double compression = 0.0;  // m, motion.compression
+};
+
+// Takes the values from what was swept, else from the overrides and the scene that the dataset carries, else the motion's defaults.
+// Throws InputError when the scene cannot be read or its motion has no such values.
+CommandedMotion commanded_motion(const DatasetReader& reader, std::size_t trial);
+
+// One number of the motion, taken from there; empty: this kind of motion has none of that name. Throws InputError as commanded_motion().
+std::optional<double> commanded_number(const DatasetReader& reader, std::size_t trial, const std::string& name);
+
+// A word of the scene, such as that at "surface.material", as it was swept or written; "" where it is neither. Throws InputError where the scene
+// cannot be read.
+std::string commanded_word(const DatasetReader& reader, std::size_t trial, const std::string& path);
+
+// The samples of a PapillArray and their truth.
+
+inline constexpr std::size_t pillars = 9;
+inline constexpr std::size_t middle_pillar = 4;
+
+// One PapillArray's samples: force and displacement of every pillar, and the truth.
+class PapillarraySamples {
+ public:
+  // `label_speed` [m/s]: for the rules that have one. Throws InputError when the sensor is no PapillArray with nine pillars.
+  PapillarraySamples(const SensorRecord& record, SlipRule rule, double label_speed);
+
+  [[nodiscard]] std::size_t size() const { return record_->time.size(); }
+  [[nodiscard]] double time(std::size_t row) const { return record_->time[row]; }  // s
+  [[nodiscard]] std::array<float, 3> force(std::size_t row, std::size_t pillar) const {
+    return triple(*force_, row, pillar);
+  }                                                                                             // N
+  [[nodiscard]] std::array<float, 3> displacement(std::size_t row, std::size_t pillar) const {  // m
+    return triple(*displacement_, row, pillar);
+  }
+  [[nodiscard]] bool touching(std::size_t row, std::size_t pillar) const { return state(row, pillar) != UnitState::detached; }
+  // By the rule asked for.
+  [[nodiscard]] bool slipping(std::size_t row, std::size_t pillar) const;
+  // Of the pillars in contact none, some or all slip by that rule. `turning`: the motion turns the pad, and the centre pillar, which
+  // stays where it is, is left out.
+  [[nodiscard]] PadState pad_state(std::size_t row, bool turning) const;
+  // True tangential force [N].
+  [[nodiscard]] double tangential_force(std::size_t row, std::size_t pillar) const;
+  // Undeformed tip in the pad frame [m].
+  [[nodiscard]] std::array<double, 3> tip(std::size_t pillar) const;
+
+ private:
+  [[nodiscard]] UnitState state(std::size_t row, std::size_t pillar) const {
+    return static_cast<UnitState>(record_->labels.unit_state[row * pillars + pillar]);
+  }
+  // Whether the tip of a touching pillar slides faster than the threshold in this sample.
+  [[nodiscard]] bool fast(std::size_t row, std::size_t pillar) const;
+  static std::array<float, 3> triple(const std::vector<float>& values, std::size_t row, std::size_t pillar) {
+    const float* first = values.data() + (row * pillars + pillar) * 3;
+    return {first[0], first[1], first[2]};
+  }
+
+  const SensorRecord* record_;
+  const std::vector<float>* force_ = nullptr;
+  const std::vector<float>* displacement_ = nullptr;
+  SlipRule rule_;
+  double label_speed_;
+  std::vector<std::uint8_t> has_slipped_;  // [T,9] 1: fast now or before, and in contact since then; empty for other rules
+};
+
+// Names of the PapillArrays among a trial's sensors.
+std::vector<std::string> papillarrays_of(const DatasetReader& reader, std::size_t trial);
 
 }  // namespace slipbench

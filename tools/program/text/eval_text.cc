@@ -1,4 +1,4 @@
-#include "tools/program/text/eval_text.h"
+#include "tools/program/text/sweep_text.h"
 
 #include <algorithm>
 #include <array>

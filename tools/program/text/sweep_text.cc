@@ -20,7 +20,7 @@
 #include "tools/base/statistics/confusion.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/cli/progress.h"
+#include "tools/program/cli/terminal.h"
 
 namespace slipbench {
 namespace {

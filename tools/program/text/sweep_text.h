@@ -1,16 +1,17 @@
 // What a person reads after a run: when each unit slipped, the share of time in each class, and how fast it went.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
 #include "tools/base/record/json.h"
-#include "tools/base/statistics/binomial.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/cli/terminal.h"
+#include "tools/program/cost/explore.h"
 #include "tools/program/sweep/run_sweep.h"
-#include "tools/program/sweep/sweep_json.h"
 #include "tools/program/sweep/warnings.h"
 
 namespace slipbench {
@@ -80,5 +81,15 @@ std::string speed_text(const SweepSummary& summary, double elapsed);
 
 // A line each on stderr, also where there is no progress and no summary: "slipbench: warning: stage.yaml:14: motion.start ...".
 void print_warnings(const std::vector<Warning>& warnings);
+
+// The result of `slipbench eval` as text.
+
+// `result`: of eval::evaluate(). The figures that mislead least come first.
+std::string eval_text(const Json& result, const Style& style);
+
+// An exploration of `slipbench cost` as a person reads it on a terminal.
+
+// The sentences, a table of all settings by series with their worst errors, why some did not run, the price of each effect.
+std::string cost_text(const cost::Exploration& exploration, const Style& style, std::size_t width);
 
 }  // namespace slipbench

@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "sim/core/pad_state.h"
-#include "tools/program/samples/commanded_motion.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench {
@@ -49,5 +49,48 @@ struct SequenceOptions {
 // Throws InputError, naming the file, for what is no complete dataset of PapillArrays, on a stage or in a grasp, whose rate is a
 // multiple of 100 Hz. Reads in a child process (tools/base/dataset/guarded.h).
 TrainingData read_sequences(const std::string& dataset_path, const SequenceOptions& options);
+
+// Draws of what is learnt and judged, and how late slip is told.
+
+// Who trains and who is tested: a bootstrap within conditions.
+
+// Draws made of a dataset: number 0 is for choosing parameters, the others make the figures (paper, section IV.A).
+inline constexpr std::size_t draw_count = 6;
+
+// The condition of a sequence: the band of its commanded compression (up to 0.75, 1, 1.125 mm and above, as the paper's contexts)
+// and the octave of its commanded speed (nearest power of two in mm/s; that of a corner pillar where the turn is the faster). Equal
+// numbers are equal conditions.
+std::size_t condition_of(const CommandedMotion& motion);
+
+// How often each item trains in a draw; those that never do are its test.
+struct BootstrapDraw {
+  std::vector<std::uint32_t> times;
+
+  [[nodiscard]] bool tests(std::size_t item) const { return times[item] == 0; }
+  [[nodiscard]] std::size_t training_size() const;  // items, repeats counted
+  [[nodiscard]] std::size_t distinct() const;       // items that train at all
+};
+
+// Conditional bootstrap: of each condition as many items are drawn as it has, with replacement, by RandomStream(seed, draw,
+// "bootstrap"). `conditions`: one an item. Of n items of a condition (1 - 1/n)^n are left for the test on average: 35 % of 10.
+BootstrapDraw bootstrap(std::span<const std::size_t> conditions, std::uint64_t seed, std::size_t draw);
+
+// When slip was noticed.
+
+// Over sequences; `early`, `missed` and the like are those of Detection (tools/base/record/trial_record.h): the first frame that is called slip
+// decides.
+struct Delays {
+  std::vector<double>
+      delay;              // s, of the sequences seen: from the true onset to the first frame called slip, which is at or after it
+  std::size_t early = 0;  // of those that slip: a frame before the onset was called slip
+  std::size_t missed = 0;        // of those that slip: no frame was
+  std::size_t false_alarms = 0;  // of those that do not: a frame was
+  std::size_t slipping = 0;      // sequences that slip: delay.size() + early + missed
+  std::size_t sequences = 0;     // all
+
+  // Adds a sequence: times of its judged frames [s], ascending, and what each was called. `onset` [s]; NaN: it never slips.
+  void add(std::span<const double> time, std::span<const PadState> called, double onset);
+  void add(const Delays& other);
+};
 
 }  // namespace slipbench

@@ -15,7 +15,7 @@
 #include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/record/json.h"
-#include "tools/program/train/network/engine_check.h"
+#include "tools/program/train/network/network.h"
 
 namespace slipbench::train {
 namespace {

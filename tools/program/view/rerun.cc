@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -23,7 +24,7 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
-#include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/export/export.h"
 
 namespace slipbench {
@@ -111,6 +112,52 @@ std::optional<std::size_t> trial_in(const std::string& path, const std::optional
   return found.empty() ? std::nullopt : std::optional<std::size_t>(std::stoull(found));
 }
 
+std::string variable(const char* name) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+bool has_screen() { return !variable("DISPLAY").empty() || !variable("WAYLAND_DISPLAY").empty(); }
+
+std::vector<std::string> openers() {
+  std::vector<std::string> found;
+  std::istringstream list(variable("BROWSER"));
+  for (std::string name; std::getline(list, name, ':');) {
+    if (!name.empty()) found.push_back(name);
+  }
+  found.insert(found.end(), {"xdg-open", "open"});
+  return found;
+}
+
+// Whether it has ended well or still runs after 3 s.
+bool opened(pid_t child) {
+  using namespace std::chrono_literals;
+  for (const auto end = std::chrono::steady_clock::now() + 3s; std::chrono::steady_clock::now() < end;) {
+    int status = 0;
+    if (::waitpid(child, &status, WNOHANG) == child) return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    std::this_thread::sleep_for(20ms);
+  }
+  return true;
+}
+
+// Starts `program path` in a session of its own, without this program's streams; -1 where there is no such program.
+pid_t start(std::string program, std::string path) {
+  std::array<char*, 3> words{program.data(), path.data(), nullptr};
+  posix_spawn_file_actions_t streams;
+  posix_spawnattr_t attributes;
+  ::posix_spawn_file_actions_init(&streams);
+  ::posix_spawnattr_init(&attributes);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    ::posix_spawn_file_actions_addopen(&streams, stream, "/dev/null", O_RDWR, 0);
+  }
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+  pid_t child = -1;
+  const bool started = ::posix_spawnp(&child, program.c_str(), &streams, &attributes, words.data(), environ) == 0;
+  ::posix_spawn_file_actions_destroy(&streams);
+  ::posix_spawnattr_destroy(&attributes);
+  return started ? child : -1;
+}
+
 }  // namespace
 
 bool begins_as_rrd(std::string_view text) { return text.starts_with("RRF"); }
@@ -146,6 +193,16 @@ RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) 
   if (result.status == 0 && result.trials.empty() && options.trial)
     throw InputError(fmt::format("view: {}: there is no trial {}", path, *options.trial));
   return result;
+}
+
+std::optional<std::string> open_in_browser(const std::string& path) {
+  if (!has_screen()) return std::nullopt;
+  const std::string whole = std::filesystem::absolute(path).string();
+  for (const std::string& program : openers()) {
+    const pid_t child = start(program, whole);
+    if (child > 0 && opened(child)) return program;
+  }
+  return std::nullopt;
 }
 
 }  // namespace slipbench

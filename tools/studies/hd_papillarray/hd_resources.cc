@@ -15,7 +15,7 @@
 #include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "tools/base/project/project_file.h"
-#include "tools/program/doctor/machine.h"
+#include "tools/program/doctor/doctor.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/study_catalogue.h"
 

@@ -12,7 +12,6 @@
 
 #include "tools/base/files/output_file.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/program/train/hd_json.h"
 #include "tools/program/train/train_hd.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/hd_papillarray/hd_tables.h"

@@ -12,7 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/pad_state.h"
-#include "sim/motion/lift.h"
+#include "sim/motion/motion.h"
 #include "tools/base/project/project_file.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/studies/grid.h"

@@ -12,8 +12,8 @@
 #include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/program/eval/detector_choice.h"
 #include "tools/program/eval/evaluate.h"
+#include "tools/program/eval/replay.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/hd_papillarray/hd_tables.h"
 

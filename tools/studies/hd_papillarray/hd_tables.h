@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "tools/base/record/json.h"
-#include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
 
 namespace slipbench::reproduce {

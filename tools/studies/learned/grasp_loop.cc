@@ -9,7 +9,6 @@
 
 #include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
-#include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/train/train_hd.h"
 #include "tools/studies/grid.h"

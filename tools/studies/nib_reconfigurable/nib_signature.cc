@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "detectors/nib/features.h"
 #include "detectors/nib/slip_detectors.h"
-#include "detectors/nib/stft.h"
 #include "sim/effects/effect_catalogue.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/statistics/roc.h"

@@ -12,7 +12,7 @@
 #include "sim/core/parameters.h"
 #include "sim/scene/scene.h"
 #include "tools/base/record/trial_record.h"
-#include "tools/studies/result.h"
+#include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce {
 

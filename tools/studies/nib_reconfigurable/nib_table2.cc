@@ -1,5 +1,5 @@
 // Table II of the nib pad's paper: Algorithm 1 while the normal force falls slowly, and what decides its figures.
-#include "tools/studies/nib_reconfigurable/nib_table2.h"
+#include "tools/studies/nib_reconfigurable/nib_tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "detectors/detector_kinds.h"
 #include "detectors/nib/slip_detectors.h"
 #include "sim/core/parameters.h"
-#include "tools/base/statistics/binomial.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/nib_reconfigurable/nib_signature.h"
 

@@ -1,5 +1,5 @@
 // Table III of the nib pad's paper: a box turned up by rotational slip and released, over weights, centres of mass and surfaces.
-#include "tools/studies/nib_reconfigurable/nib_table3.h"
+#include "tools/studies/nib_reconfigurable/nib_tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,6 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/statistics/binomial.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/studies/grid.h"

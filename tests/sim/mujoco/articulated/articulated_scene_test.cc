@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/mujoco/articulated/articulated_simulation.h"
+#include "sim/mujoco/articulated/articulated_stage.h"
 #include "tests/expect.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"
 #include "tests/sim/mujoco/bodies/dynamic_scenes.h"
@@ -42,19 +42,19 @@ TEST(ArticulatedScene, StageOverAFixedBodyIsThePrescribedBench) {
   const std::unique_ptr<Sensor> sensor = make_sensor(prescribed.sensors.front(), 0, 0);
   const PadLayout* layout = &sensor->layout();
   const double rate = 1000.0;
-  ArticulatedSimulation simulation(prescribed, {&layout, 1}, {&rate, 1}, 0);
-  ASSERT_EQ(rig->ticks(0), simulation.ticks(0));
+  const auto simulation = articulated_simulation(prescribed, {&layout, 1}, {&rate, 1}, 0);
+  ASSERT_EQ(rig->ticks(0), simulation->ticks(0));
   std::size_t slipping = 0;
-  for (std::size_t tick = 0; tick < simulation.ticks(0); ++tick) {
+  for (std::size_t tick = 0; tick < simulation->ticks(0); ++tick) {
     rig->step();
-    simulation.step();
-    const ContactFrame &one = rig->contact(0), &other = simulation.contact(0);
+    simulation->step();
+    const ContactFrame &one = rig->contact(0), &other = simulation->contact(0);
     ASSERT_EQ(one.time, other.time);
     ASSERT_EQ(one.unit_state, other.unit_state) << tick;
     // The solver stops at another digit, for the tolerance is relative to the model's inertia.
     ASSERT_LT((one.force - other.force).abs().maxCoeff(), 1e-6) << tick;
     for (const UnitState state : one.unit_state) slipping += state == UnitState::slip ? 1 : 0;
-    const Pose &pad = rig.body("pad").pose, &told = simulation.bodies().front().state.pose;
+    const Pose &pad = rig.body("pad").pose, &told = simulation->bodies().front().state.pose;
     ASSERT_LT((pad.position - told.position).norm() + (pad.rotation - told.rotation).norm(), 1e-15) << tick;
   }
   EXPECT_GT(slipping, 1000U) << "the comparison has seen a slide";

@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-#include "sim/mujoco/articulated/articulated_simulation.h"
 #include "sim/mujoco/articulated/articulated_stage.h"
 #include "sim/mujoco/articulated/pillar_settings.h"
 #include "sim/scene/scene_values.h"
@@ -186,12 +185,12 @@ class ContactScene : public testing::Test {
       "slipbench: 1\nfidelity: mujoco_contact\nduration: 1 s\ntime_step: 1 ms\nfriction: {static: 0.5, kinetic: 0.5}\n"
       "motion: {kind: stage, compression: 0.8 mm, speed: 8 mm/s, start: 0.5 s}\nsensors: {pad: {type: papillarray}}\n";
 
-  static std::unique_ptr<ArticulatedSimulation> bench_of(const std::string& more) {
+  static std::unique_ptr<Simulation> bench_of(const std::string& more) {
     const Scene scene = parsed(stage + more);
     const std::unique_ptr<Sensor> sensor = make_sensor(scene.sensors.front(), 0, 0);
     const PadLayout* layout = &sensor->layout();
     const double rate = 1000.0;
-    return std::make_unique<ArticulatedSimulation>(scene, std::span{&layout, 1}, std::span{&rate, 1}, 0);
+    return articulated_simulation(scene, {&layout, 1}, {&rate, 1}, 0);
   }
 };
 

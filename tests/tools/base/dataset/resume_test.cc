@@ -10,7 +10,6 @@
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/kept_trials.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/base/files/output_file.h"
 

@@ -1,4 +1,4 @@
-#include "tools/base/page/pack.h"
+#include "tools/base/page/page.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "tools/program/benchmark/score.h"
+#include "tools/program/benchmark/protocol.h"
 
 #include <cmath>
 #include <limits>

@@ -7,8 +7,6 @@
 
 #include "tests/expect.h"
 #include "tools/program/cli/command.h"
-#include "tools/program/cli/program.h"
-#include "tools/program/commands/catalogue_commands.h"
 #include "tools/program/commands/command_table.h"
 #include "tools/program/commands/dataset_commands.h"
 #include "tools/program/commands/detectors/detector_commands.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tests/expect.h"
-#include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench::cost {

@@ -5,7 +5,6 @@
 
 #include "tests/expect.h"
 #include "tests/tools/program/doctor/path_folder.h"
-#include "tools/program/doctor/machine.h"
 
 namespace slipbench {
 namespace {

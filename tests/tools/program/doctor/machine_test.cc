@@ -1,4 +1,4 @@
-#include "tools/program/doctor/machine.h"
+#include "tools/program/doctor/doctor.h"
 
 #include <vector>
 

@@ -6,8 +6,7 @@
 #include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/program/eval/detector_choice.h"
-#include "tools/program/eval/eval_page.h"
+#include "tools/program/eval/replay.h"
 
 namespace slipbench::eval::evaluate_test {
 namespace {

@@ -15,7 +15,6 @@
 #include "tools/program/export/episode.h"
 #include "tools/program/export/export.h"
 #include "tools/program/export/formats.h"
-#include "tools/program/export/output_folder.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench::any_sensor_test {

@@ -1,4 +1,4 @@
-#include "tools/program/run/sampling.h"
+#include "tools/program/run/control_loop.h"
 
 #include <limits>
 #include <stdexcept>

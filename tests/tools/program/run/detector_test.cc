@@ -11,10 +11,10 @@
 #include "tests/scenes.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/files/sha256.h"
+#include "tools/base/files/output_file.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/sweep/run_sweep.h"
-#include "tools/program/sweep/sweep_json.h"
+#include "tools/program/sweep/warnings.h"
 
 namespace slipbench::testing {
 namespace {

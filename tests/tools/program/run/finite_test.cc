@@ -1,4 +1,4 @@
-#include "tools/program/run/finite.h"
+#include "tools/program/run/recorder.h"
 
 #include <functional>
 #include <limits>

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/motion/lift.h"
+#include "sim/motion/motion.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
 #include "tests/tools/base/record/test_records.h"

@@ -1,4 +1,4 @@
-#include "tools/program/samples/recorded_samples.h"
+#include "tools/program/samples/samples.h"
 
 #include "tests/expect.h"
 

@@ -1,5 +1,5 @@
 #include "tools/program/sweep/run_sweep.h"
-#include "tools/program/sweep/sweep_json.h"
+#include "tools/program/sweep/warnings.h"
 
 #include <atomic>
 #include <chrono>
@@ -18,7 +18,7 @@
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench::testing {

@@ -1,4 +1,4 @@
-#include "tools/program/train/draws.h"
+#include "tools/program/train/sequences.h"
 
 #include <limits>
 #include <vector>

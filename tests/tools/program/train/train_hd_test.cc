@@ -6,7 +6,6 @@
 #include "sim/core/random.h"
 #include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
-#include "tools/program/train/hd_json.h"
 
 namespace slipbench::testing::train_test {
 namespace {

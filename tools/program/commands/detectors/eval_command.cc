@@ -20,15 +20,15 @@
 #include "sim/core/process/regular_file.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/base/workers/interrupt.h"
-#include "tools/program/benchmark/board_page.h"
+#include "tools/base/workers/child_process.h"
+#include "tools/program/benchmark/benchmark.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/commands/detectors/detector_commands.h"
-#include "tools/program/eval/detector_choice.h"
-#include "tools/program/eval/eval_page.h"
+#include "tools/program/eval/evaluate.h"
+#include "tools/program/eval/replay.h"
 #include "tools/program/sweep/run_sweep.h"
-#include "tools/program/text/eval_text.h"
+#include "tools/program/text/sweep_text.h"
 
 namespace slipbench {
 namespace {

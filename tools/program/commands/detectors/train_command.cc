@@ -14,13 +14,12 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/cli/arguments.h"
-#include "tools/program/cli/progress.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/sweep/run_sweep.h"
-#include "tools/program/text/recipe_text.h"
-#include "tools/program/train/hd_json.h"
+#include "tools/program/text/describe.h"
+#include "tools/program/train/train_hd.h"
 
 namespace slipbench {
 namespace {

@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/cost/cost_page.h"
-#include "tools/program/doctor/machine.h"
-#include "tools/program/text/eval_text.h"
+#include "tools/program/doctor/doctor.h"
+#include "tools/program/text/sweep_text.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "tools/program/cost/stability_map.h"
 #endif

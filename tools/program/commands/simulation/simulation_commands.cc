@@ -15,12 +15,10 @@
 #include "sim/core/error.h"
 #include "tools/base/dataset/shard_set.h"
 #include "tools/base/record/json.h"
-#include "tools/base/workers/interrupt.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
-#include "tools/program/cli/progress.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/sweep/sweep_json.h"
 #include "tools/program/sweep/warnings.h"
 #include "tools/program/text/sweep_text.h"
 

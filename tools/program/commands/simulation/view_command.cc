@@ -13,7 +13,6 @@
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/report/report.h"
-#include "tools/program/view/browser.h"
 #include "tools/program/view/rerun.h"
 
 namespace slipbench {

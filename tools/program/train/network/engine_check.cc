@@ -1,4 +1,4 @@
-#include "tools/program/train/network/engine_check.h"
+#include "tools/program/train/network/network.h"
 
 #include <algorithm>
 #include <cmath>

@@ -21,7 +21,7 @@
 #include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/samples/myrmex_images.h"
-#include "tools/program/samples/recorded_samples.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench::train {
 namespace {

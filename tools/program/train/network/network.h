@@ -129,4 +129,30 @@ bool networks_available();
 // "libtorch 1.13.0, onnx 1.12.0": what trains and writes. Throws as make_network().
 std::string network_libraries();
 
+// The offset and scale that frames are learnt with, and seen with in the loop (network::Input).
+
+enum class Scaling {
+  standard,  // mean 0 and standard deviation 1 of every feature
+  common,    // likewise, with one mean and one deviation for all features
+  range,     // 0 to 1, the least to the greatest value of every feature
+};
+
+// A feature x becomes (x - offset) scale. One for all, or one for each feature.
+struct Scale {
+  std::vector<double> offset, scale;
+};
+
+// That of the frames of these sequences. What never changes is only shifted. Throws std::invalid_argument of no frame.
+Scale scale_of(std::span<const FrameSequence* const> sequences, std::size_t inputs, Scaling scaling);
+
+// In float32, as network::Frames does it.
+void apply(const Scale& scale, FrameSequence& sequence);
+
+// A written detector against libtorch.
+
+// Runs the ONNX file at `path` as a loop would, on the scaled frames of one sequence, and compares what it says with the logits of its members,
+// or the mean of their probabilities: 1e-5, of the greater of 1 and the value. Throws std::logic_error where it says something else, InputError as
+// network::load_engine().
+void check_engine(const std::string& path, std::span<const std::unique_ptr<Network>> members, const FrameSequence& sequence);
+
 }  // namespace slipbench::train

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "tools/program/train/network/network.h"
-#include "tools/program/train/network/scaling.h"
 
 namespace slipbench::train {
 

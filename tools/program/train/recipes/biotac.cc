@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/program/train/recipes/families.h"
+#include "tools/program/train/recipes/recipe.h"
 
 namespace slipbench::train {
 namespace {

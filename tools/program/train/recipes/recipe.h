@@ -9,7 +9,6 @@
 #include "detectors/network/description.h"
 #include "tools/program/train/network/examples.h"
 #include "tools/program/train/network/network.h"
-#include "tools/program/train/network/scaling.h"
 
 namespace slipbench::train {
 
@@ -30,12 +29,25 @@ struct Recipe {
   TrainingOptions training;
 };
 
-// All, by paper. To add one: a file in tools/program/train/recipes and its line in recipe_catalogue.cc.
+// All, by paper. To add one: a file in tools/program/train/recipes and its line in published.cc.
 const std::vector<Recipe>& recipes();
 // Throws InputError for an unknown name, with the nearest one.
 const Recipe& find_recipe(std::string_view name);
 
 // The layers in words: "GRU 32, GRU 32, linear 2".
 std::string layers_text(const Layers& layers);
+
+// The recipes of each sensor's papers, for the catalogue, and what they begin with.
+
+// A recipe that says who it is and what it eats: `channels` of a sensor at `rate` [Hz].
+Recipe begun_recipe(const std::string& name, const std::string& summary, const std::string& source, const std::string& sensor,
+                    double rate, const std::vector<network::ChannelPick>& channels);
+// `more` behind `layers`.
+void append(Layers& layers, const Layers& more);
+
+std::vector<Recipe> piezo_recipes();
+std::vector<Recipe> papillarray_recipes();
+std::vector<Recipe> myrmex_recipes();
+std::vector<Recipe> biotac_recipes();
 
 }  // namespace slipbench::train

@@ -7,7 +7,7 @@
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
-#include "tools/program/train/network/scaling.h"
+#include "tools/program/train/network/network.h"
 #include "tools/program/train/recipes/recipe.h"
 
 namespace slipbench::train::examples_test {

@@ -1,4 +1,4 @@
-#include "sim/mujoco/mjcf_check.h"
+#include "sim/mujoco/mjcf.h"
 
 #include <algorithm>
 #include <cctype>
@@ -10,6 +10,8 @@
 #include <string_view>
 #include <system_error>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
@@ -155,6 +157,23 @@ std::string placed_message(const std::string& path, std::string message) {
     }
   }
   return places.empty() ? message : message.replace(line, no_line.size(), places);
+}
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&': result += "&amp;"; break;
+      case '<': result += "&lt;"; break;
+      case '"': result += "&quot;"; break;
+      default: result += c;
+    }
+  }
+  return result;
+}
+
+std::string config_element(const std::string& key, const std::string& value) {
+  return fmt::format("<config key=\"{}\" value=\"{}\"/>", key, escaped(value));
 }
 
 }  // namespace slipbench

@@ -13,4 +13,10 @@ void check_mjcf(const std::string& path);
 // A message of MuJoCo about the file, with the places that it may mean, "FILE:LINE", instead of its line 0: of what is included it counts no lines.
 std::string placed_message(const std::string& path, std::string message);
 
+// `text` as it stands between double quotes.
+[[nodiscard]] std::string escaped(const std::string& text);
+
+// <config key="..." value="..."/>: an attribute of a plugin's instance.
+[[nodiscard]] std::string config_element(const std::string& key, const std::string& value);
+
 }  // namespace slipbench
