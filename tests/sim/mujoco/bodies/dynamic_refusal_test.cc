@@ -40,7 +40,8 @@ TEST(DynamicRefusal, NamesThatTheModelDoesNotHave) {
 TEST(DynamicRefusal, ModelsThatCannotBeRead) {
   EXPECT_THAT(answer(replaced(good, "fingers.xml", "fingres.xml")), EndsWith("fingres.xml' cannot be read"));
   EXPECT_THAT(answer(good, "<mujoco><worldbody><geom tipe='box'/></worldbody></mujoco>"),
-              AllOf(StartsWith("model: MuJoCo cannot read it: "), HasSubstr("tipe")));
+              AllOf(StartsWith("model: MuJoCo cannot read it: "), HasSubstr("tipe"), HasSubstr("Element 'geom', "),
+                    HasSubstr("fingers.xml:1")));
   EXPECT_THAT(answer(good, replaced(two_fingers(""), "type='slide'",
                                     "type='hinge' springref='1' stiffness='1' range='1 -1' limited='true'")),
               StartsWith("model: MuJoCo cannot compile it: "));
