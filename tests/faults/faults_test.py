@@ -174,7 +174,7 @@ def unfinished(name, bytes, begin):
 
 
 def chosen(calls, most):
-    """Up to `most` of the calls 1 to `calls`, evenly; 0: all, and one beyond."""
+    """Up to `most` of the calls 1 to `calls`, evenly; 0: all."""
     return range(1, calls + 1) if most == 0 or calls <= most else sorted({1 + i * (calls - 1) // max(1, most - 1) for i in range(most)})
 
 

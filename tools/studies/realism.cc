@@ -1,4 +1,4 @@
-// How near the bench is to real devices: every figure that others measured on one, ours beside it.
+// How near the bench is to real devices: figures that others measured on one, ours beside them.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -182,7 +182,7 @@ Result realism_table(const ReproduceOptions& options) {
   });
   Result result;
   result.title = "The bench beside real devices";
-  result.source = "Every published figure of a real device that a study of slipbench has one of its own for.";
+  result.source = "Published figures of real devices for which a study of slipbench has one of its own.";
   ResultChart chart{.title = "Ours over the real figure",
                     .across = "row",
                     .up = "ratio",
@@ -192,6 +192,7 @@ Result realism_table(const ReproduceOptions& options) {
                     .bar_name = "as real"};
   ResultTable table{"Real and simulated", {"row", "study", "figure", "real", "ours", "ours/real", "note"}};
   result.figures = Json::array();
+  if (asked.empty()) throw InputError("reproduce: realism: --only names what needs recordings; allowed: with --real FILE");
   for (const Source& source : asked) {
     if (options.say) options.say(source.name);
     ReproduceOptions its = options;

@@ -126,8 +126,10 @@ Examples:
   arguments.text("PAPER/TABLE", name, "What to reproduce (default: list what there is)");
   arguments.file("-o,--output FILE.html", output, "Write the page, and FILE.json beside it");
   arguments.number("--trials N", options.trials, "Trials of each row, or recordings (default: of a size that takes minutes)", 1);
-  arguments.texts("--only NAME,...", options.only,
-                  "table2: protocols, boxes, surfaces and loops to keep; grasp_loop: loops; table1, table3, table4: networks");
+  arguments.texts(
+      "--only NAME,...", options.only,
+      "table2: protocols, boxes, surfaces and loops to keep; grasp_loop: loops; scaling: sensors; realism: studies; table1, table3, "
+      "table4: networks");
   arguments.text("--memories DIR", options.memories, "table2: folder of the published classifier");
   arguments.flag("--full", options.full, "The paper's size: hours");
   arguments.text("--data FILE.h5", options.data, "Use this dataset instead of a fresh one");

@@ -16,17 +16,16 @@ namespace {
 constexpr double chart_width = 760.0, chart_height = 330.0, left = 56.0, right = 610.0, top = 14.0, foot = 286.0;
 
 std::string chart_html(const ResultChart& chart) {
-  constexpr double step = 0.05;  // between two lines of the grid
   std::vector<double> values{chart.bar};
   for (const ResultCurve& curve : chart.curves) {
     for (const ResultPoint& point : curve.points) values.insert(values.end(), {point.low, point.high});
   }
-  const page::Axis up = page::linear_axis(values, step, foot, top);
+  const page::Axis up = page::round_axis(values, 8.0, foot, top);
   const page::Axis across{.high = static_cast<double>(chart.places.size() - 1), .begin = left, .end = right};
   page::Svg svg(chart_width, chart_height);
   for (const double value : up.ticks) {
     svg.line("mesh", left, up.at(value), right, up.at(value));
-    svg.text("end", left - 8.0, up.at(value) + 4.0, fmt::format("{:.2f}", value));
+    svg.text("end", left - 8.0, up.at(value) + 4.0, fmt::format("{:.6g}", value));
   }
   const auto place = [&](std::size_t i) { return across.at(static_cast<double>(i)); };
   for (std::size_t i = 0; i < chart.places.size(); ++i) svg.text("middle", place(i), foot + 18.0, chart.places[i]);
@@ -140,7 +139,7 @@ const std::vector<Reproduction>& reproductions() {
        "slip and hold told apart by the power of one frame, against the motors' vibration, and which frames are mistaken", runs,
        &piezo_slip_against_hold},
       {"realism",
-       "every published figure of a real device beside ours, from all studies",
+       "published figures of real devices beside ours, from the studies that hold them",
        {"--real", "--trials", "--only", "--full", "--seed", "--jobs"},
        &realism_table},
   };

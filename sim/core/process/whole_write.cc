@@ -32,7 +32,11 @@ bool write_synced_file(const char* path, int flags, std::string_view bytes) {
   const int reason = errno;
   const bool closed = ::close(descriptor) == 0;
   if (!written) errno = reason;
-  return written && closed;
+  if (written && closed) return true;
+  const int why = errno;
+  ::unlink(path);
+  errno = why;
+  return false;
 }
 
 }  // namespace slipbench

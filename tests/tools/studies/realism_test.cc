@@ -25,11 +25,5 @@ TEST(Realism, HexapodIsAsNearToTheRecordingsAsItWasMade) {
   EXPECT_LE(std::sqrt(square), 0.034);
 }
 
-TEST(Realism, UnknownStudiesGetTheNearest) {
-  ReproduceOptions options;
-  options.only = {"hexapot"};
-  EXPECT_THAT(refusal_of([&] { realism_table(options); }), HasSubstr("did you mean 'hexapod'"));
-}
-
 }  // namespace
 }  // namespace slipbench::reproduce::realism_test

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
 #include "tools/studies/hd_papillarray/hd_tables.h"

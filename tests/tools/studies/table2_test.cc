@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "sim/core/pad_state.h"
+#include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/studies/hd_papillarray/hd_tables.h"

@@ -304,7 +304,7 @@ std::optional<KeptTrials::Trial> KeptTrials::read(std::size_t trial) const {
     if (!reader_) reader_.emplace(files_.front());
     Trial read{reader_->read_counts(trial), reader_->read_encoded(trial)};
     if (recomputed_digest(read.encoded) == read.encoded.digest) return read;
-  } catch (const std::runtime_error&) {  // is damage
+  } catch (const std::exception&) {  // is damage, want of memory for a size that it tells among it
   }
   return std::nullopt;
 }

@@ -87,8 +87,8 @@ void check_text_target(const std::string& path, const std::vector<std::string>& 
 void write_text_file(const std::string& path, const std::string& text) {
   const std::string temporary = temporary_path(path);
   // A link that has come since the name was checked is not followed.
-  if (write_synced_file(temporary.c_str(), O_TRUNC | O_NOFOLLOW, text) && std::rename(temporary.c_str(), path.c_str()) == 0)
-    return;
+  if (!write_synced_file(temporary.c_str(), O_TRUNC | O_NOFOLLOW, text)) refuse(path, std::strerror(errno));
+  if (std::rename(temporary.c_str(), path.c_str()) == 0) return;
   const int reason = errno;
   std::remove(temporary.c_str());
   refuse(path, std::strerror(reason));

@@ -521,7 +521,7 @@ void RunningSweep::run_trials() {
     end_if(options_.interrupt);
     if (unpublished() && !workers.ready_until(due)) writer_->publish();
     constexpr std::chrono::milliseconds a_while{100};
-    while (progress_ && trials_.size() == 1 && !workers.ready_until(std::chrono::steady_clock::now() + a_while))
+    while (progress_ && apart_.empty() && trials_.size() == 1 && !workers.ready_until(std::chrono::steady_clock::now() + a_while))
       progress_({.total = 1, .share = simulated_share()});
     std::optional<FinishedTrial> finished = workers.next();
     if (!finished) break;

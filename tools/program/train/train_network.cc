@@ -98,15 +98,11 @@ std::set<std::string> digests_of(const std::vector<const Example*>& learning, co
 }
 
 // The probabilities of slip.
-std::vector<SlipSeries> slip_series(const Answers& answers, const std::vector<const Example*>& examples,
-                                    const std::vector<network::Class>& classes) {
+std::vector<SlipSeries> slip_series(const Answers& answers, const std::vector<network::Class>& classes) {
   std::vector<SlipSeries> all;
-  for (std::size_t k = 0; k < answers.size(); ++k) {
+  for (const std::vector<Answer>& sequence : answers) {
     SlipSeries& series = all.emplace_back();
-    if (examples[k]->grasp) {
-      for (const PadState state : examples[k]->truth) series.grip.push_back(network::slips(state) ? 1 : 0);
-    }
-    for (const Answer& answer : answers[k]) {
+    for (const Answer& answer : sequence) {
       double slip = 0.0;
       for (std::size_t c = 0; c < classes.size(); ++c) slip += network::slips(classes[c].state) ? answer.probability[c] : 0.0;
       series.probability.push_back(slip);
@@ -272,6 +268,7 @@ Ensemble teach(const NetworkTraining& training, const Examples& examples, const 
   for (std::size_t member = 0; member < recipe.members; ++member) {
     TrainingOptions how = recipe.training;
     how.seed = training.seed + member;
+    how.before_step = &end_if_interrupted;
     Network& network = *ensemble.members.emplace_back(make_network(recipe.network, how.seed));
     const Checkpoint checkpoint{checkpoint_path(training.output, member), identity_of(training, examples, member),
                                 training.resume};
@@ -298,17 +295,16 @@ NetworkSummary sizes_of(const Lesson& lesson) {
   return summary;
 }
 
-void judge(NetworkSummary& summary, const NetworkTraining& training, const Lesson& lesson, const Answers& on_validation,
-           const Answers& on_judged, const std::vector<network::Class>& classes) {
+void judge(NetworkSummary& summary, const NetworkTraining& training, const Answers& on_validation, const Answers& on_judged,
+           const std::vector<network::Class>& classes) {
   const network::Input& input = training.recipe.input;
   const double period = static_cast<double>(input.stride) / input.rate;
-  const std::vector<SlipSeries> validated = slip_series(on_validation, lesson.validating, classes);
+  const std::vector<SlipSeries> validated = slip_series(on_validation, classes);
   const bool whole = training.by_score || training.alarms;
   summary.point = whole ? best_point(validated, period, training.alarms) : most_accurate_point(validated, period);
   summary.validation = accuracy_of(on_validation, classes.size());
   summary.held_out_accuracy = accuracy_of(on_judged, classes.size());
-  summary.held_out =
-      counts_at(slip_series(on_judged, lesson.judging, classes), period, summary.point.threshold, summary.point.alarm);
+  summary.held_out = counts_at(slip_series(on_judged, classes), period, summary.point.threshold, summary.point.alarm);
   summary.held_out_alarms = summary.held_out.alarms_per_minute(period);
 }
 
@@ -364,7 +360,7 @@ NetworkSummary train_network(const NetworkTraining& asked, const std::function<v
   NetworkSummary summary = sizes_of(lesson);
   summary.parameters = parameter_count(recipe.network);
   summary.steps = ensemble.steps.back();
-  judge(summary, training, lesson, answers_of(ensemble.members, validated), answers_of(ensemble.members, judged), classes);
+  judge(summary, training, answers_of(ensemble.members, validated), answers_of(ensemble.members, judged), classes);
   summary.description = trained_json(training, lesson, ensemble.steps, summary).dump();
 
   network::Description description = described(recipe, scale, classes);

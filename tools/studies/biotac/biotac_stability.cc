@@ -271,9 +271,9 @@ Result biotac_table2(const ReproduceOptions& options) {
       const Json& from = result.figures["three_way"][name];
       result.real.push_back({fmt::format("grasps held or lost, {}, real to real, %", name), published,
                              100.0 * from["real"]["accuracy"].get<double>(), "other objects than the paper's judge"});
-      result.real.push_back({fmt::format("the same, AUC: real to real beside synthetic to real, {}", name),
+      result.real.push_back({fmt::format("the same, AUC, {}: learnt here from real, from synthetic grasps", name),
                              from["real"]["auc"].get<double>(), from["synthetic_to_real"]["auc"].get<double>(),
-                             "both judged here"});
+                             "not published: real recordings judged here"});
     }
     three.note = "Synthetic alone is one network, judged on all real grasps.";
     result.tables.push_back(std::move(three));

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/scene/parser.h"
+#include "tests/expect.h"
 #include "tools/base/project/project_file.h"
 #include "tools/program/benchmark/benchmark.h"
 #include "tools/program/benchmark/entrants.h"

@@ -314,7 +314,6 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
   example.object = facts.object;
   example.speed = facts.speed;
   example.mass = facts.mass;
-  example.grasp = record.outcome.grasp.has_value();
   example.turn = static_cast<std::uint8_t>(turn);
   if (turn != 0) check_turnable(sensor);
   RecordedSamples samples(sensor);

@@ -53,7 +53,6 @@ struct Example {
   std::string object;    // what was swept of shapes, sizes, surface, friction, effects and stiffness; empty: nothing
   double speed = std::numeric_limits<double>::quiet_NaN();  // m/s, motion.speed as it was swept; NaN: was not
   double mass = std::numeric_limits<double>::quiet_NaN();   // kg, of box.mass or bodies.*.mass likewise
-  bool grasp = false;                                       // a gripper holds and lifts
   bool touches = false;                                     // something touches at some time; else only motors run
   double onset = std::numeric_limits<
       double>::quiet_NaN();     // s, true first slip of a whole unit (strict), of a part of one (all others); NaN: none

@@ -36,12 +36,8 @@ double AlarmCounts::alarms_per_minute(double period) const {
 }
 
 double AlarmCounts::score(double period) const {
-  const double rate = alarms_per_minute(period), hold = static_cast<double>(hold_called_slip + hold_called_hold);
-  const double open =
-      credit / static_cast<double>(slips) * std::min(1.0, alarm_limit / rate) - static_cast<double>(hold_called_slip) / hold;
-  if (lost == 0) return open;
-  const double loops = caught / static_cast<double>(lost) - (held > 0 ? needless / static_cast<double>(held) : 0.0);
-  return 0.5 * (open + loops);
+  const double rate = alarms_per_minute(period), held = static_cast<double>(hold_called_slip + hold_called_hold);
+  return credit / static_cast<double>(slips) * std::min(1.0, alarm_limit / rate) - static_cast<double>(hold_called_slip) / held;
 }
 
 AlarmCounts counts_at(std::span<const SlipSeries> series, double period, double threshold, const network::Alarm& alarm) {
@@ -51,22 +47,14 @@ AlarmCounts counts_at(std::span<const SlipSeries> series, double period, double 
     counts.slips += onset < one.truth.size() ? 1 : 0;
     network::AlarmGate gate(alarm);
     bool before = false, ever = false;
-    Counts grip;
     for (std::size_t t = 0; t < one.truth.size(); ++t) {
       const bool said = gate.push(one.probability[t] >= threshold), begins = !std::exchange(before, said) && said;
-      if (!one.grip.empty()) grip.add(one.grip[t] == 1, said);
       if (one.truth[t] == masked) continue;
       counts.add(one.truth[t] == 1, said);
       counts.false_alarms += begins && one.truth[t] == 0 ? 1U : 0U;
       if (said && !std::exchange(ever, true) && t >= onset)
         counts.credit += half_delay / (half_delay + static_cast<double>(t - onset) * period);
     }
-    if (one.grip.empty()) continue;
-    const double cost = std::min(1.0, static_cast<double>(grip.hold_called_slip) * period / tightening_limit);
-    const double slipped = static_cast<double>(grip.slip_called_slip + grip.slip_called_hold);
-    ++(slipped > 0.0 ? counts.lost : counts.held);
-    (slipped > 0.0 ? counts.caught : counts.needless) +=
-        slipped > 0.0 ? static_cast<double>(grip.slip_called_slip) / slipped * (1.0 - cost) : cost;
   }
   return counts;
 }

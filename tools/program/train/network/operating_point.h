@@ -16,14 +16,11 @@ namespace slipbench::train {
 struct SlipSeries {
   std::vector<double> probability;  // [T] of slip
   std::vector<std::uint8_t> truth;  // [T] 1: slip, 0: hold, `masked`: neither
-  // [T] the same of a grasp, whose grip tightens while slip is said, so that nothing is masked; empty: no grasp
-  std::vector<std::uint8_t> grip = {};
 };
 
 // Of the score of slip-1 (tools/program/benchmark/README.md).
-inline constexpr double half_delay = 0.1;        // s, a slip seen so late earns half
-inline constexpr double alarm_limit = 1.0;       // false alarms a minute up to which credit counts in full
-inline constexpr double tightening_limit = 0.4;  // s of tightening that nothing asks for, after which a grasp earns nothing
+inline constexpr double half_delay = 0.1;   // s, a slip seen so late earns half
+inline constexpr double alarm_limit = 1.0;  // false alarms a minute up to which credit counts in full
 
 // Frames that are not masked, by what is true and what is said; an alarm is false where slip begins to be said in a frame of hold.
 struct AlarmCounts : Counts {
@@ -32,15 +29,10 @@ struct AlarmCounts : Counts {
   std::size_t slips = 0;  // series with a frame of slip
   double credit = 0.0;  // sum over them of half_delay/(half_delay + delay), 0 where slip is said before its first frame or never
 
-  // Of grasps that slip, and the sum over them of the share of slip that is said, less what tightening beyond it costs; of grasps that hold, and
-  // the sum of that cost. Cost: time of hold called slip, over tightening_limit, at most 1.
-  std::size_t lost = 0, held = 0;
-  double caught = 0.0, needless = 0.0;
-
   // Of frames `period` [s] apart; NaN without hold.
   [[nodiscard]] double alarms_per_minute(double period) const;
-  // What a board would give for open recordings: credit a slip, times min(1, alarm_limit/alarms), less the share of hold called slip. Where there
-  // are grasps that slip, the mean of that and of what loops would give: caught a grasp, less needless a grasp. NaN without slip or hold.
+  // What a board would give for open recordings: credit a slip, times min(1, alarm_limit/alarms), less the share of hold called slip. NaN without
+  // slip or hold.
   [[nodiscard]] double score(double period) const;
 };
 AlarmCounts counts_at(std::span<const SlipSeries> series, double period, double threshold, const network::Alarm& alarm);

@@ -14,7 +14,6 @@
 #include <torch/torch.h>
 
 #include "sim/core/error.h"
-#include "sim/core/process/interrupted.h"
 #include "sim/core/random.h"
 #include "tools/program/train/network/torch_library.h"
 
@@ -307,7 +306,7 @@ class TorchNetwork final : public Network {
       keep(run);
     }
     while (!run.ended && run.result.losses.size() < options.steps) {
-      end_if_interrupted();  // what the last validation has saved stays
+      if (options.before_step) options.before_step();
       const std::size_t step = run.result.losses.size();
       set_rate(*optimiser, options.learning_rate * (1.0 - (1.0 - options.final_rate) * static_cast<double>(step) /
                                                               static_cast<double>(options.steps)));

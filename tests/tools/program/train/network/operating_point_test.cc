@@ -66,19 +66,6 @@ TEST(OperatingPoint, OfTheGreatestScoreWeighsDelayAgainstAlarms) {
   EXPECT_LT(counts_at(std::vector{slip}, period, 0.8, {}).score(period), 0.0);
 }
 
-// A grasp whose slip is said at once, and .2 s longer than it lasts, keeps 1 - .2/.4 of it, though a stage's labels mask those frames. In one that
-// holds a frame of .1 s is said: .1/.4. Open: that is an alarm in 5 s of hold, 12 a minute, and 1 of 50 frames.
-TEST(OperatingPoint, OfGraspsTighteningCosts) {
-  SlipSeries slip{std::vector<double>(40, 0.1), std::vector<std::uint8_t>(40, 0), std::vector<std::uint8_t>(40, 0)};
-  SlipSeries hold{std::vector<double>(30, 0.1), std::vector<std::uint8_t>(30, 0), std::vector<std::uint8_t>(30, 0)};
-  for (std::size_t t = 20; t < 32; ++t) slip.probability[t] = 0.9;
-  for (std::size_t t = 20; t < 30; ++t) slip.truth[t] = slip.grip[t] = 1;
-  for (std::size_t t = 30; t < 40; ++t) slip.truth[t] = masked;
-  hold.probability[7] = 0.9;
-  const std::vector<SlipSeries> grasps{slip, hold};
-  EXPECT_DOUBLE_EQ(counts_at(grasps, period, 0.5, {}).score(period), 0.5 * (1.0 / 12.0 - 1.0 / 50.0 + 0.5 - 0.25));
-}
-
 // Hold .1 .3, slip .2 .7: at .5 half of slip and all of hold are right; at .15 all of slip, half of hold; the one nearer to 1/2 is kept.
 TEST(OperatingPoint, MostAccurateIsTheMiddleNearestToAHalf) {
   const std::vector<SlipSeries> series{{{0.1, 0.2, 0.3, 0.7}, {0, 1, 0, 1}}};
