@@ -19,7 +19,7 @@ namespace {
 
 using slipbench::testing::bytes_of;
 
-constexpr TrainingOptions quick{.steps = 200, .batch = 8, .clip = 32, .learning_rate = 3e-3};
+const TrainingOptions quick{.steps = 200, .batch = 8, .clip = 32, .learning_rate = 3e-3};
 
 NetworkShape mlp(std::size_t inputs, std::size_t units, std::size_t layers) {
   NetworkShape shape{inputs, {}};
