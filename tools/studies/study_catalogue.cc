@@ -20,7 +20,8 @@ std::string chart_html(const ResultChart& chart) {
   for (const ResultCurve& curve : chart.curves) {
     for (const ResultPoint& point : curve.points) values.insert(values.end(), {point.low, point.high});
   }
-  const page::Axis up = page::round_axis(values, 8.0, foot, top);
+  const auto [least, most] = std::ranges::minmax(values);
+  const page::Axis up = page::linear_axis(values, std::max(0.05, page::round_step(most - least, 8.0)), foot, top);
   const page::Axis across{.high = static_cast<double>(chart.places.size() - 1), .begin = left, .end = right};
   page::Svg svg(chart_width, chart_height);
   for (const double value : up.ticks) {

@@ -43,7 +43,9 @@ std::string file_digest(const std::string& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return file_sha256(path);
   std::vector<std::string> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
+  const fs::directory_iterator entries(path, error);
+  if (error) throw InputError(fmt::format("{}: cannot be read: {}", path, error.message()));
+  for (const fs::directory_entry& entry : entries) {
     if (entry.is_regular_file(error)) files.push_back(entry.path().string());
   }
   std::ranges::sort(files);

@@ -1,8 +1,12 @@
 // The only file with libtorch's headers.
+#include <fcntl.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -10,10 +14,12 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <fmt/format.h>
 #include <openssl/evp.h>
 #include <torch/torch.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/whole_write.h"
 #include "sim/core/random.h"
 #include "tools/program/train/network/torch_library.h"
 
@@ -460,11 +466,9 @@ class TorchNetwork final : public Network {
     std::ostringstream stream;
     archive.save_to(stream);
     const std::string bytes = std::move(stream).str(), partial = checkpoint.path + ".partial";
-    std::ofstream file(partial, std::ios::binary);
-    file << digest_of(bytes) << bytes;
-    file.close();
-    if (!file) throw InputError(partial + ": cannot be written");
-    std::filesystem::rename(partial, checkpoint.path);
+    if (!write_synced_file(partial.c_str(), O_TRUNC, digest_of(bytes) + bytes) ||
+        std::rename(partial.c_str(), checkpoint.path.c_str()) != 0)
+      throw InputError(fmt::format("{}: cannot be written: {}", partial, std::strerror(errno)));
   }
 
   void load(const Checkpoint& checkpoint, torch::optim::Optimizer& optimiser, Run& run) {
