@@ -40,7 +40,7 @@ CompilerMemory::CompilerMemory() {
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
   static std::mutex mutex;
   alone_ = std::unique_lock(mutex);
-  // As many as lift.yaml takes three times over; of a size that comes from the heap from which the compiler's own come.
+  // 16 MB: with so many lift.yaml has ended in order under each of 24 limits from 90 to 200 MB. Of a size that comes from the heap from which the compiler's own come.
   constexpr std::size_t blocks = 256, bytes = 1 << 16;
   std::vector<std::unique_ptr<char[]>> taken;
   for (std::size_t i = 0; i < blocks; ++i) taken.push_back(std::make_unique_for_overwrite<char[]>(bytes));

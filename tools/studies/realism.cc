@@ -180,6 +180,7 @@ Result realism_table(const ReproduceOptions& options) {
     if (left) left_out.push_back(source.name);
     return left;
   });
+  if (asked.empty()) throw InputError("reproduce: realism: --only names what needs recordings; allowed: with --real FILE");
   Result result;
   result.title = "The bench beside real devices";
   result.source = "Published figures of real devices for which a study of slipbench has one of its own.";
@@ -192,7 +193,6 @@ Result realism_table(const ReproduceOptions& options) {
                     .bar_name = "as real"};
   ResultTable table{"Real and simulated", {"row", "study", "figure", "real", "ours", "ours/real", "note"}};
   result.figures = Json::array();
-  if (asked.empty()) throw InputError("reproduce: realism: --only names what needs recordings; allowed: with --real FILE");
   for (const Source& source : asked) {
     if (options.say) options.say(source.name);
     ReproduceOptions its = options;
@@ -216,9 +216,8 @@ Result realism_table(const ReproduceOptions& options) {
   }
   if (chart.places.size() > 1) result.charts.push_back(std::move(chart));
   result.tables.push_back(std::move(table));
-  result.setup = {fmt::format(
-      "Seed {}, of hexapod.yaml its own. Each study with its usual size; `slipbench reproduce STUDY` says how it is made.",
-      options.seed.value_or(1))};
+  result.setup = {options.seed ? fmt::format("Seed {}.", *options.seed) : "Seed 1, of hexapod.yaml its own.",
+                  "Each study with its usual size; `slipbench reproduce STUDY` says how it is made."};
   if (!left_out.empty())
     result.remarks.push_back(fmt::format(
         "Left out: {}. --full runs those that teach for a quarter of an hour, --real FILE those that need recordings.",

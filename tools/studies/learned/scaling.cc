@@ -15,7 +15,7 @@ namespace scaling {
 namespace {
 
 constexpr std::size_t usual_trials = 1000;  // of the networks that lack a factor
-constexpr std::size_t quick_part = 4;       // without --full a network takes this part of its recipe's steps
+constexpr std::size_t quick_part = 4;       // without --full a network takes a quarter of its recipe's steps
 
 // What a scene draws, held at one value: the middle of its range.
 struct Factor {
@@ -229,7 +229,7 @@ Result learned_scaling(const ReproduceOptions& options) {
   result.source = "No paper's table: networks taught from parts of scenes/learn, judged by the open recordings of slip-2.";
   for (const Subject& subject : asked) add_subject(subject, tasks, found, result);
   result.setup = {fmt::format("Seed {} of trials and of training; the operating point by --score.", options.seed.value_or(1)),
-                  options.full ? "As many steps as the recipe has." : fmt::format("A {}th of the recipe's steps.", quick_part),
+                  options.full ? "As many steps as the recipe has." : "A quarter of the recipe's steps.",
                   "Intervals are of the judged recordings, not of another training."};
   result.remarks = {"No grasp is learnt from here, so nothing is said of loops."};
   return result;
