@@ -151,7 +151,8 @@ struct Frames::State {
 
   // Sample n of the latest `count`, the oldest first.
   [[nodiscard]] double recent(std::size_t n, std::size_t count, std::size_t value) const {
-    return double{window[(next + rows - count + n) % rows * places.size() + value]};
+    const std::size_t row = next + rows - count + n;
+    return double{window[(row < rows ? row : row - rows) * places.size() + value]};
   }
 
   struct Trend {

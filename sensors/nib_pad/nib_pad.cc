@@ -1,9 +1,7 @@
 #include "sensors/nib_pad/nib_pad.h"
 
-#include <algorithm>
 #include <array>
 #include <cassert>
-#include <cmath>
 #include <utility>
 
 #include "sensors/electronics/pad_sensor.h"

@@ -4,8 +4,6 @@
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
-#include <memory>
-#include <mutex>
 #include <new>
 #include <string_view>
 #include <utility>

@@ -8,8 +8,6 @@
 #include <stdexcept>
 #include <variant>
 
-#include "sim/scene/yaml_tree.h"
-
 namespace slipbench {
 namespace {
 

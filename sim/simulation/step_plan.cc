@@ -1,8 +1,5 @@
 #include "sim/simulation/step_plan.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "sim/core/error.h"

@@ -16,7 +16,6 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/whole_write.h"
-#include "tools/base/files/output_file.h"
 
 namespace slipbench::reproduce {
 namespace {

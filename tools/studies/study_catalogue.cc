@@ -101,7 +101,7 @@ const std::vector<Reproduction>& reproductions() {
        {"--data", "--trials", "--only", "--seed", "--jobs"},
        &learned_grasp_loop},
       {"learned/scaling",
-       "how many trials to learn from, and what has to be varied in them: score, delay and alarms on slip-2",
+       "how many trials to learn from, and with --full what has to be varied in them: score, delay and alarms on slip-2",
        {"--trials", "--only", "--full", "--seed", "--jobs", "--resume"},
        &learned_scaling},
       {"myrmex-tactile-cnn/onset_label",

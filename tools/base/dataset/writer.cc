@@ -18,7 +18,6 @@
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/shard.h"
-#include "tools/base/files/output_file.h"
 
 namespace slipbench {
 namespace {

@@ -8,8 +8,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tools/base/statistics/descriptive.h"
-
 namespace slipbench {
 namespace {
 

@@ -1,6 +1,5 @@
 #include "tools/base/workers/isolated_worker.h"
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -11,7 +10,6 @@
 #include <new>
 #include <stdexcept>
 #include <system_error>
-#include <utility>
 
 #include <poll.h>
 #include <sys/mman.h>
@@ -23,10 +21,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/plugin_library.h"
-#include "tools/base/workers/child_process.h"
 
 namespace slipbench {
 namespace {

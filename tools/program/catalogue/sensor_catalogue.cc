@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "sim/core/error.h"
-#include "sim/core/sensor_kind.h"
 #include "sim/simulation/stage_simulation.h"
 #include "tools/program/catalogue/registry.h"
 

@@ -3,7 +3,6 @@
 #include <memory>
 #include <utility>
 
-#include "tools/program/cli/command.h"
 #include "tools/program/commands/dataset_commands.h"
 #include "tools/program/commands/detectors/detector_commands.h"
 #include "tools/program/commands/simulation/simulation_commands.h"

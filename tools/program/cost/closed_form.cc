@@ -7,7 +7,6 @@
 
 #include "sim/simulation/stage_setup.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/cost/errors.h"
 
 namespace slipbench {
 namespace {

@@ -1,7 +1,5 @@
 #include "tools/program/cost/errors.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <string>

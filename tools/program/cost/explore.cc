@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/quantity.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/cost/closed_form.h"

@@ -130,17 +130,14 @@ struct SetUp {
   std::vector<double> dampings;  // s
 };
 
-const std::vector<SetUp>& set_ups() {
-  static const std::vector<SetUp> all{
-      {"two pads hold a box", [](const Parameters& p) { return held(p, p.damping); }, {"Euler", "RK4"}, {0.0, 1e-4, 1e-3}},
-      {"two pads hold a box, one of them undamped",
-       [](const Parameters& p) { return held(p, 0.0); },
-       {"implicitfast", "RK4"},
-       {1e-4, 1e-3}},
-      {"one pad under a box", carried, {"implicitfast", "RK4"}, {0.0, 1e-4, 1e-3}},
-      {"a finger on a damped guide, a box, a pad", pressed, {"Euler", "implicit", "discrete", "RK4"}, {0.0, 1e-3}}};
-  return all;
-}
+const std::vector<SetUp> set_ups{
+    {"two pads hold a box", [](const Parameters& p) { return held(p, p.damping); }, {"Euler", "RK4"}, {0.0, 1e-4, 1e-3}},
+    {"two pads hold a box, one of them undamped",
+     [](const Parameters& p) { return held(p, 0.0); },
+     {"implicitfast", "RK4"},
+     {1e-4, 1e-3}},
+    {"one pad under a box", carried, {"implicitfast", "RK4"}, {0.0, 1e-4, 1e-3}},
+    {"a finger on a damped guide, a box, a pad", pressed, {"Euler", "implicit", "discrete", "RK4"}, {0.0, 1e-3}}};
 
 StabilityCombination measure(const SetUp& set_up, const Parameters& parameters, double scale) {
   const Probed probed = set_up.build(parameters);
@@ -203,7 +200,7 @@ StabilityMap measure_stability(const StabilityOptions& options) {
   [[maybe_unused]] static const bool registered = (register_bench_plugin({pad_catalogues(), &make_sensor}), true);
   StabilityMap map;
   std::size_t number = 0;
-  for (const SetUp& set_up : set_ups()) {
+  for (const SetUp& set_up : set_ups) {
     for (const std::string& integrator : set_up.integrators) {
       for (const double mass : {0.005, 0.05, 0.5, 5.0}) {
         for (const double scale : {0.1, 1.0, 10.0, 100.0}) {

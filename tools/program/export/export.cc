@@ -24,7 +24,6 @@
 #include "tools/base/record/json.h"
 #include "tools/program/export/formats.h"
 #include "tools/program/samples/myrmex_images.h"
-#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {

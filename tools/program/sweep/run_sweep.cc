@@ -4,7 +4,6 @@
 #include <cctype>
 #include <chrono>
 #include <cmath>
-#include <iterator>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -20,7 +19,6 @@
 #include "sim/core/error.h"
 #include "sim/core/wrong_run.h"
 #include "sim/scene/section_readers.h"
-#include "tools/base/dataset/writer.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"

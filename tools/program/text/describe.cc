@@ -15,7 +15,6 @@
 #include "sim/scene/scene_values.h"
 #include "tools/base/statistics/confusion.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/program/train/train_hd.h"
 
 namespace slipbench {
 namespace {

@@ -18,9 +18,7 @@
 #include "sim/core/detector.h"
 #include "sim/core/sensor.h"
 #include "tools/base/statistics/confusion.h"
-#include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/cli/terminal.h"
 
 namespace slipbench {
 namespace {

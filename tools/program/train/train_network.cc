@@ -208,7 +208,7 @@ struct Lesson {
 Lesson read_lesson(const NetworkTraining& training) {
   const Recipe& recipe = training.recipe;
   const ExampleOptions options{recipe.input,  recipe.labels,  recipe.classes, training.sensor,
-                               recipe.turned, recipe.at_most, training.seed};
+                               recipe.turned, recipe.at_most, training.seed,  training.read};
   Lesson lesson{read_examples(training.datasets, options), {}, {}, {}};
   try {
     const std::vector<Part> of = split_examples(lesson.examples.all, recipe.split, training.held_out, training.seed);

@@ -26,6 +26,7 @@ struct NetworkTraining {
   std::optional<double> alarms;  // false ones a minute of hold that are borne (best_point); empty: most_accurate_point
   std::string output;            // detector.onnx
   bool resume = false;
+  ReadingProgress read = {};  // of each dataset
 };
 
 struct NetworkSummary {

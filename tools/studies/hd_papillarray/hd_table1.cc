@@ -359,7 +359,7 @@ Result hd_table1(const ReproduceOptions& options) {
   for (std::size_t i = 0; i < published.size(); ++i) {
     result.real.push_back({fmt::format("{} learnt on recordings, frames that are right, %", model_name(ablation({})[i])),
                            published[i].accuracy, 100.0 * over_draws(by_sequence[i], accuracy_of).mean,
-                           "ours has learnt from simulation"});
+                           "ours has learnt from hexapod.yaml, which is fitted"});
   }
   result.figures["by_sequence"] = draws_of_models(by_sequence);
   result.figures["by_frame"] = draws_of_models(by_frame);

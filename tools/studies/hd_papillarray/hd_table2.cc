@@ -128,17 +128,11 @@ using Grasps = std::vector<GraspFigures>;
 
 constexpr const char* published_memories = "tests/detectors/hd/data/published";
 
-const std::vector<GraspChoice>& protocols() {
-  static const std::vector<GraspChoice> all{{"as_recorded", "as_recorded (4 N, 43 mm/s)", {{"grip.protocol", "as_recorded"}}},
-                                            {"as_printed", "as_printed (1 N, 5 mm/s)", {{"grip.protocol", "as_printed"}}}};
-  return all;
-}
+const std::vector<GraspChoice> protocols{{"as_recorded", "as_recorded (4 N, 43 mm/s)", {{"grip.protocol", "as_recorded"}}},
+                                         {"as_printed", "as_printed (1 N, 5 mm/s)", {{"grip.protocol", "as_printed"}}}};
 
-const std::vector<GraspChoice>& boxes() {
-  static const std::vector<GraspChoice> all{{"light", "light box (0.2 kg)", {{"box.mass", "0.2 kg"}}},
-                                            {"heavy", "heavy box (0.5 kg)", {{"box.mass", "0.5 kg"}}}};
-  return all;
-}
+const std::vector<GraspChoice> boxes{{"light", "light box (0.2 kg)", {{"box.mass", "0.2 kg"}}},
+                                     {"heavy", "heavy box (0.5 kg)", {{"box.mass", "0.5 kg"}}}};
 
 // `memories`: folder of the published ones.
 std::vector<GraspChoice> loops(const std::string& memories) {
@@ -191,17 +185,14 @@ GraspFigures grasp_figures(const Scene& lift, const TrialRecord& record) {
   return figures;
 }
 
-const std::vector<GraspChoice>& grasp_surfaces() {
-  static const std::vector<GraspChoice> all{
-      {"ptfe", "ptfe", {{"surface.material", "ptfe"}}},
-      {"rubber", "rubber", {{"surface.material", "rubber"}}},
-      {"felt",
-       "felt",
-       {{"surface.material", "felt"},
-        {"effects", "[{anisotropic_friction: {ratio: 0.6}}, {patchy_friction: {sd: 0.2, shortest: 8 mm, longest: 20 mm}}]"}}},
-      {"ptfe_0.2", "ptfe, mu 0.2", {{"surface.material", "ptfe"}, {"friction.static", "0.2"}, {"friction.kinetic", "0.19"}}}};
-  return all;
-}
+const std::vector<GraspChoice> grasp_surfaces{
+    {"ptfe", "ptfe", {{"surface.material", "ptfe"}}},
+    {"rubber", "rubber", {{"surface.material", "rubber"}}},
+    {"felt",
+     "felt",
+     {{"surface.material", "felt"},
+      {"effects", "[{anisotropic_friction: {ratio: 0.6}}, {patchy_friction: {sd: 0.2, shortest: 8 mm, longest: 20 mm}}]"}}},
+    {"ptfe_0.2", "ptfe, mu 0.2", {{"surface.material", "ptfe"}, {"friction.static", "0.2"}, {"friction.kinetic", "0.19"}}}};
 
 GridCell GraspCell::grid(std::size_t draws) const {
   GridCell cell{.name = fmt::format("{}, {}, {}, {}", protocol.name, box.name, surface.name, loop.name),
@@ -219,14 +210,14 @@ std::vector<GraspCell> grasp_cells(const ReproduceOptions& options) {
   const std::string memories = !options.memories.empty() ? options.memories : found ? found->substr(0, found->rfind('/')) : "";
   const std::vector<GraspChoice> all_loops = loops(memories);
   std::vector<std::string> names;
-  for (const std::vector<GraspChoice>& axis : {protocols(), boxes(), grasp_surfaces(), all_loops}) {
+  for (const std::vector<GraspChoice>& axis : {protocols, boxes, grasp_surfaces, all_loops}) {
     std::ranges::copy(names_of(axis), std::back_inserter(names));
   }
   check_only(options.only, names);
   std::vector<GraspCell> cells;
-  for (const GraspChoice& protocol : chosen(protocols(), options.only)) {
-    for (const GraspChoice& box : chosen(boxes(), options.only)) {
-      for (const GraspChoice& surface : chosen(grasp_surfaces(), options.only)) {
+  for (const GraspChoice& protocol : chosen(protocols, options.only)) {
+    for (const GraspChoice& box : chosen(boxes, options.only)) {
+      for (const GraspChoice& surface : chosen(grasp_surfaces, options.only)) {
         for (const GraspChoice& loop : chosen(all_loops, options.only)) {
           cells.push_back({protocol, box, surface, loop, loop.name != "gst_hd_published" || !memories.empty()});
         }
@@ -262,17 +253,14 @@ struct PublishedGrasp {
   MeanSd spin;
   std::optional<MeanSd> ratio;
 };
-const std::vector<PublishedGrasp>& published_grasps() {
-  static const std::vector<PublishedGrasp> all{
-      {"ptfe", "light", 2.54, {3.56, 2.65}, 0.68, {1.36, 2.18}, MeanSd{1.48, 0.29}},
-      {"rubber", "light", 0.25, {1.34, 3.35}, 0.44, {0.51, 0.22}, MeanSd{1.36, 0.36}},
-      {"felt", "light", 0.27, {0.44, 0.41}, 0.28, {0.64, 0.68}, MeanSd{1.25, 0.27}},
-      {"ptfe", "heavy", 9.09, {8.71, 1.96}, 1.30, {2.33, 2.29}, std::nullopt},
-      {"rubber", "heavy", 1.00, {2.21, 2.48}, 0.39, {0.66, 0.56}, std::nullopt},
-      {"felt", "heavy", 1.36, {1.37, 0.65}, 0.33, {0.35, 0.09}, std::nullopt},
-  };
-  return all;
-}
+const std::vector<PublishedGrasp> published_grasps{
+    {"ptfe", "light", 2.54, {3.56, 2.65}, 0.68, {1.36, 2.18}, MeanSd{1.48, 0.29}},
+    {"rubber", "light", 0.25, {1.34, 3.35}, 0.44, {0.51, 0.22}, MeanSd{1.36, 0.36}},
+    {"felt", "light", 0.27, {0.44, 0.41}, 0.28, {0.64, 0.68}, MeanSd{1.25, 0.27}},
+    {"ptfe", "heavy", 9.09, {8.71, 1.96}, 1.30, {2.33, 2.29}, std::nullopt},
+    {"rubber", "heavy", 1.00, {2.21, 2.48}, 0.39, {0.66, 0.56}, std::nullopt},
+    {"felt", "heavy", 1.36, {1.37, 0.65}, 0.33, {0.35, 0.09}, std::nullopt},
+};
 
 std::size_t drops(const Grasps& trials) {
   return static_cast<std::size_t>(std::ranges::count_if(trials, &GraspFigures::dropped));
@@ -311,7 +299,7 @@ void add_rows(ResultTable& table, std::span<const GraspCell> cells, std::span<co
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const GraspCell& cell = cells[i];
     if (i == 0 || cells[i - 1].surface.name != cell.surface.name) {
-      for (const PublishedGrasp& row : published_grasps()) {
+      for (const PublishedGrasp& row : published_grasps) {
         if (row.surface == cell.surface.name && row.box == cell.box.name) published_row(row);
       }
     }
@@ -431,7 +419,7 @@ std::vector<std::string> setup_lines(std::size_t trials, std::uint64_t seed) {
       "Assumed, felt: anisotropic_friction 0.6 with its grain level, so that the box hangs by the lesser friction; patches 0.2, 8 mm to 20 mm. Assumed, hard case: mu_s 0.2, mu_k 0.19. Assumed, lift: settle 1.5 s.",
   };
   for (const Material& material : catalogues.materials) {
-    if (std::ranges::find(grasp_surfaces(), material.name, &GraspChoice::name) == grasp_surfaces().end()) continue;
+    if (std::ranges::find(grasp_surfaces, material.name, &GraspChoice::name) == grasp_surfaces.end()) continue;
     lines.push_back(
         fmt::format("{}: mu_s {}, mu_k {}, {}.", material.name, material.mu_static, material.mu_kinetic, material.source));
   }
@@ -519,7 +507,7 @@ Result hd_table2(const ReproduceOptions& options) {
            cells[last].box.name == cells[first].box.name) {
       const GraspCell& cell = cells[last];
       result.figures["cells"].push_back(cell_json(cell, results[last], seed));
-      for (const PublishedGrasp& row : published_grasps()) {
+      for (const PublishedGrasp& row : published_grasps) {
         if (cell.protocol.name != "as_recorded" || cell.loop.name != "oracle" || row.surface != cell.surface.name ||
             row.box != cell.box.name)
           continue;

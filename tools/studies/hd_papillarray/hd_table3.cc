@@ -30,14 +30,11 @@ struct GruRow {
   train::LabelRule labels{};
   std::string recipe = "papillarray_gru";
 };
-const std::vector<GruRow>& gru_rows() {
-  static const std::vector<GruRow> rows{{"gru_micro", 1, train::LabelRule::micro},
-                                        {"gru_micro_640", many_draws, train::LabelRule::micro},
-                                        {"gru_latched", 1, train::LabelRule::latched},
-                                        {"gru_latched_640", many_draws, train::LabelRule::latched},
-                                        {"gru5_latched", 1, train::LabelRule::latched, "papillarray_gru5"}};
-  return rows;
-}
+const std::vector<GruRow> gru_rows{{"gru_micro", 1, train::LabelRule::micro},
+                                   {"gru_micro_640", many_draws, train::LabelRule::micro},
+                                   {"gru_latched", 1, train::LabelRule::latched},
+                                   {"gru_latched_640", many_draws, train::LabelRule::latched},
+                                   {"gru5_latched", 1, train::LabelRule::latched, "papillarray_gru5"}};
 
 struct GruOutcome {
   GruFigures figures;
@@ -169,7 +166,7 @@ GruFigures gru_figures(const Json& result) {
 }
 
 Result hd_table3(const ReproduceOptions& options) {
-  const std::vector<GruRow> rows = rows_asked_for(gru_rows(), options);
+  const std::vector<GruRow> rows = rows_asked_for(gru_rows, options);
   static_cast<void>(train::network_libraries());  // says what is missing before anything is run
   const InterruptGuard guard("ending after the step at hand");
   const ScratchFolder folder;

@@ -14,7 +14,7 @@ namespace slipbench::reproduce {
 namespace scaling {
 namespace {
 
-constexpr std::size_t usual_trials = 1000;  // of the networks that lack a factor
+constexpr std::size_t usual_trials = 1000;  // of the networks that lack a factor, which --full adds
 constexpr std::size_t quick_part = 4;       // without --full a network takes a quarter of its recipe's steps
 
 // What a scene draws, held at one value: the middle of its range.
@@ -151,11 +151,12 @@ std::vector<Task> tasks_of(const std::vector<Subject>& chosen_subjects, const Re
   std::vector<std::size_t> counts{100, 300, usual_trials, 3000};
   if (options.full) counts.insert(counts.end(), {10'000, 30'000});
   if (options.trials != 0) counts = {options.trials};
+  const std::size_t of_factors = options.trials != 0 ? options.trials : usual_trials;
   std::vector<Task> tasks;
   for (const Subject& subject : chosen_subjects) {
     for (const std::size_t count : counts) tasks.push_back({&subject, nullptr, count});
-    for (const Factor& factor : subject.factors)
-      tasks.push_back({&subject, &factor, options.trials != 0 ? options.trials : usual_trials});
+    if (!options.full) continue;
+    for (const Factor& factor : subject.factors) tasks.push_back({&subject, &factor, of_factors});
   }
   return tasks;
 }
@@ -209,7 +210,7 @@ void add_subject(const Subject& subject, const std::vector<Task>& tasks, const s
       fmt::format("Some {} trials each; what is named stands at one value of its range in all of them.", tasks.back().trials);
   if (chart.places.size() > 1) result.charts.push_back(std::move(chart));
   result.tables.push_back(std::move(counts));
-  result.tables.push_back(std::move(factors));
+  if (!factors.rows.empty()) result.tables.push_back(std::move(factors));
 }
 
 }  // namespace
@@ -225,12 +226,15 @@ Result learned_scaling(const ReproduceOptions& options) {
       [&](std::size_t k) { return std::vector<Judged>{taught_and_judged(tasks[k], options)}; });
 
   Result result;
-  result.title = "What a slip detector learns from how many trials, and from which variety";
+  result.title = "What a slip detector learns from how many trials";
   result.source = "No paper's table: networks taught from parts of scenes/learn, judged by the open recordings of slip-2.";
   for (const Subject& subject : asked) add_subject(subject, tasks, found, result);
-  result.setup = {fmt::format("Seed {} of trials and of training; the operating point by --score.", options.seed.value_or(1)),
-                  options.full ? "As many steps as the recipe has." : "A quarter of the recipe's steps.",
-                  "Intervals are of the judged recordings, not of another training."};
+  result.setup = {
+      fmt::format("Seed {} of trials and of training; the operating point by --score.", options.seed.value_or(1)),
+      options.full
+          ? "As many steps as the recipe has."
+          : "A quarter of the recipe's steps; --full: all of them, more trials, and one factor of the scene held at a time.",
+      "Intervals are of the judged recordings, not of another training."};
   result.remarks = {"No grasp is learnt from here, so nothing is said of loops."};
   return result;
 }

@@ -61,16 +61,13 @@ struct NamedEnd {
   std::string text;
   std::optional<ContactGate> gate;  // empty: by the truth
 };
-const std::array<NamedEnd, 4>& ends() {
-  static const std::array<NamedEnd, 4> all{
-      NamedEnd{"public", "a taxel, 205 counts", ContactGate{false, 0.0, 0.05 * myrmex::full_scale}},
-      NamedEnd{"taxel_3", fmt::format("a taxel, 3 sd of noise, {:.0f} counts", 3.0 * taxel_noise_sd),
-               ContactGate{false, 0.0, 3.0 * taxel_noise_sd}},
-      NamedEnd{"sum_5", fmt::format("an array's sum, mean of 20 ms, 5 sd above its rest, {:.0f} counts", sum_end().counts),
-               sum_end()},
-      NamedEnd{"truth", "the truth", {}}};
-  return all;
-}
+const std::array<NamedEnd, 4> ends{
+    NamedEnd{"public", "a taxel, 205 counts", ContactGate{false, 0.0, 0.05 * myrmex::full_scale}},
+    NamedEnd{"taxel_3", fmt::format("a taxel, 3 sd of noise, {:.0f} counts", 3.0 * taxel_noise_sd),
+             ContactGate{false, 0.0, 3.0 * taxel_noise_sd}},
+    NamedEnd{"sum_5", fmt::format("an array's sum, mean of 20 ms, 5 sd above its rest, {:.0f} counts", sum_end().counts),
+             sum_end()},
+    NamedEnd{"truth", "the truth", {}}};
 constexpr std::size_t end_count = 4;
 
 struct OnsetTrial {
@@ -100,7 +97,7 @@ OnsetTrial onset_trial(const Scene& scene, const TrialRecord& record) {
   }
   const auto held = static_cast<std::size_t>(std::ranges::lower_bound(top.time, bench_apart) - top.time.begin());
   for (std::size_t e = 0; e < end_count; ++e) {
-    const std::optional<ContactGate>& gate = ends()[e].gate;
+    const std::optional<ContactGate>& gate = ends[e].gate;
     trial.end[e] = gate ? contact_end(left, right, *gate) : trial.truth.end;
     for (std::size_t r = 0; r < rules.size(); ++r) {
       const double least = rules[r].noisy ? 0.0 : force_fall * force[held];
@@ -163,9 +160,9 @@ ResultTable kept_table(const std::vector<OnsetTrial>& trials, Json& figures) {
     }
     if (late.empty()) continue;
     std::vector<std::string> row{
-        ends()[e].text, fmt::format("{:+.0f} ({:+.0f} to {:+.0f})", median(late), quantile(late, 0.25), quantile(late, 0.75)),
+        ends[e].text, fmt::format("{:+.0f} ({:+.0f} to {:+.0f})", median(late), quantile(late, 0.25), quantile(late, 0.75)),
         fmt::format("{} of {}", slips, late.size())};
-    Json json{{"end", ends()[e].name}, {"less_true_end_ms", late}, {"true_onset", slips}};
+    Json json{{"end", ends[e].name}, {"less_true_end_ms", late}, {"true_onset", slips}};
     for (std::size_t r = 0; r < rules.size(); ++r) {
       row.push_back(std::to_string(kept[r]));
       json[rules[r].name] = kept[r];
@@ -178,7 +175,7 @@ ResultTable kept_table(const std::vector<OnsetTrial>& trials, Json& figures) {
 
 ResultTable bias_table(const std::vector<OnsetTrial>& trials, const std::vector<std::string>& objects, std::size_t end,
                        Json& figures) {
-  ResultTable table{fmt::format("Labelled less true onset, ms: median (quartiles; worst). End by {}", ends()[end].text),
+  ResultTable table{fmt::format("Labelled less true onset, ms: median (quartiles; worst). End by {}", ends[end].text),
                     {"kind", "object", "trials"},
                     {},
                     "A label is late where its bias is positive. Missed: the sum is not below the threshold at the end."};
@@ -188,7 +185,7 @@ ResultTable bias_table(const std::vector<OnsetTrial>& trials, const std::vector<
     if (count == 0) return;
     const std::vector<Bias> found = biases(trials, end, chosen);
     std::vector<std::string> row{kind, object, std::to_string(count)};
-    Json json{{"end", ends()[end].name}, {"kind", kind}, {"object", object}};
+    Json json{{"end", ends[end].name}, {"kind", kind}, {"object", object}};
     for (std::size_t r = 0; r < rules.size(); ++r) {
       row.push_back(bias_text(found[r]));
       json[rules[r].name] = bias_json(found[r]);

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "detectors/nib/features.h"
 #include "detectors/nib/slip_detectors.h"
 #include "sim/effects/effect_catalogue.h"
 #include "tools/base/statistics/descriptive.h"
@@ -125,28 +124,23 @@ struct Question {
   Score score;
   Chosen positive, negative;
 };
-const std::vector<Question>& questions() {
-  static const std::vector<Question> all{
-      {"rotational against linear by FR/FL", "0.97", [](const KindRun& run) { return run.fr / run.fl; }, is_rotational,
-       is_linear},
-      {"linear against rotational by FL/FR", "0.97", [](const KindRun& run) { return run.fl / run.fr; }, is_linear,
-       is_rotational},
-      {"rotational against linear by curl", "0.97", score_curl, is_rotational, is_linear},
-      {"rotational against linear by curl FR/FL", "0.97", [](const KindRun& run) { return run.curl * run.fr / run.fl; },
-       is_rotational, is_linear},
-      {"slip against none by FL + FR", "0.93", [](const KindRun& run) { return run.fl + run.fr; }, is_slip, is_none},
-      {"slip against none by the larger of FL and FR", "0.93", [](const KindRun& run) { return std::max(run.fl, run.fr); },
-       is_slip, is_none},
-      {"linear slip against none by FL", "0.93", score_fl, is_linear, is_none},
-      {"rotational slip against none by FR", "0.93", score_fr, is_rotational, is_none},
-  };
-  return all;
-}
+const std::vector<Question> questions{
+    {"rotational against linear by FR/FL", "0.97", [](const KindRun& run) { return run.fr / run.fl; }, is_rotational, is_linear},
+    {"linear against rotational by FL/FR", "0.97", [](const KindRun& run) { return run.fl / run.fr; }, is_linear, is_rotational},
+    {"rotational against linear by curl", "0.97", score_curl, is_rotational, is_linear},
+    {"rotational against linear by curl FR/FL", "0.97", [](const KindRun& run) { return run.curl * run.fr / run.fl; },
+     is_rotational, is_linear},
+    {"slip against none by FL + FR", "0.93", [](const KindRun& run) { return run.fl + run.fr; }, is_slip, is_none},
+    {"slip against none by the larger of FL and FR", "0.93", [](const KindRun& run) { return std::max(run.fl, run.fr); }, is_slip,
+     is_none},
+    {"linear slip against none by FL", "0.93", score_fl, is_linear, is_none},
+    {"rotational slip against none by FR", "0.93", score_fr, is_rotational, is_none},
+};
 
 ResultTable auc_table(const std::vector<KindRun>& runs, Json& figures) {
   ResultTable table{"Told apart", {"question", "bar", "AUC", "95 %", "n"}, {}, "Exact, by ranks; intervals after DeLong."};
   figures["auc"] = Json::array();
-  for (const Question& question : questions()) {
+  for (const Question& question : questions) {
     const std::vector<double> positive = scores(runs, question.score, question.positive);
     const std::vector<double> negative = scores(runs, question.score, question.negative);
     if (positive.empty() || negative.empty()) {

@@ -85,50 +85,44 @@ PadWrench error_of(const CalibrationCase& one, const LoadRecordings& recordings,
 }
 
 // The scenes as they are first.
-const std::vector<CalibrationVariant>& calibration_variants() {
-  static const std::vector<CalibrationVariant> all{
-      {"as it is"},
-      {"linear capacitor", {{"sensors.pad.capacitor", "linear"}}},
-      {"no noise", {{"sensors.pad.electronics", "ideal"}}},
-      {"nibs of one height", {{"sensors.pad.height_sd", "0 mm"}}},
-      {"all read at one instant", {{"sensors.pad.scan", "simultaneous"}}},
-      {"k_tangential 0.4 N/mm", {{"sensors.pad.k_tangential", "0.4 N/mm"}}},
-      {"reference not averaged", {}, false},
-      {"nibs that lean (P-delta)", {{"effects", "[lean]"}}},
-      {"as it is, images 0.3 s apart", {}, true, 10},
-      {"linear capacitor, images 0.3 s apart", {{"sensors.pad.capacitor", "linear"}}, true, 10},
-      {"nibs that lean (P-delta), images 0.3 s apart", {{"effects", "[lean]"}}, true, 10}};
-  return all;
-}
+const std::vector<CalibrationVariant> calibration_variants{
+    {"as it is"},
+    {"linear capacitor", {{"sensors.pad.capacitor", "linear"}}},
+    {"no noise", {{"sensors.pad.electronics", "ideal"}}},
+    {"nibs of one height", {{"sensors.pad.height_sd", "0 mm"}}},
+    {"all read at one instant", {{"sensors.pad.scan", "simultaneous"}}},
+    {"k_tangential 0.4 N/mm", {{"sensors.pad.k_tangential", "0.4 N/mm"}}},
+    {"reference not averaged", {}, false},
+    {"nibs that lean (P-delta)", {{"effects", "[lean]"}}},
+    {"as it is, images 0.3 s apart", {}, true, 10},
+    {"linear capacitor, images 0.3 s apart", {{"sensors.pad.capacitor", "linear"}}, true, 10},
+    {"nibs that lean (P-delta), images 0.3 s apart", {{"effects", "[lean]"}}, true, 10}};
 
 // The recordings of each variant. Throws InputError and Interrupted as run_grid does.
 std::vector<LoadRecordings> record_loads(const ReproduceOptions& options) {
   std::vector<GridCell> cells;
-  for (const CalibrationVariant& variant : calibration_variants()) {
+  for (const CalibrationVariant& variant : calibration_variants) {
     for (const char* scene : calibration_scenes) {
       cells.push_back({variant.name, scene, variant.overrides, {}, variant.apart * own_draws(scene)});
     }
   }
   const auto found = run_grid<CalibrationRecording>(cells, options, [](const GridTrial& trial) {
     return record_calibration(trial.scene, trial.number,
-                              static_cast<Eigen::Index>(calibration_variants()[trial.cell / load_count].apart));
+                              static_cast<Eigen::Index>(calibration_variants[trial.cell / load_count].apart));
   });
-  std::vector<LoadRecordings> all(calibration_variants().size());
+  std::vector<LoadRecordings> all(calibration_variants.size());
   for (std::size_t k = 0; k < cells.size(); ++k) {
     CalibrationRecording& recording = all[k / load_count][k % load_count];
     recording = joined(found[k]);
-    if (!calibration_variants()[k / load_count].averaged_reference) recording.averaged = recording.wrench;
+    if (!calibration_variants[k / load_count].averaged_reference) recording.averaged = recording.wrench;
   }
   return all;
 }
 
-const std::array<CalibrationCase, 4>& calibration_cases() {
-  static const std::array<CalibrationCase, 4> cases{{{"uniform", {plate}},
-                                                     {"uniform + end face", {plate, end_face}},
-                                                     {"uniform + lying", {plate, lying}},
-                                                     {"uniform + both", {plate, end_face, lying}}}};
-  return cases;
-}
+const std::array<CalibrationCase, 4> calibration_cases{{{"uniform", {plate}},
+                                                        {"uniform + end face", {plate, end_face}},
+                                                        {"uniform + lying", {plate, lying}},
+                                                        {"uniform + both", {plate, end_face, lying}}}};
 
 // The RMS error of each fit on its test rows. Throws Interrupted.
 std::vector<PadWrench> fit_errors(const std::vector<CalibrationFit>& fits, const std::vector<LoadRecordings>& recordings,
@@ -142,7 +136,7 @@ std::vector<PadWrench> fit_errors(const std::vector<CalibrationFit>& fits, const
 
 LoadTransfer transfer_of(const LoadRecordings& recordings, std::uint64_t seed) {
   RandomStream stream(seed, 0, "nib_table1.split");
-  const CalibrationSplit split = split_of(calibration_cases()[0], recordings, SplitKind::random, stream);
+  const CalibrationSplit split = split_of(calibration_cases[0], recordings, SplitKind::random, stream);
   const QuadraticFit fit(recordings[plate].si, recordings[plate].averaged, split.fit, split.choose);
   LoadTransfer transfer;
   for (std::size_t load = 0; load < load_count; ++load) {
@@ -188,7 +182,7 @@ struct MainSplit {
 };
 std::vector<MainSplit> main_splits() {
   std::size_t apart = 0;
-  while (calibration_variants()[apart].apart == 1) ++apart;
+  while (calibration_variants[apart].apart == 1) ++apart;
   return {{"random split", 0, SplitKind::random},
           {"chronological split", 0, SplitKind::chronological},
           {"images 0.3 s apart", apart, SplitKind::random}};
@@ -200,7 +194,7 @@ ResultTable main_table(const std::vector<LoadRecordings>& recordings, const Repr
                     {row_of("paper: uniform", published_uniform), row_of("paper: uniform + partial", published_partial)}};
   for (const auto& [how, variant, kind] : main_splits()) {
     std::vector<CalibrationFit> fits;
-    for (const CalibrationCase& one : calibration_cases()) fits.push_back({variant, &one, kind});
+    for (const CalibrationCase& one : calibration_cases) fits.push_back({variant, &one, kind});
     const std::vector<PadWrench> errors = fit_errors(fits, recordings, options);
     for (std::size_t k = 0; k < fits.size(); ++k) {
       table.rows.push_back(row_of(fmt::format("{}, {}", fits[k].loads->name, how), printed(errors[k])));
@@ -252,18 +246,18 @@ ResultTable causes_table(const std::vector<LoadRecordings>& recordings, const Re
                     {"", "Fz: uniform", "+ end face", "+ lying", "Mx: uniform", "+ end face", "+ lying", "My: uniform",
                      "+ end face", "+ lying"}};
   std::vector<CalibrationFit> fits;
-  for (std::size_t variant = 0; variant < calibration_variants().size(); ++variant) {
-    for (std::size_t one = 0; one < columns; ++one) fits.push_back({variant, &calibration_cases().at(one), SplitKind::random});
+  for (std::size_t variant = 0; variant < calibration_variants.size(); ++variant) {
+    for (std::size_t one = 0; one < columns; ++one) fits.push_back({variant, &calibration_cases.at(one), SplitKind::random});
   }
   const std::vector<PadWrench> errors = fit_errors(fits, recordings, options);
-  for (std::size_t variant = 0; variant < calibration_variants().size(); ++variant) {
+  for (std::size_t variant = 0; variant < calibration_variants.size(); ++variant) {
     const auto own = std::span(errors).subspan(columns * variant, columns);
-    std::vector<std::string>& row = table.rows.emplace_back(1, calibration_variants()[variant].name);
+    std::vector<std::string>& row = table.rows.emplace_back(1, calibration_variants[variant].name);
     for (const std::size_t component : {2U, 3U, 4U}) {
       for (const PadWrench& error : own) row.push_back(fmt::format("{:.{}f}", printed(error)[component], component < 3 ? 2 : 1));
     }
     for (std::size_t one = 0; one < columns; ++one) {
-      figures[calibration_variants()[variant].name][calibration_cases().at(one).name] = json_of(printed(own[one]));
+      figures[calibration_variants[variant].name][calibration_cases.at(one).name] = json_of(printed(own[one]));
     }
   }
   return table;
@@ -279,10 +273,11 @@ Result nib_table1(const ReproduceOptions& options) {
   result.source =
       "Table I and section IV-A of \"Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation\", IEEE RA-L 2020";
   result.tables.push_back(main_table(recordings, options, result.figures["rms"]));
-  const Json& uniform = result.figures["rms"][main_splits().front().how][calibration_cases().front().name];
+  const Json& uniform = result.figures["rms"][main_splits().front().how][calibration_cases.front().name];
   for (std::size_t c = 0; c < published_uniform.size(); ++c) {
     result.real.push_back({fmt::format("calibrated {}, rms error, {}", component_names[c], c < 3 ? "N" : "N mm"),
-                           published_uniform[c], uniform.at(component_names[c]).get<double>(), "electronics assumed"});
+                           published_uniform[c], uniform.at(component_names[c]).get<double>(),
+                           "electronics assumed; random split of one recording"});
   }
   result.tables.push_back(transfer_table(recordings.front(), seed, result.figures["of_uniform"]));
   result.tables.push_back(ranges_table(recordings.front(), result.figures["loads"]));

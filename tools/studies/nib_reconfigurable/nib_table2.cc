@@ -51,30 +51,27 @@ struct DetectorReading {
   std::vector<std::pair<const char*, Parameters::Value>> changes;
 };
 // The scene's own first.
-const std::vector<DetectorReading>& detector_readings() {
-  static const std::vector<DetectorReading> all{
-      {"as_is", "threshold 25, patience 0.5 s, F_S/F_N of counts as equations 1, 2 and 4 have it", {}},
-      {"threshold_15", "threshold 15", {{"threshold", 15.0}}},
-      {"threshold_20", "threshold 20", {{"threshold", 20.0}}},
-      {"threshold_40", "threshold 40", {{"threshold", 40.0}}},
-      {"threshold_80", "threshold 80", {{"threshold", 80.0}}},
-      {"patience_0.25", "patience 0.25 s", {{"patience", 0.25}}},
-      {"patience_1", "patience 1 s", {{"patience", 1.0}}},
-      {"alpha_0", "alpha 0", {{"weight", 0.0}}},
-      {"alpha_5_m_5", "M 5, alpha 5", {{"counter_max", 5.0}, {"weight", 5.0}}},
-      {"forces", "F_S/F_N of newtons", {{"ratio", std::string("forces")}}},
-  };
-  return all;
-}
+const std::vector<DetectorReading> detector_readings{
+    {"as_is", "threshold 25, patience 0.5 s, F_S/F_N of counts as equations 1, 2 and 4 have it", {}},
+    {"threshold_15", "threshold 15", {{"threshold", 15.0}}},
+    {"threshold_20", "threshold 20", {{"threshold", 20.0}}},
+    {"threshold_40", "threshold 40", {{"threshold", 40.0}}},
+    {"threshold_80", "threshold 80", {{"threshold", 80.0}}},
+    {"patience_0.25", "patience 0.25 s", {{"patience", 0.25}}},
+    {"patience_1", "patience 1 s", {{"patience", 1.0}}},
+    {"alpha_0", "alpha 0", {{"weight", 0.0}}},
+    {"alpha_5_m_5", "M 5, alpha 5", {{"counter_max", 5.0}, {"weight", 5.0}}},
+    {"forces", "F_S/F_N of newtons", {{"ratio", std::string("forces")}}},
+};
 
 // All trials under one law.
 struct LawRuns {
-  std::vector<std::vector<ReleaseRun>> by_reading;   // in the order of detector_readings()
+  std::vector<std::vector<ReleaseRun>> by_reading;   // in the order of detector_readings
   std::vector<std::optional<Signature>> signatures;  // of each trial
 };
 
 struct ReleaseTrial {
-  std::vector<ReleaseRun> runs;  // in the order of detector_readings()
+  std::vector<ReleaseRun> runs;  // in the order of detector_readings
   std::optional<Signature> signature;
 };
 
@@ -88,7 +85,7 @@ ReleaseTrial trial_of(const Scene& scene, const TrialRecord& record) {
   const NibTrace trace(record);
   const std::size_t begun = trace.at(scene.detector->parameters.number("start"));
   ReleaseTrial trial{{}, signature_of(scene, trace)};
-  for (const DetectorReading& reading : detector_readings()) {
+  for (const DetectorReading& reading : detector_readings) {
     ReleaseRun run;
     run.material = scene.material;
     run.required = scene.controls.front().points.back().value / scene.friction.static_coefficient;
@@ -112,7 +109,7 @@ std::vector<LawRuns> run_releases(std::size_t draws, const ReproduceOptions& opt
   for (const std::vector<ReleaseTrial>& trials :
        run_grid<ReleaseTrial>(cells, options, [](const GridTrial& trial) { return trial_of(trial.scene, trial.record()); })) {
     LawRuns& law = laws.emplace_back();
-    law.by_reading.resize(detector_readings().size());
+    law.by_reading.resize(detector_readings.size());
     for (const ReleaseTrial& trial : trials) {
       for (std::size_t k = 0; k < trial.runs.size(); ++k) law.by_reading[k].push_back(trial.runs[k]);
       law.signatures.push_back(trial.signature);
@@ -236,7 +233,7 @@ Result nib_table2(const ReproduceOptions& options) {
                            100.0 * static_cast<double>(summary.safe) / static_cast<double>(summary.runs), ""});
   }
   for (std::size_t k = 0; k < by_reading.size(); ++k) {
-    const DetectorReading& reading = detector_readings()[k];
+    const DetectorReading& reading = detector_readings[k];
     readings.rows.push_back(surfaces_row(reading.text, by_reading[k]));
     result.figures["readings"][reading.name] = summary_json(summary_of(by_reading[k], ""));
   }

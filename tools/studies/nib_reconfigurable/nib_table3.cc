@@ -241,7 +241,7 @@ Result nib_table3(const ReproduceOptions& options) {
     };
     result.real.push_back({fmt::format("boxes turned up and released, {}, %", cells[i].name),
                            share(*cells[i].published, published_runs), share(summary.standing, summary.runs),
-                           "thresholds assumed"});
+                           "thresholds assumed, with these runs in view"});
   }
   result.tables.push_back(std::move(table));
   result.tables.push_back(std::move(ends));

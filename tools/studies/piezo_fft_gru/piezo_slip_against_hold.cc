@@ -86,19 +86,16 @@ std::optional<Auc> separation(const Loudness& slip, const Loudness& hold) {
 }
 
 // The paper's spectrum first, then the others by FrameSpectrum, then other labels.
-const std::vector<FrameReading>& frame_readings() {
-  static const std::vector<FrameReading> all{
-      {"paper", "as the paper: mean off, no taper named; true label"},
-      {"detrended", "straight line of each frame off", FrameSpectrum::detrended},
-      {"hann", "Hann's taper", FrameSpectrum::hann},
-      {"one_label", "mean off; frames of one label only", FrameSpectrum::plain, false, true},
-      {"hann_one_label", "Hann's taper; frames of one label only", FrameSpectrum::hann, false, true},
-      {"position", "as the paper, label by the 100 Hz position", FrameSpectrum::plain, true},
-      {"detrended_position", "straight line off, label by the 100 Hz position", FrameSpectrum::detrended, true},
-      {"hann_position", "Hann's taper, label by the 100 Hz position", FrameSpectrum::hann, true},
-  };
-  return all;
-}
+const std::vector<FrameReading> frame_readings{
+    {"paper", "as the paper: mean off, no taper named; true label"},
+    {"detrended", "straight line of each frame off", FrameSpectrum::detrended},
+    {"hann", "Hann's taper", FrameSpectrum::hann},
+    {"one_label", "mean off; frames of one label only", FrameSpectrum::plain, false, true},
+    {"hann_one_label", "Hann's taper; frames of one label only", FrameSpectrum::hann, false, true},
+    {"position", "as the paper, label by the 100 Hz position", FrameSpectrum::plain, true},
+    {"detrended_position", "straight line off, label by the 100 Hz position", FrameSpectrum::detrended, true},
+    {"hann_position", "Hann's taper, label by the 100 Hz position", FrameSpectrum::hann, true},
+};
 
 Separations separations(const SkinRecordings& recordings, const FrameReading& reading) {
   const auto hold = [&](const SkinFrame& frame) { return !reading.slips(frame); };
@@ -110,32 +107,26 @@ Separations separations(const SkinRecordings& recordings, const FrameReading& re
           against([&](const auto&, const SkinFrame& frame) { return hold(frame) && !frame.contact; })};
 }
 
-const std::vector<FrameCause>& hold_causes() {
-  static const std::vector<FrameCause> causes{
-      {"stick_between_slips", "a part slipped within the frame, at its end all sticks",
-       [](const auto&, const SkinFrame& frame) { return frame.slipped; }},
-      {"press", "the tip is pressed on", [](const auto&, const SkinFrame& frame) { return frame.pressed; }},
-      {"shear", "the bench moves, shear is built up before the slip",
-       [](const auto&, const SkinFrame& frame) { return frame.slid; }},
-      {"settling", "at rest for less than 159 ms, the amplifier settles",
-       [](const auto&, const SkinFrame& frame) { return frame.still < settling_time; }},
-      {"rest", "at rest for longer", [](const auto&, const SkinFrame&) { return true; }},
-  };
-  return causes;
-}
+const std::vector<FrameCause> hold_causes{
+    {"stick_between_slips", "a part slipped within the frame, at its end all sticks",
+     [](const auto&, const SkinFrame& frame) { return frame.slipped; }},
+    {"press", "the tip is pressed on", [](const auto&, const SkinFrame& frame) { return frame.pressed; }},
+    {"shear", "the bench moves, shear is built up before the slip",
+     [](const auto&, const SkinFrame& frame) { return frame.slid; }},
+    {"settling", "at rest for less than 159 ms, the amplifier settles",
+     [](const auto&, const SkinFrame& frame) { return frame.still < settling_time; }},
+    {"rest", "at rest for longer", [](const auto&, const SkinFrame&) { return true; }},
+};
 
-const std::vector<FrameCause>& slip_causes() {
-  static const std::vector<FrameCause> causes{
-      {"starts_or_stops", "the bench speeds up, brakes or stands (below 0.9 of its speed)",
-       [](const auto&, const SkinFrame& frame) { return !frame.at_speed; }},
-      {"slow_and_light", "slower than 10 mm/s and below 4 N",
-       [](const SkinRecording& of, const SkinFrame&) { return of.speed < slow_slide && of.force < light_press; }},
-      {"slow", "slower than 10 mm/s", [](const SkinRecording& of, const SkinFrame&) { return of.speed < slow_slide; }},
-      {"light", "below 4 N", [](const SkinRecording& of, const SkinFrame&) { return of.force < light_press; }},
-      {"other", "faster and heavier", [](const SkinRecording&, const SkinFrame&) { return true; }},
-  };
-  return causes;
-}
+const std::vector<FrameCause> slip_causes{
+    {"starts_or_stops", "the bench speeds up, brakes or stands (below 0.9 of its speed)",
+     [](const auto&, const SkinFrame& frame) { return !frame.at_speed; }},
+    {"slow_and_light", "slower than 10 mm/s and below 4 N",
+     [](const SkinRecording& of, const SkinFrame&) { return of.speed < slow_slide && of.force < light_press; }},
+    {"slow", "slower than 10 mm/s", [](const SkinRecording& of, const SkinFrame&) { return of.speed < slow_slide; }},
+    {"light", "below 4 N", [](const SkinRecording& of, const SkinFrame&) { return of.force < light_press; }},
+    {"other", "faster and heavier", [](const SkinRecording&, const SkinFrame&) { return true; }},
+};
 
 // Of each cause, in their order; `of_slip`: causes of slip, else of hold.
 std::vector<CauseFigures> figures_of(const SkinRecordings& recordings, const std::vector<FrameCause>& causes, bool of_slip) {
@@ -145,7 +136,7 @@ std::vector<CauseFigures> figures_of(const SkinRecordings& recordings, const std
   };
   std::vector<CauseFigures> figures(causes.size());
   for (std::size_t k = 0; k < frame_spectra; ++k) {
-    const FrameReading& reading = frame_readings()[k];
+    const FrameReading& reading = frame_readings[k];
     const Loudness other =
         loudness_of(recordings, reading, [&](const auto&, const SkinFrame& frame) { return is(!of_slip, frame); });
     const auto area = [&](const Loudness& own) { return of_slip ? separation(own, other) : separation(other, own); };
@@ -172,29 +163,23 @@ std::vector<CauseFigures> figures_of(const SkinRecordings& recordings, const std
 constexpr std::size_t default_bench_recordings = 120;  // of each level
 constexpr double wanted_area = 0.95;                   // the bar on the area without motors
 
-const std::vector<double>& vibration_levels() {
-  static const std::vector<double> levels{0.0, 0.5, 1.0, 2.0, 4.0, 8.0};
-  return levels;
-}
+const std::vector<double> vibration_levels{0.0, 0.5, 1.0, 2.0, 4.0, 8.0};
 
 // A bench that differs in one thing, without motors.
 struct OtherBench {
   std::string name, text;
   std::function<void(Scene&)> change;
 };
-const std::vector<OtherBench>& other_benches() {
-  static const std::vector<OtherBench> all{
-      {"deaf_direction", "slides along 135 deg, whose shear makes no charge",
-       [](Scene& scene) { scene.motion.parameters.set("direction", 0.75 * std::numbers::pi); }},
-      {"fast_press", "pressed on at 2 mm/s instead of 0.7",
-       [](Scene& scene) {
-         if (scene.motion.parameters.number("clearance") == 0.0) scene.motion.parameters.set("approach_speed", 2e-3);
-       }},
-  };
-  return all;
-}
+const std::vector<OtherBench> other_benches{
+    {"deaf_direction", "slides along 135 deg, whose shear makes no charge",
+     [](Scene& scene) { scene.motion.parameters.set("direction", 0.75 * std::numbers::pi); }},
+    {"fast_press", "pressed on at 2 mm/s instead of 0.7",
+     [](Scene& scene) {
+       if (scene.motion.parameters.number("clearance") == 0.0) scene.motion.parameters.set("approach_speed", 2e-3);
+     }},
+};
 
-// All recordings at each level of vibration_levels(), then those of each of other_benches().
+// All recordings at each level of vibration_levels, then those of each of other_benches.
 std::vector<SkinRecordings> run_benches(std::size_t recordings, const ReproduceOptions& options) {
   const auto cell = [&](const std::string& name, double level, const std::function<void(Scene&)>& change) {
     const auto changed = [level, change](Scene& scene) {
@@ -204,8 +189,8 @@ std::vector<SkinRecordings> run_benches(std::size_t recordings, const ReproduceO
     return GridCell{name, piezo_bench_scene, {}, changed, recordings / 2};
   };
   std::vector<GridCell> cells;
-  for (const double level : vibration_levels()) cells.push_back(cell(fmt::format("motor level {}", level), level, {}));
-  for (const OtherBench& bench : other_benches()) cells.push_back(cell(bench.text, 0.0, bench.change));
+  for (const double level : vibration_levels) cells.push_back(cell(fmt::format("motor level {}", level), level, {}));
+  for (const OtherBench& bench : other_benches) cells.push_back(cell(bench.text, 0.0, bench.change));
   return run_grid<SkinRecording>(cells, options,
                                  [](const GridTrial& trial) { return skin_recording(trial.scene, trial.record()); });
 }
@@ -262,8 +247,8 @@ ResultTable cause_table(const SkinRecordings& recordings, const std::vector<Fram
       const std::optional<Auc>& area = cause.area.at(k);
       row.push_back(area_cell(area));
       row.push_back(fmt::format("{:.0f} %", 100.0 * cause.share_of_missing.at(k)));
-      entry[frame_readings()[k].name] = {{"auc", area ? Json(area->value) : Json(nullptr)},
-                                         {"share_of_missing", cause.share_of_missing.at(k)}};
+      entry[frame_readings[k].name] = {{"auc", area ? Json(area->value) : Json(nullptr)},
+                                       {"share_of_missing", cause.share_of_missing.at(k)}};
     }
   }
   return table;
@@ -276,7 +261,7 @@ std::string area_text(const Json& area) { return area.is_null() ? "-" : fmt::for
 std::vector<std::string> remarks_on(const Json& figures) {
   const auto along = [&](const char* against) {
     std::vector<std::string> areas;
-    for (const double level : vibration_levels()) {
+    for (const double level : vibration_levels) {
       const Json& found = figures.at("curve").at("paper").at(fmt::format("{}", level)).at(against);
       areas.push_back(found.is_null() ? "-" : area_text(found.at("auc")));
     }
@@ -289,14 +274,14 @@ std::vector<std::string> remarks_on(const Json& figures) {
   const auto readings = [&](const char* cause) {
     std::vector<std::string> areas;
     for (std::size_t k = 0; k < frame_spectra; ++k) {
-      areas.push_back(area_text(causes.at(cause).at(frame_readings()[k].name).at("auc")));
+      areas.push_back(area_text(causes.at(cause).at(frame_readings[k].name).at("auc")));
     }
     return fmt::format("{}", fmt::join(areas, ", "));
   };
   return {
       fmt::format(
           "The motors run while the tip slides; in half of the recordings one that does not move the tip runs from a random instant on. From level {} to {} the area is {} against hold in contact alone and {} against hold in the air alone.",
-          vibration_levels().front(), vibration_levels().back(), along("contact"), along("air")),
+          vibration_levels.front(), vibration_levels.back(), along("contact"), along("air")),
       fmt::format(
           "A steady press is a constant behind the amplifier; where it begins and ends the signal decays with {:.0f} ms, over 20 ms nearly a straight line, which leaks into all bins of a window without a taper. Without motors pressing on and settling are {:.0f} and {:.0f} % of what hold in contact lacks of 1; their areas as the paper, with the line off, with Hann's taper: {}; {}.",
           1e3 * settling_time / 3.0, missing("press"), missing("settling"), readings("press"), readings("settling")),
@@ -312,9 +297,9 @@ ResultTable curve_table(const std::vector<SkinRecordings>& levels, ResultChart& 
       "Area under the curve against the motors' level", "motor level",
       fmt::format("The bar is {} at level 0. Intervals are by recording (Obuchowski): the frames of one depend on each other.",
                   wanted_area));
-  for (std::size_t i = 0; i < vibration_levels().size(); ++i) {
-    const std::string name = fmt::format("{}", vibration_levels()[i]);
-    for (const FrameReading& reading : frame_readings()) {
+  for (std::size_t i = 0; i < vibration_levels.size(); ++i) {
+    const std::string name = fmt::format("{}", vibration_levels[i]);
+    for (const FrameReading& reading : frame_readings) {
       const Separations areas = separations(levels[i], reading);
       figures[reading.name][name] = areas_json(areas);
       if (reading.name != "paper") continue;
@@ -332,7 +317,7 @@ ResultTable readings_table(const SkinRecordings& without_motors) {
   ResultTable table = area_table(
       "Other readings of the paper, no motors", "reading of a frame",
       "The curve is the first row: the paper's spectrum, of which it says that the mean is taken off and names no taper, with the true label. The paper's own reading is the row with its position label. The others are offered beside them. Frames of one label only leave out those within which contact or slip begins or ends.");
-  for (const FrameReading& reading : frame_readings()) {
+  for (const FrameReading& reading : frame_readings) {
     table.rows.push_back(area_row(reading.text, separations(without_motors, reading)));
   }
   return table;
@@ -344,9 +329,9 @@ ResultTable benches_table(std::vector<std::string> first, std::span<const SkinRe
   first.front() = "as above";
   table.rows.push_back(std::move(first));
   for (std::size_t i = 0; i < benches.size(); ++i) {
-    const OtherBench& bench = other_benches()[i];
+    const OtherBench& bench = other_benches[i];
     for (std::size_t k = 0; k < frame_spectra; ++k) {
-      const FrameReading& reading = frame_readings()[k];
+      const FrameReading& reading = frame_readings[k];
       const Separations areas = separations(benches[i], reading);
       figures[bench.name][reading.name] = areas_json(areas);
       table.rows.push_back(area_row(bench.text + (k == 0 ? "" : k == 1 ? "; line off" : "; Hann's taper"), areas));
@@ -375,9 +360,9 @@ Result piezo_slip_against_hold(const ReproduceOptions& options) {
                            .bar_name = "bar at level 0"});
   result.tables.push_back(curve_table(runs, result.charts.front(), result.figures["curve"]));
   result.tables.push_back(readings_table(without_motors));
-  result.tables.push_back(cause_table(without_motors, hold_causes(), false, result.figures["hold_causes"]));
-  result.tables.push_back(cause_table(without_motors, slip_causes(), true, result.figures["slip_causes"]));
-  result.tables.push_back(benches_table(result.tables.front().rows.front(), std::span(runs).subspan(vibration_levels().size()),
+  result.tables.push_back(cause_table(without_motors, hold_causes, false, result.figures["hold_causes"]));
+  result.tables.push_back(cause_table(without_motors, slip_causes, true, result.figures["slip_causes"]));
+  result.tables.push_back(benches_table(result.tables.front().rows.front(), std::span(runs).subspan(vibration_levels.size()),
                                         result.figures["bench"]));
   result.setup = {
       fmt::format("{} recordings a level from {}, half with a slip, seed {}: the same draws at every level.", count,

@@ -37,10 +37,7 @@ using train::LabelRule;
 constexpr std::size_t usual_level_recordings = 120;  // of each level
 constexpr std::size_t level_steps = 400;             // of the MLP at each level
 
-const std::vector<double>& all_levels() {
-  static const std::vector<double> levels{0.0, 0.5, 1.0, bench_level, 4.0, 8.0};
-  return levels;
-}
+const std::vector<double> all_levels{0.0, 0.5, 1.0, bench_level, 4.0, 8.0};
 
 // Level of a dataset that sweeps none: as recorded.
 constexpr double no_level = -1.0;
@@ -319,7 +316,7 @@ Result piezo_table4(const ReproduceOptions& options) {
   if (!options.data.empty() && std::ranges::find(options.only, gru_32_tip().name) != options.only.end()) {
     throw InputError(fmt::format("reproduce: --only {} needs recordings of its own; allowed: without --data", gru_32_tip().name));
   }
-  const Levels levels = by_level(recordings_for(options, size, all_levels(), {published_spectra()}));
+  const Levels levels = by_level(recordings_for(options, size, all_levels, {published_spectra()}));
   const auto bench = levels.contains(bench_level) ? levels.find(bench_level) : levels.begin();
   Validations validations(options, size);
   // A dataset has the motors that it was recorded with.

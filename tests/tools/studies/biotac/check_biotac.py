@@ -1,5 +1,6 @@
 """tools/studies/biotac on recordings whose figures are known in closed form."""
 
+import base64
 import subprocess
 import sys
 import tempfile
@@ -97,7 +98,8 @@ def check_programs(folder):
     assert len(rows) == 4 and all("x1.00" in row for row in rows), rows
     assert "outside the dry run's worst factor of their row: 0 of 96" in same.stdout
     page = (folder / "page.html").read_text(encoding="utf-8")
-    assert page.count("<svg") == 7 * 2 + 3 * 4 + 7 * 2 and "<script" not in page and "://" not in page
+    assert page.count("<img") == 7 * 2 + 3 * 4 + 7 * 2 and "<script" not in page and "://" not in page
+    assert b"<!-- counts from mean -->" in base64.b64decode(page.split("svg+xml;base64,")[1].split('"')[0])
     again = run(TOOLS / "compare.py", folder / "a", folder / "a")
     assert same.stdout.startswith(again.stdout)  # but for the line on the page
     write(folder / "b", 3.0, 2)

@@ -208,6 +208,11 @@ std::string TrainCommand::eval_options(const std::vector<std::string>& sensors) 
 
 int TrainCommand::train_network() {
   tell(fmt::format("reading {}", fmt::join(training->datasets, ", ")));
+  // Each dataset has a bar of its own, in the process that reads it.
+  training->read = [this, bar = std::shared_ptr<Progress>()](std::size_t done, std::size_t trials) mutable {
+    if (!bar) bar.reset(new Progress(Progress::for_stream(stderr, silent())));
+    bar->update(done, trials, {});
+  };
   StepReport report;
   train::NetworkSummary summary;
   try {

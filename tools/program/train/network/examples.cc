@@ -215,11 +215,12 @@ std::string wanted(const network::Input& input) {
                      values > 0 ? fmt::format(" of {} values or more", values) : std::string());
 }
 
-// The one list of what goes through the pipe.
+// The one list of what goes through the pipe: a binding that leaves a member out does not compile; `use` names each.
 template <class ExampleOrConst, class Do>
 void with_members(ExampleOrConst& example, Do&& use) {
-  use(example.trial, example.sha256, example.twin, example.sensor, example.material, example.object, example.speed, example.mass,
-      example.touches, example.onset, example.time, example.truth, example.frames.features, example.frames.label, example.turn);
+  auto& [trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, frames, turn] = example;
+  auto& [features, label] = frames;
+  use(trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, features, label, turn);
 }
 
 std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const ExampleOptions& options,
@@ -266,6 +267,9 @@ std::string packed_examples(const std::string& dataset_path, const ExampleOption
   bytes.put(reader.header().command, reader.content_sha256().size());
   for (const std::string& digest : reader.content_sha256()) bytes.put(digest);
   ContentCheck check(reader);
+  const ReadingProgress progress = options.read;  // what it shows goes with it, also where reading fails
+  if (progress) progress(0, reader.trials().size());
+  std::size_t read = 0;
   for (const std::size_t trial : reader.trials()) {
     const std::string subject = fmt::format("{}: trial {}", reader.files()[reader.file_of(trial)], trial);
     reader.check_recorded(trial);
@@ -283,6 +287,7 @@ std::string packed_examples(const std::string& dataset_path, const ExampleOption
         }
       }
     }
+    if (progress) progress(++read, reader.trials().size());
   }
   check.finish();
   return bytes.release();

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -62,6 +63,9 @@ struct Example {
   std::uint8_t turn = 0;        // its images are turned by so many times 30 degrees; such a copy only learns
 };
 
+// Called in the child process that reads, before its first trial and after each: how many it has read of how many.
+using ReadingProgress = std::function<void(std::size_t read, std::size_t trials)>;
+
 struct ExampleOptions {
   network::Input input;  // offset and scale are not used
   LabelRule labels = LabelRule::micro;
@@ -70,6 +74,7 @@ struct ExampleOptions {
   std::size_t turned = 0;   // of a myrmex: so many copies of each example more, their images turned (samples/myrmex_images.h)
   std::size_t at_most = 0;  // frames of a class in an example, drawn; 0: all. For networks that see one frame at a time
   std::uint64_t seed = 1;   // of what is drawn: RandomStream(seed, trial, "frames") and "turns"
+  ReadingProgress read = {};
 };
 
 struct Examples {
