@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 namespace slipbench {
 
@@ -22,10 +21,8 @@ struct Element {
 };
 
 // x, y and z of an element that looks along the unit vector `axis`, in P: z is against it, x and y are those of P turned with it the shortest
-// way.
-inline Eigen::Matrix3d element_frame(const Eigen::Vector3d& axis) {
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -axis).toRotationMatrix();
-}
+// way; x stays where there is none.
+Eigen::Matrix3d element_frame(const Eigen::Vector3d& axis);
 
 // What a sensor reads as one: a pillar, a nib, a taxel. Its elements are contiguous.
 struct UnitRange {

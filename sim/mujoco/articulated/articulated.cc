@@ -23,14 +23,6 @@ std::string part(const std::string& prefix, const char* name, std::size_t elemen
   return prefix + '/' + name + '/' + std::to_string(element);
 }
 
-// The body frame of an element's tip in P: Z points into the pad, against the element's axis, so that compression is positive.
-Eigen::Matrix3d tip_rotation(const Element& element) {
-  const Eigen::Vector3d z = -element.axis;
-  // Of the shortest turn; half a turn has no shortest one. Eigen's own FromTwoVectors decomposes a matrix then, and takes 10 s to compile.
-  if (z.z() <= -1.0) return Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
-  return Eigen::Quaterniond(1.0 + z.z(), -z.y(), z.x(), 0.0).normalized().toRotationMatrix();
-}
-
 bool is_positive(double x) { return std::isfinite(x) && x > 0.0; }
 
 void check(const PadLayout& layout, Friction friction) {
@@ -116,7 +108,7 @@ void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carr
     mjsBody* body = mjs_addBody(carrier, nullptr);
     mjs_setName(body->element, part(prefix, "body", i).c_str());
     const Eigen::Vector3d centre = pad_in_carrier * (element.tip - settings.tip_radius * element.axis);
-    const Eigen::Quaterniond turn(pad_in_carrier.rotation * tip_rotation(element));
+    const Eigen::Quaterniond turn(pad_in_carrier.rotation * element_frame(element.axis));
     mju_copy3(body->pos, centre.data());
     const double quaternion[4] = {turn.w(), turn.x(), turn.y(), turn.z()};
     mju_copy4(body->quat, quaternion);
@@ -199,7 +191,7 @@ ArticulatedContact::ArticulatedContact(const mjModel* model, const std::string& 
     bodies_.push_back(body);
     const int joint = model->body_jntadr[body];
     qpos_.push_back(model->jnt_qposadr[joint]);
-    tip_in_pad_.push_back(tip_rotation(layout.elements[i]));
+    tip_in_pad_.push_back(element_frame(layout.elements[i].axis));
   }
   unit_of_element_.resize(elements);
   undeformed_.setZero(3, n);
