@@ -234,8 +234,9 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
     for (std::size_t i = 0; i < samples.size(); ++i) times.push_back(draw.times[whole ? samples[i].sequence : i]);
     hd::Memories trained = memories;
     trained.associative = fit(model, memories, samples, times, epochs);
-    return with_sizes(
-        judge(Classifier(model, trained), sequences, samples, [&](std::size_t i) { return times[i] == 0; }, whole), draw);
+    return with_sizes(judge(
+                          Classifier(model, trained), sequences, samples, [&](std::size_t i) { return times[i] == 0; }, whole),
+                      draw);
   };
   Workers workers(
       draw_count, threads_for(jobs, draw_count), [&] { return work; }, nullptr);
