@@ -71,7 +71,7 @@ Memories generate(const Model& model, std::uint64_t seed);
 // Throws InputError unless `memories` have the rows and the dimension of `model`. `trained`: the associative memory must be there.
 void check(const Model& model, const Memories& memories, bool trained);
 
-// Single-pass training: prototypes are majorities of the query vectors of their class.
+// Training: prototypes are majorities of the query vectors of their class.
 
 // Sums of the bipolar vectors EC = GST * CV of each class: P_k = [sum EC] (paper, section III.B.3).
 class Prototypes {
@@ -79,15 +79,9 @@ class Prototypes {
   // Only `model` and the context memory are looked at, and only now. Throws InputError when they do not fit together.
   Prototypes(const Model& model, const Memories& memories);
 
-  // Adds the query vector of a frame. `state`: the truth, any but no_contact. Without context-driven training CV is left out.
-  // Throws std::out_of_range for no_contact or a context that does not exist.
-  void add(const Hypervector& query, std::uint8_t context, PadState state);
-
-  // Adds what another has gathered for the same model, so that trials can be trained apart.
-  void add(const Prototypes& other);
-
-  // Query vectors of a class so far.
-  [[nodiscard]] std::size_t samples(PadState state) const;
+  // Adds the query vector of a frame `times` times, or takes it away where that is negative. `state`: any class but no_contact. Without
+  // context-driven training CV is left out. Throws std::out_of_range for no_contact or a context that does not exist.
+  void add(const Hypervector& query, std::uint8_t context, PadState state, std::int64_t times = 1);
 
   // The associative memory: a bit is that of most vectors of its class, ties by the model's rule (an unseen class is all ties).
   [[nodiscard]] std::vector<Hypervector> bundle() const;
@@ -95,8 +89,7 @@ class Prototypes {
  private:
   Model model_;
   std::vector<Hypervector> context_;
-  std::array<std::size_t, class_count> samples_{};
-  std::array<std::vector<std::uint32_t>, class_count> ones_;  // of each bit
+  std::array<std::vector<std::int64_t>, class_count> sums_;  // of each bit
 };
 
 }  // namespace slipbench::hd

@@ -38,23 +38,6 @@ std::vector<Sample> encode_sequence(hd::Encoder& encoder, const hd::Model& model
   return samples;
 }
 
-// What each sequence teaches, so that a draw of sequences only adds sums.
-std::vector<hd::Prototypes> taught_by_each(const hd::Model& model, const hd::Memories& memories, std::size_t sequences,
-                                           std::span<const Sample> samples) {
-  std::vector<hd::Prototypes> taught(sequences, hd::Prototypes(model, memories));
-  for (const Sample& sample : samples) taught[sample.sequence].add(sample.query, sample.context, sample.label);
-  return taught;
-}
-
-std::vector<hd::Hypervector> fit_sequences(const hd::Model& model, const hd::Memories& memories,
-                                           std::span<const hd::Prototypes> taught, const BootstrapDraw& draw) {
-  hd::Prototypes sum(model, memories);
-  for (std::size_t i = 0; i < taught.size(); ++i) {
-    for (std::uint32_t n = 0; n < draw.times[i]; ++n) sum.add(taught[i]);
-  }
-  return sum.bundle();
-}
-
 // Judges those samples of which `judged` is true, by index.
 template <class Judged>
 Evaluation judge(const Classifier& classifier, std::span<const Sequence> sequences, std::span<const Sample> samples,
@@ -191,12 +174,25 @@ std::vector<Sample> encode(const hd::Model& model, const hd::Memories& memories,
 }
 
 std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& memories, std::span<const Sample> samples,
-                                 std::span<const std::uint32_t> times) {
+                                 std::span<const std::uint32_t> times, std::size_t epochs) {
   hd::Prototypes prototypes(model, memories);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    for (std::uint32_t n = 0; n < times[i]; ++n) prototypes.add(samples[i].query, samples[i].context, samples[i].label);
+    if (times[i] > 0) prototypes.add(samples[i].query, samples[i].context, samples[i].label, times[i]);
   }
-  return prototypes.bundle();
+  hd::Memories trained = memories;
+  trained.associative = prototypes.bundle();
+  Classifier classifier(model, trained);
+  for (std::size_t n = 0; n < epochs * samples.size(); ++n) {
+    const std::size_t i = n % samples.size();
+    const Sample& sample = samples[i];
+    const PadState called = times[i] > 0 ? classifier.classify(sample) : sample.label;
+    if (called == sample.label) continue;
+    prototypes.add(sample.query, sample.context, sample.label, times[i]);
+    prototypes.add(sample.query, sample.context, called, -std::int64_t{times[i]});
+    trained.associative = prototypes.bundle();
+    classifier = Classifier(model, trained);
+  }
+  return trained.associative;
 }
 
 Classifier::Classifier(const hd::Model& model, const hd::Memories& memories) {
@@ -222,7 +218,8 @@ PadState Classifier::classify(const Sample& sample) const {
 }
 
 std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
-                                       std::span<const Sample> samples, Split split, std::uint64_t seed, std::size_t jobs) {
+                                       std::span<const Sample> samples, Split split, std::size_t epochs, std::uint64_t seed,
+                                       std::size_t jobs) {
   const bool whole = split == Split::by_sequence;
   std::vector<std::size_t> conditions;
   if (whole) {
@@ -230,15 +227,16 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
   } else {
     for (const Sample& sample : samples) conditions.push_back(condition_of(sequences[sample.sequence].motion));
   }
-  std::vector<hd::Prototypes> taught;
-  if (whole) taught = taught_by_each(model, memories, sequences.size(), samples);
   using Workers = OrderedWorkers<Evaluation>;
   const Workers::Work work = [&](std::size_t number) {
     const BootstrapDraw draw = bootstrap(conditions, seed, number);
+    std::vector<std::uint32_t> times;
+    for (std::size_t i = 0; i < samples.size(); ++i) times.push_back(draw.times[whole ? samples[i].sequence : i]);
     hd::Memories trained = memories;
-    trained.associative = whole ? fit_sequences(model, memories, taught, draw) : fit(model, memories, samples, draw.times);
-    const auto tested = [&](std::size_t i) { return draw.tests(whole ? samples[i].sequence : i); };
-    return with_sizes(judge(Classifier(model, trained), sequences, samples, tested, whole), draw);
+    trained.associative = fit(model, memories, samples, times, epochs);
+    return with_sizes(judge(
+                          Classifier(model, trained), sequences, samples, [&](std::size_t i) { return times[i] == 0; }, whole),
+                      draw);
   };
   Workers workers(
       draw_count, threads_for(jobs, draw_count), [&] { return work; }, nullptr);
@@ -266,12 +264,13 @@ HdSummary train_hd(const HdTraining& options) {
   summary.samples = samples.size();
   for (const Split split : {Split::by_sequence, Split::by_frame}) {
     (split == Split::by_sequence ? summary.by_sequence : summary.by_frame) =
-        cross_validate(saved.model, saved.memories, data.sequences, samples, split, options.seed, options.jobs);
+        cross_validate(saved.model, saved.memories, data.sequences, samples, split, options.epochs, options.seed, options.jobs);
   }
   const std::vector<std::uint32_t> once(samples.size(), 1);
-  saved.memories.associative = fit(saved.model, saved.memories, samples, once);
-  summary.trained = saved.trained = fmt::format("{}; labels {}, seed {}, all {} sequences", data.command,
-                                                slip_rule_name(options.sequences.labels), options.seed, data.sequences.size());
+  saved.memories.associative = fit(saved.model, saved.memories, samples, once, options.epochs);
+  summary.trained = saved.trained =
+      fmt::format("{}; labels {}, seed {}, all {} sequences{}", data.command, slip_rule_name(options.sequences.labels),
+                  options.seed, data.sequences.size(), options.epochs > 0 ? fmt::format(", {} epochs", options.epochs) : "");
   hd::save(options.output, saved);
   return summary;
 }
@@ -321,6 +320,7 @@ Json train_json(const HdSummary& summary, const HdTraining& options) {
           {"memories", options.output},
           {"model", model_json(options.model, options.quantiser)},
           {"labels", slip_rule_name(options.sequences.labels)},
+          {"epochs", options.epochs},
           {"seed", options.seed},
           {"sequences", summary.sequences},
           {"frames", summary.samples},

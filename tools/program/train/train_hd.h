@@ -36,9 +36,11 @@ struct Sample {
 std::vector<Sample> encode(const hd::Model& model, const hd::Memories& memories, hd::Quantiser quantiser,
                            std::span<const Sequence> sequences, std::size_t jobs);
 
-// The prototypes after a single pass over samples, each taken `times` times. A class without a sample gets ties throughout.
+// The prototypes after a single pass over samples, each taken `times` times, and `epochs` over its mistakes. A class without a sample
+// gets ties throughout. In an epoch the samples are judged one after the other; one called wrongly is added to its own class and taken
+// from the one it was called, as often as it is learnt, and judges with the next (after Imani et al., AdaptHD, IEEE BioCAS 2019).
 std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& memories, std::span<const Sample> samples,
-                                 std::span<const std::uint32_t> times);
+                                 std::span<const std::uint32_t> times, std::size_t epochs);
 
 // What a sample is called: the nearest of the prototypes, the higher class where two are equally near (eq. 5).
 class Classifier {
@@ -67,13 +69,15 @@ enum class Split { by_sequence, by_frame };
 // draw_count tests of a classifier, each trained on what bootstrap() drew and judged on the rest. Conditions are condition_of() of the
 // sequence, also where frames are drawn. Throws InputError when a draw leaves nothing to train on or to test.
 std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
-                                       std::span<const Sample> samples, Split split, std::uint64_t seed, std::size_t jobs);
+                                       std::span<const Sample> samples, Split split, std::size_t epochs, std::uint64_t seed,
+                                       std::size_t jobs);
 
 struct HdTraining {
   std::string dataset;
   SequenceOptions sequences;
   hd::Model model;
   hd::Quantiser quantiser = hd::Quantiser::fixed_point;
+  std::size_t epochs = 0;  // over the mistakes, after the paper's single pass
   std::uint64_t seed = 1;  // of item memories and draws
   std::size_t jobs = 0;    // threads; 0: as many as the machine has
   std::string output;      // folder of the memories

@@ -35,6 +35,7 @@ struct EncoderVariant {
   hd::Model model = {};
   std::uint64_t other_memories = 0;  // added to the seed of the item memories
   KeptFrames keep = KeptFrames::all;
+  std::size_t epochs = 0;
 };
 
 const std::vector<Override> no_friction_scatter{{"friction.scale", "1"}};
@@ -108,6 +109,11 @@ std::vector<EncoderVariant> cause_variants() {
   add("moving frames alone", [](EncoderVariant& v) { v.keep = KeptFrames::moving; });
   add("feature exact, from 1/8 mm", [](EncoderVariant& v) { v.quantiser = hd::Quantiser::exact; });
   add("feature unrounded", [](EncoderVariant& v) { v.quantiser = hd::Quantiser::unrounded; });
+  add("retrained, 5 epochs", [](EncoderVariant& v) { v.epochs = 5; });
+  add("retrained, 5 epochs, without the rest after a stop", [](EncoderVariant& v) {
+    v.epochs = 5;
+    v.keep = KeptFrames::until_stop;
+  });
   add("window 1 frame", [](EncoderVariant& v) { v.model.window = 1; });
   add("window 5 frames", [](EncoderVariant& v) { v.model.window = 5; });
   add("window 30 frames", [](EncoderVariant& v) { v.model.window = 30; });
@@ -161,10 +167,12 @@ EncoderDraws EncoderAblation::run(const EncoderVariant& variant, EncoderDraws* b
     const hd::Memories memories = hd::generate(models[i], seed_ + variant.other_memories);
     // The last two differ in the prototypes alone.
     if (i < 3) samples = encode(models[i], memories, variant.quantiser, data_.sequences, options_.jobs);
-    draws[i] = cross_validate(models[i], memories, data_.sequences, samples, Split::by_sequence, seed_, options_.jobs);
-    if (by_frame == nullptr) continue;
-    end_if_interrupted();
-    (*by_frame)[i] = cross_validate(models[i], memories, data_.sequences, samples, Split::by_frame, seed_, options_.jobs);
+    const auto draws_by = [&](Split split) {
+      end_if_interrupted();
+      return cross_validate(models[i], memories, data_.sequences, samples, split, variant.epochs, seed_, options_.jobs);
+    };
+    draws[i] = draws_by(Split::by_sequence);
+    if (by_frame != nullptr) (*by_frame)[i] = draws_by(Split::by_frame);
   }
   return draws;
 }

@@ -44,7 +44,7 @@ class TrainCommand final : public Command {
   std::optional<hd::Compat> compat_;
   std::optional<hd::Ties> ties_;
   std::optional<hd::Quantiser> quantiser_;
-  std::optional<std::size_t> dimension_, window_, jobs_;
+  std::optional<std::size_t> dimension_, window_, epochs_, jobs_;
   bool context_ = false, no_context_ = false;  // neither: the encoding's own default
   std::string labels_;
   std::optional<train::Split> split_;

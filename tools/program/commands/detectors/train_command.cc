@@ -75,7 +75,8 @@ void TrainCommand::declare(Arguments& arguments) {
 Without --recipe, and with --recipe gst_hd, trains the hyperdimensional slip detector of a PapillArray in a single pass. Six
 draws are made first, by sequence and, to compare, by frame: within each compression and speed as many sequences are drawn with
 replacement as there are; those never drawn are the test. Draw 0 is for choosing options, the other five make the figures. Then all
-sequences train the classifier that is saved.
+sequences train the classifier that is saved. With --epochs frames that are called wrongly are learnt again: every epoch judges all frames
+learnt, adds those called wrongly to their class and takes them from the one they were called. The paper has none.
 
 Encoders: shdc (pillars of one frame), sthdc (over a window), gsthdc (with graphs, over a window). --context is gsthdc's default only.
 Bundles: paper starts afresh with every frame, published_core keeps the counts of the pillars over a window, as the gripper's core does.
@@ -120,6 +121,8 @@ Examples:
   arguments.flag("--no-context", no_context_, "gst_hd: do not (default with shdc and sthdc)");
   arguments.number("--dimension D", dimension_, "gst_hd: bits of a hypervector, 8 to 65535 (default: 1000)", 8, 65535);
   arguments.number("--window N", window_, "gst_hd: frames at 100 Hz, 1 to 1000 (default: 15)", 1, 1000);
+  arguments.number("--epochs N", epochs_, "gst_hd: passes over the mistakes after the paper's one, 0 to 1000 (default: 0)", 0,
+                   1000);
   arguments.word("--compat NAME", compat_, "gst_hd: whose bundle: {} (default: paper)", hd::compat_words);
   arguments.word("--ties RULE", ties_, "gst_hd: what an even bundle gives: {} (default: one)", hd::ties_words);
   arguments.word("--quantiser NAME", quantiser_, "gst_hd: how displacements become levels: {} (default: fixed_point)",
@@ -148,6 +151,7 @@ void TrainCommand::read_hd() {
   model.compat = compat_.value_or(model.compat);
   model.ties = ties_.value_or(model.ties);
   options.quantiser = quantiser_.value_or(options.quantiser);
+  options.epochs = epochs_.value_or(options.epochs);
   options.jobs = jobs_.value_or(options.jobs);
   model.context_driven = context_ || (model.encoding == hd::Encoding::graph_spatial_temporal && !no_context_);
 }
@@ -159,6 +163,7 @@ void TrainCommand::read_network() {
                                     {no_context_, "--no-context"},
                                     {dimension_.has_value(), "--dimension"},
                                     {window_.has_value(), "--window"},
+                                    {epochs_.has_value(), "--epochs"},
                                     {compat_.has_value(), "--compat"},
                                     {ties_.has_value(), "--ties"},
                                     {quantiser_.has_value(), "--quantiser"},
