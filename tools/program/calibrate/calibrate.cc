@@ -8,11 +8,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/random.h"
-#include "tools/program/calibrate/disturbances.h"
-#include "tools/program/calibrate/electronics_fit.h"
-#include "tools/program/calibrate/model.h"
 #include "tools/program/calibrate/recordings.h"
-#include "tools/program/calibrate/search.h"
 
 namespace slipbench::calibrate {
 namespace {

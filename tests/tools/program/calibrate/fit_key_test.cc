@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/fit_key.h"
+#include "tools/program/calibrate/model.h"
 #include "tests/expect.h"
 
 namespace slipbench::calibrate {
