@@ -1,7 +1,6 @@
-#include "sim/scene/entry_reader.h"
+#include "sim/scene/section_readers.h"
 
 #include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>

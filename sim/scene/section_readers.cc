@@ -1,9 +1,6 @@
 #include "sim/scene/section_readers.h"
 
-#include <algorithm>
 #include <array>
-#include <string>
-#include <string_view>
 
 #include "sim/scene/scene_values.h"
 

@@ -1,10 +1,8 @@
-#include "sim/field/surface/distance_grid.h"
+#include "sim/field/surface/mesh_distance.h"
 
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 namespace slipbench {
 

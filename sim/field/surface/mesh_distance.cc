@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 #include <string>
-#include <utility>
 
 #include "sim/core/error.h"
 

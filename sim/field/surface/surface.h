@@ -11,8 +11,7 @@
 #include <Eigen/Core>
 
 #include "sim/core/vectorise.h"
-#include "sim/field/surface/distance_grid.h"
-#include "sim/field/surface/surface_point.h"
+#include "sim/field/surface/mesh_distance.h"
 
 namespace slipbench {
 

@@ -14,7 +14,7 @@
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/random.h"
-#include "sim/scene/entry_reader.h"
+#include "sim/scene/section_readers.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/yaml_tree.h"
 #include "tools/program/run/run_trial.h"

@@ -1,7 +1,6 @@
-#include "tools/program/eval/truth.h"
+#include "tools/program/eval/metrics.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/record/layout.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench {

@@ -1,11 +1,10 @@
-#include "tools/program/run/judge.h"
+#include "tools/program/run/trial_run.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"

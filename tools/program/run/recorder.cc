@@ -1,20 +1,16 @@
-#include "tools/program/run/recorder.h"
+#include "tools/program/run/trial_run.h"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
-#include <Eigen/Core>
 
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
-#include "tools/base/record/layout.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/run/recorded_scene.h"
-#include "tools/program/run/run_trial.h"
 
 namespace slipbench {
 namespace {

@@ -11,8 +11,8 @@
 #include "sim/core/error.h"
 #include "sim/motion/motion.h"
 #include "sim/scene/parser.h"
+#include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
-#include "tools/base/record/layout.h"
 
 namespace slipbench {
 namespace {

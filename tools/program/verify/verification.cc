@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/contact_frame.h"
-#include "tools/base/record/layout.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench::verify {

@@ -14,7 +14,7 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/shard_set.h"
-#include "tools/base/record/layout.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/verify/verification.h"

@@ -1,8 +1,7 @@
-#include "tools/studies/piezo_fft_gru/piezo_recordings.h"
+#include "tools/studies/piezo_fft_gru/piezo_networks.h"
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,7 +10,6 @@
 #include "sim/core/error.h"
 #include "sim/core/pad_state.h"
 #include "tools/program/train/recipes/recipe.h"
-#include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
 namespace {
