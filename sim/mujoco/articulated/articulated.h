@@ -18,7 +18,7 @@
 #include "sim/core/pose.h"
 #include "sim/field/field.h"
 #include "sim/field/surface/surface.h"
-#include "sim/field/unit_rules.h"
+#include "sim/field/contact_labels.h"
 #include "sim/scene/scene.h"
 
 namespace slipbench {

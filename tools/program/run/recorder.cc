@@ -433,7 +433,7 @@ void Judge::note_events(std::size_t pad, const ContactFrame& truth, bool detecte
     if (event.kind == EventKind::touch) keep_earliest(unit.touch_time, event.time);
     if (micro) keep_earliest(unit.micro_onset_time, event.time);
     if (slip) keep_earliest(unit.onset_time, event.time);
-    // By the rule strict, on a pad of a single unit when a part of it slips (unit_rules.h).
+    // By the rule strict, on a pad of a single unit when a part of it slips (contact_labels.h).
     const bool begins = has_one_unit(pad) ? micro : slip;
     if (!begins || !detected) continue;
     keep_earliest(any_slip_onset_, event.time);
