@@ -1,8 +1,5 @@
-#include "sim/field/surface/mesh_distance.h"
+#include "sim/field/surface/surface.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>

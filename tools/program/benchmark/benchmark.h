@@ -21,8 +21,6 @@
 
 namespace slipbench::benchmark {
 
-// Who is on the board.
-
 // The protocols slip-1 and slip-2: what is judged, what learns, and the constants of the score. Their scenes are scenes/benchmark/NAME/*.yaml.
 
 // Constants of the score.

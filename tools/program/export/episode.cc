@@ -1,4 +1,4 @@
-#include "tools/program/export/episode.h"
+#include "tools/program/export/formats.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,6 @@
 
 #include "sim/core/error.h"
 #include "tools/base/record/encoder.h"
-#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {

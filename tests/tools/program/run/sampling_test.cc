@@ -16,7 +16,6 @@
 #include "tests/expect.h"
 #include "tests/scenes.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/control_loop.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/run/trial_run.h"
 
