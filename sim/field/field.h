@@ -265,7 +265,7 @@ class Field {
   // Whether tips have mass: what touches nothing then goes on swinging, and its root feels that.
   [[nodiscard]] bool has_tips() const { return effects_.tip != nullptr; }
 
-  // Whether the field has many elements of which few touch, and works out those alone (active_set.h).
+  // Whether the field has many elements of which few touch, and works out those alone (ActiveSet).
   [[nodiscard]] bool sparse() const { return active_set_.has_value(); }
   // Brings up to date where element i met the surface in the last step.
   void update_contact_point(std::size_t i) {

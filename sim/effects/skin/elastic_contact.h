@@ -1,6 +1,6 @@
 // The contact of an elastic body with a rigid one, at the elements of a pad: where it presses, where it sticks, where it slips.
 //
-// Normal: forces p >= 0 with  gap + C p >= 0  and  p (gap + C p) = 0,  C the compliance (influence.h). Contact is found, not assumed: conjugate
+// Normal: forces p >= 0 with  gap + C p >= 0  and  p (gap + C p) = 0,  C the compliance (below). Contact is found, not assumed: conjugate
 // gradients on the elements that press, of which those fall out that would pull, and which those join that would be passed through (Polonsky and
 // Keer, Wear 231, 1999).
 // Tangential, in steps: with g the shift that the tips would have if all stuck to where they were, u = C q the shift that they have, and the

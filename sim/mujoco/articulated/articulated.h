@@ -16,9 +16,9 @@
 #include "sim/core/contact_frame.h"
 #include "sim/core/pad_layout.h"
 #include "sim/core/pose.h"
+#include "sim/field/contact_labels.h"
 #include "sim/field/field.h"
 #include "sim/field/surface/surface.h"
-#include "sim/field/contact_labels.h"
 #include "sim/scene/scene.h"
 
 namespace slipbench {
@@ -201,7 +201,7 @@ class ArticulatedContact {
   // Returns whether there are any.
   bool begin_on(const mjModel* model, mjData* data, const Surface& surface, const Pose& pad_in_surface) const;
 
-  // See pillar_settings.h.
+  // See PillarSettings.
   [[nodiscard]] int steps_to_settle(bool indented) const { return slipbench::steps_to_settle(settings_, indented); }
 
   // Makes of `held`, a copy of the model in which nothing but tips can give way, one whose slides suit that: there is no inverse

@@ -41,7 +41,7 @@ namespace slipbench {
 //   gain = sum h q . (v_k + v_k+1)/2 + U_n - U_0 + L <= 0        (less by what the dashpots take)
 // since h F . (v_k + v_k+1)/2 is the kinetic energy that F gives, exactly. An explicit spring of phase z = h omega stepped by
 // MuJoCo (velocity first) keeps v^2 + x^2 - z v x (in units of omega), so its energy swings by a factor of (1 + z/2)/(1 - z/2)
-// between the extremes and by 1/(1 - z/2) from any mean: 1.6 at the longest step that is allowed, z = 0.75 (linear_model.h). So within
+// between the extremes and by 1/(1 - z/2) from any mean: 1.6 at the longest step that is allowed, z = 0.75 (stability.h). So within
 // a window a right run gains at most 0.6 of the energy that is there: kinetic and elastic at its start, and what others have put in
 // since. The rule:
 //   gain <= energy_share (T_0 + U_0 + sum of the positive works by weight, motors, springs and contacts of the model, and by the
@@ -137,7 +137,7 @@ class EnergyRule {
   double elastic_ = 0.0;    // J, at the tick before
 };
 
-struct Hand;  // gripper_model.h
+struct Hand;  // model_builder.h
 
 struct DynamicSimulationOptions {
   bool refuse_long_steps = true;  // false: for tests of the watch, which must see what a step that is too long does
@@ -153,7 +153,7 @@ struct DynamicSimulationOptions {
 // Truth at tick k is that of the state at k * time_step: with MuJoCo's one-stage integrators the state that the step k -> k + 1
 // begins with, with RK4 that of the last stage of the step k - 1 -> k, which is of the third order in the step.
 //
-// The step: an explicit field bears no longer one than longest_explicit_step() (linear_model.h), taken at the start with every element
+// The step: an explicit field bears no longer one than longest_explicit_step() (stability.h), taken at the start with every element
 // of every pad stuck. Where an element touches it is worked out again, for the elements that touch, and a step a third beyond it (h
 // omega = 1: there a slide begins to come out wrong) ends the run. `time_step: auto` takes
 // the longest that fits, at most the fastest sensor's sampling time. Implicit fields have no such limit.
@@ -166,10 +166,10 @@ struct DynamicSimulationOptions {
 // that of the step k - 1 -> k, at its end. The step is longest_articulated_step() at most. No other contact of MuJoCo's with friction
 // may touch: it ends the run, for the pads' recipe makes its friction wrong.
 //
-// Sensors that follow a pad (pad_follower.h) have ticks of their own, read its contact, and change nothing: the step is that of what carries.
+// Sensors that follow a pad (dynamic_state.h) have ticks of their own, read its contact, and change nothing: the step is that of what carries.
 //
-// A run that has gone wrong ends in an InputError, with the time: any warning of MuJoCo (autoreset is off), and the rules of
-// watch.h.
+// A run that has gone wrong ends in an InputError, with the time: any warning of MuJoCo (autoreset is off), and the rules
+// of watch.cc.
 class DynamicSimulation final : public Simulation {
  public:
   // As StageSimulation's, but for pads after the last of `output_rates`: they touch and push, and a follower alone reads them. Throws SceneValueError where the scene, its model and the step do not suit each other.

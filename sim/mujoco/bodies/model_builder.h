@@ -9,7 +9,7 @@
 //     pulls it (gravcomp),
 //   - with fidelity field one instance of the plugin `slipbench.field` a sensor, named as the sensor, with the attributes that a
 //     user would write; with fidelity articulated in its place the pillars of articulated.h, as children of the pad's body,
-//   - for a grasp the two fingers of a hand (gripper_model.h),
+//   - for a grasp the two fingers of a hand (below),
 //   - an exclusion of MuJoCo's own contact between a pad's body and every body that it touches: the field is their contact, and no
 //     force may count twice. It is for the whole bodies, since MuJoCo knows no other,
 //   - for implicit fields what implicit.h asks for.
@@ -35,7 +35,7 @@ namespace slipbench {
 
 // The two fingers of a grasp as MuJoCo bodies.
 //
-// Each is a free body on the springs of finger_spring.h. Neither arm nor drive yields, so neither needs a body, and there is no heavy one
+// Each is a free body on the springs of dynamic_state.h. Neither arm nor drive yields, so neither needs a body, and there is no heavy one
 // in the model. Whoever steps it sets the applied forces to FingerSpring::wrench() and what carries the finger's weight: its springs are
 // counted from where it hangs. A finger's frame and its mass are at its pivot, so that it does not pitch when it is sped up.
 struct Hand {

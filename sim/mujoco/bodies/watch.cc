@@ -83,7 +83,7 @@ std::optional<std::string> EnergyRule::check_body(double kinetic) const {
       kinetic, total_);
 }
 
-// DynamicSimulation's watch over the run (watch.h).
+// DynamicSimulation's watch over the run (dynamic_simulation.h).
 
 void DynamicSimulation::State::find_watched(const WatchLimits& limits) {
   energy.emplace(limits, judge_fields);

@@ -11,7 +11,7 @@
 // All fields together, on bodies of joint-space inertia M, obey M q'' = -sum_p J_p' K_p J_p q with J_p the Jacobian of the pad's
 // velocity relative to the object at p. The non-zero omega^2 of that are the eigenvalues of R A R', with K = R'R block by block
 // and the Delassus matrix A = J M^-1 J', which is how they are computed here: as many rows as six times the pads, whatever the
-// robot's size. linear_model.h has the limits of a step.
+// robot's size. The limits of a step stand below.
 #pragma once
 
 #include <array>

@@ -14,7 +14,7 @@ namespace slipbench {
 
 // All pads of one mjData together: what one of them cannot know alone.
 //
-// - Explicit pads bear no step with h omega > 1 (linear_model.h), omega that of all of them on their bodies. It is worked out for the elements
+// - Explicit pads bear no step with h omega > 1 (stability.h), omega that of all of them on their bodies. It is worked out for the elements
 //   that touch, taken as stuck, whenever more of them touch than in the step before. A step that is too long is refused from the second one
 //   on: the first is also taken by MuJoCo's compiler, before the caller could set its length.
 // - Implicit pads are solved together (implicit.h).

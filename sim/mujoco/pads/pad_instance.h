@@ -67,7 +67,7 @@ namespace slipbench {
 //   truth     true: the sensor's values are followed by the truth (pad_instance.h)
 //   solver    explicit or implicit
 //   unloaded  what margin of units that do not touch and stuck_fraction without contact are: 1 (default) or nan
-//   check     what a mistake is (pad_misuse.h): error (default), warn, which prints it once, or off, as in models that the
+//   check     what a mistake is (possible_contact): error (default), warn, which prints it once, or off, as in models that the
 //             program builds: it has checks of its own, and MuJoCo's compiler takes a step before bodies are where the scene has them
 //   name      the instance's name before MjSpec.attach gave it a prefix or a suffix: pad and touch are then looked for with the same ones first.
 //             Without it, a name that is not there is looked for with each beginning of the instance's name before it
@@ -151,7 +151,7 @@ class PadInstance {
   // Takes over what mj_copyData does not: all that a step which is half done needs of its first half.
   void copy_from(const PadInstance& other) { computed_at_ = other.computed_at_; }
 
-  // For the group of all pads (pad_group.h):
+  // For the group of all pads (field_plugin.h):
   // Whether a step has been committed since the last reset.
   [[nodiscard]] bool placed(const mjModel* model, mjData* data) const;
   // After add_force(): how many elements touch the geom of field `k`.

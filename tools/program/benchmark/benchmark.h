@@ -119,7 +119,7 @@ enum class Kind {
 // "shipped", ...
 std::string kind_word(Kind kind);
 
-// What a control is told of the trials that are judged (protocol.h).
+// What a control is told of the trials that are judged.
 enum class Told {
   nothing,
   clock,            // Held::clock

@@ -51,9 +51,7 @@ Result calibrate(const Options& options, const Catalogues& catalogues);
 // With a synthetic truth: whether every parameter that is called determined is within twice its 95 % interval of what was drawn.
 bool recovers(const Json& result);
 
-// Its page.
-
-// One HTML page without scripts of a result (calibrate.h): parameters, profiles, residuals, real beside synthetic.
+// One HTML page without scripts of a result: parameters, profiles, residuals, real beside synthetic.
 std::string calibration_page(const Json& result);
 
 // Throws InputError when `path` does not end in .yaml, or it, FILE.html or FILE.json beside it cannot be written or holds something else, or is

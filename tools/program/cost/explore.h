@@ -1,7 +1,7 @@
 // `slipbench cost`: what accuracy costs in time, for a scene of the user's own.
 //
-// A trial of the scene is run with every setting of settings.h. Each run is compared with a reference (errors.h): onsets with
-// their closed form where there is one (closed_form.h), all else with a far finer run, whose own error is what it differs from
+// A trial of the scene is run with every setting of settings_to_try(). Each run is compared with a reference (errors.h): onsets with
+// their closed form where there is one (closed_form), all else with a far finer run, whose own error is what it differs from
 // one of twice its step. Then all that ran are timed, in rounds that go over all of them in turn, so that a drift of the machine
 // meets all alike, until the budget is used up.
 #pragma once

@@ -302,4 +302,22 @@ std::vector<std::string> papillarrays_of(const DatasetReader& reader, std::size_
   return names;
 }
 
+std::vector<std::string> vendor_log_columns(std::size_t sensors) {
+  std::vector<std::string> names{"T_us"};
+  for (std::size_t s = 0; s < sensors; ++s) {
+    for (std::size_t p = 0; p < pillars; ++p) {
+      for (const char* column : {"DX", "DY", "DZ", "FX", "FY", "FZ"}) names.push_back(fmt::format("S{}_P{}_{}", s, p, column));
+    }
+    for (const char* column : {"FX", "FY", "FZ", "TX", "TY", "TZ"}) names.push_back(fmt::format("S{}_GG_{}", s, column));
+    names.push_back(fmt::format("S{}_isSDActive", s));
+    names.push_back(fmt::format("S{}_isRefLoad", s));
+    for (std::size_t p = 0; p < pillars; ++p) {
+      names.push_back(fmt::format("S{}_P{}_isInContact", s, p));
+      names.push_back(fmt::format("S{}_P{}_slipState", s, p));
+    }
+    names.push_back(fmt::format("S{}_FrictionEst", s));
+  }
+  return names;
+}
+
 }  // namespace slipbench
