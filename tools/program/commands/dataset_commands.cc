@@ -23,6 +23,7 @@
 #include "tools/program/cli/terminal.h"
 #include "tools/program/doctor/doctor.h"
 #include "tools/program/plugin/plugin_builds.h"
+#include "tools/program/sweep/run_sweep.h"
 #include "tools/program/text/describe.h"
 #include "tools/program/verify/verify.h"
 
