@@ -18,8 +18,6 @@ namespace slipbench {
 //   that touch, taken as stuck, whenever more of them touch than in the step before. A step that is too long is refused from the second one
 //   on: the first is also taken by MuJoCo's compiler, before the caller could set its length.
 // - Implicit pads are solved together (implicit.h).
-class PadInstance;
-
 class PadGroup {
  public:
   // `pads`: every pad of the mjData, in MuJoCo's order; they must outlive the group. Throws InputError when implicit pads do not suit the
