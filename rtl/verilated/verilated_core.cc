@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "rtl/verilated/core.h"
+#include "rtl/verilated/rtl_engine.h"
 #include "sim/core/error.h"
 
 namespace slipbench::hd {

@@ -6,7 +6,7 @@
 
 #include "sim/core/error.h"
 #include "sim/effects/effect_catalogue.h"
-#include "sim/effects/oscillator.h"
+#include "sim/effects/stick_slip.h"
 #include "sim/field/vectorise.h"
 
 namespace slipbench {

@@ -4,7 +4,6 @@
 #include "sim/core/error.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/effects/skin/elastic_contact.h"
-#include "sim/effects/skin/influence.h"
 
 namespace slipbench {
 namespace {

@@ -1,7 +1,6 @@
 #include "sim/effects/stick_slip.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace slipbench {

@@ -1,6 +1,5 @@
 #include "sim/field/contact_labels.h"
 
-#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
@@ -175,5 +176,9 @@ std::string escaped(const std::string& text) {
 std::string config_element(const std::string& key, const std::string& value) {
   return fmt::format("<config key=\"{}\" value=\"{}\"/>", key, escaped(value));
 }
+
+std::string mujoco_library_version() { return mj_versionString(); }
+
+bool mujoco_header_matches_library() { return mjVERSION_HEADER == mj_version(); }
 
 }  // namespace slipbench

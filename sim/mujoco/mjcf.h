@@ -19,4 +19,11 @@ std::string placed_message(const std::string& path, std::string message);
 // <config key="..." value="..."/>: an attribute of a plugin's instance.
 [[nodiscard]] std::string config_element(const std::string& key, const std::string& value);
 
+// Version of the library that was loaded, e.g. "4.0.1".
+std::string mujoco_library_version();
+
+// Whether the loaded library is the one whose headers this program was built with. MuJoCo keeps no binary compatibility between
+// versions, so a mismatch means that structs are read at wrong offsets.
+bool mujoco_header_matches_library();
+
 }  // namespace slipbench

@@ -20,7 +20,6 @@
 #include <gtest/gtest.h>
 
 #include "sim/effects/skin/elastic_contact.h"
-#include "sim/effects/skin/influence.h"
 #include "tests/oracle/effect_field.h"
 #include "tests/oracle/pads.h"
 

@@ -66,7 +66,7 @@ std::string result_page(const std::string& name, const Result& result);
 inline constexpr page::PageKind page_kind{
     "a result", "slipbench reproduce", "result page", "result of a reproduction", {"reproduction"}};
 
-class KeptNetworks;  // kept_networks.h
+class KeptNetworks;  // grid.h
 
 struct ReproduceOptions {
   std::string data;                             // a dataset to use instead of a fresh one; empty: none

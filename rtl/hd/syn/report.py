@@ -28,7 +28,7 @@ CLOCK_HZ = 100e6
 # Published for the whole detector: section IV.C of the paper.
 PAPER = {"lut_percent": 28.1, "ff_percent": 14.9, "bram36_percent": 19.2, "latency_cycles": 42, "latency_us": 0.42}
 
-# Slice width in parts of a vector, pillars a cycle, CIM and history in block RAM. The named ones are those of rtl/verilated/core.h.
+# Slice width in parts of a vector, pillars a cycle, CIM and history in block RAM. The named ones are those of rtl/verilated/rtl_engine.h.
 UNROLLINGS = {
     "fastest": {"slices": 1, "pillars_per_cycle": 9, "block_ram": 0},
     "fastest, block RAM": {"slices": 1, "pillars_per_cycle": 9, "block_ram": 1},

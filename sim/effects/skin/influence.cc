@@ -1,4 +1,4 @@
-#include "sim/effects/skin/influence.h"
+#include "sim/effects/skin/elastic_contact.h"
 
 #include <fftw3.h>
 
@@ -12,10 +12,8 @@
 #include <new>
 #include <numbers>
 #include <optional>
-#include <vector>
 
 #include <fmt/format.h>
-#include <Eigen/Core>
 
 #include "sim/core/error.h"
 #include "sim/core/fftw_planner.h"

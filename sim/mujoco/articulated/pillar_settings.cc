@@ -1,9 +1,8 @@
-#include "sim/mujoco/articulated/pillar_settings.h"
+#include "sim/mujoco/articulated/articulated.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>

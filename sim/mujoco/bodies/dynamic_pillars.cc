@@ -8,8 +8,6 @@
 #include "sim/core/process/interrupted.h"
 #include "sim/core/wrong_run.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
-#include "sim/mujoco/bodies/finger_spring.h"
-#include "sim/mujoco/bodies/gripper_model.h"
 #include "sim/mujoco/bodies/model_builder.h"
 #include "sim/mujoco/pads/geom_surface.h"
 #include "sim/simulation/stage_setup.h"

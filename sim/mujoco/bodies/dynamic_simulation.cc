@@ -16,8 +16,6 @@
 #include "sim/core/quantity.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
-#include "sim/mujoco/bodies/finger_spring.h"
-#include "sim/mujoco/bodies/gripper_model.h"
 #include "sim/mujoco/bodies/model_builder.h"
 #include "sim/mujoco/pads/field_plugin.h"
 #include "sim/mujoco/pads/geom_surface.h"

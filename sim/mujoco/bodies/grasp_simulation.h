@@ -15,7 +15,7 @@
 
 namespace slipbench {
 
-// DynamicSimulation with the fingers of gripper_model.h, whose carriages ride on the motion's arm, the box and a table. At the start the fingers are open, at rest, at
+// DynamicSimulation with the fingers of model_builder.h, whose carriages ride on the motion's arm, the box and a table. At the start the fingers are open, at rest, at
 // a whole count that leaves the clearance: the loop closes them. The world's origin is the point between the pads, Z up (Grasp).
 //
 // Who steps it plays the loop between two steps, at the time of the tick last stepped to: when the gripper's read is due it is read and the
@@ -26,7 +26,7 @@ namespace slipbench {
 // arm has risen, at which the table carries it. While the box stands, a pad that is off may come back: nothing is lost yet. An arm that a
 // controller commands (motion guided) has never risen for good: the box may turn on the table, and be put down.
 //
-// Besides the rules of watch.h a run is ended when a pad presses harder than the fingers can make it: beyond twice the largest force that a
+// Besides the rules of watch.cc a run is ended when a pad presses harder than the fingers can make it: beyond twice the largest force that a
 // finger's spring has reached, as a mass that falls onto a spring, and what stops a finger that closes at the fastest speed, v sqrt(k m).
 class GraspSimulation final : public Simulation, public HeldBox {
  public:

@@ -1,7 +1,6 @@
 #include "sim/mujoco/bodies/model_builder.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>

@@ -9,24 +9,60 @@
 //     pulls it (gravcomp),
 //   - with fidelity field one instance of the plugin `slipbench.field` a sensor, named as the sensor, with the attributes that a
 //     user would write; with fidelity articulated in its place the pillars of articulated.h, as children of the pad's body,
-//   - for a grasp the two fingers of a hand (gripper_model.h),
+//   - for a grasp the two fingers of a hand (below),
 //   - an exclusion of MuJoCo's own contact between a pad's body and every body that it touches: the field is their contact, and no
 //     force may count twice. It is for the whole bodies, since MuJoCo knows no other,
 //   - for implicit fields what implicit.h asks for.
 // Keyframes of the model are left out: they cannot fit once bodies are added.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
 
 #include "sim/core/pad_layout.h"
-#include "sim/mujoco/bodies/gripper_model.h"
+#include "sim/core/parameters.h"
+#include "sim/core/pose.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/scene/scene.h"
 
+struct mjsBody_;
+
 namespace slipbench {
+
+// The two fingers of a grasp as MuJoCo bodies.
+//
+// Each is a free body on the springs of dynamic_state.h. Neither arm nor drive yields, so neither needs a body, and there is no heavy one
+// in the model. Whoever steps it sets the applied forces to FingerSpring::wrench() and what carries the finger's weight: its springs are
+// counted from where it hangs. A finger's frame and its mass are at its pivot, so that it does not pitch when it is sped up.
+struct Hand {
+  const Parameters& grip;  // of the entry `grip`
+  double yaw, pitch;       // rad, about the arm's Z and then the hand's Y
+  double opening;          // m, between the pads' origins at the start
+  const char* box;         // name of the body that it takes
+};
+
+// The sensor's finger first: it is on the -X side and closes towards +X.
+struct FingerNames {
+  const char *body, *site;  // `site`: the pad frame, Z against the closing direction, Y up
+};
+inline constexpr std::array<FingerNames, 2> finger_names{{
+    {"slipbench/finger", "slipbench/finger pad"},
+    {"slipbench/second finger", "slipbench/second finger pad"},
+}};
+
+// In the middle of the box, axes alike: the pad frame of its corners, which stand on the table as elements of a field do. So the table's
+// friction is Coulomb's, and no solver is needed for it.
+inline constexpr const char* corner_site = "slipbench/box corners";
+
+// Where the carriage of finger 0 or 1 is in the arm's frame, at its pivot: x is its closing direction. `opening` as in Hand.
+Pose carriage_in_arm(const Hand& hand, std::size_t finger, double opening);
+
+// Adds both fingers to `world`, where their carriages are when the arm is at the origin.
+void add_fingers(mjsBody_* world, const Hand& hand);
 
 inline constexpr const char* own_prefix = "slipbench/";  // of the names of bodies that a scene does not name
 inline constexpr const char* stage_name = "slipbench/stage";

@@ -1,4 +1,4 @@
-#include "sim/mujoco/bodies/watch.h"
+#include "sim/mujoco/bodies/dynamic_simulation.h"
 
 #include <algorithm>
 #include <utility>
@@ -11,7 +11,6 @@
 #include "sim/mujoco/bodies/dynamic_state.h"
 #include "sim/mujoco/bodies/model_builder.h"
 #include "sim/mujoco/pads/field_plugin.h"
-#include "sim/mujoco/pads/pad_group.h"
 
 namespace slipbench {
 
@@ -84,7 +83,7 @@ std::optional<std::string> EnergyRule::check_body(double kinetic) const {
       kinetic, total_);
 }
 
-// DynamicSimulation's watch over the run (watch.h).
+// DynamicSimulation's watch over the run (dynamic_simulation.h).
 
 void DynamicSimulation::State::find_watched(const WatchLimits& limits) {
   energy.emplace(limits, judge_fields);

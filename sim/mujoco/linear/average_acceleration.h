@@ -26,8 +26,6 @@
 
 #include "sim/core/pose.h"
 #include "sim/field/field.h"
-#include "sim/mujoco/linear/dense.h"
-#include "sim/mujoco/linear/linear_model.h"
 #include "sim/mujoco/linear/stability.h"
 
 struct mjModel_;

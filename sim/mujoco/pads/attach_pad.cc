@@ -85,7 +85,7 @@ mjsElement* look_up(const mjSpec* spec, const std::string& instance, const std::
   return find(name);
 }
 
-// The bodies whose geoms the words of `touch` stand for (pad_config.h), each once.
+// The bodies whose geoms the words of `touch` stand for (pad_instance.h), each once.
 std::vector<mjsBody*> touched_bodies(const mjSpec* spec, const std::string& instance, const AttachedPad& pad, mjsBody* carrier) {
   std::vector<mjsBody*> bodies;
   const auto take = [&](mjsBody* body) {

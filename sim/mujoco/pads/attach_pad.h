@@ -12,7 +12,7 @@ struct mjSpec_;
 
 namespace slipbench {
 
-// What a pad is, in the words of pad_config.h.
+// What a pad is, in the words of pad_instance.h.
 struct PadOptions {
   // A sensor's name, one with parameters ({type: papillarray, bristles: 6}), or elements ([[x, y, z, k_n, k_t], ...]).
   std::string pad = "papillarray";

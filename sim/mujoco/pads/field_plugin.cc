@@ -15,9 +15,7 @@
 #include <iterator>
 #include <limits>
 #include <memory>
-#include <string>
 #include <utility>
-#include <vector>
 
 namespace slipbench {
 namespace {

@@ -27,7 +27,7 @@ inline constexpr std::size_t mesh_grid_nodes = 400'000;
 // second to make and is shared by all who ask for the same mesh while one of them lives; may be called from several threads.
 //
 // Throws std::invalid_argument for a geom that is not in the model, and InputError, which names the geom, its mesh and a remedy, for one of
-// another type (height field, sdf) and for a mesh that is not closed or too thin for its grid (mesh_distance.h).
+// another type (height field, sdf) and for a mesh that is not closed or too thin for its grid (surface.h).
 GeomSurface surface_of_geom(const mjModel_* model, int geom);
 
 }  // namespace slipbench

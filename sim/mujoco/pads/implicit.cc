@@ -9,7 +9,6 @@
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
 
-#include "sim/mujoco/linear/dense.h"
 #include "sim/mujoco/mujoco_differences.h"
 
 namespace slipbench {

@@ -1,10 +1,10 @@
-// The largest time step that a model with pads bears: predicted (linear_model.h), and measured by stepping it.
+// The largest time step that a model with pads bears: predicted (stability.h), and measured by stepping it.
 //
 // Measured: the model stands still in its initial pose for one step, is kicked, and goes on. It diverges where the root of its kinetic
 // energy comes to `growth` times that of the kick within `steps` steps, where MuJoCo warns of anything, or where a number is not
 // finite. Nothing refuses a step that is too long. Under the limit the energy swings and does not grow: of one undamped mode, stepped velocity
 // first, to 1/(1 - (h omega/2)^2) of the kick's, which is growth^2 = 1e6 at 5e-7 under the limit. Beyond it, at h = (1 + e) limit, a
-// damped mode grows by 1 + 2 e a step or more (dl/dh at l = -1 in linear_model.h) and an undamped one by 1 + sqrt(8 e), RK4's by 1 + 4 e: 1,000
+// damped mode grows by 1 + 2 e a step or more (dl/dh at l = -1 in stability.h) and an undamped one by 1 + sqrt(8 e), RK4's by 1 + 4 e: 1,000
 // steps find e = 0.5 %. So a measured limit is at most 0.5 % too large, and at most the bisection's 0.02 % too small.
 #pragma once
 

@@ -1,5 +1,5 @@
 // The core pin by pin: a stream with back-pressure, gaps and resets against the golden model, and its timing.
-#include "rtl/verilated/core.h"
+#include "rtl/verilated/rtl_engine.h"
 
 #include <deque>
 #include <optional>

@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "detectors/hd/hd_detector.h"
-#include "rtl/verilated/core.h"
+#include "rtl/verilated/rtl_engine.h"
 #include "tests/detectors/frames.h"
 #include "tests/detectors/hd/published.h"
 #include "tests/expect.h"

@@ -1,4 +1,4 @@
-#include "sim/mujoco/mujoco_version.h"
+#include "sim/mujoco/mjcf.h"
 
 #include <gtest/gtest.h>
 

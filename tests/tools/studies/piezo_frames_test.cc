@@ -1,5 +1,5 @@
 // Frames of a made-up recording whose loudness and labels are known.
-#include "tools/studies/piezo_fft_gru/piezo_recordings.h"
+#include "tools/studies/piezo_fft_gru/piezo_networks.h"
 
 #include <cmath>
 #include <functional>

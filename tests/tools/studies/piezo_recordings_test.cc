@@ -1,4 +1,4 @@
-#include "tools/studies/piezo_fft_gru/piezo_recordings.h"
+#include "tools/studies/piezo_fft_gru/piezo_networks.h"
 
 #include <algorithm>
 #include <cmath>

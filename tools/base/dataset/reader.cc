@@ -10,7 +10,6 @@
 #include "tools/base/dataset/stored_trials.h"
 #include "tools/base/hdf5/hdf5_place.h"
 #include "tools/base/record/content_digest.h"
-#include "tools/base/record/layout.h"
 
 namespace slipbench {
 namespace {

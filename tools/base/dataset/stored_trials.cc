@@ -11,7 +11,6 @@
 #include "sim/core/error.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/record/content_digest.h"
-#include "tools/base/record/layout.h"
 
 namespace slipbench {
 namespace {

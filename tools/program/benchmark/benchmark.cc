@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -19,15 +18,10 @@
 #include "tools/base/files/output_file.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
-#include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"
-#include "tools/program/benchmark/entrants.h"
-#include "tools/program/benchmark/protocol.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/doctor/doctor.h"
-#include "tools/program/eval/metrics.h"
 #include "tools/program/eval/replay.h"
-#include "tools/program/eval/truth.h"
 #include "tools/program/report/report_parts.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/sweep/run_sweep.h"

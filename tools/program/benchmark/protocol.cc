@@ -1,4 +1,4 @@
-#include "tools/program/benchmark/protocol.h"
+#include "tools/program/benchmark/benchmark.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/error.h"
-#include "sim/scene/parser.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
 

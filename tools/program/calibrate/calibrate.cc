@@ -8,11 +8,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/random.h"
-#include "tools/program/calibrate/disturbances.h"
-#include "tools/program/calibrate/electronics_fit.h"
-#include "tools/program/calibrate/model.h"
 #include "tools/program/calibrate/recordings.h"
-#include "tools/program/calibrate/search.h"
 
 namespace slipbench::calibrate {
 namespace {
@@ -337,7 +333,7 @@ Json begun(const Options& options, std::uint64_t seed, Json parameters, Json cor
 }
 
 // Takes out of `data`, readings of a drawn device, what all its gains share: the stiffness of that device, as it is of a real one
-// (disturbances.h). Told by the device's readings of the same once more: by those that are fitted it would take their noise off too.
+// (disturbances.cc). Told by the device's readings of the same once more: by those that are fitted it would take their noise off too.
 void take_common_gain(Compared& data, const Model& model, const Truth& truth, const Disturbances& disturbances,
                       const Options& options) {
   const Waves ideal = waves_of(model, truth.places, Readings::ideal, truth.seed, data, options);

@@ -11,9 +11,9 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
+#include "tools/base/page/page.h"
 #include "tools/base/record/json.h"
-#include "tools/program/calibrate/fit_key.h"
-#include "tools/program/calibrate/groups.h"
+#include "tools/program/calibrate/search.h"
 
 namespace slipbench {
 struct ImportFormat;
@@ -50,5 +50,14 @@ Result calibrate(const Options& options, const Catalogues& catalogues);
 
 // With a synthetic truth: whether every parameter that is called determined is within twice its 95 % interval of what was drawn.
 bool recovers(const Json& result);
+
+// One HTML page without scripts of a result: parameters, profiles, residuals, real beside synthetic.
+std::string calibration_page(const Json& result);
+
+// Throws InputError when `path` does not end in .yaml, or it, FILE.html or FILE.json beside it cannot be written or holds something else, or is
+// one of the `inputs`.
+void check_calibration_target(const std::string& path, const std::vector<std::string>& inputs);
+// Writes the fitted scene, and FILE.html and FILE.json beside it; returns their names. Throws as check_calibration_target().
+std::vector<std::string> write_calibration(const std::string& path, const std::string& fitted, const Json& result);
 
 }  // namespace slipbench::calibrate

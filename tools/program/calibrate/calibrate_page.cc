@@ -1,9 +1,8 @@
-#include "tools/program/calibrate/calibrate_page.h"
+#include "tools/program/calibrate/calibrate.h"
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <functional>
 #include <utility>
 
 #include <fmt/format.h>

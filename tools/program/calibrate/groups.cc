@@ -1,10 +1,8 @@
-#include "tools/program/calibrate/groups.h"
+#include "tools/program/calibrate/search.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

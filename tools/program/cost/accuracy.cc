@@ -1,4 +1,4 @@
-#include "tools/program/cost/accuracy.h"
+#include "tools/program/cost/kept_setting.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,6 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/cost/closed_form.h"
 
 namespace slipbench {
 namespace {

@@ -1,7 +1,5 @@
-#include "tools/program/cost/closed_form.h"
+#include "tools/program/cost/errors.h"
 
-#include <algorithm>
-#include <cmath>
 #include <functional>
 #include <memory>
 

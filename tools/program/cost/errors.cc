@@ -1,6 +1,5 @@
 #include "tools/program/cost/errors.h"
 
-#include <cstdint>
 #include <stdexcept>
 #include <string>
 

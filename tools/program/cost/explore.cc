@@ -13,7 +13,6 @@
 #include "sim/core/error.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/child_process.h"
-#include "tools/program/cost/closed_form.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/sweep/run_sweep.h"
 

@@ -1,7 +1,7 @@
 // `slipbench cost`: what accuracy costs in time, for a scene of the user's own.
 //
-// A trial of the scene is run with every setting of settings.h. Each run is compared with a reference (errors.h): onsets with
-// their closed form where there is one (closed_form.h), all else with a far finer run, whose own error is what it differs from
+// A trial of the scene is run with every setting of settings_to_try(). Each run is compared with a reference (errors.h): onsets with
+// their closed form where there is one (closed_form), all else with a far finer run, whose own error is what it differs from
 // one of twice its step. Then all that ran are timed, in rounds that go over all of them in turn, so that a drift of the machine
 // meets all alike, until the budget is used up.
 #pragma once
@@ -16,11 +16,50 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
+#include "sim/scene/scene.h"
 #include "tools/base/record/json.h"
 #include "tools/program/cost/errors.h"
-#include "tools/program/cost/settings.h"
 
 namespace slipbench::cost {
+
+// Which settings `slipbench cost` tries on a scene: each is a list of changes that a user could give with --set.
+struct Setting {
+  std::string series;             // name of its Series: "field"
+  std::string label;              // within the series: "1 ms"
+  std::vector<Override> changes;  // on top of the user's own; empty: the scene as it is
+};
+
+// Settings that differ in one thing and make one curve.
+struct Series {
+  std::string name;   // "field"
+  std::string title;  // "element field, explicit"
+  // The series' finest setting, the last, stands for the truth, and not the reference of the scene: the settings are other models of the
+  // same sensor, which do not converge to the scene's own.
+  bool own_reference = false;
+};
+
+const std::vector<Series>& all_series();
+// That of a setting.
+const Series& series_of(const Setting& setting);
+
+// The fastest of the rates [Hz] that the scene's sensors are given; 0 where none has one.
+double fastest_rate(const Scene& scene);
+
+// Whether MuJoCo's own contact, which knows one coefficient of friction, has to take the static one for the kinetic one too.
+bool one_friction(const Scene& scene);
+
+// All settings that suit the scene, the scene's own not among them; those of a series from coarse to fine. What the scene's kind refuses
+// as such (an integrator where nothing is integrated) is left out; what a scene could have and this one may not (a step that is too long)
+// is not. `own`: the step of the fastest sensor's pad [s].
+std::vector<Setting> settings_to_try(const Scene& scene, double own);
+
+// The scene itself with a step of `time_step` [s], at its own output rate.
+Setting finer(double time_step);
+
+// A step as a scene writes it, exact: "0.05 ms".
+std::string step_text(double time_step);
+// The same for a person, to four digits: "227.3 us".
+std::string short_text(double time_step);
 
 struct ExploreOptions {
   std::string scene_path;

@@ -17,7 +17,6 @@
 #include "tools/base/files/output_file.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
-#include "tools/program/cost/accuracy.h"
 
 namespace slipbench {
 namespace {

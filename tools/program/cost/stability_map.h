@@ -1,7 +1,7 @@
 // The largest stable step of explicit pads that stick over mass, stiffness, damping and integrator: measured beside predicted. Of pads
 // that slip, let go or strike it says nothing.
 //
-// What is measured, and how far it may be off: sim/mujoco/pads/step_probe.h. What is predicted: sim/mujoco/linear/linear_model.h.
+// What is measured, and how far it may be off: sim/mujoco/pads/step_probe.h. What is predicted: sim/mujoco/linear/stability.h.
 #pragma once
 
 #include <cstddef>

@@ -17,7 +17,7 @@
 #include <openssl/crypto.h>
 #include <Eigen/Core>
 
-#include "sim/mujoco/mujoco_version.h"
+#include "sim/mujoco/mjcf.h"
 
 namespace slipbench {
 namespace {

@@ -7,7 +7,7 @@
 #include "sim/scene/scene.h"
 #include "tools/base/page/page.h"
 #include "tools/base/record/json.h"
-#include "tools/program/eval/truth.h"
+#include "tools/program/eval/metrics.h"
 
 namespace slipbench::eval {
 

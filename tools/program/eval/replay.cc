@@ -14,7 +14,7 @@
 #include "sim/core/error.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/run/control_loop.h"
+#include "tools/program/run/trial_run.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench::eval {

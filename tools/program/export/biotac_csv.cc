@@ -73,7 +73,6 @@ std::string row_of(const TrialRecord& record) {
   return text + '\n';
 }
 
-constexpr std::size_t slip_csv_electrodes = 24;
 constexpr double slip_csv_rate = 100.0;  // Hz
 constexpr std::string_view slip_csv_beginning = "ff_e1,ff_e2,";
 
@@ -114,9 +113,8 @@ bool begins_as_grasp_csv(std::string_view text) { return text.starts_with(first_
 
 SlipRecording slip_csv(const DatasetReader& reader, std::size_t trial, const std::string& sensor) {
   const SensorRecord record = reader.read_sensor(trial, sensor);
-  const auto electrodes = std::ranges::find(record.channels, "electrodes", &SensorColumn::name);
-  if (record.type != "biotac_sp" || electrodes == record.channels.end() ||
-      electrodes->shape != std::vector<std::size_t>{slip_csv_electrodes}) {
+  const auto column = std::ranges::find(record.channels, "electrodes", &SensorColumn::name);
+  if (record.type != "biotac_sp" || column == record.channels.end() || column->shape != std::vector<std::size_t>{electrodes}) {
     throw InputError(
         fmt::format("trial {}: sensor '{}' is a {}; allowed: a biotac_sp, which slip-csv is for", trial, sensor, record.type));
   }
@@ -131,12 +129,12 @@ SlipRecording slip_csv(const DatasetReader& reader, std::size_t trial, const std
 
   fmt::memory_buffer text;
   auto out = std::back_inserter(text);
-  for (std::size_t e = 1; e <= slip_csv_electrodes; ++e) fmt::format_to(out, "{}ff_e{}", e == 1 ? "" : ",", e);
+  for (std::size_t e = 1; e <= electrodes; ++e) fmt::format_to(out, "{}ff_e{}", e == 1 ? "" : ",", e);
   text.push_back('\n');
   for (std::size_t row = 0; row < record.time.size(); ++row) {
     if (record.time[row] < begin) continue;
-    for (std::size_t e = 0; e < slip_csv_electrodes; ++e) {
-      fmt::format_to(out, "{}{:.0f}", e == 0 ? "" : ",", electrodes->values[row * slip_csv_electrodes + e]);
+    for (std::size_t e = 0; e < electrodes; ++e) {
+      fmt::format_to(out, "{}{:.0f}", e == 0 ? "" : ",", column->values[row * electrodes + e]);
     }
     text.push_back('\n');
   }

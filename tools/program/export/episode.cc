@@ -1,4 +1,4 @@
-#include "tools/program/export/episode.h"
+#include "tools/program/export/formats.h"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/record/layout.h"
-#include "tools/program/samples/samples.h"
+#include "tools/base/record/encoder.h"
 
 namespace slipbench {
 namespace {

@@ -19,9 +19,9 @@ enum class ExportFormat {
   csv,             // a table a trial and sensor, with a header
   npz,             // a numpy archive a trial
   robomimic,       // one HDF5 file of demonstrations
-  lerobot,         // a LeRobotDataset a rate; Python writes it (python_formats.cc)
-  parquet,         // a table of columns a sensor; Python writes it (python_formats.cc)
-  mcap,            // messages with their times, a file a trial; Python writes it (python_formats.cc)
+  lerobot,         // a LeRobotDataset a rate; Python writes it
+  parquet,         // a table of columns a sensor; Python writes it
+  mcap,            // messages with their times, a file a trial; Python writes it
   vendor_csv,      // PapillArray: the log of the vendor's visualisation software
   slip_csv,        // BioTac SP: the public slip recordings, one file a trial
   grasp_csv,       // BioTac SP: the public grasps with three fingers, one file

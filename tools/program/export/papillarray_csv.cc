@@ -5,14 +5,13 @@
 #include <iterator>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/core/error.h"
 #include "tools/program/export/formats.h"
 
 namespace slipbench {
 namespace {
-
-constexpr std::size_t centre = 4;
 
 // The vendor's software calls a pillar in contact from this reported force on [N].
 constexpr float contact_force = 0.5F;
@@ -22,21 +21,6 @@ constexpr double loaded_force = 0.05;
 
 enum class VendorState : int { untouched = -2, contact_lost = -1, contact = 1, loaded = 2, slipped = 3 };
 
-void append_header(fmt::memory_buffer& text, std::size_t sensors) {
-  auto out = std::back_inserter(text);
-  fmt::format_to(out, "T_us");
-  for (std::size_t s = 0; s < sensors; ++s) {
-    for (std::size_t p = 0; p < pillars; ++p) {
-      for (const char* column : {"DX", "DY", "DZ", "FX", "FY", "FZ"}) fmt::format_to(out, ",S{}_P{}_{}", s, p, column);
-    }
-    for (const char* column : {"FX", "FY", "FZ", "TX", "TY", "TZ"}) fmt::format_to(out, ",S{}_GG_{}", s, column);
-    fmt::format_to(out, ",S{0}_isSDActive,S{0}_isRefLoad", s);
-    for (std::size_t p = 0; p < pillars; ++p) fmt::format_to(out, ",S{0}_P{1}_isInContact,S{0}_P{1}_slipState", s, p);
-    fmt::format_to(out, ",S{}_FrictionEst", s);
-  }
-  text.push_back('\n');
-}
-
 // Force of all pillars, and their torque about the deformed tip of the centre pillar [N, N mm].
 std::array<double, 6> global_load(const PapillarraySamples& samples, std::size_t row) {
   const auto deformed_tip = [&](std::size_t pillar) {
@@ -45,7 +29,7 @@ std::array<double, 6> global_load(const PapillarraySamples& samples, std::size_t
     for (std::size_t axis = 0; axis < 3; ++axis) tip[axis] += displacement[axis];
     return tip;
   };
-  const std::array<double, 3> reference = deformed_tip(centre);
+  const std::array<double, 3> reference = deformed_tip(middle_pillar);
   std::array<double, 6> load{};
   for (std::size_t p = 0; p < pillars; ++p) {
     const std::array<float, 3> force = samples.force(row, p);
@@ -75,7 +59,8 @@ void append_sensor(fmt::memory_buffer& text, const PapillarraySamples& samples, 
     for (const float newtons : samples.force(row, p)) fmt::format_to(out, ",{}", newtons);
   }
   for (const double value : global_load(samples, row)) fmt::format_to(out, ",{}", static_cast<float>(value));
-  const bool reference_loaded = samples.touching(row, centre) && samples.tangential_force(row, centre) >= loaded_force;
+  const bool reference_loaded =
+      samples.touching(row, middle_pillar) && samples.tangential_force(row, middle_pillar) >= loaded_force;
   fmt::format_to(out, ",1,{}", reference_loaded ? 1 : 0);
   for (std::size_t p = 0; p < pillars; ++p) {
     fmt::format_to(out, ",{},{}", samples.force(row, p)[2] >= contact_force ? 1 : 0,
@@ -138,7 +123,7 @@ std::string vendor_csv(const std::vector<PapillarraySamples>& sensors) {
   if (sensors.size() > 2) throw InputError(fmt::format("the vendor's log holds up to 2 sensors, found {}", sensors.size()));
   std::vector<std::array<bool, pillars>> touched(sensors.size());
   fmt::memory_buffer text;
-  append_header(text, sensors.size());
+  fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(vendor_log_columns(sensors.size()), ","));
   for (std::size_t row = 0; row < sensors[0].size(); ++row) {
     fmt::format_to(std::back_inserter(text), "{}", std::llround(1e6 * sensors[0].time(row)));
     for (std::size_t s = 0; s < sensors.size(); ++s) {

@@ -17,7 +17,6 @@
 #include "tools/base/files/output_file.h"
 #include "tools/base/hdf5/hdf5_place.h"
 #include "tools/base/record/json.h"
-#include "tools/program/export/episode.h"
 
 namespace slipbench {
 namespace {

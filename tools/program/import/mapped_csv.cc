@@ -9,8 +9,8 @@
 
 #include "sim/core/error.h"
 #include "sim/core/parameters.h"
-#include "sim/scene/entry_reader.h"
 #include "sim/scene/parser.h"
+#include "sim/scene/section_readers.h"
 #include "tools/program/import/source_table.h"
 
 namespace slipbench {

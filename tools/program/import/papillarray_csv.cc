@@ -12,17 +12,17 @@
 #include "sim/core/error.h"
 #include "tools/base/record/json.h"
 #include "tools/program/import/source_table.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {
 
-constexpr std::size_t log_pillars = 9;
-constexpr std::size_t log_sensor_columns = 81;                                                  // of one sensor, after the time
-constexpr std::size_t log_pillar_columns = 6;                                                   // displacement and force
-constexpr std::size_t log_load_columns = 6;                                                     // force and torque of all pillars
-constexpr std::size_t log_active_column = log_pillars * log_pillar_columns + log_load_columns;  // isSDActive
-constexpr std::size_t log_states_column = log_active_column + 2;                                // of the first pillar
-constexpr double latest_log = 1e15;                                                             // us
+constexpr std::size_t log_sensor_columns = 81;                                              // of one sensor, after the time
+constexpr std::size_t log_pillar_columns = 6;                                               // displacement and force
+constexpr std::size_t log_load_columns = 6;                                                 // force and torque of all pillars
+constexpr std::size_t log_active_column = pillars * log_pillar_columns + log_load_columns;  // isSDActive
+constexpr std::size_t log_states_column = log_active_column + 2;                            // of the first pillar
+constexpr double latest_log = 1e15;                                                         // us
 constexpr double smallest_log_time = 0.0;
 constexpr const char* log_rule =
     "the device's own slip detection: none, some or all of the pillars in contact (slipState 1, 2 or 3) are in state 3";
@@ -30,32 +30,13 @@ constexpr const char* log_frame =
     "pillars seen from above with the connector at the bottom: x up, y right, z into the sensor, so that compression is positive; "
     "forces act on the sensor, displacements are of its tips";
 
-// In the manual's order.
-std::vector<std::string> log_columns(std::size_t sensors) {
-  std::vector<std::string> names{"T_us"};
-  for (std::size_t s = 0; s < sensors; ++s) {
-    for (std::size_t p = 0; p < log_pillars; ++p) {
-      for (const char* column : {"DX", "DY", "DZ", "FX", "FY", "FZ"}) names.push_back(fmt::format("S{}_P{}_{}", s, p, column));
-    }
-    for (const char* column : {"FX", "FY", "FZ", "TX", "TY", "TZ"}) names.push_back(fmt::format("S{}_GG_{}", s, column));
-    names.push_back(fmt::format("S{}_isSDActive", s));
-    names.push_back(fmt::format("S{}_isRefLoad", s));
-    for (std::size_t p = 0; p < log_pillars; ++p) {
-      names.push_back(fmt::format("S{}_P{}_isInContact", s, p));
-      names.push_back(fmt::format("S{}_P{}_slipState", s, p));
-    }
-    names.push_back(fmt::format("S{}_FrictionEst", s));
-  }
-  return names;
-}
-
 // The header's names. The manual prints those of the second sensor's slip detection with the first one's number, so that either may stand
 // there.
 std::vector<std::string> read_log_header(SourceTable& table) {
   if (!table.next()) table.fail("the file is empty; allowed: a header that begins with T_us");
   const std::size_t found = table.cells().size();
   const std::size_t sensors = found > log_sensor_columns + 1 ? 2 : 1;
-  std::vector<std::string> names = log_columns(sensors);
+  std::vector<std::string> names = vendor_log_columns(sensors);
   for (std::size_t i = 0; i < std::min(names.size(), found); ++i) {
     const std::string cell(table.cells()[i]);
     const bool printed = i > log_sensor_columns + log_active_column &&
@@ -73,7 +54,7 @@ struct LoggedSensor {
   bool always_active = true;
 
   void add(const SourceTable& table, const std::vector<std::string>& names, std::size_t first) {
-    for (std::size_t p = 0; p < log_pillars; ++p) {
+    for (std::size_t p = 0; p < pillars; ++p) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::size_t cell = first + p * log_pillar_columns + axis;
         constexpr double most = 1e6;  // mm
@@ -83,7 +64,7 @@ struct LoggedSensor {
     }
     // What follows from the pillars, or is no reading of theirs, is not kept, and is a number all the same.
     for (std::size_t i = 0; i < log_load_columns; ++i) {
-      const std::size_t cell = first + log_pillars * log_pillar_columns + i;
+      const std::size_t cell = first + pillars * log_pillar_columns + i;
       static_cast<void>(table.value(cell, names[cell]));
     }
     const std::size_t active = first + log_active_column, friction = first + log_sensor_columns - 1;
@@ -94,7 +75,7 @@ struct LoggedSensor {
     constexpr std::array<int, 5> states{-2, -1, 1, 2, 3};
     constexpr std::array<int, 6> idle_states{-2, -1, 0, 1, 2, 3};
     std::size_t touching = 0, slipping = 0;
-    for (std::size_t p = 0; p < log_pillars; ++p) {
+    for (std::size_t p = 0; p < pillars; ++p) {
       const std::size_t cell = first + log_states_column + 2 * p;
       static_cast<void>(table.flag(cell, names[cell]));
       const int state =
@@ -106,9 +87,8 @@ struct LoggedSensor {
   }
 };
 
-constexpr std::size_t training_pillars = 9;
 constexpr std::size_t training_pillar_columns = 8;  // contact, slip, displacement, force
-constexpr std::size_t training_columns = 1 + training_pillars * training_pillar_columns;
+constexpr std::size_t training_columns = 1 + pillars * training_pillar_columns;
 constexpr std::size_t training_centre = 4;
 constexpr double latest_training = 1e9;  // s
 constexpr double most_training_mm = 1e6;
@@ -217,7 +197,7 @@ void read_training_csv(const SourceFile& file, const AddRecording& add) {
     sensor.time.push_back(now);
     std::size_t touching = 0, slipping = 0;
     bool contact = false;
-    for (std::size_t p = 0; p < training_pillars; ++p) {
+    for (std::size_t p = 0; p < pillars; ++p) {
       const std::size_t first = 1 + p * training_pillar_columns;
       const bool touches = table.flag(first, columns[first]), slips = table.flag(first + 1, columns[first + 1]);
       contact = contact || touches;

@@ -1,4 +1,4 @@
-#include "tools/program/run/control_loop.h"
+#include "tools/program/run/trial_run.h"
 
 #include <algorithm>
 #include <stdexcept>

@@ -6,8 +6,8 @@
 #include <variant>
 
 #include "sim/core/error.h"
-#include "sim/scene/entry_reader.h"
 #include "sim/scene/parser.h"
+#include "sim/scene/section_readers.h"
 #include "tools/base/record/json.h"
 
 namespace slipbench {

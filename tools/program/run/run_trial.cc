@@ -14,7 +14,6 @@
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/recorded_scene.h"
-#include "tools/program/run/recorder.h"
 #include "tools/program/run/trial_run.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
 #include "sim/mujoco/articulated/articulated_stage.h"

@@ -11,8 +11,8 @@
 #include "sim/core/error.h"
 #include "sim/motion/motion.h"
 #include "sim/scene/parser.h"
+#include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
-#include "tools/base/record/layout.h"
 
 namespace slipbench {
 namespace {
@@ -299,6 +299,24 @@ std::vector<std::string> papillarrays_of(const DatasetReader& reader, std::size_
     if (reader.sensor_type(trial, name) == "papillarray") names.push_back(name);
   }
   if (names.empty()) throw InputError(fmt::format("trial {}: has no papillarray, which is what this format holds", trial));
+  return names;
+}
+
+std::vector<std::string> vendor_log_columns(std::size_t sensors) {
+  std::vector<std::string> names{"T_us"};
+  for (std::size_t s = 0; s < sensors; ++s) {
+    for (std::size_t p = 0; p < pillars; ++p) {
+      for (const char* column : {"DX", "DY", "DZ", "FX", "FY", "FZ"}) names.push_back(fmt::format("S{}_P{}_{}", s, p, column));
+    }
+    for (const char* column : {"FX", "FY", "FZ", "TX", "TY", "TZ"}) names.push_back(fmt::format("S{}_GG_{}", s, column));
+    names.push_back(fmt::format("S{}_isSDActive", s));
+    names.push_back(fmt::format("S{}_isRefLoad", s));
+    for (std::size_t p = 0; p < pillars; ++p) {
+      names.push_back(fmt::format("S{}_P{}_isInContact", s, p));
+      names.push_back(fmt::format("S{}_P{}_slipState", s, p));
+    }
+    names.push_back(fmt::format("S{}_FrictionEst", s));
+  }
   return names;
 }
 

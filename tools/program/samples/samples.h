@@ -96,6 +96,9 @@ std::string commanded_word(const DatasetReader& reader, std::size_t trial, const
 inline constexpr std::size_t pillars = 9;
 inline constexpr std::size_t middle_pillar = 4;
 
+// The columns of the vendor's log of so many sensors, in its manual's order: T_us, S0_P0_DX, ...
+std::vector<std::string> vendor_log_columns(std::size_t sensors);
+
 // One PapillArray's samples: force and displacement of every pillar, and the truth.
 class PapillarraySamples {
  public:

@@ -26,7 +26,7 @@
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/run/recorded_scene.h"
-#include "tools/program/run/recorder.h"
+#include "tools/program/run/trial_run.h"
 #include "tools/program/sweep/sweep_shard.h"
 
 namespace slipbench {

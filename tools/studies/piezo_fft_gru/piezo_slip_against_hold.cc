@@ -15,7 +15,7 @@
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/statistics/roc.h"
 #include "tools/studies/grid.h"
-#include "tools/studies/piezo_fft_gru/piezo_recordings.h"
+#include "tools/studies/piezo_fft_gru/piezo_networks.h"
 
 namespace slipbench::reproduce {
 namespace {

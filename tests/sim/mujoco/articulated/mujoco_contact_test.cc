@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/articulated/articulated_stage.h"
-#include "sim/mujoco/articulated/pillar_settings.h"
 #include "sim/scene/scene_values.h"
 #include "tests/expect.h"
 #include "tests/oracle/pads.h"

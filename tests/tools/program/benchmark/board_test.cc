@@ -16,13 +16,10 @@
 #include "tests/expect.h"
 #include "tools/base/project/project_file.h"
 #include "tools/program/benchmark/benchmark.h"
-#include "tools/program/benchmark/entrants.h"
-#include "tools/program/benchmark/protocol.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/eval/metrics.h"
 #include "tools/program/eval/replay.h"
-#include "tools/program/eval/truth.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/sweep/run_sweep.h"
 

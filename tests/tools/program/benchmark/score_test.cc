@@ -1,8 +1,6 @@
-#include "tools/program/benchmark/protocol.h"
+#include "tools/program/benchmark/benchmark.h"
 
 #include <cmath>
-#include <limits>
-#include <vector>
 
 #include <gtest/gtest.h>
 

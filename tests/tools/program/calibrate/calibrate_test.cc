@@ -12,7 +12,6 @@
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/writer.h"
-#include "tools/program/calibrate/calibrate_page.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/export/export.h"
 #include "tools/program/import/import.h"

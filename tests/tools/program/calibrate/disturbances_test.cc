@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/disturbances.h"
+#include "tools/program/calibrate/search.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
-#include "tools/program/calibrate/fit_key.h"
 #include "tests/expect.h"
+#include "tools/program/calibrate/model.h"
 
 namespace slipbench::calibrate {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/program/calibrate/groups.h"
+#include "tools/program/calibrate/search.h"
 
 #include <cmath>
 #include <filesystem>
@@ -7,7 +7,6 @@
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/program/calibrate/calibrate.h"
-#include "tools/program/calibrate/calibrate_page.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/sweep/run_sweep.h"
 

@@ -1,15 +1,12 @@
-#include "tools/program/cost/accuracy.h"
+#include "tools/program/cost/kept_setting.h"
 
 #include <algorithm>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "sim/core/quantity.h"
 #include "tests/expect.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/cost/closed_form.h"
 
 namespace slipbench::testing {
 namespace {

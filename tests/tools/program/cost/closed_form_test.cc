@@ -1,12 +1,8 @@
-#include "tools/program/cost/closed_form.h"
 #include "tests/scenes.h"
+#include "tools/program/cost/errors.h"
 
 #include <gtest/gtest.h>
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <numbers>
-#include <vector>
 
 namespace slipbench::testing {
 namespace {

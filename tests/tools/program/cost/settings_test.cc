@@ -1,9 +1,8 @@
-#include "tools/program/cost/settings.h"
+#include "tools/program/cost/explore.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <string>
 
 #include "sim/core/quantity.h"
 #include "tests/expect.h"

@@ -1,4 +1,4 @@
-#include "tools/program/eval/truth.h"
+#include "tools/program/eval/metrics.h"
 
 #include <cmath>
 

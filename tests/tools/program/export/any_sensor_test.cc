@@ -12,7 +12,6 @@
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/program/export/episode.h"
 #include "tools/program/export/export.h"
 #include "tools/program/export/formats.h"
 #include "tools/program/samples/samples.h"

@@ -1,8 +1,6 @@
-#include "tools/program/run/control_loop.h"
+#include "tools/program/run/trial_run.h"
 
-#include <limits>
 #include <stdexcept>
-#include <vector>
 
 #include <gtest/gtest.h>
 

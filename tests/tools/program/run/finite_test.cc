@@ -1,11 +1,7 @@
-#include "tools/program/run/recorder.h"
+#include "tools/program/run/trial_run.h"
 
-#include <functional>
-#include <limits>
-#include <string>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "tests/expect.h"
 

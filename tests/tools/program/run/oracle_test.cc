@@ -12,8 +12,8 @@
 #include "tests/scenes.h"
 #include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/control_loop.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/run/trial_run.h"
 
 namespace slipbench {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/base/record/layout.h"
+#include "tools/base/record/encoder.h"
 #include "tools/base/record/trial_record.h"
 
 namespace slipbench::testing_run {

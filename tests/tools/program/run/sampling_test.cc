@@ -16,9 +16,8 @@
 #include "tests/expect.h"
 #include "tests/scenes.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/run/control_loop.h"
-#include "tools/program/run/recorder.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/run/trial_run.h"
 
 namespace slipbench::sampling_test {
 namespace {

@@ -1,13 +1,9 @@
-#include "tools/program/train/network/layers.h"
+#include "tools/program/train/network/network.h"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numeric>
 #include <stdexcept>
-#include <string>
-
-#include "tools/program/train/network/network.h"
 
 namespace slipbench::train {
 namespace {
