@@ -1,5 +1,6 @@
 #include "sim/field/contact_labels.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>

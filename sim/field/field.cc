@@ -9,7 +9,8 @@
 #include <string>
 
 #include "sim/core/error.h"
-#include "sim/field/return_mapping.h"
+#include "sim/field/cones.h"
+#include "sim/field/dashpot.h"
 
 namespace slipbench {
 namespace {
@@ -63,42 +64,6 @@ double zero_crossing(double before, double now) {
   return fraction >= 0.0 && fraction <= 1.0 ? fraction : 0.0;
 }
 
-// The dashpots that elements may have in parallel with their springs. Kelvin-Voigt element: f = k u + c du/dt with the rate taken over the step
-// (backward Euler, first order, never unstable). Normal: u is the penetration; tangential: the stretch, and the whole force f obeys the friction cone.
-class Dashpots final : public RheologyEffect {
- public:
-  explicit Dashpots(const PadLayout& layout) : elements_(layout.elements), before_(deflections * layout.elements.size()) {}
-
-  void prepare(const ElementColumns& columns, const AffineForce& force) override {
-    if (columns.dt <= 0.0) return;
-    for (std::size_t i = 0; i < columns.count; ++i) {
-      const double normal_rate = elements_[i].c_normal / columns.dt;
-      const double tangential_rate = elements_[i].c_tangential / columns.dt;
-      force.k_normal[i] += normal_rate;
-      force.h_normal[i] -= normal_rate * before_[deflections * i];
-      force.k_tangential[i] += tangential_rate;
-      force.h_x[i] -= tangential_rate * before_[deflections * i + 1];
-      force.h_y[i] -= tangential_rate * before_[deflections * i + 2];
-      force.h_z[i] -= tangential_rate * before_[deflections * i + 3];
-    }
-  }
-
-  void commit(const ElementColumns& columns, const double* ux, const double* uy, const double* uz) override {
-    for (std::size_t i = 0; i < columns.count; ++i) {
-      const std::array<double, deflections> now{columns.penetration[i], ux[i], uy[i], uz[i]};
-      std::copy(now.begin(), now.end(), before_.begin() + static_cast<std::ptrdiff_t>(deflections * i));
-    }
-  }
-
-  [[nodiscard]] std::span<double> memory() override { return before_; }
-
- private:
-  static constexpr std::size_t deflections = 4;
-
-  std::vector<Element> elements_;
-  std::vector<double> before_;  // [elements][4] penetration and stretch at the end of the step before
-};
-
 }  // namespace
 
 void Field::Free::operator()(double* block) const { std::free(block); }
@@ -110,8 +75,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
       effects_(std::move(effects)),
       count_(layout.elements.size()),
       padded_((count_ + kernel::lanes - 1) / kernel::lanes * kernel::lanes) {
-  if (std::ranges::any_of(layout_.elements, [](const Element& e) { return e.c_normal > 0.0 || e.c_tangential > 0.0; }))
-    effects_.rheology.push_back(std::make_unique<Dashpots>(layout_));
+  if (auto dashpots = make_dashpots(layout_)) effects_.rheology.push_back(std::move(dashpots));
   if (effects_.tip && (!on_plane() || effects_.cone || effects_.rate || effects_.lean || has_memory())) {
     throw std::invalid_argument(
         "field: tips with mass need a plane and stand alone: no other cone, rate law, lean, rheology or dashpot");

@@ -125,7 +125,7 @@ SpringSums sum_springs(const Columns& columns, const Groups& groups);
 Wrench damped_wrench_on_pad(const Columns& columns, const Eigen::Vector3d& origin, const Twist& motion, double tau,
                             const ConeEffect* cone, const Groups& groups);
 
-// For an active set (field.h), after pass 1 of the `candidates`: writes to `active` and `idle` where those groups begin that are. Idle ones
+// For an active set (active_set.h), after pass 1 of the `candidates`: writes to `active` and `idle` where those groups begin that are. Idle ones
 // are left as map() would leave them.
 struct Sorted {
   std::size_t active, idle;  // how many they are

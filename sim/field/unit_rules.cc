@@ -1,4 +1,4 @@
-#include "sim/field/contact_labels.h"
+#include "sim/field/unit_rules.h"
 
 #include <cmath>
 #include <limits>

@@ -2,128 +2,19 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <functional>
 #include <limits>
-#include <memory>
 #include <type_traits>
-#include <utility>
 #include <variant>
-#include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 #include "sim/core/vectorise.h"
+#include "sim/field/surface/distance_grid.h"
+#include "sim/field/surface/surface_point.h"
 
 namespace slipbench {
-
-// What an element meets: `gap` is the signed distance of its undeformed tip [m] (negative: penetration), `normal` the unit
-// outward normal of the surface there. An element whose axis points away from every face near it never touches: its gap is
-// positive.
-//
-// `faces`, a bit for each face of a surface with edges: of a tip outside, those beyond whose planes it lies; of a tip inside, the
-// one that it meets; none where it meets none. A tip meets a face without a jump of its gap if it had that bit the moment before.
-struct SurfacePoint {
-  static constexpr unsigned only_face = 1;  // of a surface without edges: met by whoever looks at it
-
-  double gap;
-  double nx, ny, nz;
-  unsigned faces = only_face;
-};
-
-// The signed distance of a closed surface, computed once at the nodes of a regular grid: for shapes whose distance is dear.
-// A uniform tricubic B-spline through samples of a distance. Its coefficients along each axis are
-//   c = (1 - D/6 + D^2/36) f,   D f_i = f_(i-1) - 2 f_i + f_(i+1)
-// the start of the series of (1 + D/6)^-1, which interpolates (de Boor, A Practical Guide to Splines, ch. XII). So it is local: a
-// kink of the distance is felt 4 cells away along each axis and no further. Cubics are reproduced exactly; on a smooth surface
-// the distance is right to the fourth order of the cell and the normal, its gradient, to the third; the normal and its slope are
-// continuous. Inside an edge or a corner, where the distance has a kink, the faces are blended into each other within 4 cells,
-// and so are two sides that are less than about 8 cells apart.
-//
-// Copies share the samples, which never change: any number of threads may read them.
-class DistanceGrid {
- public:
-  struct Samples;
-  static constexpr std::size_t max_nodes = std::size_t{1} << 23;  // 64 MiB
-
-  // Samples `distance`, the signed distance [m] to a closed surface within the box from `low` to `high` [m], in cells of the edge
-  // length `cell` [m]; the grid stands out beyond the box by at least 3 cells. Calls `distance` once a node, up to 6 cells
-  // outside the box. Throws std::invalid_argument unless the box and the cell are positive and finite, the grid has at most
-  // max_nodes nodes, and every sample is finite and no smaller than its distance to the box: else the surface would not lie
-  // within it.
-  DistanceGrid(const std::function<double(const Eigen::Vector3d&)>& distance, const Eigen::Vector3d& low,
-               const Eigen::Vector3d& high, double cell);
-
-  // The cell [m] with which the grid of a box of the edges `extent` [m] has `nodes` nodes, or a few less. `nodes` must be above
-  // 13^3, those of an empty box.
-  [[nodiscard]] static double cell_for(const Eigen::Vector3d& extent, std::size_t nodes);
-
-  // As in surface.h, for one smooth surface: the nearest point is the one met. Outside the grid the gap is that of the box around
-  // the surface: a lower bound of the distance, and positive. Where the gradient vanishes (the middle of a ball) there is no
-  // nearest point.
-  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const;
-
-  // The cell [m], and the number of nodes that are kept, 8 bytes each.
-  [[nodiscard]] double cell() const;
-  [[nodiscard]] std::size_t nodes() const;
-
-  // What copies share, for whoever wants to share it further: the same grid again.
-  [[nodiscard]] const std::shared_ptr<const Samples>& samples() const { return samples_; }
-  explicit DistanceGrid(std::shared_ptr<const Samples> samples) : samples_(std::move(samples)) {}
-
- private:
-  [[nodiscard]] static SurfacePoint outside(const Samples& grid, double x, double y, double z);
-
-  std::shared_ptr<const Samples> samples_;
-};
-
-// The mesh itself, hollows and all, not its convex hull. Vertices within weld_share of its longest edge of each other are one vertex; faces with
-// two corners at one place are left out, and those of no more width than that are no nearest faces, since their neighbours are as near. Inside is
-// where the mesh winds around the point: a ray from there crosses a number of faces from within that is not the number from without (Jacobson,
-// Kavan & Sorkine-Hornung, ACM Trans. Graph. 32(4), 2013). Each edge is crossed on the same side for both its faces, so the count is exact for a
-// closed mesh, and needs no normals, which slivers do not have. Several shells may touch or cut each other: inside is what is inside one, at the
-// distance of the nearest face, hidden or not. The nearest face is found in a tree of boxes.
-class MeshDistance {
- public:
-  using Face = std::array<std::uint32_t, 3>;  // vertices, counter-clockwise from outside
-
-  static constexpr double weld_share = 1e-6;
-
-  // Throws InputError unless every face has three vertices of `vertices` [m], these are finite, and the mesh is closed and has
-  // one outside: as many faces run along an edge one way as the other way round, and the volume is positive. The text says what to do about it.
-  MeshDistance(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Face>& faces);
-
-  // The distance of p from the mesh [m]; negative inside.
-  [[nodiscard]] double operator()(const Eigen::Vector3d& p) const;
-
-  // Its distances on a grid of at most `nodes` nodes. Throws InputError when more than thin_share of the mesh's area is the side
-  // of walls thinner than two cells, which the grid would lose.
-  [[nodiscard]] DistanceGrid on_grid(std::size_t nodes) const;
-  static constexpr double thin_share = 0.1;
-
- private:
-  struct Triangle {
-    std::array<Eigen::Vector3d, 3> corner;
-    Eigen::Vector3d normal;  // unit; zero for what is no nearest face
-  };
-  struct Node {
-    Eigen::Vector3d low, high;
-    // Triangles of a leaf. A count of 0: an inner node, whose children are the next node and the one at `first`.
-    std::uint32_t first, count;
-  };
-  void split(std::uint32_t first, std::uint32_t count);
-  void search(std::uint32_t node, const Eigen::Vector3d& p, double& distance2) const;
-  [[nodiscard]] static double distance2_to(const Triangle& triangle, const Eigen::Vector3d& p);
-  [[nodiscard]] int winding(std::uint32_t node, const Eigen::Vector3d& p) const;
-  [[nodiscard]] static int crossing(const Triangle& triangle, const Eigen::Vector3d& p);
-
-  std::vector<Triangle> triangles_;
-  std::vector<Node> nodes_;  // the root first
-};
 
 // All shapes are given in the surface frame S. `at(x, y, z, ax, ay, az)`: tip and element axis in S. Inside a shape with several
 // faces the face met is the one through which the element entered: the nearest one seen backwards along the element's axis, not

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim/core/random.h"
+#include "sim/field/surface/mesh_distance.h"
 #include "sim/field/surface/surface.h"
 #include "tests/expect.h"
 #include "tests/oracle/meshes.h"

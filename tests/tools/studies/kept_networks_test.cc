@@ -1,11 +1,12 @@
 // What a study that was killed leaves of its networks, and what goes on with it.
-#include "tools/studies/grid.h"
+#include "tools/studies/kept_networks.h"
 
 #include <filesystem>
 #include <fstream>
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
+#include "tools/studies/grid.h"
 #include "tools/studies/reproduce_command.h"
 
 namespace slipbench::reproduce::kept_networks_test {

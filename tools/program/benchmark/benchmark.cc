@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -18,9 +19,13 @@
 #include "tools/base/files/output_file.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"
+#include "tools/program/benchmark/entrants.h"
+#include "tools/program/benchmark/protocol.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/doctor/doctor.h"
+#include "tools/program/eval/metrics.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/report/report_parts.h"
 #include "tools/program/run/run_trial.h"

@@ -1,4 +1,4 @@
-#include "tools/program/benchmark/benchmark.h"
+#include "tools/program/benchmark/entrants.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "tools/program/benchmark/benchmark.h"
+#include "tools/program/benchmark/protocol.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/error.h"
+#include "sim/scene/parser.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
 

@@ -16,6 +16,8 @@
 #include "tests/expect.h"
 #include "tools/base/project/project_file.h"
 #include "tools/program/benchmark/benchmark.h"
+#include "tools/program/benchmark/entrants.h"
+#include "tools/program/benchmark/protocol.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/eval/metrics.h"

@@ -1,6 +1,8 @@
-#include "tools/program/benchmark/benchmark.h"
+#include "tools/program/benchmark/protocol.h"
 
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,52 @@
+#include "sim/field/dashpot.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace slipbench {
+namespace {
+
+class Dashpots final : public RheologyEffect {
+ public:
+  explicit Dashpots(const PadLayout& layout) : elements_(layout.elements), before_(deflections * layout.elements.size()) {}
+
+  void prepare(const ElementColumns& columns, const AffineForce& force) override {
+    if (columns.dt <= 0.0) return;
+    for (std::size_t i = 0; i < columns.count; ++i) {
+      const double normal_rate = elements_[i].c_normal / columns.dt;
+      const double tangential_rate = elements_[i].c_tangential / columns.dt;
+      force.k_normal[i] += normal_rate;
+      force.h_normal[i] -= normal_rate * before_[deflections * i];
+      force.k_tangential[i] += tangential_rate;
+      force.h_x[i] -= tangential_rate * before_[deflections * i + 1];
+      force.h_y[i] -= tangential_rate * before_[deflections * i + 2];
+      force.h_z[i] -= tangential_rate * before_[deflections * i + 3];
+    }
+  }
+
+  void commit(const ElementColumns& columns, const double* ux, const double* uy, const double* uz) override {
+    for (std::size_t i = 0; i < columns.count; ++i) {
+      const std::array<double, deflections> now{columns.penetration[i], ux[i], uy[i], uz[i]};
+      std::copy(now.begin(), now.end(), before_.begin() + static_cast<std::ptrdiff_t>(deflections * i));
+    }
+  }
+
+  [[nodiscard]] std::span<double> memory() override { return before_; }
+
+ private:
+  static constexpr std::size_t deflections = 4;
+
+  std::vector<Element> elements_;
+  std::vector<double> before_;  // [elements][4] penetration and stretch at the end of the step before
+};
+
+}  // namespace
+
+std::unique_ptr<RheologyEffect> make_dashpots(const PadLayout& layout) {
+  const bool any = std::any_of(layout.elements.begin(), layout.elements.end(),
+                               [](const Element& e) { return e.c_normal > 0.0 || e.c_tangential > 0.0; });
+  return any ? std::make_unique<Dashpots>(layout) : nullptr;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,384 @@
+#include "tools/program/verify/verification.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "sim/core/contact_frame.h"
+#include "tools/base/record/encoder.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
+
+namespace slipbench::verify {
+namespace {
+
+struct About {
+  const char* name;
+  const char* of;  // what is counted
+};
+constexpr std::array<About, 6> about{{{"digests", "trials"},
+                                      {"order", "trials"},
+                                      {"times", "samples"},
+                                      {"values", "values"},
+                                      {"events", "samples of units"},
+                                      {"cone", "samples of units"}}};
+
+// An event at the instant of a sample may stand on either side of it [s].
+constexpr double same_instant = 1e-9;
+constexpr double of_a_sample = 1e-6;
+
+void check_rising(const std::vector<double>& times, std::optional<double> rate, const Where& where, Verification& verification) {
+  verification.count(Check::times, times.size());
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    const double step = times[i] - times[i - 1];
+    const Where here{where.trial, where.array, i};
+    if (!(step > 0.0)) {
+      verification.fail(Check::times, here, fmt::format("{} s after {} s", times[i], times[i - 1]));
+    } else if (rate && std::abs(step * *rate - 1.0) > of_a_sample) {
+      verification.fail(Check::times, here, fmt::format("{} s after the last one; rate_hz says {} s", step, 1.0 / *rate));
+    }
+  }
+}
+
+// Values of a column, of which row i may be NaN where `nan(i)`, and is NaN there where `always`.
+template <class T, class Nan>
+void check_finite(const std::vector<T>& values, std::size_t rows, const Where& where, Verification& verification, const Nan& nan,
+                  bool always = false) {
+  verification.count(Check::values, values.size());
+  const std::size_t width = rows == 0 ? 1 : std::max<std::size_t>(1, values.size() / rows);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i]) && !(always && nan(i))) continue;
+    if (std::isnan(values[i]) && nan(i)) continue;
+    verification.fail(Check::values, {where.trial, where.array, i / width},
+                      fmt::format("value {} of the row is {}", i % width, static_cast<double>(values[i])));
+  }
+}
+
+constexpr auto never = [](std::size_t) { return false; };
+
+// State of a unit after an event of each kind.
+constexpr std::array<UnitState, 6> state_after{UnitState::stick,    UnitState::slip,    UnitState::stick,
+                                               UnitState::detached, UnitState::partial, UnitState::partial};
+
+// The first time of each unit of events whose kind `counts`.
+template <class Counts>
+std::vector<double> first_times(const LabelRecord& labels, const Counts& counts) {
+  std::vector<double> first(labels.units(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t e = 0; e < labels.event_time.size(); ++e) {
+    if (counts(static_cast<EventKind>(labels.event_kind[e])))
+      first[labels.event_unit[e]] = std::fmin(first[labels.event_unit[e]], labels.event_time[e]);
+  }
+  return first;
+}
+
+PadState judged(std::size_t touching, std::size_t slipping) {
+  if (touching == 0) return PadState::no_contact;
+  if (slipping == 0) return PadState::non_slip;
+  return slipping < touching ? PadState::incipient : PadState::gross;
+}
+
+class EventCheck {
+ public:
+  EventCheck(const SensorRecord& sensor, std::size_t trial, Verification& verification)
+      : labels_(sensor.labels),
+        time_(sensor.time),
+        group_(label_group(sensor.name) + "/"),
+        trial_(trial),
+        verification_(verification) {}
+
+  void run() {
+    if (!events_are_sound()) return;
+    check_onsets("onset_time_s", labels_.onset_time,
+                 first_times(labels_, [](EventKind kind) { return kind == EventKind::slip; }));
+    check_onsets("micro_onset_time_s", labels_.micro_onset_time,
+                 first_times(labels_, [](EventKind kind) { return kind == EventKind::slip || kind == EventKind::micro; }));
+    for (std::size_t unit = 0; unit < labels_.units(); ++unit) check_unit(unit);
+    check_pad();
+  }
+
+ private:
+  void fail(const char* array, std::optional<std::size_t> sample, const std::string& what) {
+    verification_.fail(Check::events, {trial_, group_ + array, sample}, what);
+  }
+
+  bool events_are_sound() {
+    bool sound = true;
+    const auto refuse = [&](const char* array, std::size_t event, const std::string& what) {
+      fail(array, event, what);
+      sound = false;
+    };
+    for (std::size_t e = 0; e < labels_.event_time.size(); ++e) {
+      if (labels_.event_kind[e] >= state_after.size())
+        refuse("events/kind", e, fmt::format("{} is no kind of event", labels_.event_kind[e]));
+      if (labels_.event_unit[e] >= labels_.units()) refuse("events/unit", e, fmt::format("{} is no unit", labels_.event_unit[e]));
+      if (!std::isfinite(labels_.event_time[e])) refuse("events/t", e, fmt::format("{} is no time", labels_.event_time[e]));
+      if (e > 0 && labels_.event_time[e] < labels_.event_time[e - 1])
+        refuse("events/t", e, fmt::format("{} s after {} s", labels_.event_time[e], labels_.event_time[e - 1]));
+    }
+    return sound;
+  }
+
+  void check_onsets(const char* name, const std::vector<double>& written, const std::vector<double>& first) {
+    for (std::size_t unit = 0; unit < first.size(); ++unit) {
+      if (written[unit] == first[unit] || (std::isnan(written[unit]) && std::isnan(first[unit]))) continue;
+      fail("events/t", std::nullopt,
+           fmt::format("unit {}: {} is {} s, its first such event is at {} s", unit, name, written[unit], first[unit]));
+    }
+  }
+
+  // The state of each sample is that after the last event before it.
+  void check_unit(std::size_t unit) {
+    std::vector<std::size_t> events;
+    for (std::size_t e = 0; e < labels_.event_time.size(); ++e) {
+      if (labels_.event_unit[e] == unit) events.push_back(e);
+    }
+    std::size_t before = 0, until = 0;  // events surely before the sample, and those that may be
+    for (std::size_t row = 0; row < time_.size(); ++row) {
+      while (before < events.size() && labels_.event_time[events[before]] <= time_[row] - same_instant) ++before;
+      while (until < events.size() && labels_.event_time[events[until]] <= time_[row] + same_instant) ++until;
+      const auto state = labels_.unit_state[row * labels_.units() + unit];
+      bool fits = false;
+      for (std::size_t k = before; k <= until && !fits; ++k) {
+        const UnitState left = k == 0 ? UnitState::detached : state_after[labels_.event_kind[events[k - 1]]];
+        fits = state == static_cast<std::uint8_t>(left);
+      }
+      if (!fits)
+        fail("unit_state", row,
+             fmt::format("unit {}: is {} at {} s, which its events do not leave behind", unit, state, time_[row]));
+    }
+    verification_.count(Check::events, time_.size());
+  }
+
+  void check_pad() {
+    const std::size_t units = labels_.units();
+    for (std::size_t row = 0; row < time_.size(); ++row) {
+      const std::span<const std::uint8_t> states(labels_.unit_state.data() + row * units, units);
+      const auto at_least = [&](UnitState state) {
+        return static_cast<std::size_t>(
+            std::ranges::count_if(states, [state](std::uint8_t value) { return value >= static_cast<std::uint8_t>(state); }));
+      };
+      const std::size_t touching = at_least(UnitState::stick), micro = at_least(UnitState::slip);
+      const auto whole = static_cast<std::size_t>(std::ranges::count(states, static_cast<std::uint8_t>(UnitState::slip)));
+      // A pad of a single unit has none that could be told apart: strict is micro there.
+      const auto expected = static_cast<std::uint8_t>(judged(touching, micro));
+      if (units > 1 && labels_.state[row] != static_cast<std::uint8_t>(judged(touching, whole)))
+        fail("state", row, fmt::format("is {}, by unit_state {}", labels_.state[row], static_cast<int>(judged(touching, whole))));
+      if (units == 1 && labels_.state[row] != labels_.state_micro[row])
+        fail("state", row,
+             fmt::format("is {}, of a single unit, whose state_micro is {}", labels_.state[row], labels_.state_micro[row]));
+      if (units > 1 && labels_.state_micro[row] != expected)
+        fail("state_micro", row, fmt::format("is {}, by unit_state {}", labels_.state_micro[row], expected));
+    }
+  }
+
+  const LabelRecord& labels_;
+  const std::vector<double>& time_;
+  std::string group_;
+  std::size_t trial_;
+  Verification& verification_;
+};
+
+void check_label_values(const SensorRecord& sensor, std::size_t trial, Verification& verification) {
+  const LabelRecord& labels = sensor.labels;
+  const std::size_t units = labels.units(), rows = sensor.time.size();
+  const auto at = [&](const char* name) { return Where{trial, label_group(sensor.name) + "/" + name}; };
+  const auto touches = [&](std::size_t row) { return labels.state[row] != static_cast<std::uint8_t>(PadState::no_contact); };
+  const auto slips = [&](std::size_t row) { return labels.state_micro[row] > static_cast<std::uint8_t>(PadState::non_slip); };
+  check_finite(labels.slip_velocity, rows, at("slip_velocity"), verification, never);
+  check_finite(labels.slip_distance, rows, at("slip_distance"), verification, never);
+  check_finite(labels.force, rows, at("force"), verification, never);
+  check_finite(labels.slip_angle, rows, at("slip_angle"), verification, never);
+  check_finite(
+      labels.margin, rows, at("margin"), verification,
+      [&](std::size_t i) { return labels.unit_state[i] == static_cast<std::uint8_t>(UnitState::detached); }, true);
+  check_finite(
+      labels.stuck_fraction, rows, at("stuck_fraction"), verification, [&](std::size_t row) { return !touches(row); }, true);
+  check_finite(
+      labels.slip_direction, rows, at("slip_direction"), verification, [&](std::size_t row) { return !slips(row); }, true);
+  // Its NaN says besides that the slip does not turn.
+  check_finite(labels.slip_centre, rows, at("slip_centre"), verification, [](std::size_t) { return true; });
+  for (const auto& [name, values] : {std::pair{"unit_positions", &labels.unit_positions},
+                                     {"unit_heights", &labels.unit_heights},
+                                     {"k_normal", &labels.k_normal},
+                                     {"k_tangential", &labels.k_tangential},
+                                     {"mu_static", &labels.mu_static},
+                                     {"mu_kinetic", &labels.mu_kinetic}})
+    check_finite(*values, units, at(name), verification, never);
+  for (std::size_t i = 0; i < labels.unit_state.size(); ++i) {
+    if (labels.unit_state[i] > static_cast<std::uint8_t>(UnitState::partial))
+      verification.fail(Check::values, {trial, at("unit_state").array, i / units},
+                        fmt::format("{} is no state of a unit", labels.unit_state[i]));
+  }
+}
+
+// Labels are float32, so that both sides of the law are rounded at 6e-8 of the force.
+constexpr double relative = 1e-6;
+constexpr double least_force = 1e-9;  // N
+constexpr double of_margin = 1e-5;
+
+// Whether the elements of a pad look in several directions, as those of a fingertip do.
+bool is_curved(const PadLayout& layout) {
+  return std::ranges::any_of(layout.elements,
+                             [&](const Element& element) { return element.axis != layout.elements.front().axis; });
+}
+
+bool has_sums(const PadLayout& layout) {
+  return std::ranges::any_of(layout.units, [](const UnitRange& unit) { return unit.count > 1; });
+}
+
+}  // namespace
+
+void Verification::leave_out(Check check, const std::string& why) {
+  std::vector<std::string>& said = of(check).left_out;
+  if (std::ranges::find(said, why) == said.end()) said.push_back(why);
+}
+
+void Verification::fail(Check check, const Where& where, const std::string& what) {
+  Entry& entry = of(check);
+  if (entry.failed++ >= listed) return;
+  entry.failures.push_back({{"check", about[static_cast<std::size_t>(check)].name},
+                            {"trial", or_null(where.trial)},
+                            {"array", where.array.empty() ? Json(nullptr) : Json(where.array)},
+                            {"sample", or_null(where.sample)},
+                            {"what", what}});
+}
+
+bool Verification::holds() const {
+  return std::ranges::all_of(entries_, [](const Entry& entry) { return entry.failed == 0; });
+}
+
+Json Verification::json() const {
+  Json checks = Json::array(), failures = Json::array();
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const Entry& entry = entries_[i];
+    checks.push_back({{"check", about[i].name},
+                      {"checked", entry.checked},
+                      {"of", about[i].of},
+                      {"failed", entry.failed},
+                      {"left_out", entry.left_out}});
+    for (const Json& failure : entry.failures) failures.push_back(failure);
+  }
+  return {{"holds", holds()}, {"checks", std::move(checks)}, {"failures", std::move(failures)}};
+}
+
+void check_times(const TrialRecord& record, Verification& verification) {
+  for (const SensorRecord& sensor : record.sensors) {
+    // What was recorded elsewhere has the steps that were recorded.
+    const auto rate = sensor.labels.truth ? std::optional(sensor.rate) : std::nullopt;
+    check_rising(sensor.time, rate, {record.trial, sensor_group(sensor.name) + "/t"}, verification);
+    for (const SensorColumn& channel : sensor.channels) {
+      if (channel.time)
+        check_rising(*channel.time, std::nullopt, {record.trial, sensor_group(sensor.name) + "/" + own_time_path(channel.name)},
+                     verification);
+    }
+  }
+  if (!record.bodies.empty())
+    check_rising(record.body_time, std::nullopt, {record.trial, body_group(record.bodies.front().name) + "/t"}, verification);
+}
+
+void check_values(const TrialRecord& record, Verification& verification) {
+  for (const SensorRecord& sensor : record.sensors) {
+    for (const SensorColumn& channel : sensor.channels) {
+      const std::size_t rows = channel.time ? channel.time->size() : sensor.time.size();
+      check_finite(channel.values, rows, {record.trial, sensor_group(sensor.name) + "/" + channel.name}, verification, never);
+    }
+    if (sensor.labels.truth) check_label_values(sensor, record.trial, verification);
+  }
+  for (const BodyRecord& body : record.bodies) {
+    check_finite(body.pose, record.body_time.size(), {record.trial, body_group(body.name) + "/pose"}, verification, never);
+    check_finite(body.velocity, record.body_time.size(), {record.trial, body_group(body.name) + "/velocity"}, verification,
+                 never);
+  }
+  if (record.control) {
+    const std::size_t rows = record.control->time.size();
+    check_finite(record.control->grip.grip_force, rows, {record.trial, "control/grip_force"}, verification, never);
+    check_finite(record.control->grip.arm, rows, {record.trial, "control/arm_speed"}, verification, never);
+  }
+}
+
+void check_events(const SensorRecord& sensor, std::size_t trial, Verification& verification) {
+  EventCheck(sensor, trial, verification).run();
+}
+
+ConeLaw cone_law(const Scene& scene, std::size_t index) {
+  ConeLaw law;
+  const auto leave_out = [&law](const std::vector<bool ConeLaw::*>& parts, const std::string& why) {
+    for (const auto part : parts) law.*part = false;
+    law.left_out.push_back(why);
+  };
+  if (scene.fidelity != "field") {
+    leave_out({&ConeLaw::margin, &ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
+              fmt::format("all: fidelity {} keeps the cone to the solver's tolerance", scene.fidelity));
+    return law;
+  }
+  for (const Named& effect : scene.effects) {
+    const std::string& name = effect.name;
+    if (name == "ageing" || name == "anisotropic_friction" || name == "load_dependent_friction" || name == "patchy_friction") {
+      leave_out({&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
+                fmt::format("all but margin >= 0: {} changes the friction, mu_static and mu_kinetic are the scene's", name));
+    } else if (name == "viscous_friction") {
+      leave_out({&ConeLaw::slip_most, &ConeLaw::slip_least}, "slip: viscous_friction adds to mu_kinetic");
+    } else if (name == "stribeck") {
+      leave_out({&ConeLaw::slip_least}, "slip from below: stribeck takes from mu_kinetic");
+    } else if (name == "inertia" || name == "asperities") {
+      leave_out({&ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
+                fmt::format("slip and margin's value: with {} a tip's force is also that of its mass", name));
+    }
+  }
+  const std::unique_ptr<Sensor> sensor = make_sensor(scene.sensors.at(index), scene.seed, 0);
+  if (has_sums(sensor->layout())) {
+    if (scene.surface.name != "plane" || (is_curved(sensor->layout()) && scene.dynamic())) {
+      leave_out({&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
+                "all but margin >= 0: elements of one unit meet faces of several directions");
+    } else {
+      leave_out({&ConeLaw::slip_least}, "slip from below: a unit is the sum of elements whose directions differ");
+    }
+  }
+  return law;
+}
+
+void check_cone(const ConeLaw& law, const SensorRecord& sensor, std::size_t trial, Verification& verification) {
+  const LabelRecord& labels = sensor.labels;
+  const std::size_t units = labels.units();
+  for (const std::string& why : law.left_out) verification.leave_out(Check::cone, why);
+  for (std::size_t i = 0; i < labels.unit_state.size(); ++i) {
+    const std::size_t unit = i % units;
+    const auto state = static_cast<UnitState>(labels.unit_state[i]);
+    const float* force = labels.force.data() + 3 * i;
+    const double tangential = std::hypot(static_cast<double>(force[0]), static_cast<double>(force[1]));
+    const double normal = force[2];
+    const double margin = labels.margin[i];
+    const auto fail = [&](const char* array, const std::string& what) {
+      verification.fail(Check::cone, {trial, fmt::format("labels/{}/{}", sensor.name, array), i / units},
+                        fmt::format("unit {}: {}", unit, what));
+    };
+    if (state == UnitState::detached) {
+      if (tangential != 0.0 || normal != 0.0)
+        fail("force", fmt::format("is detached and bears {} N", std::hypot(tangential, normal)));
+      continue;
+    }
+    verification.count(Check::cone, 1);
+    const double slack = least_force + relative * std::abs(normal);
+    const double most_stuck = labels.mu_static[unit] * normal, slipping = labels.mu_kinetic[unit] * normal;
+    if (normal < -slack) fail("force", fmt::format("touches and is pulled with {} N", -normal));
+    if (state == UnitState::slip) {
+      if (law.slip_most && tangential > slipping + slack)
+        fail("force", fmt::format("slips at f_t = {} N, more than mu_kinetic f_n = {} N", tangential, slipping));
+      if (law.slip_least && tangential < slipping - slack)
+        fail("force", fmt::format("slips at f_t = {} N, less than mu_kinetic f_n = {} N", tangential, slipping));
+    } else {
+      if (law.margin && margin < -of_margin) fail("margin", fmt::format("sticks with the margin {}, below 0", margin));
+      if (law.stick && tangential > most_stuck + slack)
+        fail("force", fmt::format("sticks at f_t = {} N, more than mu_static f_n = {} N", tangential, most_stuck));
+    }
+    if (law.margin_value && most_stuck > 0.0 &&
+        std::abs(margin - (1.0 - tangential / most_stuck)) > of_margin * std::max(1.0, std::abs(margin))) {
+      fail("margin", fmt::format("is {}, and 1 - f_t/(mu_static f_n) is {}", margin, 1.0 - tangential / most_stuck));
+    }
+  }
+}
+
+}  // namespace slipbench::verify
