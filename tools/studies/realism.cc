@@ -142,7 +142,7 @@ Result hexapod(const ReproduceOptions& options) {
 
 Result boxes(const ReproduceOptions& options) {
   ReproduceOptions some = options;
-  some.only = {"as_recorded", "oracle"};
+  some.only = {"as_recorded", "oracle", "ptfe_fitted", "rubber_fitted", "felt_fitted"};
   if (some.trials == 0) some.trials = grasps_a_box;
   return hd_table2(some);
 }

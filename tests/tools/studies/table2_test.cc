@@ -188,6 +188,18 @@ TEST(Table2, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_THAT(one.remarks.front(), StartsWith("The negative control"));
 }
 
+// Beside the published rows of their surface, and what the fit saw is said.
+TEST(Table2, FittedSurfacesSayWhatTheFitSaw) {
+  const Result result = hd_table2(small({"as_recorded", "light", "heavy", "rubber_fitted", "oracle"}));
+  ASSERT_THAT(result.real, SizeIs(2));
+  EXPECT_EQ(result.real[0].what, "slip of the light box, rubber, median, mm");
+  EXPECT_EQ(result.real[0].real, 0.25);
+  EXPECT_THAT(result.real[0].note, StartsWith("fitted to it"));
+  EXPECT_THAT(result.real[1].note, StartsWith("not seen by the fit"));
+  EXPECT_EQ(result.tables[0].rows[0][0], "rubber: published");
+  EXPECT_THAT(std::string(result.figures["cells"][0]["command"]), HasSubstr("friction.static=0.5"));
+}
+
 TEST(Table2, AnInterruptEndsIt) {
   ReproduceOptions options = small({"as_recorded", "light", "rubber", "hold_preset"});
   options.trials = 1000;
