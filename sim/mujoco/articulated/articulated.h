@@ -19,6 +19,7 @@
 #include "sim/field/contact_labels.h"
 #include "sim/field/field.h"
 #include "sim/field/surface/surface.h"
+#include "sim/field/unit_rules.h"
 #include "sim/scene/scene.h"
 
 namespace slipbench {

@@ -11,6 +11,7 @@
 #include <mujoco/mujoco.h>
 
 #include "sim/core/error.h"
+#include "sim/field/surface/mesh_distance.h"
 
 namespace slipbench {
 namespace {

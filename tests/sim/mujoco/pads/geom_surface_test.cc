@@ -1,5 +1,4 @@
 // Surfaces of compiled geoms against MuJoCo's own distances, and meshes against what MuJoCo's distances cannot say.
-#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <variant>

@@ -1,7 +1,6 @@
 // A scene whose trial is fed again to the detector of its loop.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
