@@ -61,8 +61,9 @@ Entry about() {
                       "fitted: 3 to 4 mm; 1.5 and 5 are wrong"),
           number_spec("far", Quantity::length, "9 mm", some_length, "L, reach of the tail.", "fitted; 12 is worse"),
           number_spec("far_share", Quantity::none, "0.5", fraction, "a, share of the tail.", "fitted; 0 and 0.6 are worse"),
-          number_spec("swell", Quantity::none, "0.35", non_negative, "B, lift of the skin elsewhere by the displaced fluid.",
-                      "fitted: 0.3 to 0.5; with 0 and 1 the correlations of far electrodes are wrong"),
+          number_spec(
+              "swell", Quantity::none, "0.35", non_negative, "B, lift of the skin elsewhere by the displaced fluid.",
+              "fitted to slides: 0.3 to 0.5; with 0 and 1 the correlations of far electrodes are wrong. Grasps ask for 0.7 to 1"),
           number_spec("stretch", Quantity::none, "0.3", non_negative, "S, sensitivity to the drag of a dent along the surface.",
                       "assumed: 0 to 0.7 fit equally well; it must stay small"),
           number_spec("gap", Quantity::length, "0.52 mm", some_length, "g, dent that multiplies an electrode's impedance by e.",

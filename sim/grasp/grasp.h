@@ -31,7 +31,7 @@ namespace slipbench {
 
 class Gripper {
  public:
-  // `grip`: parameters of the entry `grip` (grasp_catalogue.h). It begins at rest, open by `opening` [m] or the next whole count more, as far
+  // `grip`: parameters of the entry `grip` (grip_entry). It begins at rest, open by `opening` [m] or the next whole count more, as far
   // as its stops allow. `phase` [s]: the first read. Throws SceneValueError where a write would come no earlier than the next read.
   Gripper(const Parameters& grip, double opening, double phase);
 

@@ -1,4 +1,5 @@
-// Sections of a scene that are read apart: what its results have to be, and the bodies that move by forces.
+// What a scene is read with: values and entries by their declarations, and sections that are read apart: what its results have to
+// be, and the bodies that move by forces.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The insides of DynamicSimulation, for its own files: dynamic_bench.cc (the run, and pads as fields), dynamic_pillars.cc (articulated
+// The insides of DynamicSimulation, for its own files: dynamic_simulation.cc (the run, and pads as fields), dynamic_pillars.cc (articulated
 // pads) and watch.cc.
 #pragma once
 

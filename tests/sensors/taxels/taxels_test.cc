@@ -71,6 +71,16 @@ Reading read(Sensor& sensor, Field& field, std::initializer_list<Pose> way) {
   return {sensor.measure(labels.frame()), field.size()};
 }
 
+// Next to half a turn, too, it is a rotation, and its z is against the axis.
+TEST(ElementFrame, LooksAgainstItsAxis) {
+  for (const double aside : {0.0, 3e-8, 1e-6, 0.03, 1.0}) {
+    const Eigen::Vector3d axis = Eigen::Vector3d(aside, 0.5 * aside, 1.0).normalized();
+    const Eigen::Matrix3d frame = element_frame(axis);
+    EXPECT_NEAR((frame * frame.transpose() - Eigen::Matrix3d::Identity()).norm(), 0.0, 1e-14) << aside;
+    EXPECT_NEAR((frame.col(2) + axis).norm(), 0.0, 1e-14) << aside;
+  }
+}
+
 TEST(Taxels, StandInRowsFromTheTopLeft) {
   const auto sensor = taxels(2, 3, 4e-3);
   const auto& elements = sensor->layout().elements;

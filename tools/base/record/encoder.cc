@@ -92,7 +92,7 @@ void add_array(ContentDigest& digest, const std::string& path, ElementType type,
   if (!codes.empty()) digest.add_text(path + "@codes", std::string(codes));
 }
 
-// The same entries that content_walk.h finds in the file.
+// The same entries that content_digest.cc finds in the file.
 Digest digest_of(const std::vector<ArrayView>& arrays, const std::vector<EncodedAttribute>& attributes) {
   ContentDigest digest;
   for (const ArrayView& view : arrays)

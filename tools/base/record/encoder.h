@@ -1,4 +1,5 @@
-// A trial turned into the bytes that a dataset stores: the costly part of writing, done by worker threads.
+// What a trial is in a dataset: its arrays and attributes, by which it is written and read, and the bytes that are stored: the costly
+// part of writing, done by worker threads.
 #pragma once
 
 #include <cstddef>

@@ -89,7 +89,6 @@ struct LoggedSensor {
 
 constexpr std::size_t training_pillar_columns = 8;  // contact, slip, displacement, force
 constexpr std::size_t training_columns = 1 + pillars * training_pillar_columns;
-constexpr std::size_t training_centre = 4;
 constexpr double latest_training = 1e9;  // s
 constexpr double most_training_mm = 1e6;
 constexpr const char* training_rule =
@@ -201,7 +200,7 @@ void read_training_csv(const SourceFile& file, const AddRecording& add) {
       const std::size_t first = 1 + p * training_pillar_columns;
       const bool touches = table.flag(first, columns[first]), slips = table.flag(first + 1, columns[first + 1]);
       contact = contact || touches;
-      if (touches && !(name.turns() && p == training_centre)) {
+      if (touches && !(name.turns() && p == middle_pillar)) {
         ++touching;
         slipping += slips ? 1 : 0;
       }

@@ -1,4 +1,5 @@
-// A trial in steps, for whoever closes its loop from outside. run_trial() is all of it at once.
+// A trial in steps, for whoever closes its loop from outside, and its parts: sampler, delayed detector, control loop, recorder, judge.
+// run_trial() is all of it at once.
 #pragma once
 
 #include <atomic>

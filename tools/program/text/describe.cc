@@ -164,7 +164,7 @@ std::vector<CatalogueItem> items_of(const std::vector<CatalogueItem>& items, con
 std::vector<std::string> kind_names() {
   std::vector<std::string> names;
   for (const CatalogueKind& kind : kinds) names.emplace_back(kind.plural);
-  names.emplace_back("recipes");  // which is no catalogue of scenes (recipe_text.h)
+  names.emplace_back("recipes");  // which is no catalogue of scenes
   return names;
 }
 

@@ -182,15 +182,19 @@ std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& mem
   hd::Memories trained = memories;
   trained.associative = prototypes.bundle();
   Classifier classifier(model, trained);
-  for (std::size_t n = 0; n < epochs * samples.size(); ++n) {
-    const std::size_t i = n % samples.size();
-    const Sample& sample = samples[i];
-    const PadState called = times[i] > 0 ? classifier.classify(sample) : sample.label;
-    if (called == sample.label) continue;
-    prototypes.add(sample.query, sample.context, sample.label, times[i]);
-    prototypes.add(sample.query, sample.context, called, -std::int64_t{times[i]});
-    trained.associative = prototypes.bundle();
-    classifier = Classifier(model, trained);
+  bool learns = true;
+  for (std::size_t epoch = 0; epoch < epochs && learns; ++epoch) {
+    learns = false;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const Sample& sample = samples[i];
+      const PadState called = times[i] > 0 ? classifier.classify(sample) : sample.label;
+      if (called == sample.label) continue;
+      learns = true;
+      prototypes.add(sample.query, sample.context, sample.label, times[i]);
+      prototypes.add(sample.query, sample.context, called, -std::int64_t{times[i]});
+      trained.associative = prototypes.bundle();
+      classifier = Classifier(model, trained);
+    }
   }
   return trained.associative;
 }

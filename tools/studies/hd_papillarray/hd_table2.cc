@@ -442,7 +442,7 @@ std::vector<std::string> setup_lines(std::size_t trials, std::uint64_t seed) {
           "Rows of the paper's script: one in {} frames of 100 Hz; assumed, since its window of four rows is 0.6 s in the paper. The script asks for three slips of four, the paper's words for half. With a row a frame it finds more.",
           row_stride),
       "Published: Table II (light boxes; the script gives the same means and SDs from the recordings), and the medians, the heavy boxes and the drops of the recordings, github.com/JT2106/Hyperdimensional-computing-tactile-sensing, data/grip force control.",
-      "Rows `_fitted`: friction alone, fitted to the median slips published of the light boxes; heavy boxes were not seen, and no other parameter was fitted to a published figure.",
+      "Rows `_fitted`: friction alone, fitted to the median slips published of the light boxes; heavy boxes were not seen. The gain of viscous_friction is assumed, for boxes that slip slowly.",
       "Assumed, felt: anisotropic_friction 0.6 with its grain level, so that the box hangs by the lesser friction; patches 0.2, 8 mm to 20 mm. Assumed, hard case: mu_s 0.2, mu_k 0.19. Assumed, lift: settle 1.5 s.",
   };
   for (const Material& material : catalogues.materials) {
