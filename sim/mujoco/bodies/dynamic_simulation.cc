@@ -221,6 +221,13 @@ void DynamicSimulation::State::check_limit(double time) {
   const bool more = touching > touching_before;
   touching_before = touching;
   if (!more) return;
+  if (free_bodies) {
+    call_mujoco([this] {
+      mj_comPos(m(), d());
+      mj_makeM(m(), d());
+      mj_factorM(m(), d());
+    });
+  }
   const StuckPads stuck = stuck_pads(true);
   if (dt <= limit_slack * longest_right_step(vibration_bound(m(), d(), stuck.bodies, stuck.tangents))) return;
   const double longest = limit_slack * longest_right_step(fastest_vibration(m(), d(), stuck.bodies, stuck.tangents));
@@ -259,18 +266,25 @@ void DynamicSimulation::State::prescribe(double time) {
   mju_copy3(d()->qvel + stage_dof + 3, spin.data());
 }
 
-// mj_step, without contacts and constraints, by average_acceleration.h.
-void DynamicSimulation::State::step_averaged() {
+// mj_step of a grasp, without contacts and constraints.
+void DynamicSimulation::State::step_free() {
   call_mujoco([this] {
     mj_checkPos(m(), d());
     mj_checkVel(m(), d());
-    mj_fwdPosition(m(), d());
-    mj_fwdVelocity(m(), d());
-    mj_fwdActuation(m(), d());
+    free_bodies->place(m(), d());
+    mj_passive(m(), d());
   });
   const auto force = [this](mjtNum* values) { return Eigen::Map<Eigen::VectorXd>(values, m()->nv); };
-  force(d()->qfrc_smooth) =
-      force(d()->qfrc_passive) - force(d()->qfrc_bias) + force(d()->qfrc_applied) + force(d()->qfrc_actuator);
+  force(d()->qfrc_smooth) = force(d()->qfrc_passive) - force(d()->qfrc_bias) + force(d()->qfrc_applied);
+  averages ? average() : free_bodies->accelerate(d());
+  call_mujoco([this] {
+    mj_checkAcc(m(), d());
+    mj_Euler(m(), d());
+  });
+}
+
+// The accelerations by average_acceleration.h.
+void DynamicSimulation::State::average() {
   std::array<Matrix6d, 2> between{Matrix6d::Zero(), Matrix6d::Zero()};
   Matrix6d ground = Matrix6d::Zero();
   const int held = held_bodies->held();
@@ -294,10 +308,6 @@ void DynamicSimulation::State::step_averaged() {
     }
   }
   held_bodies->solve(m(), d(), between, ground, carriages);
-  call_mujoco([this] {
-    mj_checkAcc(m(), d());
-    mj_Euler(m(), d());
-  });
 }
 
 // One step of MuJoCo, from a tick to the next.
@@ -311,7 +321,7 @@ void DynamicSimulation::State::advance(std::size_t from) {
     drive_free_joint(m(), d(), stage_joint, motion->pad_at(time).pose, motion->pad_at(time_of(from + 1)).pose, dt);
   }
   before = Eigen::Map<Eigen::VectorXd>(d()->qvel, m()->nv);
-  averages ? step_averaged() : call_mujoco([this] { mj_step(m(), d()); });
+  free_bodies ? step_free() : call_mujoco([this] { mj_step(m(), d()); });
   refuse_warnings(m(), d(), time);
   after = Eigen::Map<Eigen::VectorXd>(d()->qvel, m()->nv);
   if (implicit && d()->nefmcon == 0 && touching()) {
@@ -369,7 +379,7 @@ bool DynamicSimulation::State::choose_implicit(const Scene& scene, FieldSolver w
 // The model with fields, and the longest step that they bear.
 StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<const double> rates, std::uint64_t trial,
                                                const DynamicSimulationOptions& options) {
-  model = build_model(scene, layouts, trial, options.hand);
+  model = build_model(scene, layouts, trial, options.hand, handed);
   begin(scene);
   double longest = std::numeric_limits<double>::infinity();
   bool springs_known = true, skins = false;
@@ -470,6 +480,7 @@ DynamicSimulation::DynamicSimulation(const Scene& scene, std::span<const PadLayo
                           s.spring->tangent(Eigen::Matrix3d::Identity()), s.dt);
     s.added.assign(s.contacts.size(), Matrix6d::Zero());
   }
+  if (options.hand != nullptr && !s.own_contact && s.model->opt.integrator == mjINT_EULER) s.free_bodies.emplace(s.m());
   s.make_data();
   s.find_pads(carrying);
   s.start(carrying);

@@ -21,6 +21,7 @@
 #include "sim/motion/motion.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/bodies/dynamic_simulation.h"
+#include "sim/mujoco/bodies/free_bodies.h"
 #include "sim/mujoco/linear/average_acceleration.h"
 #include "sim/mujoco/linear/stability.h"
 #include "sim/mujoco/mujoco_call.h"
@@ -155,6 +156,7 @@ struct DynamicSimulation::State {
   };
 
   std::unique_ptr<Motion> motion;  // of the stage; null: there is none
+  HandedLayouts handed;
   ModelPointer model;
   DataPointer data;
   std::vector<const PadLayout*> layouts;
@@ -185,6 +187,7 @@ struct DynamicSimulation::State {
   bool implicit = false;
   bool averages = false;                                                  // implicit springs of a grasp
   std::vector<int> fingers;                                               // bodies
+  std::optional<FreeBodies> free_bodies;                                  // of a grasp without MuJoCo's contacts
   std::optional<HeldBodies> held_bodies;                                  // with implicit springs
   std::array<Vector6d, 2> carriages{Vector6d::Zero(), Vector6d::Zero()};  // accelerations of what the fingers' springs hang on
   std::vector<Matrix6d> added{};    // inertia by the springs of each contact, about what is held, or what that stands on
@@ -241,7 +244,8 @@ struct DynamicSimulation::State {
   void prescribe(double time);
   [[nodiscard]] double time_of(std::size_t at) const { return TickTimes(dt).at(at); }
   void advance(std::size_t from);
-  void step_averaged();
+  void step_free();
+  void average();
   [[nodiscard]] bool choose_implicit(const Scene& scene, FieldSolver wished, std::span<const double> rates, double longest,
                                      const Vibration& fastest) const;
   [[nodiscard]] double longest_right_step(const Vibration& vibration) const {

@@ -20,6 +20,7 @@
 #include "sim/mujoco/mjcf.h"
 #include "sim/mujoco/pads/geom_surface.h"
 #include "sim/mujoco/pads/implicit.h"
+#include "sim/mujoco/pads/pad_instance.h"
 #include "sim/mujoco/pads/register_plugin.h"
 
 namespace slipbench {
@@ -61,22 +62,6 @@ std::string yaml_of(const std::vector<Named>& effects) {
   return text + "]";
 }
 
-std::string element_rows(const PadLayout& layout) {
-  std::string text = "[";
-  for (const Element& e : layout.elements) {
-    std::vector<double> row{e.tip.x(), e.tip.y(), e.tip.z(), e.k_normal, e.k_tangential};
-    if (e.axis != Element{}.axis) row.insert(row.end(), {e.axis.x(), e.axis.y(), e.axis.z()});
-    text += (text.size() > 1 ? ", " : "") + ToYaml{}(row);
-  }
-  return text + "]";
-}
-
-std::string unit_counts(const PadLayout& layout) {
-  std::string text = "[";
-  for (const UnitRange& unit : layout.units) text += (text.size() > 1 ? ", " : "") + std::to_string(unit.count);
-  return text + "]";
-}
-
 std::vector<std::string> names_in(const mjSpec* spec, mjtObj type) {
   std::vector<std::string> names;
   for (mjsElement* e = mjs_firstElement(spec, type); e != nullptr; e = mjs_nextElement(spec, e)) {
@@ -100,12 +85,12 @@ class Builder {
   Builder(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand)
       : scene_(scene), pads_(pads), trial_(trial), hand_(hand) {}
 
-  ModelPointer build() {
+  ModelPointer build(HandedLayouts& handed) {
     // What the plugin's attributes say of geoms is known only when the model has been read, and they must be there when it is
     // read.
     SpecPointer bare = parse("");
     add_all(bare.get());
-    SpecPointer spec = parse(extension());
+    SpecPointer spec = parse(extension(handed));
     add_all(spec.get());
     return compile(spec.get());
   }
@@ -532,7 +517,7 @@ class Builder {
   }
 
   // The plugin's instances, as a user would write them.
-  [[nodiscard]] std::string extension() const {
+  [[nodiscard]] std::string extension(HandedLayouts& handed) const {
     std::string text = fmt::format("<extension><plugin plugin=\"{}\">", bench_plugin_name);
     for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {
       const SensorScene& sensor = scene_.sensors[i];
@@ -541,8 +526,7 @@ class Builder {
       for (const std::string& geom : touched_[i]) geoms += (geoms.empty() ? "" : " ") + geom;
       text += fmt::format("<instance name=\"{}\">", sensor.name);
       text += config_element("pad", site_of(sensor)) + config_element("touch", geoms) +
-              config_element("elements", element_rows(*pads_[i])) + config_element("units", unit_counts(*pads_[i])) +
-              (pads_[i]->element_truth ? config_element("element_truth", "true") : "") +
+              config_element("elements", handed.add(*pads_[i])) +
               config_element("friction", fmt::format("{{static: {}, kinetic: {}}}", format_number(friction.static_coefficient),
                                                      format_number(friction.kinetic_coefficient))) +
               config_element("effects", sensor.friction ? "[]" : yaml_of(scene_.effects)) +
@@ -566,9 +550,10 @@ class Builder {
 
 }  // namespace
 
-ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand) {
+ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand,
+                         HandedLayouts& handed) {
   const CompilerMemory memory;
-  return Builder(scene, pads, trial, hand).build();
+  return Builder(scene, pads, trial, hand).build(handed);
 }
 
 ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,

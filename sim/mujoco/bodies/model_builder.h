@@ -8,7 +8,7 @@
 //     a force of 100 N changes its velocity by 1e-7 m/s in a step of 1 ms, and that is overwritten before it has moved. No weight
 //     pulls it (gravcomp),
 //   - with fidelity field one instance of the plugin `slipbench.field` a sensor, named as the sensor, with the attributes that a
-//     user would write; with fidelity articulated in its place the pillars of articulated.h, as children of the pad's body,
+//     user would write, but for the elements (HandedLayouts); with fidelity articulated in its place the pillars of articulated.h, as children of the pad's body,
 //   - for a grasp the two fingers of a hand (below),
 //   - an exclusion of MuJoCo's own contact between a pad's body and every body that it touches: the field is their contact, and no
 //     force may count twice. It is for the whole bodies, since MuJoCo knows no other,
@@ -32,6 +32,8 @@
 struct mjsBody_;
 
 namespace slipbench {
+
+class HandedLayouts;  // pad_instance.h
 
 // The two fingers of a grasp as MuJoCo bodies.
 //
@@ -74,9 +76,10 @@ inline constexpr double stage_mass = 1e6;  // kg, and kg m^2
 // `pads`: one layout a sensor. `hand`: null where there is none. With one, all forces are those of pads and of the fingers' springs, which are
 // explicit in any case: the integrator is Euler without implicit damping, and MuJoCo's contacts and solver are off, which halves a step.
 // The time step is the model's own, or MuJoCo's default.
+// `handed` must live as long as data is made of the model.
 // Throws SceneValueError when the model cannot be read or compiled, and when a site, geom, body or name does not suit.
-ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial,
-                         const Hand* hand = nullptr);
+ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand,
+                         HandedLayouts& handed);
 
 // The same with articulated pads, for steps of step_for(longest) [s], `longest` being what longest_articulated_step() allows on the
 // scene's bodies; infinite with a `contact` of the scene. Its options or the recipe's (set_pillar_options()) take the place of

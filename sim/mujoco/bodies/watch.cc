@@ -198,8 +198,12 @@ void DynamicSimulation::State::watch(double time, const Eigen::VectorXd& velocit
   now.slip_loss = 0.5 * (slip_loss + std::exchange(last_slip_loss, slip_loss));
   mean = velocity;
   if (motion) mean.segment<6>(stage_dof).setZero();
-  mj_mulM(m(), d(), work_space.data(), mean.data());
-  now.kinetic = 0.5 * mean.dot(work_space);
+  if (free_bodies) {
+    now.kinetic = free_bodies->kinetic_energy(d(), mean);
+  } else {
+    mj_mulM(m(), d(), work_space.data(), mean.data());
+    now.kinetic = 0.5 * mean.dot(work_space);
+  }
   if (const auto wrong = energy->check(now, dt)) {
     throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: {}", time, *wrong));
   }

@@ -5,8 +5,9 @@
 #include <stdexcept>
 
 #include <mujoco/mujoco.h>
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+
+#include "sim/core/vectorise.h"
 
 namespace slipbench {
 namespace {
@@ -44,6 +45,83 @@ struct Springs {
     return result;
   }
 };
+
+// Rows of the equations, each in vectors of four and with room at its end. Of what is held: six columns, then the force.
+struct HeldRows {
+  static constexpr int columns = 8, force = 6;
+  alignas(32) double at[6][columns];
+
+  void set(const Matrix6d& inertia, const Vector6d& on_it) {
+    for (int i = 0; i < 6; ++i) {
+      for (int j = 0; j < 6; ++j) at[i][j] = inertia(j, i);
+      at[i][force] = on_it[i];
+      at[i][force + 1] = 0.0;
+    }
+  }
+};
+
+// Of a finger: the six columns of P + G with room behind them, then -G and the force as HeldRows has them.
+struct FingerRows {
+  static constexpr int columns = 16, held = 8;
+  alignas(32) double at[6][columns];
+
+  void set(const Matrix6d& own, const Matrix6d& pad, const Vector6d& on_it) {
+    for (int i = 0; i < 6; ++i) {
+      for (int j = 0; j < 6; ++j) {
+        at[i][j] = own(j, i);
+        at[i][held + j] = -pad(j, i);
+      }
+      at[i][6] = at[i][7] = at[i][held + 7] = 0.0;
+      at[i][held + HeldRows::force] = on_it[i];
+    }
+  }
+  // After eliminate(): the finger's acceleration where what is held has `a`.
+  [[nodiscard]] Vector6d follow(const Vector6d& a) const {
+    Vector6d result;
+    for (int i = 5; i >= 0; --i) {
+      double rest = at[i][held + HeldRows::force];
+      for (int j = 0; j < 6; ++j) rest -= at[i][held + j] * a[j];
+      for (int j = i + 1; j < 6; ++j) rest -= at[i][j] * result[j];
+      result[i] = rest / at[i][i];
+    }
+    return result;
+  }
+};
+
+// to -= factor * from, from a column on.
+template <int columns>
+SLIPBENCH_INLINE void subtract(double* to, double factor, const double* from) {
+  for (int j = 0; j < columns; j += static_cast<int>(quad)) {
+    put_vector(to + j, vector_at<Quad>(to + j) - factor * vector_at<Quad>(from + j));
+  }
+}
+
+// Cholesky's rows of a finger, P + G = U' U, and what they leave of the equations of what is held.
+SLIPBENCH_DISPATCHED void eliminate(FingerRows& finger, HeldRows& whole) {
+  for (int k = 0; k < 6; ++k) {
+    double* row = finger.at[k];
+    const double scale = 1.0 / std::sqrt(row[k]);
+    for (int j = 0; j < FingerRows::columns; ++j) row[j] *= scale;
+    for (int i = k + 1; i < 6; ++i) subtract<FingerRows::columns>(finger.at[i], row[i], row);
+    const double* of_held = row + FingerRows::held;
+    for (int i = 0; i < 6; ++i) subtract<HeldRows::columns>(whole.at[i], of_held[i], of_held);
+  }
+}
+
+// The acceleration of what is held; `whole` is used up.
+Vector6d solve_rows(HeldRows& whole) {
+  for (int k = 0; k < 6; ++k) {
+    const double inverse = 1.0 / whole.at[k][k];
+    for (int i = k + 1; i < 6; ++i) subtract<HeldRows::columns>(whole.at[i], whole.at[i][k] * inverse, whole.at[k]);
+  }
+  Vector6d result;
+  for (int i = 5; i >= 0; --i) {
+    double rest = whole.at[i][HeldRows::force];
+    for (int j = i + 1; j < 6; ++j) rest -= whole.at[i][j] * result[j];
+    result[i] = rest / whole.at[i][i];
+  }
+  return result;
+}
 
 }  // namespace
 
@@ -159,30 +237,20 @@ void HeldBodies::solve(const mjModel* m, mjData* d, const std::array<Matrix6d, 2
     apply(finger, carried, d->qfrc_applied);
   }
   mju_zero(d->qacc, static_cast<int>(m->nv));
-  Matrix6d whole = held_.inertia + ground;
-  Vector6d force = force_on(held_, Pose{});
-  struct Solved {
-    Pose placed;
-    Matrix6d carried;  // (P + G)^-1 G
-    Vector6d free;     // (P + G)^-1 f
-  };
-  std::array<Solved, 2> solved;
+  HeldRows whole;
+  whole.set(held_.inertia + ground + pads[0] + pads[1], force_on(held_, Pose{}));
+  std::array<Pose, 2> placed;
+  std::array<FingerRows, 2> fingers;
   for (std::size_t k = 0; k < 2; ++k) {
-    Solved& finger = solved[k];
-    finger.placed = held.inverse() * pose_of(fingers_[k].body);
-    const Eigen::LLT<Matrix6d> factor(seen_from(finger.placed, fingers_[k].inertia) + pads[k]);
-    for (int i = 0; i < 6; ++i)
-      finger.carried.col(i) = factor.solve(pads[k].col(i));  // in a fifth of the time that all at once take
-    finger.free = factor.solve(force_on(fingers_[k], finger.placed));
-    whole += pads[k];
-    whole.noalias() -= pads[k] * finger.carried;
-    force.noalias() += pads[k] * finger.free;
+    placed[k] = held.inverse() * pose_of(fingers_[k].body);
+    fingers[k].set(seen_from(placed[k], fingers_[k].inertia) + pads[k], pads[k], force_on(fingers_[k], placed[k]));
+    eliminate(fingers[k], whole);
   }
-  const Vector6d a = whole.llt().solve(force);
+  const Vector6d a = solve_rows(whole);
   accelerate(held_, Pose{}, a);
   for (std::size_t k = 0; k < 2; ++k) {
     const Body& finger = fingers_[k];
-    accelerate(finger, solved[k].placed, solved[k].free + solved[k].carried * a);
+    accelerate(finger, placed[k], fingers[k].follow(a));
     const Eigen::Map<const Vector6d> joint(d->qacc + finger.dof);
     apply(finger, -(finger.spring * in_finger(finger, joint.head<3>(), joint.tail<3>())), d->qfrc_applied);
   }

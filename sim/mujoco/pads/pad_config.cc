@@ -4,6 +4,8 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -373,8 +375,24 @@ std::vector<int> touched_geoms(const Attributes& attributes, int site) {
   return geoms;
 }
 
+// Layouts that are handed over in memory, by their names.
+struct Handed {
+  std::mutex mutex;
+  std::map<std::string, PadLayout> layouts;
+  std::size_t count = 0;
+};
+Handed& handed() {
+  static Handed all;
+  return all;
+}
+
 // The pad of the attributes elements and units.
-const PadLayout& table_of(const Attributes& attributes) {
+PadLayout table_of(const Attributes& attributes) {
+  {
+    const std::lock_guard lock(handed().mutex);
+    const auto known = handed().layouts.find(attributes.text("elements"));
+    if (known != handed().layouts.end()) return known->second;
+  }
   thread_local LastRead<PadLayout> tables;
   return tables.find({attributes.text("elements"), attributes.text("units")}, [&] {
     const YamlNode table = attributes.yaml("elements");
@@ -385,6 +403,21 @@ const PadLayout& table_of(const Attributes& attributes) {
 }
 
 }  // namespace
+
+std::string HandedLayouts::add(PadLayout layout) {
+  for (Element& element : layout.elements) {
+    if (element.axis != Element{}.axis) element.axis.normalize();
+  }
+  const std::lock_guard lock(handed().mutex);
+  names_.push_back("@" + std::to_string(handed().count++));
+  handed().layouts.emplace(names_.back(), std::move(layout));
+  return names_.back();
+}
+
+HandedLayouts::~HandedLayouts() {
+  const std::lock_guard lock(handed().mutex);
+  for (const std::string& name : names_) handed().layouts.erase(name);
+}
 
 std::unique_ptr<Sensor> PadConfig::make_sensor(const PadCatalogue& catalogue) const {
   // A table's pad is read at every step: there is no electronics to have a rate of its own.
@@ -417,7 +450,7 @@ PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue
   if (attributes.has("elements")) {
     config.table = {table_of(attributes)};
     const auto element_truth = std::get<std::string>(attributes.value(element_truth_spec));
-    config.table.front().element_truth = element_truth != "false";
+    config.table.front().element_truth |= element_truth != "false";
     config.reads_elements = element_truth == "read";
   }
   const Scene& scene = read_contact(attributes, catalogue.catalogues);

@@ -98,6 +98,21 @@ struct PadConfig {
   [[nodiscard]] std::unique_ptr<Sensor> make_sensor(const PadCatalogue& catalogue) const;
 };
 
+// Layouts that a program hands to the pads of its own models in memory, where writing and reading an element table would take longer than a trial.
+class HandedLayouts {
+ public:
+  HandedLayouts() = default;
+  HandedLayouts(const HandedLayouts&) = delete;
+  HandedLayouts& operator=(const HandedLayouts&) = delete;
+  ~HandedLayouts();
+
+  // What the attribute `elements` of a pad of this layout says, in models that are compiled and whose data is made while the object lives.
+  std::string add(PadLayout layout);
+
+ private:
+  std::vector<std::string> names_;
+};
+
 // Throws InputError: "plugin 'left' effects=...: unknown effect 'agein'; did you mean 'ageing'? allowed: ...".
 PadConfig read_pad_config(const mjModel* model, int instance, const PadCatalogue& catalogue);
 

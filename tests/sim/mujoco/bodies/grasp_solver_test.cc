@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "sim/mujoco/bodies/free_bodies.h"
 #include "tests/expect.h"
 #include "tests/sim/mujoco/bodies/grasp_rig.h"
 #include "tests/sim/mujoco/pads/models.h"
@@ -22,15 +23,17 @@ constexpr double h = 5e-4;  // s
 // Two fingers and a box whose centre of mass is beside its frame, all turned and moving.
 struct Hand3 {
   Hand3()
-      : model(compile(parse("<mujoco><option gravity='0 0 -9.81'/><worldbody>"
-                            "<body name='a' pos='-.05 .01 .02' euler='10 20 30'><freejoint/>"
-                            "<inertial pos='0 0 0' mass='.08' diaginertia='1.2e-4 1.2e-4 1.2e-4'/></body>"
-                            "<body name='b' pos='.04 -.02 .01' euler='-40 5 15'><freejoint/>"
-                            "<inertial pos='0 0 0' mass='.08' diaginertia='1.2e-4 1.2e-4 1.2e-4'/></body>"
-                            "<body name='box' pos='.01 .02 .03' euler='5 -15 70'><freejoint/>"
-                            "<inertial pos='.004 -.003 .01' euler='20 30 40' mass='.2' diaginertia='1e-4 2e-4 2.5e-4'/></body>"
-                            "</worldbody></mujoco>")
-                          .get())) {
+      : model(compile(
+            parse("<mujoco><option gravity='0 0 -9.81'/><worldbody>"
+                  "<body name='a' pos='-.05 .01 .02' euler='10 20 30'><freejoint/>"
+                  "<inertial pos='0 0 0' mass='.08' diaginertia='1.2e-4 1.2e-4 1.2e-4'/></body>"
+                  "<body name='b' pos='.04 -.02 .01' euler='-40 5 15'><freejoint/>"
+                  "<geom size='.01' pos='.01 .02 .03' euler='30 10 5' mass='0'/><site pos='.03 .01 -.02' euler='15 25 35'/>"
+                  "<inertial pos='0 0 0' mass='.08' diaginertia='1.2e-4 1.2e-4 1.2e-4'/></body>"
+                  "<body name='box' pos='.01 .02 .03' euler='5 -15 70'><freejoint/>"
+                  "<inertial pos='.004 -.003 .01' euler='20 30 40' mass='.2' diaginertia='1e-4 2e-4 2.5e-4'/></body>"
+                  "</worldbody></mujoco>")
+                .get())) {
     data.reset(mj_makeData(model.get()));
     for (int i = 0; i < 18; ++i) data->qvel[i] = std::sin(1.0 + i);
     mj_forward(model.get(), data.get());
@@ -97,6 +100,39 @@ TEST(AverageAcceleration, ThreeBodiesAreSolvedAsOneSystem) {
   HeldBodies(m, fingers, box, spring, h).solve(m, d, pads, ground, carriages);
   const Eigen::Map<const Eigen::VectorXd> found(d->qacc, 18);
   EXPECT_LT((found - expected).norm(), 1e-9 * expected.norm());
+}
+
+// What FreeBodies leaves in the data and makes of it, against MuJoCo's own, which has no part of it in common.
+TEST(FreeBodies, AreWhatMuJoCoMakesOfThem) {
+  Hand3 hand;
+  const mjModel* m = hand.model.get();
+  mjData* d = hand.data.get();
+  const Data own(mj_makeData(m));
+  mju_copy(own->qpos, d->qpos, static_cast<int>(m->nq));
+  mju_copy(own->qvel, d->qvel, static_cast<int>(m->nv));
+  const FreeBodies bodies(m);
+  bodies.place(m, own.get());
+  const auto expect_same = [&](const char* what, const mjtNum* found, const mjtNum* expected, int size) {
+    const auto as_vector = [size](const mjtNum* values) { return Eigen::Map<const Eigen::VectorXd>(values, size); };
+    EXPECT_LT((as_vector(found) - as_vector(expected)).norm(), 1e-13 * as_vector(expected).norm()) << what;
+  };
+  const int several = static_cast<int>(m->nbody) - 1;
+  expect_same("xpos", own->xpos + 3, d->xpos + 3, 3 * several);
+  expect_same("xmat", own->xmat + 9, d->xmat + 9, 9 * several);
+  expect_same("xipos", own->xipos + 3, d->xipos + 3, 3 * several);
+  expect_same("ximat", own->ximat + 9, d->ximat + 9, 9 * several);
+  expect_same("subtree_com", own->subtree_com + 3, d->subtree_com + 3, 3 * several);
+  expect_same("cdof", own->cdof, d->cdof, 6 * static_cast<int>(m->nv));
+  expect_same("cvel", own->cvel + 6, d->cvel + 6, 6 * several);
+  expect_same("geom_xpos", own->geom_xpos, d->geom_xpos, 3 * static_cast<int>(m->ngeom));
+  expect_same("site_xmat", own->site_xmat, d->site_xmat, 9 * static_cast<int>(m->nsite));
+  expect_same("qfrc_bias", own->qfrc_bias, d->qfrc_bias, static_cast<int>(m->nv));
+  mju_scl(own->qfrc_smooth, d->qfrc_bias, -1.0, static_cast<int>(m->nv));
+  bodies.accelerate(own.get());
+  expect_same("qacc", own->qacc, d->qacc_smooth, static_cast<int>(m->nv));
+  mj_energyVel(m, d);
+  const Eigen::VectorXd speed = Eigen::Map<const Eigen::VectorXd>(d->qvel, m->nv);
+  EXPECT_NEAR(bodies.kinetic_energy(own.get(), speed), d->energy[1], 1e-14 * d->energy[1]);
 }
 
 // The sum over a field's elements, in the surface's axes about its origin, against that about any point in the world's.
