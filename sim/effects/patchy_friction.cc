@@ -1,7 +1,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <numbers>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "sim/core/error.h"
@@ -76,9 +79,7 @@ class RandomMap {
 class PatchyFriction final : public FrictionEffect {
  public:
   PatchyFriction(const Parameters& p, const EffectContext& context)
-      : sd_(p.number("sd")),
-        shortest_(p.number("shortest")),
-        map_(shortest_, p.number("longest"), context.stream("patchy_friction")) {}
+      : sd_(p.number("sd")), shortest_(p.number("shortest")), map_(map_of(shortest_, p.number("longest"), context)) {}
 
   void scale(const ElementColumns& elements, double* mu_s, double* mu_k) override {
     for (std::size_t i = 0; i < elements.count; ++i) {
@@ -92,21 +93,31 @@ class PatchyFriction final : public FrictionEffect {
   [[nodiscard]] double longest_step(double speed) const override { return step_per_wave(shortest_, speed); }
 
  private:
+  // A trial makes its fields a dozen times, to ask for their size and their step and to run: the map that a thread drew last serves all of them.
+  static std::shared_ptr<const RandomMap> map_of(double shortest, double longest, const EffectContext& context) {
+    std::tuple key(context.seed, context.trial, shortest, longest);
+    thread_local std::pair<decltype(key), std::shared_ptr<const RandomMap>> last;
+    if (!last.second || last.first != key) {
+      last = {key, std::make_shared<const RandomMap>(shortest, longest, context.stream("patchy_friction"))};
+    }
+    return last.second;
+  }
+
   // Each face of a box has its own two coordinates and its own place in the map, which repeats: the top that of a plane. The steps between
   // the places are no simple parts of its period, so that no two faces look at the same piece.
   [[nodiscard]] double map_at(const ElementColumns& elements, std::size_t i) const {
     const double x = elements.x[i], y = elements.y[i], z = elements.z[i];
     const double nx = elements.nx[i], ny = elements.ny[i], nz = elements.nz[i];
     const auto place = [this](double face, double u, double v) {
-      return map_.at(u + face * 0.3819660113 * map_.period(), v + face * 0.1459 * map_.period());
+      return map_->at(u + face * 0.3819660113 * map_->period(), v + face * 0.1459 * map_->period());
     };
-    if (std::abs(nz) >= std::abs(nx) && std::abs(nz) >= std::abs(ny)) return nz > 0.0 ? map_.at(x, y) : place(1.0, x, y);
+    if (std::abs(nz) >= std::abs(nx) && std::abs(nz) >= std::abs(ny)) return nz > 0.0 ? map_->at(x, y) : place(1.0, x, y);
     if (std::abs(nx) >= std::abs(ny)) return place(nx > 0.0 ? 2.0 : 3.0, y, z);
     return place(ny > 0.0 ? 4.0 : 5.0, x, z);
   }
 
   double sd_, shortest_;
-  RandomMap map_;
+  std::shared_ptr<const RandomMap> map_;
 };
 
 }  // namespace
