@@ -107,6 +107,26 @@ TEST(PluginGrip, HoldsForTenMinutes) {
   EXPECT_NEAR(run.height(), begin, 1e-6);
 }
 
+// To the last bit the pads of the same elements in a table.
+TEST(PluginGrip, LayoutsAreHandedOverInMemory) {
+  PadLayout layout;
+  for (int i = 0; i < 9; ++i) {
+    Element& element = layout.elements.emplace_back();
+    element.tip = {0.007 * (i / 3 - 1), 0.007 * (i % 3 - 1), 0.0};
+    element.k_normal = 3000.0;
+    element.k_tangential = 500.0;
+    layout.units.push_back({layout.units.size(), 1});
+  }
+  HandedLayouts handed;
+  GripRun table({}), memory({.left = config("elements", handed.add(layout)), .right = config("elements", handed.add(layout))});
+  for (GripRun* run : {&table, &memory}) {
+    run->hold(1.2);
+    run->wait(0.5);
+  }
+  EXPECT_LT(table.height(), 0.13e-3 - 0.9 * sag);  // it hangs on the pads
+  EXPECT_EQ(memory.height(), table.height());
+}
+
 TEST(PluginGrip, ShakenAt50HzSlipsAtTheAmplitudeOfMassTimesAcceleration) {
   // Shaken along z with the acceleration a sin(w t), in the frame of the hand, the box strains its springs, z'' + (c/m) z' +
   // (k/m) z = -a sin, with k = 18*3900 N/m and c = tau k: the pads' force has the amplitude m a |1 + i w tau|/|1 - (w/w0)^2 + i w
