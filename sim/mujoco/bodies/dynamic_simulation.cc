@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -221,13 +222,7 @@ void DynamicSimulation::State::check_limit(double time) {
   const bool more = touching > touching_before;
   touching_before = touching;
   if (!more) return;
-  if (free_bodies) {
-    call_mujoco([this] {
-      mj_comPos(m(), d());
-      mj_makeM(m(), d());
-      mj_factorM(m(), d());
-    });
-  }
+  if (free_bodies) call_mujoco([this] { FreeBodies::factor(m(), d()); });
   const StuckPads stuck = stuck_pads(true);
   if (dt <= limit_slack * longest_right_step(vibration_bound(m(), d(), stuck.bodies, stuck.tangents))) return;
   const double longest = limit_slack * longest_right_step(fastest_vibration(m(), d(), stuck.bodies, stuck.tangents));
@@ -266,7 +261,7 @@ void DynamicSimulation::State::prescribe(double time) {
   mju_copy3(d()->qvel + stage_dof + 3, spin.data());
 }
 
-// mj_step of a grasp, without contacts and constraints.
+// mj_step of a grasp: of passive and applied forces alone.
 void DynamicSimulation::State::step_free() {
   call_mujoco([this] {
     mj_checkPos(m(), d());
@@ -481,6 +476,7 @@ DynamicSimulation::DynamicSimulation(const Scene& scene, std::span<const PadLayo
     s.added.assign(s.contacts.size(), Matrix6d::Zero());
   }
   if (options.hand != nullptr && !s.own_contact && s.model->opt.integrator == mjINT_EULER) s.free_bodies.emplace(s.m());
+  if (s.averages && !s.free_bodies) throw std::logic_error("implicit springs of a grasp under another integrator than Euler");
   s.make_data();
   s.find_pads(carrying);
   s.start(carrying);

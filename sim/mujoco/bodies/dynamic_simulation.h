@@ -147,7 +147,7 @@ struct DynamicSimulationOptions {
       nullptr;  // the fingers of a grasp, whose springs whoever steps the simulation applies; needed in the constructor only
 };
 
-// Bodies by mj_step; fields by the plugin `slipbench.field` (model_builder.h), which must be registered before; the stage, and the
+// Bodies by mj_step, those of a grasp by what it needs of that (free_bodies.h); fields by the plugin `slipbench.field` (model_builder.h), which must be registered before; the stage, and the
 // sensors that ride on it, exactly as the motion says: its state is overwritten at every tick.
 //
 // Truth at tick k is that of the state at k * time_step: with MuJoCo's one-stage integrators the state that the step k -> k + 1

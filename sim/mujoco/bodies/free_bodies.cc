@@ -29,7 +29,11 @@ void put(const Pose& pose, mjtNum* position, mjtNum* rotation) {
 }  // namespace
 
 FreeBodies::FreeBodies(const mjModel* m) {
-  if (m->nu > 0) throw std::logic_error("FreeBodies: a model with actuators");
+  const auto none = [m](const mjtNum* of_dofs) { return mju_norm(of_dofs, static_cast<int>(m->nv)) == 0.0; };
+  if (m->nu + m->ntendon + m->nflex + m->nsensor > 0 || (m->opt.disableflags & mjDSBL_CONSTRAINT) == 0 ||
+      !none(m->dof_armature) || !none(m->dof_damping)) {
+    throw std::logic_error("FreeBodies: more than passive forces");
+  }
   for (int body = 1; body < m->nbody; ++body) {
     if (m->body_weldid[body] == 0) continue;
     const int joint = m->body_jntadr[body];
@@ -111,6 +115,12 @@ void FreeBodies::accelerate(mjData* d) const {
     vector_at(d->qacc + body.dof) = force / body.mass - rotation * turning.cross(body.centre.position);
     vector_at(d->qacc + body.dof + 3) = turning;
   }
+}
+
+void FreeBodies::factor(const mjModel* m, mjData* d) {
+  mj_comPos(m, d);
+  mj_makeM(m, d);
+  mj_factorM(m, d);
 }
 
 double FreeBodies::kinetic_energy(const mjData* d, const Eigen::VectorXd& v) const {

@@ -15,15 +15,18 @@ namespace slipbench {
 // All bodies of a model that move.
 class FreeBodies {
  public:
-  // Throws std::logic_error where one of them is not free and alone, or moved by an actuator.
+  // Throws std::logic_error where one of them is not free and alone, or something but passive forces, xfrc_applied left out, may act on it.
   explicit FreeBodies(const mjModel_* m);
 
-  // From d->qpos and d->qvel, as mj_kinematics, mj_comPos, mj_comVel and mj_rne: the frames of bodies, of their inertia, geoms and sites,
-  // subtree_com, cdof, cvel and qfrc_bias. MuJoCo's mass matrix, its cinert, lights and cameras stay as they are.
+  // From d->qpos and d->qvel, as mj_kinematics, mj_comPos, mj_comVel and mj_rne: the frames of bodies, of their inertia, geoms and sites, with their
+  // quaternions; subtree_com, but the world's; cdof, cvel and qfrc_bias. All else of mjData stays as it is, the mass matrix too.
   void place(const mjModel_* m, mjData_* d) const;
 
   // After place(): from d->qfrc_smooth to d->qacc.
   void accelerate(mjData_* d) const;
+
+  // After place(): MuJoCo's mass matrix and its factor, for mj_solveM and the like.
+  static void factor(const mjModel_* m, mjData_* d);
 
   // J, at the poses of place(), with the generalized velocities `v` [nv].
   [[nodiscard]] double kinetic_energy(const mjData_* d, const Eigen::VectorXd& v) const;

@@ -57,7 +57,7 @@ class HeldBodies {
   // The accelerations of a step, from d->qfrc_smooth to d->qacc. Added inertias are about the held body's frame, along its axes: `pads` between
   // the fingers and it, `ground` between it and what stands still. `carriages` [m/s2, rad/s2]: accelerations of what the fingers' springs hang
   // on, in the world. Also brings d->qfrc_applied, the forces of those springs where the step begins, to what they are over the step. `d` must have
-  // been through mj_fwdKinematics.
+  // its bodies' frames and cvel.
   void solve(const mjModel_* m, mjData_* d, const std::array<Matrix6d, 2>& pads, const Matrix6d& ground,
              const std::array<Vector6d, 2>& carriages) const;
 

@@ -388,10 +388,13 @@ Handed& handed() {
 
 // The pad of the attributes elements and units.
 PadLayout table_of(const Attributes& attributes) {
-  {
+  if (const std::string name = attributes.text("elements"); name.starts_with('@')) {
     const std::lock_guard lock(handed().mutex);
-    const auto known = handed().layouts.find(attributes.text("elements"));
-    if (known != handed().layouts.end()) return known->second;
+    const auto known = handed().layouts.find(name);
+    if (known == handed().layouts.end())
+      attributes.refuse("elements " + quote(name) + " is of a model whose program has let it go");
+    if (attributes.has("units")) attributes.refuse("units has no place beside elements " + quote(name));
+    return known->second;
   }
   thread_local LastRead<PadLayout> tables;
   return tables.find({attributes.text("elements"), attributes.text("units")}, [&] {
