@@ -42,7 +42,7 @@ Entry stage_entry() {
                       "assumed"),
           vector_spec(2, "tilt", Quantity::angle, "[0 deg, 0 deg]", {-0.5, 0.5},
                       "Tilt of the pad about its X and Y axes, constant throughout.",
-                      "assumed; the published sequences look tilted by about 1.5 deg"),
+                      "assumed; the memory learnt from the published sequences knows no tilt (scenes/papillarray)"),
           number_spec("acceleration", Quantity::acceleration, "50 mm/s2", positive_or_infinite,
                       "Limit for all straight moves; inf: speeds change at once.",
                       "assumed; about 40 mm/s2 fits the published sequences"),

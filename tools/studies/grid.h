@@ -8,6 +8,7 @@
 #include <cstring>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,6 +76,11 @@ class Grid {
   std::vector<TrialPlan> plans_;                             // of each cell
   std::vector<std::pair<std::size_t, std::size_t>> places_;  // cell and trial of each index
 };
+
+// Of JSON that has null where there is no figure.
+inline double number_or_nan(const Json& value) {
+  return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
 
 // options.jobs; as many as the machine has where it names none.
 inline std::size_t jobs_of(const ReproduceOptions& options) {

@@ -13,7 +13,10 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/reader.h"
 #include "tools/base/project/project_file.h"
+#include "tools/studies/biotac/biotac_recordings.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
@@ -140,30 +143,29 @@ Result hexapod(const ReproduceOptions& options) {
   return result;
 }
 
-Result boxes(const ReproduceOptions& options) {
-  ReproduceOptions some = options;
-  some.only = {"as_recorded", "oracle", "ptfe_fitted", "rubber_fitted", "felt_fitted"};
-  if (some.trials == 0) some.trials = grasps_a_box;
-  return hd_table2(some);
-}
+const std::vector<std::string> fitted_boxes{"as_recorded", "oracle", "ptfe_fitted", "rubber_fitted", "felt_fitted"};
+const std::vector<std::string> without_place{"sd_trend_no_site", "sorted_sd_no_site"};
 
 // Studies that hold a published figure of a real device against ours.
 struct Source {
   std::string name;
   Result (*run)(const ReproduceOptions& options);
-  bool quick;  // within some minutes of CPU
-  bool needs_real = false;
+  bool quick;                          // within some minutes of CPU
+  std::vector<std::string> only = {};  // its --only
+  std::size_t trials = 0;              // of each of its rows, where --trials names none
+  const char* recordings = nullptr;    // the format of --real that it needs; null: none
 };
 const std::vector<Source>& sources() {
   static const std::vector<Source> all{{"hexapod", &hexapod, true},
                                        {"hd-papillarray/table1", &hd_table1, true},
-                                       {"hd-papillarray/table2", &boxes, true},
+                                       {"hd-papillarray/table2", &hd_table2, true, fitted_boxes, grasps_a_box},
                                        {"nib-reconfigurable/table1", &nib_table1, true},
                                        {"nib-reconfigurable/table2", &nib_table2, true},
                                        {"nib-reconfigurable/table3", &nib_table3, true},
                                        {"piezo-fft-gru/table1", &piezo_table1, false},
                                        {"myrmex-tactile-cnn/table2", &myrmex_table2, false},
-                                       {"biotac-stability-slip/table2", &biotac_table2, false, true}};
+                                       {"biotac-stability-slip/table2", &biotac_table2, false, {}, 0, "bts3v2"},
+                                       {"biotac-stability-slip/table3", &biotac_table3, false, without_place, 0, "biotacsp-dos"}};
   return all;
 }
 
@@ -176,12 +178,17 @@ Result realism_table(const ReproduceOptions& options) {
   using namespace realism;
   std::vector<Source> asked = rows_asked_for(sources(), options);
   std::vector<std::string> left_out;
+  const std::string truth =
+      options.real.empty() ? "" : guarded(options.real, [&] { return DatasetReader(options.real).header().truth; });
   std::erase_if(asked, [&](const Source& source) {
-    const bool left = source.needs_real ? options.real.empty() : options.only.empty() && !options.full && !source.quick;
+    const bool left = source.recordings != nullptr ? !truth.ends_with(source.recordings)
+                                                   : options.only.empty() && !options.full && !source.quick;
     if (left) left_out.push_back(source.name);
     return left;
   });
-  if (asked.empty()) throw InputError("reproduce: realism: --only names what needs recordings; allowed: with --real FILE");
+  if (asked.empty() || (!options.real.empty() && std::ranges::all_of(asked, [](const Source& one) { return !one.recordings; })))
+    throw InputError(
+        "reproduce: realism: no study that is asked for judges by these recordings; allowed: --real of bts3v2, biotacsp-dos");
   Result result;
   result.title = "The bench beside real devices";
   result.source = "Published figures of real devices for which a study of slipbench has one of its own.";
@@ -197,9 +204,10 @@ Result realism_table(const ReproduceOptions& options) {
                       .bar = 1.0,
                       .bar_name = "as real"};
     ReproduceOptions its = options;
-    its.only.clear();
+    its.only = source.only;
+    if (its.trials == 0) its.trials = source.trials;
     its.full = false;
-    if (!source.needs_real) its.real.clear();
+    if (source.recordings == nullptr) its.real.clear();
     for (const RealFigure& one : source.run(its).real) {
       const double ratio = one.ours / one.real;
       const std::string row = fmt::format("{}", table.rows.size() + 1);
@@ -224,7 +232,7 @@ Result realism_table(const ReproduceOptions& options) {
           grasps_a_box)};
   if (!left_out.empty())
     result.remarks.push_back(fmt::format(
-        "Left out: {}. --full runs those that teach for a quarter of an hour, --real FILE those that need recordings.",
+        "Left out: {}. --full runs those that teach for a quarter of an hour, --real FILE the one that takes its recordings.",
         fmt::join(left_out, ", ")));
   return result;
 }

@@ -89,19 +89,14 @@ TEST(Lessons, LearnFromWhomTheyAreTold) {
 
 TEST(BiotacTables, RefuseWhatCannotBe) {
   if (!train::networks_available()) GTEST_SKIP() << "no libtorch";
-  ReproduceOptions options;
-  options.data = "a.h5";
-  options.trials = 3;
+  ReproduceOptions both, nowhere;
+  both.data = "a.h5";
+  both.trials = 3;
+  nowhere.real = "nowhere.h5";
   for (const char* name : {"table1", "fig12", "table2", "table3"}) {
-    const auto run = [&] { find_reproduction(std::string("biotac-stability-slip/") + name).run(options); };
-    EXPECT_THAT(refusal_of(run), HasSubstr("allowed: --data alone")) << name;
-  }
-  options.trials = 0;
-  options.data.clear();
-  options.real = "nowhere.h5";
-  for (const char* name : {"table1", "fig12", "table2", "table3"}) {
-    const auto run = [&] { find_reproduction(std::string("biotac-stability-slip/") + name).run(options); };
-    EXPECT_THAT(refusal_of(run), HasSubstr("nowhere.h5")) << name;
+    const Reproduction& table = find_reproduction(std::string("biotac-stability-slip/") + name);
+    EXPECT_THAT(refusal_of([&] { table.run(both); }), HasSubstr("allowed: --data alone")) << name;
+    EXPECT_THAT(refusal_of([&] { table.run(nowhere); }), HasSubstr("nowhere.h5")) << name;
   }
 }
 

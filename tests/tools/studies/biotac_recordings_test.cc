@@ -69,6 +69,19 @@ TEST(Grasps, ThatAreNoneAreRefused) {
   EXPECT_THAT(refused(two), HasSubstr("no reading of a biotac_sp 'th'"));
 }
 
+// Two counts 40 apart stand sqrt(1/2) from their mean, over their deviation 40 sqrt(1/2); equal ones, and one alone, at 0.
+TEST(Grasps, AreLevelledByPalm) {
+  Grasp low, high, alone;
+  for (Grasp* grasp : {&low, &high, &alone}) grasp->counts.resize(fingers * electrodes, 100.0F);
+  high.counts.back() = 140.0F;
+  alone.palm = 1;
+  const std::vector<Grasp> found = levelled({low, high, alone});
+  EXPECT_FLOAT_EQ(found[0].counts.back(), -std::sqrt(0.5F));
+  EXPECT_FLOAT_EQ(found[1].counts.back(), std::sqrt(0.5F));
+  EXPECT_EQ(found[1].counts.front(), 0.0F);
+  EXPECT_THAT(found[2].counts, Each(0.0F));
+}
+
 // Electrode e of finger f is 24 f + e. A node has the three fingers' values; in D3 E1 stands at the end of the first row of 7, E11 at its beginning.
 TEST(Grasps, AreShownAsListImageAndGraph) {
   Grasp grasp;
@@ -178,8 +191,8 @@ class ImportedTouches : public slipbench::testing::ImportTest {};
 
 // Two files of three rows: what they are is their set's word, and they are never what was simulated.
 TEST_F(ImportedTouches, AreByTheirOwnLabelsAndNoSyntheticOnes) {
-  for (const char* name : {"n/case1.csv", "t/pen2.csv"})
-    source(std::string("set/") + name, slide_header() + slide_row(0) + slide_row(1) + slide_row(2));
+  for (const char* name : {"set/n/case1.csv", "set/t/pen2.csv"})
+    source(name, slide_header() + slide_row(0) + slide_row(1) + slide_row(2));
   run({path("set")}, "biotacsp-dos");
   const std::vector<Touch> touches = read_touches(path("out.h5"), {});
   ASSERT_EQ(touches.size(), 2U);
@@ -189,6 +202,10 @@ TEST_F(ImportedTouches, AreByTheirOwnLabelsAndNoSyntheticOnes) {
       refusal_of([&] { check_simulated(path("out.h5")); }),
       HasSubstr("out.h5: reproduce --data needs the truth, which it does not hold (none: imported from biotacsp-dos); allowed: "
                 "--real, which takes imported recordings"));
+  ReproduceOptions options;
+  options.real = path("out.h5");
+  options.only = {"biotac-stability-slip/table2"};
+  EXPECT_THAT(refusal_of([&] { realism_table(options); }), HasSubstr("no study that is asked for judges by these recordings"));
 }
 
 }  // namespace

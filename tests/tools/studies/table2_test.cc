@@ -18,14 +18,14 @@ constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 class Log {
  public:
   // Tangential and normal forces [N].
-  Log& row(PadState state, float t1, float n1, float t2, float n2) {
+  Log& row(PadState state, float t1 = 0.0F, float n1 = 0.0F, float t2 = 0.0F, float n2 = 0.0F) {
     force_.insert(force_.end(), {0.6F * t1, -0.8F * t1, n1, t2, 0.0F, n2});
     classes_.push_back(static_cast<std::uint8_t>(state));
     return *this;
   }
   // `times` rows of nothing.
   Log& rest(std::size_t times) {
-    while (times-- > 0) row(PadState::non_slip, 0.0F, 0.0F, 0.0F, 0.0F);
+    while (times-- > 0) row(PadState::non_slip);
     return *this;
   }
   [[nodiscard]] EstimatedForces forces(std::size_t stride = 1) const { return estimated_forces(force_, classes_, stride); }
@@ -40,28 +40,24 @@ using enum PadState;
 // sum f_t / mean(f_t/f_n).
 TEST(EstimatedForces, IdealIsShearOverTheMeanRatio) {
   // Equal ratios of 1/2: 2 / (1/2), the whole normal force.
-  EXPECT_NEAR(Log().row(incipient, 0.5F, 1.0F, 1.5F, 3.0F).row(gross, 0, 0, 0, 0).row(gross, 0, 0, 0, 0).rest(2).forces().ideal,
-              4.0, 1e-6);
+  EXPECT_NEAR(Log().row(incipient, 0.5F, 1.0F, 1.5F, 3.0F).row(gross).row(gross).rest(2).forces().ideal, 4.0, 1e-6);
   // 1/2 and 1/8 on 1 N and 4 N: 1 / (5/16).
-  EXPECT_NEAR(Log().row(incipient, 0.5F, 1.0F, 0.5F, 4.0F).row(gross, 0, 0, 0, 0).row(gross, 0, 0, 0, 0).rest(2).forces().ideal,
-              3.2, 1e-6);
+  EXPECT_NEAR(Log().row(incipient, 0.5F, 1.0F, 0.5F, 4.0F).row(gross).row(gross).rest(2).forces().ideal, 3.2, 1e-6);
 }
 
 TEST(EstimatedForces, WhatHasNoRatioBelowOneStaysInTheSumAlone) {
   // A ratio of 2, and one without normal force, beside 1/2: (2 + 1)/(1/2).
   for (const float normal : {1.0F, 0.0F}) {
-    const EstimatedForces forces =
-        Log().row(incipient, 2.0F, normal, 1.0F, 2.0F).row(gross, 0, 0, 0, 0).row(gross, 0, 0, 0, 0).rest(2).forces();
+    const EstimatedForces forces = Log().row(incipient, 2.0F, normal, 1.0F, 2.0F).row(gross).row(gross).rest(2).forces();
     EXPECT_NEAR(forces.ideal, 6.0, 1e-6) << normal;
   }
   // No shear is no ratio of 0: 1/(1/2).
-  EXPECT_NEAR(Log().row(incipient, 0.0F, 3.0F, 1.0F, 2.0F).row(gross, 0, 0, 0, 0).row(gross, 0, 0, 0, 0).rest(2).forces().ideal,
-              2.0, 1e-6);
+  EXPECT_NEAR(Log().row(incipient, 0.0F, 3.0F, 1.0F, 2.0F).row(gross).row(gross).rest(2).forces().ideal, 2.0, 1e-6);
 }
 
 TEST(EstimatedForces, AWindowNeedsThreeSlipsOfFourAndAnIncipientOne) {
   const auto with = [](PadState a, PadState b, PadState c, PadState d) {
-    return Log().row(a, 1, 2, 0, 0).row(b, 1, 2, 0, 0).row(c, 1, 2, 0, 0).row(d, 1, 2, 0, 0).rest(1).forces().ideal;
+    return Log().row(a, 1, 2).row(b, 1, 2).row(c, 1, 2).row(d, 1, 2).rest(1).forces().ideal;
   };
   EXPECT_NEAR(with(gross, non_slip, gross, incipient), 2.0, 1e-6);
   EXPECT_NEAR(with(incipient, incipient, incipient, incipient), 2.0, 1e-6);
@@ -72,23 +68,16 @@ TEST(EstimatedForces, AWindowNeedsThreeSlipsOfFourAndAnIncipientOne) {
 
 TEST(EstimatedForces, WindowsDoNotOverlapOnceTheyCount) {
   // Rows 0 to 3 count; row 4, whose 1 N would be the least, begins a window that does not.
-  Log log;
-  log.row(incipient, 1, 2, 0, 0)
-      .row(gross, 1, 2, 0, 0)
-      .row(gross, 1, 2, 0, 0)
-      .row(gross, 1, 2, 0, 0)
-      .row(incipient, 0.5F, 1, 0, 0);
+  Log log = Log().row(incipient, 1, 2).row(gross, 1, 2).row(gross, 1, 2).row(gross, 1, 2).row(incipient, 0.5F, 1);
   EXPECT_NEAR(log.rest(5).forces().ideal, 2.0, 1e-6);
   // With a row before them the first window is rows 1 to 4 only if rows 0 to 3 do not count: of those two slip.
-  Log later;
-  later.rest(2).row(gross, 1, 2, 0, 0).row(gross, 1, 2, 0, 0).row(incipient, 0.5F, 1, 0, 0);
+  Log later = Log().rest(2).row(gross, 1, 2).row(gross, 1, 2).row(incipient, 0.5F, 1);
   EXPECT_NEAR(later.rest(5).forces().ideal, 1.0, 1e-6);
 }
 
 // The script's loop ends one window early.
 TEST(EstimatedForces, TheLastFourRowsBeginNoWindow) {
-  Log log;
-  log.row(incipient, 1, 2, 0, 0).row(gross, 1, 2, 0, 0).row(gross, 1, 2, 0, 0).row(gross, 1, 2, 0, 0);
+  Log log = Log().row(incipient, 1, 2).row(gross, 1, 2).row(gross, 1, 2).row(gross, 1, 2);
   EXPECT_TRUE(std::isnan(log.forces().ideal));
   EXPECT_NEAR(log.rest(1).forces().ideal, 2.0, 1e-6);
 }
@@ -100,9 +89,8 @@ TEST(EstimatedForces, TheMostIsOverAllRowsUpToTenNewtons) {
 
 TEST(EstimatedForces, RowsWithANumberThatIsNoneAreLeftOut) {
   // Without the second row the first four of the others are a window.
-  Log log;
-  log.row(incipient, 1, 2, 0, 0).row(non_slip, 1, not_a_number, 0, 7).row(non_slip, 1, 2, 0, 0).row(gross, 1, 2, 0, 0);
-  const EstimatedForces forces = log.row(gross, 1, 3, 0, 0).rest(1).forces();
+  Log log = Log().row(incipient, 1, 2).row(non_slip, 1, not_a_number, 0, 7).row(non_slip, 1, 2).row(gross, 1, 2);
+  const EstimatedForces forces = log.row(gross, 1, 3).rest(1).forces();
   EXPECT_NEAR(forces.ideal, 2.0, 1e-6);
   EXPECT_DOUBLE_EQ(forces.most, 3.0);
   EXPECT_NEAR(forces.ratio(), 1.5, 1e-6);
@@ -110,7 +98,7 @@ TEST(EstimatedForces, RowsWithANumberThatIsNoneAreLeftOut) {
 
 TEST(EstimatedForces, RowsAreTheLastSampleOfEachStride) {
   Log log;
-  for (int i = 0; i < 5; ++i) log.row(non_slip, 0, 9, 0, 0).row(gross, 1, 8, 0, 0).row(incipient, 1, 2, 0, 0);
+  for (int i = 0; i < 5; ++i) log.row(non_slip, 0, 9).row(gross, 1, 8).row(incipient, 1, 2);
   const EstimatedForces forces = log.forces(3);
   EXPECT_NEAR(forces.ideal, 2.0, 1e-6);
   EXPECT_DOUBLE_EQ(forces.most, 2.0);

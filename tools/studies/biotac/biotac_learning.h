@@ -45,6 +45,9 @@ Scores scores_of(
 std::string cell(const MeanSd& share);
 Json json_of(const Scores& scores);
 
+// Of a figure that is real where a network has learnt from recordings, ours where it has learnt from the scene.
+inline constexpr const char* judged_here = "not published: real recordings judged here";
+
 // What learns and what judges.
 struct Set {
   std::vector<train::FoldExample> examples;

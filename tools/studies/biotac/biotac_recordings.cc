@@ -140,6 +140,23 @@ std::vector<Grasp> run_grasps(std::size_t draws, const ReproduceOptions& options
   return run_grid<Grasp>({cell}, options, [](const GridTrial& trial) { return grasp_of(trial.record()); }).front();
 }
 
+std::vector<Grasp> levelled(std::vector<Grasp> grasps) {
+  for (std::size_t palm = 0; palm < palms.size(); ++palm) {
+    for (std::size_t k = 0; k < fingers * electrodes; ++k) {
+      std::vector<double> counts;
+      for (const Grasp& grasp : grasps) {
+        if (grasp.palm == palm) counts.push_back(double{grasp.counts[k]});
+      }
+      const MeanSd level = mean_sd(counts);
+      for (Grasp& grasp : grasps) {
+        if (grasp.palm == palm)
+          grasp.counts[k] = static_cast<float>((double{grasp.counts[k]} - level.mean) / std::max(1.0, level.sd));
+      }
+    }
+  }
+  return grasps;
+}
+
 train::FoldExample as_list(const Grasp& grasp) { return {{grasp.counts, {static_cast<std::uint8_t>(grasp.slipped ? 1 : 0)}}}; }
 
 train::FoldExample as_image(const Grasp& grasp, const train::biotac::ImageLayout& layout) {

@@ -48,6 +48,10 @@ std::vector<Grasp> read_grasps(const std::string& path, const ReproduceOptions& 
 // Those of grasp.yaml: `draws` of each of its nine cells, 0: as many as it says. Throws as run_grid.
 std::vector<Grasp> run_grasps(std::size_t draws, const ReproduceOptions& options);
 
+// Each count less its mean over the grasps with that palm, over its standard deviation there (1 count at least): what does not depend on the fingers
+// that a set was recorded with.
+std::vector<Grasp> levelled(std::vector<Grasp> grasps);
+
 // What a network is shown of a grasp, as an example of one frame: the counts as they are; as images [fingers, rows, columns]; by node [electrodes,
 // fingers]. Label 1: slipped.
 train::FoldExample as_list(const Grasp& grasp);

@@ -27,8 +27,9 @@ constexpr std::array<std::array<const char*, 2>, 6> direction_columns{{{"real", 
                                                                        {"synthetic", "synthetic, on synthetic"},
                                                                        {"random_site", "random site, on random site"}}};
 
-struct DirectionNetwork {
-  Network network;
+constexpr std::size_t without_real_from = 4;  // the columns that need no recordings
+
+struct DirectionNetwork : Network {
   Window window;
   std::size_t columns = direction_columns.size();  // the first so many of them, without real recordings all: of what takes long
 };
@@ -77,19 +78,16 @@ std::vector<DirectionNetwork> direction_networks(bool full) {
     const std::size_t three = 3;  // columns of what takes long
     add("lr", "logistic regression", direction_regression(electrodes, short_rows), direction_steps, brief);
     add("mlp", "MLP 128", direction_plain(electrodes, short_rows), direction_steps, brief);
+    add("lstm", "LSTM, 5 layers of 32", lstm_network(5, short_rows), direction_steps / 2, brief,
+        site ? direction_columns.size() : three);
     if (site) {
-      add("lstm", "LSTM, 5 layers of 32", lstm_network(5, short_rows), direction_steps / 2, brief);
       add("lstm_longer", "the same, four times the steps", lstm_network(5, short_rows), 2 * direction_steps, brief, 1);
       add("lstm_2", "LSTM, 2 layers of 32", lstm_network(2, short_rows), direction_steps, brief, three);
-    } else {
-      add("lstm", "LSTM, 5 layers of 32", lstm_network(5, short_rows), direction_steps / 2, brief, three);
     }
-    if (full) {
-      add("convlstm", "ConvLSTM, 5 layers of 32", conv_lstm_network(image, 5, 32, short_rows), direction_steps, images);
-    } else {
+    if (full) add("convlstm", "ConvLSTM, 5 layers of 32", conv_lstm_network(image, 5, 32, short_rows), direction_steps, images);
+    if (!full)
       add("convlstm", "ConvLSTM, 2 layers of 8", conv_lstm_network(image, 2, 8, short_rows), direction_steps, images,
           site ? three : 2);
-    }
     add("lstm_500", "LSTM, 2 layers of 32", lstm_network(2, long_rows), direction_steps / 4, whole, site ? 2 : three);
     if (site) continue;
     Window figures = whole;
@@ -133,15 +131,11 @@ Row queued(const DirectionNetwork& one, const Touches& touches, std::uint64_t se
   };
   const Set made = set_of_touches(touches.synthetic), anywhere = set_of_touches(touches.random_site);
   const auto add = [&](const char* name, const Set& set, const Set* other, Learns learns) {
-    row.numbers[name] = {lessons.queue(set, other, learns, one.network), set.fold_of};
+    row.numbers[name] = {lessons.queue(set, other, learns, one), set.fold_of};
   };
-  if (touches.real.empty()) {
-    add("synthetic", made, nullptr, Learns::own);
-    add("random_site", anywhere, nullptr, Learns::own);
-    return row;
-  }
-  const Set recorded = set_of_touches(touches.real);
-  for (const auto& [name, text] : std::span(direction_columns).first(one.columns)) {
+  const Set recorded = touches.real.empty() ? Set() : set_of_touches(touches.real);
+  for (const auto& [name, text] : touches.real.empty() ? std::span(direction_columns).subspan(without_real_from)
+                                                       : std::span(direction_columns).first(one.columns)) {
     const std::string column = name;
     if (column == "real") add(name, recorded, nullptr, Learns::own);
     if (column == "synthetic_to_real") add(name, recorded, &made, Learns::other);
@@ -167,7 +161,7 @@ ResultTable scores_table(const char* title, const std::vector<Row>& rows, std::s
   ResultTable table{title, {"network"}};
   for (const auto& [name, text] : columns) table.head.emplace_back(text);
   for (const Row& row : rows) {
-    std::vector<std::string> cells{row.network->network.text};
+    std::vector<std::string> cells{row.network->text};
     for (const auto& [name, text] : columns) {
       const auto found = row.numbers.find(name);
       if (found == row.numbers.end()) {
@@ -176,7 +170,7 @@ ResultTable scores_table(const char* title, const std::vector<Row>& rows, std::s
       }
       const auto& [number, fold_of] = found->second;
       const Scores scores = scores_of(lessons.answers(number), fold_of);
-      figures[row.network->network.name][name] = json_of(scores);
+      figures[row.network->name][name] = json_of(scores);
       cells.push_back(cell(scores.*member));
     }
     table.rows.push_back(std::move(cells));
@@ -207,31 +201,30 @@ std::vector<std::string> setup_of(const ReproduceOptions& options, const Touches
 
 Result biotac_table3(const ReproduceOptions& options) {
   using namespace biotac;
-  const std::vector<DirectionNetwork> all = direction_networks(options.full);
-  std::vector<std::string> names;
-  for (const DirectionNetwork& one : all) names.push_back(one.network.name);
-  check_only(options.only, names);
+  const std::vector<DirectionNetwork> asked = rows_asked_for(direction_networks(options.full), options);
   if (!options.data.empty() && options.trials != 0)
     throw InputError("reproduce: --trials is for recordings that are made; allowed: --data alone");
   if (!options.data.empty()) check_simulated(options.data);
   Lessons lessons(options);
   const Touches touches = all_touches(options);
   std::vector<Row> rows;
-  for (const DirectionNetwork& one : all) {
-    if (options.only.empty() || std::ranges::find(options.only, one.network.name) != options.only.end())
-      rows.push_back(queued(one, touches, options.seed.value_or(1), lessons));
-  }
+  for (const DirectionNetwork& one : asked) rows.push_back(queued(one, touches, options.seed.value_or(1), lessons));
   lessons.run();
 
   Result result;
   result.title = "Direction of slip under a BioTac SP: t, n, e, s, w, cw, aw";
   result.source = fmt::format("Table 3 of {}. Figures in %.", paper);
-  const auto columns = std::span(direction_columns).subspan(touches.real.empty() ? 4 : 0);
+  const auto columns = std::span(direction_columns).subspan(touches.real.empty() ? without_real_from : 0);
   result.tables = {published(),
                    scores_table("Seven classes, balanced accuracy, object left out (chance 14.3)", rows, columns, lessons,
                                 &Scores::balanced, result.figures),
                    scores_table("Slip against touch, area under the curve, object left out", rows, columns, lessons, &Scores::auc,
                                 result.figures)};
+  for (const auto& [name, from] : result.figures.items()) {
+    if (from.contains("real") && from.contains("synthetic_to_real"))
+      result.real.push_back({fmt::format("slip against touch, AUC, {}: learnt here from real, from synthetic recordings", name),
+                             from["real"]["auc"].get<double>(), from["synthetic_to_real"]["auc"].get<double>(), judged_here});
+  }
   result.tables.back().note =
       "A network that names the direction says slip by the probability of all classes but t. The first columns are judged on real objects that were "
       "not learnt; synthetic and random site alone are one network each.";

@@ -84,9 +84,6 @@ std::vector<Row> incipient_rows(const std::vector<Row>& rows) {
   return found;
 }
 
-// Smaller of two, a NaN left out.
-double least(double a, double b) { return std::isnan(a) || b < a ? b : a; }
-
 // Mean of samples [first, first + n) of the way from the arm's origin to the box's.
 std::array<double, 3> mean_way(std::span<const float> arm, std::span<const float> box, std::size_t first, std::size_t n) {
   std::array<double, 3> mean{};
@@ -123,8 +120,8 @@ struct GraspFigures {
   double slip = nan, rotation = nan;            // m, rad
   double marker_slip = nan, marker_spin = nan;  // m, rad
   double true_ratio = nan;
-  double estimated_ratio = nan, frame_ratio = nan;  // by the paper's script, a row a window or a frame
-  double counts = nan;                              // by which the gripper closed after the lift had begun
+  double estimated_ratio = nan;  // by the paper's script
+  double counts = nan;           // by which the gripper closed after the lift had begun
 };
 using Grasps = std::vector<GraspFigures>;
 
@@ -138,12 +135,12 @@ const std::vector<GraspChoice> boxes{{"light", "light box (0.2 kg)", {{"box.mass
 
 // `memories`: folder of the published ones.
 std::vector<GraspChoice> loops(const std::string& memories) {
-  const auto detected = [](std::string name, std::string text, const std::string& detector) {
-    return GraspChoice{std::move(name), std::move(text), {{"detector", detector}, {"controller", "{type: step_on_slip}"}}};
-  };
   const auto controlled = [](std::string name, std::string text, const std::string& controller,
                              const std::string& detector = "{type: gst_hd}") {
     return GraspChoice{std::move(name), std::move(text), {{"detector", detector}, {"controller", controller}}};
+  };
+  const auto detected = [&](std::string name, std::string text, const std::string& detector) {
+    return controlled(std::move(name), std::move(text), "{type: step_on_slip}", detector);
   };
   return {
       detected("oracle", "oracle (sees the truth)", "{type: truth}"),
@@ -182,7 +179,6 @@ GraspFigures grasp_figures(const Scene& lift, const TrialRecord& record) {
   figures.marker_spin = markers.spin;
   figures.true_ratio = outcome.max_grip_force / outcome.ideal_grip_force;
   figures.estimated_ratio = estimated_forces(force->values, record.control->detector_class, row_stride).ratio();
-  figures.frame_ratio = estimated_forces(force->values, record.control->detector_class, 1).ratio();
   figures.counts = position.back() - position[begun];
   return figures;
 }
@@ -368,13 +364,13 @@ ResultTable displacement_table(const std::string& title, std::span<const GraspCe
 ResultTable force_table(const std::string& title, std::span<const GraspCell> cells, std::span<const Grasps> results) {
   ResultTable table{title + ": force",
                     {"", "max/least, median", "95 %", "mean +- SD", "n", "max/ideal by the paper, median", "95 %", "mean +- SD",
-                     "n", "rows of a frame, median", "mean +- SD", "n", "counts"}};
+                     "n", "counts"}};
   add_rows(
       table, cells, results,
       [&](const PublishedGrasp& row) {
         if (!row.ratio) return;
-        table.rows.push_back({std::string(row.surface) + ": published", "-", "-", "-", "-", "-", "-", text_of(*row.ratio), "-",
-                              "-", "-", "-", "-"});
+        table.rows.push_back(
+            {std::string(row.surface) + ": published", "-", "-", "-", "-", "-", "-", text_of(*row.ratio), "-", "-"});
       },
       [](std::vector<std::string>& row, const Grasps& trials) {
         for (const auto figure : {&GraspFigures::true_ratio, &GraspFigures::estimated_ratio}) {
@@ -382,9 +378,7 @@ ResultTable force_table(const std::string& title, std::span<const GraspCell> cel
           add(row, value);
           row.push_back(std::to_string(value.n));
         }
-        const Spread frames = spread_of(trials, &GraspFigures::frame_ratio);
-        row.insert(row.end(), {number(frames.median), text_of(frames.mean_sd), std::to_string(frames.n),
-                               number(spread_of(trials, &GraspFigures::counts).median)});
+        row.push_back(number(spread_of(trials, &GraspFigures::counts).median));
       });
   table.note =
       "Of the boxes that were not dropped. Least: m g/(2 mu_s), mu_s that of the trial, upwards, without patches. By the paper: largest force up to 10 N over the least sum f_t/mean(f_t/f_n) of the rows called incipient; n: trials that have such rows. Counts: by which the gripper closed after the lift had begun, median.";
@@ -416,7 +410,6 @@ Json cell_json(const GraspCell& cell, const Grasps& trials, std::uint64_t seed) 
   entry["marker_spin_deg"] = spread_json(spread_of(trials, &GraspFigures::marker_spin, degrees));
   entry["max_over_least"] = spread_json(spread_of(trials, &GraspFigures::true_ratio));
   entry["max_over_ideal_by_paper"] = spread_json(spread_of(trials, &GraspFigures::estimated_ratio));
-  entry["max_over_ideal_rows_of_a_frame"] = spread_json(spread_of(trials, &GraspFigures::frame_ratio));
   entry["counts"] = spread_json(spread_of(trials, &GraspFigures::counts));
   entry["command"] = fmt::format("{} --trials {}", cell.grid().command(seed), trials.size());
   return entry;
@@ -439,7 +432,7 @@ std::vector<std::string> setup_lines(std::size_t trials, std::uint64_t seed) {
           lift_scene, seed, trials),
       "Rows of detectors have the controller step_on_slip. constant_force, controller force_ratio, force_pid and hold_preset ask no detector: gst_hd with the shipped memory looks on for the paper's estimate. Controller stuck_fraction has the detector stuck_fraction.",
       fmt::format(
-          "Rows of the paper's script: one in {} frames of 100 Hz; assumed, since its window of four rows is 0.6 s in the paper. The script asks for three slips of four, the paper's words for half. With a row a frame it finds more.",
+          "Rows of the paper's script: one in {} frames of 100 Hz; assumed, since its window of four rows is 0.6 s in the paper. The script asks for three slips of four, the paper's words for half.",
           row_stride),
       "Published: Table II (light boxes; the script gives the same means and SDs from the recordings), and the medians, the heavy boxes and the drops of the recordings, github.com/JT2106/Hyperdimensional-computing-tactile-sensing, data/grip force control.",
       "Rows `_fitted`: friction alone, fitted to the median slips published of the light boxes; heavy boxes were not seen. The gain of viscous_friction is assumed, for boxes that slip slowly.",
@@ -495,9 +488,9 @@ EstimatedForces estimated_forces(std::span<const float> force, std::span<const s
   EstimatedForces estimate{nan, nan};
   for (const Row& row : rows) {
     const double sum = normal_force(row);
-    if (sum <= most_force) estimate.most = std::isnan(estimate.most) ? sum : std::max(estimate.most, sum);
+    if (sum <= most_force) estimate.most = std::fmax(estimate.most, sum);  // NaN is none
   }
-  for (const Row& row : incipient_rows(rows)) estimate.ideal = least(estimate.ideal, ideal_force(row));
+  for (const Row& row : incipient_rows(rows)) estimate.ideal = std::fmin(estimate.ideal, ideal_force(row));
   return estimate;
 }
 

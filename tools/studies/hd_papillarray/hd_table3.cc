@@ -1,7 +1,6 @@
 // Table III of the paper: the recurrent network that it compares itself with, on the published protocol.
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,16 +41,6 @@ struct GruOutcome {
   double kilobytes = 0.0, step = 0.0;
 };
 
-double number_or_nan(const Json& value) {
-  return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
-}
-
-// Of the wall clock [s].
-double network_step(network::Engine& engine) {
-  const std::vector<float> nothing(engine.inputs());
-  return median_time(steps_timed, [&] { engine.run(nothing); });
-}
-
 GruOutcome run_row(const GruRow& row, const std::string& dataset, const std::string& model, const ReproduceOptions& options) {
   const train::NetworkSummary summary = teach(row.name, train::find_recipe(row.recipe), row.labels, dataset, model, options);
   const std::unique_ptr<network::Engine> engine = network::load_engine(model);
@@ -64,7 +53,7 @@ GruOutcome run_row(const GruRow& row, const std::string& dataset, const std::str
   outcome.figures = gru_figures(eval::evaluate(judged));
   outcome.learnt = summary.learnt + summary.validated;
   outcome.kilobytes = 1e-3 * static_cast<double>(std::filesystem::file_size(model));
-  outcome.step = network_step(*engine);
+  outcome.step = median_time(steps_timed, [&, nothing = std::vector<float>(engine->inputs())] { engine->run(nothing); });
   end_if_interrupted();
   return outcome;
 }

@@ -32,8 +32,6 @@ const std::vector<Band>& bands(bool full) {
   return full ? all : few;
 }
 
-using train::LabelRule;
-
 constexpr std::size_t usual_level_recordings = 120;  // of each level
 constexpr std::size_t level_steps = 400;             // of the MLP at each level
 
@@ -111,8 +109,6 @@ std::vector<Point> queue_points(const ReproduceOptions& options, const Levels& l
   }
   return points;
 }
-
-using train::LabelRule;
 
 constexpr std::size_t signal = 1;  // of PiezoRecording::inputs
 constexpr std::size_t shortcut_steps = 300;
@@ -309,7 +305,6 @@ Result piezo_table3(const ReproduceOptions& options) {
 }
 
 // Table IV of the paper: with and without recordings of motors alone, against the level of the motors' vibration.
-
 Result piezo_table4(const ReproduceOptions& options) {
   const StudySize size = size_of(options, usual_level_recordings);
   check_only(options.only, {gru_32_tip().name, gru_32().name, mlp_32().name});
@@ -357,18 +352,14 @@ Result piezo_table4(const ReproduceOptions& options) {
 }
 
 // Table I of the paper: architectures, and beside them what needs no signal of a slip at all.
-
 Result piezo_table1(const ReproduceOptions& options) {
   const StudySize size = size_of(options, table1_recordings);
   std::vector<NetworkRow> rows = network_rows(options.full), shortcuts = shortcut_rows();
   std::vector<std::string> names = names_of(rows);
   for (const NetworkRow& row : shortcuts) names.push_back(row.name);
   check_only(options.only, names);
-  if (!options.only.empty()) {
-    const auto other = [&](const NetworkRow& row) { return std::ranges::find(options.only, row.name) == options.only.end(); };
-    std::erase_if(rows, other);
-    std::erase_if(shortcuts, other);
-  }
+  for (std::vector<NetworkRow>* some : {&rows, &shortcuts})
+    std::erase_if(*some, [&](const NetworkRow& row) { return !is_wanted(row, options); });
   const std::vector<PiezoRecording> recordings =
       recordings_for(options, size, {bench_level}, {published_spectra(), signal_at_100_hz()});
   Validations validations(options, size);
@@ -455,8 +446,6 @@ std::string cell(const DelaySpread& spread) {
 
 // Section V.E of the paper: the delay of the FFT-GRU, from the position label and from the true first slip.
 namespace {
-
-using train::LabelRule;
 
 // From `onset` of each recording; both may be NaN.
 Alarms alarms_of(const std::vector<PiezoRecording>& recordings, const train::Calls& calls, double PiezoRecording::*onset) {
