@@ -32,8 +32,6 @@ const std::vector<Band>& bands(bool full) {
   return full ? all : few;
 }
 
-using train::LabelRule;
-
 constexpr std::size_t usual_level_recordings = 120;  // of each level
 constexpr std::size_t level_steps = 400;             // of the MLP at each level
 
@@ -111,8 +109,6 @@ std::vector<Point> queue_points(const ReproduceOptions& options, const Levels& l
   }
   return points;
 }
-
-using train::LabelRule;
 
 constexpr std::size_t signal = 1;  // of PiezoRecording::inputs
 constexpr std::size_t shortcut_steps = 300;
@@ -455,8 +451,6 @@ std::string cell(const DelaySpread& spread) {
 
 // Section V.E of the paper: the delay of the FFT-GRU, from the position label and from the true first slip.
 namespace {
-
-using train::LabelRule;
 
 // From `onset` of each recording; both may be NaN.
 Alarms alarms_of(const std::vector<PiezoRecording>& recordings, const train::Calls& calls, double PiezoRecording::*onset) {
