@@ -32,10 +32,8 @@ SLIPBENCH_DISPATCHED bool swing(const Swing& s, const TipColumns& t) {
   const Lanes none{}, rate = none + 1.0 / t.dt;
   Mask any_changes{};
   for (std::size_t i = 0; i < t.padded; i += kernel::lanes) {
-    const auto at = [i](const double* column) __attribute__((always_inline)) { return kernel::lanes_at(column + i); };
-    const auto put = [i](double* column, const Lanes& values) __attribute__((always_inline)) {
-      kernel::put_lanes(column + i, values);
-    };
+    const auto at = [i](const double* column) SLIPBENCH_INLINE_BODY { return kernel::lanes_at(column + i); };
+    const auto put = [i](double* column, const Lanes& values) SLIPBENCH_INLINE_BODY { kernel::put_lanes(column + i, values); };
     const Lanes mode = at(t.mode_before);
     const Mask sticks = mode == sticking, slips = mode == slipping;
     const Lanes raw = at(t.f_normal), raw_before = at(t.f_normal_before);

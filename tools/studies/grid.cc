@@ -50,20 +50,14 @@ void Grid::with_trial(std::size_t index, const std::function<void(const GridTria
 
 Packed packed_trials(const std::string& path, const std::function<void(const TrialRecord&, Packed&)>& pack) {
   return Packed(guarded(path, [&] {
-    const DatasetReader reader(path);
-    ContentCheck check(reader);
     Packed bytes;
-    for (const std::size_t trial : reader.trials()) {
-      reader.check_recorded(trial);
-      const TrialRecord record = reader.read_trial(trial);
-      check.add(trial);
+    for_each_trial(DatasetReader(path), [&](const TrialRecord& record) {
       try {
         pack(record, bytes);
       } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", path, error.what()));
       }
-    }
-    check.finish();
+    });
     return bytes.release();
   }));
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -197,18 +196,6 @@ void make_dataset(const std::string& path, const char* scene, const std::vector<
 // Throws InputError and Interrupted.
 train::NetworkSummary teach(const std::string& name, const train::Recipe& recipe, train::LabelRule labels,
                             const std::string& dataset, const std::string& output, const ReproduceOptions& options);
-
-// Median over `passes` of how long `pass()` takes [s of the wall clock].
-template <class Pass>
-double median_time(std::size_t passes, Pass&& pass) {
-  std::vector<double> times;
-  for (std::size_t k = 0; k < passes; ++k) {
-    const auto begin = std::chrono::steady_clock::now();
-    pass();
-    times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-  }
-  return median(std::move(times));
-}
 
 // Refuses a name of `--only` that none of `names` is. Throws InputError with the nearest.
 void check_only(const std::vector<std::string>& only, const std::vector<std::string>& names);

@@ -27,9 +27,7 @@ std::string result_text(const Result& result, const Style& style, std::size_t wi
   std::string text = style.bold(result.title) + '\n' + wrap_text(result.source, width, 2);
   for (const ResultTable& part : result.tables) {
     text += fmt::format("\n{}\n", style.heading(part.title));
-    Table table(part.head);
-    for (const std::vector<std::string>& row : part.rows) table.add(row);
-    text += table.text(style);
+    text += Table(page::TextTable{part.head, part.rows}).text(style);
     if (!part.note.empty()) text += wrap_text(part.note, width, 2);
   }
   for (const auto& [title, lines] :
@@ -171,9 +169,8 @@ int ReproduceCommand::run() {
   if (!output.empty()) files = page::write_page_files(output, page_kind, result_page(reproduction.name, result), object);
   if (kept) kept->remove();
   if (json) return print_json(object);
-  const Style style = style_for(stdout);
-  fmt::print("{}", result_text(result, style, terminal_width(stdout)));
-  for (const std::string& file : files) fmt::print("{} {}\n", style.good("written:"), file);
+  fmt::print("{}", result_text(result, style_for(stdout), terminal_width(stdout)));
+  print_written(files);
   return exit_good;
 }
 

@@ -168,7 +168,7 @@ std::string result_page(const std::string& name, const Result& result) {
   for (const ResultChart& chart : result.charts)
     body += section(chart.title, "<div class=\"scroll\">" + chart_html(chart) + "</div>\n");
   for (const ResultTable& table : result.tables)
-    body += section(table.title, page::table_html(table.head, table.rows), table.note);
+    body += section(table.title, page::table_html({table.head, table.rows}), table.note);
   if (!result.remarks.empty()) body += section("What differs, and why", page::list_html(result.remarks));
   if (!result.setup.empty()) body += section("How it was measured", page::list_html(result.setup));
   return page::compose_page({page_kind.generator, name + " · slipbench reproduce"}, body);

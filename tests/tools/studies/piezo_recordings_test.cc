@@ -97,11 +97,9 @@ TEST_F(PiezoRecordings, SurviveTheirBytes) {
   const std::vector<network::Input> inputs{published_spectra(), spectra_of(0.0, 5000.0)};
   const PiezoRecording first = make_recording(skin_record(0, true, R"({"effects": 3})"), inputs);
   EXPECT_TRUE(std::isnan(first.level));
-  Packed bytes;
-  pack(first, bytes);
-  pack(make_recording(skin_record(1, false, "{}"), inputs), bytes);
-  const std::vector<PiezoRecording> back = unpack(std::move(bytes));
-  ASSERT_THAT(back, SizeIs(2));
+  Packed bytes(Packed::bytes_of(first, make_recording(skin_record(1, false, "{}"), inputs)));
+  const std::array back{bytes.take<PiezoRecording>(), bytes.take<PiezoRecording>()};
+  EXPECT_TRUE(bytes.at_end());
   EXPECT_TRUE(std::isnan(back[0].level));
   EXPECT_EQ(back[0].tip, "effects=3");
   ASSERT_THAT(back[0].inputs, SizeIs(2));

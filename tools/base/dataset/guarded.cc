@@ -152,6 +152,24 @@ void ContentCheck::finish() const {
   for (std::size_t file = 0; file < digests_.size(); ++file) finish(file);
 }
 
+DatasetReader whole_dataset(const std::string& path) {
+  DatasetReader reader(path);
+  if (!reader.complete()) throw InputError(path + ": its run did not come to its end; allowed: a whole dataset");
+  if (reader.trials().empty()) throw InputError(path + ": holds no trial");
+  return reader;
+}
+
+void for_each_trial(const DatasetReader& reader, const std::function<void(const TrialRecord& record)>& use) {
+  ContentCheck check(reader);
+  for (const std::size_t trial : reader.trials()) {
+    reader.check_recorded(trial);
+    const TrialRecord record = reader.read_trial(trial);
+    check.add(trial);
+    use(record);
+  }
+  check.finish();
+}
+
 void check_content(const DatasetReader& reader, std::size_t file) {
   ContentCheck check(reader);
   for (const std::size_t trial : reader.trials()) {

@@ -53,6 +53,12 @@ class ContentCheck {
   std::vector<std::vector<std::pair<std::size_t, Digest>>> digests_;  // by file
 };
 
+// A dataset that holds a trial, and whose run came to its end. Throws InputError for another.
+DatasetReader whole_dataset(const std::string& path);
+
+// Hands each trial, checked so, to `use`. Throws InputError also where a trial has its outcome alone.
+void for_each_trial(const DatasetReader& reader, const std::function<void(const TrialRecord& record)>& use);
+
 // Reads all trials of a file for that.
 void check_content(const DatasetReader& reader, std::size_t file);
 

@@ -198,9 +198,10 @@ std::vector<std::string> write_page_files(const std::string& html_path, const Pa
   return {html_path, json_path(html_path)};
 }
 
-std::string table_html(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
-  std::string html = "<div class=\"scroll\"><table class=\"plain\">\n<thead>" + row_html(head, "th") + "</thead>\n<tbody>\n";
-  for (const std::vector<std::string>& row : rows) html += row_html(row, "td");
+std::string table_html(const TextTable& table) {
+  std::string html =
+      "<div class=\"scroll\"><table class=\"plain\">\n<thead>" + row_html(table.head, "th") + "</thead>\n<tbody>\n";
+  for (const std::vector<std::string>& row : table.rows) html += row_html(row, "td");
   return html + "</tbody></table></div>\n";
 }
 

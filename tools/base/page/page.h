@@ -72,8 +72,13 @@ void check_page_files(const std::string& html_path, const PageKind& kind);
 std::vector<std::string> write_page_files(const std::string& html_path, const PageKind& kind, const std::string& page,
                                           const Json& object);
 
-// <table> with one row of heads, names on the left. All cells are text.
-std::string table_html(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);
+// A table of texts, names on the left.
+struct TextTable {
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows = {};  // as many cells as the head has
+};
+// It as <table>.
+std::string table_html(const TextTable& table);
 
 // <ul> of texts.
 std::string list_html(const std::vector<std::string>& items);

@@ -1,6 +1,7 @@
 #include "tools/base/statistics/descriptive.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -60,6 +61,16 @@ double quantile(std::vector<double> values, double p) {
 }
 
 double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+
+double median_time(std::size_t passes, const std::function<void()>& pass) {
+  std::vector<double> times;
+  for (std::size_t k = 0; k < passes; ++k) {
+    const auto begin = std::chrono::steady_clock::now();
+    pass();
+    times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  return median(std::move(times));
+}
 
 Interval median_interval(std::vector<double> values) {
   std::ranges::sort(values);

@@ -1,6 +1,7 @@
 #include "tools/program/benchmark/benchmark.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -40,12 +41,8 @@ constexpr std::uint64_t replay_seconds = 100'000;
 // The whole slip counts from its first part on, and what sticks again under the shear that is left judges nobody: each rule by which a detector
 // may have learnt calls it otherwise. In a loop a firmer grip is to end what is said.
 eval::TruthRule rule_of(Track track) {
-  switch (track) {
-    case Track::open: return eval::TruthRule::masked;
-    case Track::loop: return eval::TruthRule::micro;
-    case Track::transfer: return eval::TruthRule::paper;
-  }
-  return {};
+  constexpr std::array rules{eval::TruthRule::masked, eval::TruthRule::micro, eval::TruthRule::paper};
+  return rules.at(static_cast<std::size_t>(track));
 }
 
 // How an entrant did in one trial; or why it could not be judged.
@@ -424,8 +421,7 @@ Json held_json(const Held& held, const std::vector<const Entrant*>& entrants, co
 
 // A dataset of real recordings.
 std::string transfer_text(const std::string& file, const std::vector<const Entrant*>& entrants, const Options& options) {
-  const DatasetReader reader(file);
-  if (!reader.complete()) throw InputError(file + ": its run did not come to its end; allowed: a whole dataset");
+  const DatasetReader reader = whole_dataset(file);
   ContentCheck check(reader);
   Board board{.held = {.track = Track::transfer}};
   std::string digests;
@@ -449,7 +445,6 @@ std::string transfer_text(const std::string& file, const std::vector<const Entra
       seat.answers.push_back(recorded_answer(seat, nullptr, nullptr, record, rule_of(Track::transfer)));
   }
   check.finish();
-  if (board.digests.empty()) throw InputError(file + ": holds no trial");
   Json json = {{"track", track_name(Track::transfer)},
                {"sensor", board.sensor},
                {"file", file},

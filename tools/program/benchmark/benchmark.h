@@ -77,8 +77,7 @@ inline constexpr page::PageKind page_kind{
 // The columns of one set's table, "score" among them, and its rows in order.
 struct BoardTable {
   std::string title;  // "open recordings, papillarray: 96 trials"
-  std::vector<std::string> head;
-  std::vector<std::vector<std::string>> rows;
+  page::TextTable cells;
   std::vector<std::string> left_out;  // "gst_hd: why"
 };
 BoardTable board_table(const Json& set);

@@ -52,23 +52,21 @@ std::string drawing(const Json& set) {
 std::string groups_html(const Json& set) {
   std::string html;
   for (const Json& by : set.at("by")) {
-    std::vector<std::string> head{by.at("by").get<std::string>()};
+    page::TextTable table{{by.at("by").get<std::string>()}};
     for (const Json& group : by.at("groups"))
-      head.push_back(fmt::format("{} ({})", group.at("name").get<std::string>(), group.at("trials").get<std::size_t>()));
-    std::vector<std::vector<std::string>> rows;
+      table.head.push_back(fmt::format("{} ({})", group.at("name").get<std::string>(), group.at("trials").get<std::size_t>()));
     for (std::size_t k = 0; k < set.at("rows").size(); ++k) {
-      std::vector<std::string> row{set.at("rows")[k].at("detector").get<std::string>()};
-      for (const Json& group : by.at("groups")) row.push_back(points(group.at("scores")[k]));
-      rows.push_back(std::move(row));
+      table.rows.push_back({set.at("rows")[k].at("detector").get<std::string>()});
+      for (const Json& group : by.at("groups")) table.rows.back().push_back(points(group.at("scores")[k]));
     }
-    html += page::table_html(head, rows);
+    html += page::table_html(table);
   }
   return html;
 }
 
 std::string set_html(const Json& set) {
   const BoardTable table = board_table(set);
-  std::string html = drawing(set) + page::table_html(table.head, table.rows);
+  std::string html = drawing(set) + page::table_html(table.cells);
   if (!table.left_out.empty()) html += "<h3>Not on this board</h3>\n" + page::list_html(table.left_out);
   if (const std::string groups = groups_html(set); !groups.empty()) html += "<h3>Score by condition (trials)</h3>\n" + groups;
   const std::string from = set.contains("scene") ? set.at("scene").get<std::string>() : set.at("file").get<std::string>();
@@ -97,11 +95,11 @@ BoardTable board_table(const Json& set) {
                             set.at("sensor").get<std::string>(), set.at("trials").get<std::size_t>());
   const bool grasps = !set.at("rows").empty() && set.at("rows")[0].contains("grasps");
   const bool needless = grasps && set.at("rows")[0].contains("needless");
-  table.head = {"", "rank", "kind", "score", "95 %", "credit", "false alarms/min", "wrongly slip", "recall"};
+  table.cells.head = {"", "rank", "kind", "score", "95 %", "credit", "false alarms/min", "wrongly slip", "recall"};
   const std::vector<std::string> events = grasps ? std::vector<std::string>{"dropped", "force/least", "slip"}
                                                  : std::vector<std::string>{"median delay", "early", "missed"};
-  table.head.insert(table.head.end(), events.begin(), events.end());
-  if (needless) table.head.emplace_back("needless force");
+  table.cells.head.insert(table.cells.head.end(), events.begin(), events.end());
+  if (needless) table.cells.head.emplace_back("needless force");
   for (const Json& row : set.at("rows")) {
     const Json& score = row.at("score");
     std::vector<std::string> cells{row.at("detector").get<std::string>(),
@@ -124,7 +122,7 @@ BoardTable board_table(const Json& set) {
       cells.push_back(share_of(row, "early"));
       cells.push_back(share_of(row, "missed"));
     }
-    table.rows.push_back(std::move(cells));
+    table.cells.rows.push_back(std::move(cells));
   }
   for (const Json& one : set.at("left_out"))
     table.left_out.push_back(one.at("detector").get<std::string>() + ": " + one.at("why").get<std::string>());
@@ -143,13 +141,13 @@ std::string board_page(const Json& result) {
       {"limit", fmt::format("{:g} false alarms a minute", protocol.at("alarms_per_minute").get<double>())},
       {"force_ratio", fmt::format("{:g}", protocol.at("force_ratio").get<double>())},
       {"protocol", protocol.at("sha256").get<std::string>()}};
-  body += page::section_html("How the score is made", rule, page::table_html({"", ""}, constants));
+  body += page::section_html("How the score is made", rule, page::table_html({{"", ""}, constants}));
   std::vector<std::vector<std::string>> machine;
   for (const auto& [key, value] : result.at("machine").items())
     machine.push_back({key, value.is_string() ? value.get<std::string>() : value.dump()});
   body += page::section_html(
       "Machine", "A network's answers may differ in their last bits on another processor; all else is the same everywhere.",
-      page::table_html({"", ""}, machine));
+      page::table_html({{"", ""}, machine}));
   return page::compose_page({page_kind.generator, "slip detectors on " + name}, body);
 }
 

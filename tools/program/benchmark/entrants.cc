@@ -147,14 +147,8 @@ std::string file_of(const DetectorScene& detector) {
 }
 
 std::string kind_word(Kind kind) {
-  switch (kind) {
-    case Kind::shipped: return "shipped";
-    case Kind::trained: return "trained";
-    case Kind::given: return "given";
-    case Kind::control: return "control";
-    case Kind::oracle: return "oracle";
-  }
-  return {};
+  constexpr std::array words{"shipped", "trained", "given", "control", "oracle"};
+  return words.at(static_cast<std::size_t>(kind));
 }
 
 Entrant given_entrant(const std::string& word, const std::vector<Override>& parameters) {

@@ -1,6 +1,7 @@
 #include "tools/program/benchmark/protocol.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -132,12 +133,8 @@ double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.
 }  // namespace
 
 std::string_view track_name(Track track) {
-  switch (track) {
-    case Track::open: return "open recordings";
-    case Track::loop: return "closed loop";
-    case Track::transfer: return "transfer";
-  }
-  return {};
+  constexpr std::array words{"open recordings", "closed loop", "transfer"};
+  return words.at(static_cast<std::size_t>(track));
 }
 
 const std::vector<Protocol>& protocols() {

@@ -51,6 +51,10 @@ Result calibrate(const Options& options, const Catalogues& catalogues);
 // With a synthetic truth: whether every parameter that is called determined is within twice its 95 % interval of what was drawn.
 bool recovers(const Json& result);
 
+// The parameters as the page and a terminal show them, and how large the residuals are, in words.
+page::TextTable parameter_table(const Json& result);
+std::string residual_text(const Json& result);
+
 // One HTML page without scripts of a result: parameters, profiles, residuals, real beside synthetic.
 std::string calibration_page(const Json& result);
 

@@ -53,43 +53,12 @@ Axis axis_for_both(const std::vector<double>& real, const std::vector<double>& s
   return axis_for(values, foot, top);
 }
 
-std::string parameters_html(const Json& result) {
-  const bool truth = result.at("synthetic_truth").get<bool>();
-  std::vector<std::string> head{"key", "value", "95 % interval", "bounds", ""};
-  if (truth) head.insert(head.end(), {"drawn", "error"});
-  std::vector<std::vector<std::string>> rows;
-  for (const Json& parameter : result.at("parameters")) {
-    const FitKey key = key_of(parameter);
-    const auto add = [&](const std::string& name, const Json& one, const std::string& remark) {
-      const bool known = one.at("determined").get<bool>();
-      std::vector<std::string> row{
-          name, known ? key.text(one.at("value").get<double>()) : "not determined",
-          known ? "+- " + key.text(0.5 * (one.at("high").get<double>() - one.at("low").get<double>()), 2) : "",
-          key.text(key.min) + " to " + key.text(key.max),
-          one.at("at_bound").get<bool>() ? "at its bound: give it more room" : remark};
-      if (truth)
-        row.insert(row.end(), {key.text(one.at("truth").get<double>()), known ? key.text(one.at("error").get<double>(), 2) : ""});
-      rows.push_back(std::move(row));
-    };
-    if (!parameter.at("each").get<bool>()) {
-      add(key.path, parameter, "");
-      continue;
-    }
-    for (std::size_t r = 0; r < parameter.at("by_recording").size(); ++r)
-      add(fmt::format("{}, recording {}", key.path, r), parameter.at("by_recording").at(r), "");
-    const std::string scatter =
-        key.logarithmic ? number(parameter.at("scatter")) + " (logarithm)" : key.text(parameter.at("scatter").get<double>());
-    std::vector<std::string> row{key.path + ", all", key.text(parameter.at("value").get<double>()), "", "",
-                                 "scatter sd " + scatter};
-    row.resize(head.size());
-    rows.push_back(std::move(row));
-  }
-  std::string html = page::table_html(head, rows);
+std::string correlations_html(const Json& result) {
   std::vector<std::string> together;
   for (const Json& pair : result.at("correlations"))
     together.push_back(fmt::format("{} and {} are known together better than apart: correlation {:.2f}", text(pair.at("first")),
                                    text(pair.at("second")), pair.at("correlation").get<double>()));
-  return together.empty() ? html : html + page::list_html(together);
+  return together.empty() ? "" : page::list_html(together);
 }
 
 std::string profiles_html(const Json& result) {
@@ -116,19 +85,19 @@ std::string profiles_html(const Json& result) {
 }
 
 std::string residuals_html(const Json& result) {
-  std::vector<std::vector<std::string>> rows;
+  page::TextTable table{{"", "residual / repeatability", "step of samples, real / synthetic", "gains, sd found / expected",
+                         "offsets, found / expected"}};
   for (const Json& one : result.at("residuals")) {
     const auto pair = [&](const char* found, const char* expected, const std::string& unit) {
       return fmt::format("{} / {}{}", number(one.at(found)), number(one.at(expected)), unit);
     };
     const std::string unit = " " + text(one.at("unit"));
-    rows.push_back({fmt::format("{} {} {}", text(one.at("sensor")), text(one.at("channel")), text(one.at("component"))),
-                    pair("residual", "repeatability", unit), pair("noise", "noise_expected", unit),
-                    pair("gain_scatter", "gain_scatter_expected", ""), pair("offset_scatter", "offset_scatter_expected", unit)});
+    table.rows.push_back({fmt::format("{} {} {}", text(one.at("sensor")), text(one.at("channel")), text(one.at("component"))),
+                          pair("residual", "repeatability", unit), pair("noise", "noise_expected", unit),
+                          pair("gain_scatter", "gain_scatter_expected", ""),
+                          pair("offset_scatter", "offset_scatter_expected", unit)});
   }
-  return page::table_html({"", "residual / repeatability", "step of samples, real / synthetic", "gains, sd found / expected",
-                           "offsets, found / expected"},
-                          rows);
+  return page::table_html(table);
 }
 
 std::string curve_drawing(const Json& recording, const Json& curve) {
@@ -154,21 +123,21 @@ std::string curve_drawing(const Json& recording, const Json& curve) {
 // A figure a row, a group a column: how far apart they are.
 std::string group_residuals_html(const Json& result) {
   const Json& groups = result.at("groups");
-  std::vector<std::string> head{""};
-  std::vector<std::vector<std::string>> rows;
+  page::TextTable table{{""}};
   for (const Json& group : groups) {
     const auto refused = group.at("refused").get<std::size_t>();
-    head.push_back(fmt::format("{} ({} / {}{})", text(group.at("name")), group.at("recordings").get<std::size_t>(),
-                               group.at("trials").get<std::size_t>(), refused > 0 ? fmt::format(", {} refused", refused) : ""));
+    table.head.push_back(fmt::format("{} ({} / {}{})", text(group.at("name")), group.at("recordings").get<std::size_t>(),
+                                     group.at("trials").get<std::size_t>(),
+                                     refused > 0 ? fmt::format(", {} refused", refused) : ""));
     for (std::size_t k = 0; k < group.at("statistics").size(); ++k) {
       const Json& one = group.at("statistics").at(k);
-      if (rows.size() <= k)
-        rows.push_back({fmt::format("{} {} {} {}", text(one.at("sensor")), text(one.at("channel")), text(one.at("component")),
-                                    text(one.at("statistic")))});
-      rows[k].push_back(fmt::format("{:.2f}", one.at("residual").get<double>()));
+      if (table.rows.size() <= k)
+        table.rows.push_back({fmt::format("{} {} {} {}", text(one.at("sensor")), text(one.at("channel")),
+                                          text(one.at("component")), text(one.at("statistic")))});
+      table.rows[k].push_back(fmt::format("{:.2f}", one.at("residual").get<double>()));
     }
   }
-  return page::table_html(head, rows);
+  return page::table_html(table);
 }
 
 std::string group_drawing(const Json& one) {
@@ -205,19 +174,55 @@ std::string groups_html(const Json& groups) {
 
 }  // namespace
 
+page::TextTable parameter_table(const Json& result) {
+  const bool truth = result.at("synthetic_truth").get<bool>();
+  page::TextTable table{{"key", "value", "95 % interval", "bounds", ""}};
+  if (truth) table.head.insert(table.head.end(), {"drawn", "error"});
+  for (const Json& parameter : result.at("parameters")) {
+    const FitKey key = key_of(parameter);
+    const auto add = [&](const std::string& name, const Json& one, const std::string& remark) {
+      const bool known = one.at("determined").get<bool>();
+      std::vector<std::string> row{
+          name, known ? key.text(one.at("value").get<double>()) : "not determined",
+          known ? "+- " + key.text(0.5 * (one.at("high").get<double>() - one.at("low").get<double>()), 2) : "",
+          key.text(key.min) + " to " + key.text(key.max),
+          one.at("at_bound").get<bool>() ? "at its bound: give it more room" : remark};
+      if (truth)
+        row.insert(row.end(), {key.text(one.at("truth").get<double>()), known ? key.text(one.at("error").get<double>(), 2) : ""});
+      table.rows.push_back(std::move(row));
+    };
+    if (!parameter.at("each").get<bool>()) {
+      add(key.path, parameter, "");
+      continue;
+    }
+    for (std::size_t r = 0; r < parameter.at("by_recording").size(); ++r)
+      add(fmt::format("{}, recording {}", key.path, r), parameter.at("by_recording").at(r), "");
+    const std::string scatter =
+        key.logarithmic ? number(parameter.at("scatter")) + " (logarithm)" : key.text(parameter.at("scatter").get<double>());
+    table.rows.push_back({key.path + ", all", key.text(parameter.at("value").get<double>()), "", "", "scatter sd " + scatter});
+    table.rows.back().resize(table.head.size());
+  }
+  return table;
+}
+
+std::string residual_text(const Json& result) {
+  const bool groups = result.contains("groups");
+  return fmt::format("residuals are {:.3g} times the {}",
+                     result.at(groups ? "residual_over_scatter" : "residual_over_repeatability").get<double>(),
+                     groups ? "scatter of recordings and devices" : "sensor's repeatability");
+}
+
 std::string calibration_page(const Json& result) {
   const std::string scene = text(result.at("scene"));
   const bool groups = result.contains("groups");
-  const std::string found = fmt::format("{} recordings, seed {}; residuals are {:.3g} times the {}",
-                                        result.at("recordings").size(), result.at("seed").get<std::uint64_t>(),
-                                        result.at(groups ? "residual_over_scatter" : "residual_over_repeatability").get<double>(),
-                                        groups ? "scatter of recordings and devices" : "sensor's repeatability");
+  const std::string found = fmt::format("{} recordings, seed {}; {}", result.at("recordings").size(),
+                                        result.at("seed").get<std::uint64_t>(), residual_text(result));
   std::string body = page::head_html(generator, scene, {found}, text(result.at("command")));
   body += page::section_html(
       "Parameters",
       "Not determined: the 95 % interval takes half of the bounds or more, or the fit is as good at one of them." +
           std::string(groups ? "" : " Stiffness is as read: the gains of a component have the mean 1 over its units."),
-      parameters_html(result));
+      page::table_html(parameter_table(result)) + correlations_html(result));
   body += page::section_html(
       "Profiles",
       "How the squared residuals rise where a parameter is held elsewhere and the others follow. Dashed: 3.84, the end of a 95 % interval. "

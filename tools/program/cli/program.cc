@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"
 #include "sim/core/process/plugin_library.h"
 #include "tools/base/record/json.h"
@@ -73,6 +74,9 @@ int run_to_status(const Commands& commands, const std::vector<std::string>& word
     // A full disk behind stdout shows here, unless the output is longer than the buffer.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw std::system_error(errno, std::generic_category());
     return status;
+  } catch (const Interrupted&) {
+    say(stderr, "slipbench: interrupted; nothing is kept\n");
+    return exit_interrupted;
   } catch (const InputError& error) {
     print_error(error.what());
     return exit_bad_input;

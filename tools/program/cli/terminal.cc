@@ -128,6 +128,13 @@ std::string wrap_text(std::string_view text, std::size_t width, std::size_t inde
   return result;
 }
 
+Table::Table(const page::TextTable& table) : rows_{table.head} {
+  rows_.insert(rows_.end(), table.rows.begin(), table.rows.end());
+  for (std::vector<std::string>& row : rows_) {
+    for (std::string& cell : row) cell = printable(cell);
+  }
+}
+
 std::string Table::text(const Style& style) const {
   std::vector<std::size_t> widths(rows_.front().size(), 0);
   for (const auto& row : rows_) {
@@ -167,6 +174,10 @@ int print_json(const Json& result) {
   take_stdout_back();
   fmt::print("{}\n", result.dump(-1, ' ', false, Json::error_handler_t::replace));
   return exit_good;
+}
+
+void print_written(const std::vector<std::string>& files) {
+  for (const std::string& file : files) fmt::print("{} {}\n", style_for(stdout).good("written:"), file);
 }
 
 std::string short_count(double value) {

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/base/page/page.h"
 #include "tools/base/record/json.h"
 
 namespace slipbench {
@@ -51,6 +52,8 @@ std::string wrap_text(std::string_view text, std::size_t width, std::size_t inde
 class Table {
  public:
   explicit Table(std::vector<std::string> head) : rows_{std::move(head)} {}
+  // Its cells may come from a file.
+  explicit Table(const page::TextTable& table);
 
   // `row` has as many cells as the head.
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
@@ -73,6 +76,9 @@ void take_stdout_back();
 
 // The result of `--json`: an object on a line of stdout, which is taken back; bytes that are no UTF-8 are replaced. Returns exit_good.
 int print_json(const Json& result);
+
+// "written: FILE", a line a file.
+void print_written(const std::vector<std::string>& files);
 
 // How far a sweep is: a bar on a terminal, plain lines elsewhere.
 

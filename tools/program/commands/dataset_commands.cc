@@ -211,15 +211,11 @@ Examples:
 }
 
 int ImportCommand::run() {
-  ImportSummary summary;
-  try {
+  const ImportSummary summary = [this] {
     const InterruptGuard guard("stopping; nothing is kept");
     const InterruptScope scope(&InterruptGuard::flag());
-    summary = import_recordings(options);
-  } catch (const Interrupted&) {
-    say(stderr, "slipbench: interrupted; nothing is written\n");
-    return exit_interrupted;
-  }
+    return import_recordings(options);
+  }();
   if (json)
     return print_json({{"sources", summary.sources},
                        {"trials", summary.trials},
@@ -227,16 +223,15 @@ int ImportCommand::run() {
                        {"repeated_rows", summary.repeated_rows},
                        {"objects", summary.objects},
                        {"files", summary.files}});
-  const Style style = style_for(stdout);
   fmt::print("{} recordings of {} files, {} samples{}\n", summary.trials, summary.sources, summary.samples,
              summary.objects.empty() ? "" : fmt::format(", {} objects", summary.objects.size()));
   if (summary.repeated_rows > 0)
     fmt::print("{} rows left out that say the one before again, word for word\n", summary.repeated_rows);
-  for (const std::string& file : summary.files) fmt::print("{} {}\n", style.good("written:"), file);
+  print_written(summary.files);
   if (summary.files.empty()) {
     say(stderr, "slipbench: nothing is written\n");
   } else {
-    fmt::print("{} slipbench verify {}\n", style.dim("next:"), shell_word(summary.files.front()));
+    fmt::print("{} slipbench verify {}\n", style_for(stdout).dim("next:"), shell_word(summary.files.front()));
   }
   return exit_good;
 }

@@ -164,34 +164,32 @@ std::string headline(const Json& all) {
   return html + "</div>\n";
 }
 
-std::string figures_html(const Json& all) {
-  std::vector<std::vector<std::string>> rows;
+page::TextTable figures_table(const Json& all) {
+  page::TextTable table{{"", "value", "95 % by trial", "best constant answer"}, {}};
   for (const Figure& figure : figures) {
     const std::string key(figure.key);
     const Json& found = all.at("figures").at(key);
     if (found.at("value").is_null()) continue;
-    rows.push_back({std::string(figure.name), shown(found.at("value"), figure.unit), interval_of(found, figure.unit),
-                    all.at("constant").contains(key) ? shown(all.at("constant").at(key), figure.unit) : ""});
+    table.rows.push_back({std::string(figure.name), shown(found.at("value"), figure.unit), interval_of(found, figure.unit),
+                          all.at("constant").contains(key) ? shown(all.at("constant").at(key), figure.unit) : ""});
   }
-  return page::table_html({"", "value", "95 % by trial", "best constant answer"}, rows);
+  return table;
 }
 
-std::string called_html(const Json& all) {
+page::TextTable called_table(const Json& all) {
   constexpr std::array<std::pair<const char*, const char*>, 4> states{
       {{"no_contact", "no contact"}, {"non_slip", "non-slip"}, {"incipient", "incipient"}, {"gross", "gross"}}};
-  std::vector<std::vector<std::string>> rows;
+  page::TextTable table{{"true state", "samples", "called no contact", "called non-slip", "called incipient", "called gross"},
+                        {}};
   for (const auto& [key, name] : states) {
     const Json& row = all.at("called").at(key);
     double sum = 0.0;
     for (const Json& samples : row) sum += samples.get<double>();
-    std::vector<std::string> cells{name, fmt::format("{:.0f}", sum)};
-    for (const auto& [called, called_name] : states) {
+    std::vector<std::string>& cells = table.rows.emplace_back(std::vector<std::string>{name, fmt::format("{:.0f}", sum)});
+    for (const auto& [called, called_name] : states)
       cells.push_back(sum > 0.0 ? fmt::format("{:.1f} %", 100.0 * row.at(called).get<double>() / sum) : "–");
-    }
-    rows.push_back(std::move(cells));
   }
-  return page::table_html({"true state", "samples", "called no contact", "called non-slip", "called incipient", "called gross"},
-                          rows);
+  return table;
 }
 
 std::string drawings(const Json& result) {
@@ -212,16 +210,15 @@ std::string drawings(const Json& result) {
   return html;
 }
 
-std::string groups_html(const Json& by) {
-  std::vector<std::string> head{by.at("by").get<std::string>(), "trials"};
-  for (const auto& [key, name] : first_figures) head.emplace_back(name);
-  std::vector<std::vector<std::string>> rows;
+page::TextTable groups_table(const Json& by) {
+  page::TextTable table{{by.at("by").get<std::string>(), "trials"}, {}};
+  for (const auto& [key, name] : first_figures) table.head.emplace_back(name);
   for (const Json& group : by.at("groups")) {
-    rows.push_back({group.at("name").get<std::string>(), fmt::format("{}", group.at("trials").get<std::size_t>())});
+    table.rows.push_back({group.at("name").get<std::string>(), fmt::format("{}", group.at("trials").get<std::size_t>())});
     for (const auto& [key, name] : first_figures)
-      rows.back().push_back(shown(group.at("figures").at(std::string(key)).at("value"), unit_of(key)));
+      table.rows.back().push_back(shown(group.at("figures").at(std::string(key)).at("value"), unit_of(key)));
   }
-  return page::table_html(head, rows);
+  return table;
 }
 
 // A file name as the target of a link.
@@ -257,8 +254,15 @@ std::string worst_html(const Json& result, const std::string& html_path) {
 
 }  // namespace
 
+Tables tables_of(const Json& result) {
+  Tables tables{figures_table(result.at("all")), called_table(result.at("all")), {}};
+  for (const Json& by : result.at("by")) tables.by.push_back(groups_table(by));
+  return tables;
+}
+
 std::string eval_page(const Json& result, const std::string& html_path) {
   const Json& all = result.at("all");
+  const Tables tables = tables_of(result);
   const std::string type = result.at("detector").at("type").get<std::string>(), dataset = result.at("dataset").get<std::string>();
   const auto count = [&all](const char* key) { return all.at(key).get<std::size_t>(); };
   const auto text = [](const Json& value) { return value.get<std::string>(); };
@@ -276,11 +280,12 @@ std::string eval_page(const Json& result, const std::string& html_path) {
           "decides. Balanced accuracy of slip or not is 50 % for any constant answer.",
           count("slipping"), count("seen"), count("early"), count("missed"), count("trials") - count("slipping"),
           count("false_alarms"), left_out > 0 ? fmt::format(" {} trials on which it was trained are left out.", left_out) : ""),
-      figures_html(all));
-  body += page::section_html("What was called what", "Each row is a true state; shares are of its samples.", called_html(all));
+      page::table_html(tables.figures));
+  body += page::section_html("What was called what", "Each row is a true state; shares are of its samples.",
+                             page::table_html(tables.called));
   if (const std::string drawn = drawings(result); !drawn.empty())
     body += page::section_html("Curves", "", "<div>" + drawn + "</div>\n");
-  for (const Json& by : result.at("by")) body += page::section_html("By " + text(by.at("by")), "", groups_html(by));
+  for (const page::TextTable& by : tables.by) body += page::section_html("By " + by.head.front(), "", page::table_html(by));
   if (!result.at("worst").empty()) {
     body += page::section_html(
         "Look first at", truth_note(result).empty() ? "A link opens the dataset's report, once its command has made it." : "",

@@ -436,9 +436,7 @@ Json worst_json(const std::vector<Judged>& trials) {
 
 void check_dataset(const std::string& dataset) {
   guarded(dataset, [&dataset] {
-    const DatasetReader reader(dataset);
-    if (!reader.complete()) throw InputError(dataset + ": its run did not come to its end; allowed: a whole dataset");
-    if (reader.trials().empty()) throw InputError(dataset + ": holds no trial");
+    const DatasetReader reader = whole_dataset(dataset);
     ContentCheck check(reader);
     for (const std::size_t trial : reader.trials()) {
       reader.check_recorded(trial);

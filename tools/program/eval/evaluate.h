@@ -54,6 +54,13 @@ Json evaluate(const Options& options);
 // What a reader of a result must know where `truth` is not empty; empty where it is.
 std::string truth_note(const Json& result);
 
+// The result as a terminal and the page show it.
+struct Tables {
+  page::TextTable figures, called;  // called: the true states, and what their samples were called
+  std::vector<page::TextTable> by;  // of each breakdown
+};
+Tables tables_of(const Json& result);
+
 // The page of `slipbench eval`.
 
 // One HTML page without scripts, which needs no other file, of a result (evaluate.h) with its `command`. `html_path`: where it will stand; trials

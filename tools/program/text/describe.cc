@@ -36,17 +36,9 @@ constexpr std::array kinds{effects,     sensors, surfaces, bodies,    materials,
                            electronics, grasp,   contact,  detectors, controllers, expectations};
 
 std::string type_text(const ParameterSpec& spec) {
-  switch (spec.type) {
-    case ParameterType::number: return "number";
-    case ParameterType::integer: return "integer";
-    case ParameterType::flag: return "true or false";
-    case ParameterType::choice: return "choice";
-    case ParameterType::vector: return fmt::format("{} numbers", spec.size);
-    case ParameterType::path: return "path";
-    case ParameterType::map: return "map";
-    case ParameterType::table: return "table";
-  }
-  throw std::logic_error("parameter type without a name");
+  constexpr std::array names{"number", "integer", "true or false", "choice", "", "path", "map", "table"};
+  return spec.type == ParameterType::vector ? fmt::format("{} numbers", spec.size)
+                                            : names.at(static_cast<std::size_t>(spec.type));
 }
 
 bool has_unit(const ParameterSpec& spec) { return spec.type == ParameterType::number || spec.type == ParameterType::vector; }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,75 +10,9 @@
 
 #include "sim/core/error.h"
 #include "tools/program/eval/evaluate.h"
-#include "tools/program/eval/metrics.h"
 
 namespace slipbench {
 namespace {
-
-std::string value_text(const Json& value, eval::Figure::Unit unit) {
-  if (value.is_null()) return "-";
-  const double number = value.get<double>();
-  switch (unit) {
-    case eval::Figure::Unit::share: return fmt::format("{:.2f} %", 100.0 * number);
-    case eval::Figure::Unit::time: return fmt::format("{:.1f} ms", 1e3 * number);
-    case eval::Figure::Unit::rate: return fmt::format("{:.2f}", number);
-    case eval::Figure::Unit::number: return fmt::format("{:.3f}", number);
-  }
-  return {};
-}
-
-std::string interval_text(const Json& figure, eval::Figure::Unit unit) {
-  if (figure.at("low").is_null()) return "-";
-  return value_text(figure.at("low"), unit) + " to " + value_text(figure.at("high"), unit);
-}
-
-// Figures that exist, with their intervals and, where there is one, the best constant answer.
-std::string figures_table(const Json& summary, const Style& style) {
-  Table table({"", "value", "95 % by trial", "constant answer"});
-  for (const eval::Figure& figure : eval::figures) {
-    const std::string key(figure.key);
-    const Json& found = summary.at("figures").at(key);
-    if (found.at("value").is_null()) continue;
-    const Json& constant = summary.at("constant");
-    table.add({std::string(figure.name), value_text(found.at("value"), figure.unit), interval_text(found, figure.unit),
-               constant.contains(key) ? value_text(constant.at(key), figure.unit) : ""});
-  }
-  return table.text(style);
-}
-
-std::string called_table(const Json& summary, const Style& style) {
-  constexpr std::array<std::pair<const char*, const char*>, 4> states{
-      {{"no_contact", "no contact"}, {"non_slip", "non-slip"}, {"incipient", "incipient"}, {"gross", "gross"}}};
-  std::vector<std::string> head{"true state"};
-  for (const auto& [key, name] : states) head.push_back(std::string("called ") + name);
-  Table table(std::move(head));
-  for (const auto& [key, name] : states) {
-    std::vector<std::string> row{name};
-    for (const auto& [called, called_name] : states)
-      row.push_back(fmt::format("{}", summary.at("called").at(key).at(called).get<std::size_t>()));
-    table.add(std::move(row));
-  }
-  return table.text(style);
-}
-
-// One breakdown: its groups by the figures that come first.
-std::string groups_table(const Json& by, const Style& style) {
-  constexpr std::array<std::string_view, 6> columns{"recall_of_slip", "balanced_slip_accuracy", "delay_median_s", "early",
-                                                    "missed",         "false_alarms_per_minute"};
-  Table table({"by " + by.at("by").get<std::string>(), "trials", "recall of slip", "slip or not, balanced", "median delay",
-               "early", "missed", "false alarms/min"});
-  for (const Json& group : by.at("groups")) {
-    std::vector<std::string> row{printable(group.at("name").get<std::string>()),
-                                 fmt::format("{}", group.at("trials").get<std::size_t>())};
-    for (const std::string_view column : columns) {
-      for (const eval::Figure& figure : eval::figures) {
-        if (figure.key == column) row.push_back(value_text(group.at("figures").at(std::string(column)).at("value"), figure.unit));
-      }
-    }
-    table.add(std::move(row));
-  }
-  return table.text(style);
-}
 
 std::string loop_text(const Json& loop) {
   const std::string detector = printable(loop.at("detector").get<std::string>());
@@ -225,13 +158,14 @@ std::string eval_text(const Json& result, const Style& style) {
   }
   if (const std::size_t failed = result.at("failed").get<std::size_t>(); failed > 0)
     text += fmt::format("  {} trials of the dataset failed and are not judged\n", failed);
-  text += figures_table(all, style);
+  const eval::Tables tables = eval::tables_of(result);
+  text += Table(tables.figures).text(style);
   text += fmt::format("  of {} trials that slip: seen {}, early {}, missed {}; of {} that do not: false alarms {}\n",
                       count("slipping"), count("seen"), count("early"), count("missed"), count("trials") - count("slipping"),
                       count("false_alarms"));
   if (result.contains("loop")) text += loop_text(result.at("loop"));
-  text += "\n" + called_table(all, style);
-  for (const Json& by : result.at("by")) text += "\n" + groups_table(by, style);
+  text += "\n" + Table(tables.called).text(style);
+  for (const page::TextTable& by : tables.by) text += "\n" + Table(by).text(style);
   if (!result.at("worst").empty()) {
     text += "\n" + style.heading("look first at") + "\n";
     for (const Json& worst : result.at("worst")) {

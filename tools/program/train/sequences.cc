@@ -17,6 +17,13 @@
 #include "tools/program/samples/samples.h"
 
 namespace slipbench {
+
+template <MaybeConst<Sequence> Value>
+auto fields_of(Value& sequence) {
+  auto& [trial, motion, onset, time, displacements, label, moving] = sequence;
+  return std::tie(trial, motion, onset, time, displacements, label, moving);
+}
+
 namespace {
 
 // What is slower is the rounding of float32 [m/s].
@@ -107,16 +114,8 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
   return sequence;
 }
 
-// The one list of what goes through the pipe.
-template <class SequenceOrConst, class Do>
-void with_members(SequenceOrConst& sequence, Do&& use) {
-  use(sequence.trial, sequence.motion, sequence.onset, sequence.time, sequence.displacements, sequence.label, sequence.moving);
-}
-
 std::string packed_sequences(const std::string& dataset_path, const SequenceOptions& options) {
-  const DatasetReader reader(dataset_path);
-  if (!reader.complete()) throw InputError(dataset_path + ": its run did not come to its end; allowed: a whole dataset");
-  if (reader.trials().empty()) throw InputError(dataset_path + ": holds no trial");
+  const DatasetReader reader = whole_dataset(dataset_path);
   reader.check_truth("the hyperdimensional detector, trained on motions that are known,");
   Packed packed;
   const auto subject_of = [&reader](std::size_t trial) {
@@ -124,17 +123,12 @@ std::string packed_sequences(const std::string& dataset_path, const SequenceOpti
   };
   const std::size_t first = reader.trials().front();
   packed.put(reader.header().command, chosen_sensor(reader, first, options.sensor, subject_of(first)));
-  ContentCheck check(reader);
-  for (const std::size_t trial : reader.trials()) {
-    const std::string subject = subject_of(trial);
-    const std::string sensor = chosen_sensor(reader, trial, options.sensor, subject);
-    const TrialRecord record = reader.read_trial(trial);
-    check.add(trial);
-    const CommandedMotion motion = record.outcome.grasp ? CommandedMotion{} : commanded_motion(reader, trial);
-    const Sequence sequence = sequence_of(record, sensor, motion, options, subject);
-    with_members(sequence, [&](const auto&... members) { packed.put(members...); });
-  }
-  check.finish();
+  for_each_trial(reader, [&](const TrialRecord& record) {
+    const std::string subject = subject_of(record.trial);
+    const std::string sensor = chosen_sensor(reader, record.trial, options.sensor, subject);
+    const CommandedMotion motion = record.outcome.grasp ? CommandedMotion{} : commanded_motion(reader, record.trial);
+    packed.put(sequence_of(record, sensor, motion, options, subject));
+  });
   return packed.release();
 }
 
@@ -150,9 +144,7 @@ TrainingData read_sequences(const std::string& dataset_path, const SequenceOptio
   Packed packed(guarded(dataset_path, [&] { return packed_sequences(dataset_path, options); }));
   TrainingData data;
   packed.take(data.command, data.sensor);
-  while (!packed.at_end()) {
-    with_members(data.sequences.emplace_back(), [&](auto&... members) { packed.take(members...); });
-  }
+  while (!packed.at_end()) packed.take(data.sequences.emplace_back());
   return data;
 }
 

@@ -121,14 +121,6 @@ double bench_speed(const TrialRecord& record, double t) {
   return speed;
 }
 
-// The one list of what goes through the pipe.
-template <class RecordingOrConst, class Do>
-void with_members(RecordingOrConst& recording, Do&& use) {
-  use(recording.level, recording.motors_only, recording.slip_time, recording.label_time, recording.tip, recording.time,
-      recording.contact, recording.motors);
-  for (auto& frames : recording.inputs) use(frames.features, frames.truth, frames.paper);
-}
-
 constexpr double still_speed = 1e-9;  // m/s, below which the bench stands
 
 // The straight line of least squares through `values` taken off.
@@ -184,8 +176,6 @@ BenchSpeed speed_at(const TrialRecord& record, std::size_t sample) {
   }
   return speed;
 }
-
-bool slip_state(std::uint8_t state) { return static_cast<PadState>(state) >= PadState::incipient; }
 
 }  // namespace
 
@@ -395,21 +385,6 @@ std::vector<float> told_features(const PiezoRecording& recording, const Told& to
   return features;
 }
 
-void pack(const PiezoRecording& recording, Packed& bytes) {
-  bytes.put(recording.inputs.size());
-  with_members(recording, [&](const auto&... members) { bytes.put(members...); });
-}
-
-std::vector<PiezoRecording> unpack(Packed bytes) {
-  std::vector<PiezoRecording> recordings;
-  while (!bytes.at_end()) {
-    PiezoRecording& recording = recordings.emplace_back();
-    recording.inputs.resize(bytes.take<std::size_t>());
-    with_members(recording, [&](auto&... members) { bytes.take(members...); });
-  }
-  return recordings;
-}
-
 std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, std::size_t recordings,
                                            const std::vector<network::Input>& inputs, const ReproduceOptions& options,
                                            Motors motors) {
@@ -427,8 +402,10 @@ std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, st
 }
 
 std::vector<PiezoRecording> read_recordings(const std::string& path, const std::vector<network::Input>& inputs) {
-  return unpack(
-      packed_trials(path, [&](const TrialRecord& record, Packed& bytes) { pack(make_recording(record, inputs), bytes); }));
+  Packed bytes = packed_trials(path, [&](const TrialRecord& record, Packed& all) { all.put(make_recording(record, inputs)); });
+  std::vector<PiezoRecording> recordings;
+  while (!bytes.at_end()) bytes.take(recordings.emplace_back());
+  return recordings;
 }
 
 SkinRecording skin_recording(const Scene& scene, const TrialRecord& record) {
@@ -451,14 +428,14 @@ SkinRecording skin_recording(const Scene& scene, const TrialRecord& record) {
     SkinFrame frame;
     frame.power = {plain(values), plain(without_trend(values)), hann(values)};
     frame.contact = static_cast<PadState>(states[last]) != PadState::no_contact;
-    frame.slips = slip_state(states[last]);
-    frame.slips_by_position = slip_state(sensor.labels.state_paper[last]);
+    frame.slips = slips(states[last]);
+    frame.slips_by_position = slips(sensor.labels.state_paper[last]);
     frame.at_speed = speeds[last].sideways >= 0.9 * recording.speed;
     frame.one_label = true;
     for (std::size_t i = first; i <= last; ++i) {
       const bool touches = static_cast<PadState>(states[i]) != PadState::no_contact;
-      frame.one_label = frame.one_label && touches == frame.contact && slip_state(states[i]) == frame.slips;
-      frame.slipped = frame.slipped || slip_state(states[i]);
+      frame.one_label = frame.one_label && touches == frame.contact && slips(states[i]) == frame.slips;
+      frame.slipped = frame.slipped || slips(states[i]);
       frame.pressed = frame.pressed || speeds[i].normal > still_speed;
       frame.slid = frame.slid || speeds[i].sideways > still_speed;
     }

@@ -84,9 +84,17 @@ struct Told {
 // [T, told.values()]
 std::vector<float> told_features(const PiezoRecording& recording, const Told& told);
 
-// A recording as bytes, and back, for a child process to hand over.
-void pack(const PiezoRecording& recording, Packed& bytes);
-std::vector<PiezoRecording> unpack(Packed bytes);
+// For a child process to hand them over.
+template <MaybeConst<PiezoFrames> Value>
+auto fields_of(Value& frames) {
+  auto& [features, truth, paper] = frames;
+  return std::tie(features, truth, paper);
+}
+template <MaybeConst<PiezoRecording> Value>
+auto fields_of(Value& recording) {
+  auto& [level, tip, motors_only, slip_time, label_time, inputs, time, contact, motors] = recording;
+  return std::tie(level, tip, motors_only, slip_time, label_time, inputs, time, contact, motors);
+}
 
 // Frames of the piezoelectric skin's signal: how loud each is, and what happens within it.
 

@@ -101,7 +101,7 @@ TEST(Page, NeedsNoScript) {
 
 TEST(Page, TablesAndListsAreText) {
   EXPECT_EQ(
-      table_html({"a & b"}, {{"<c>"}}),
+      table_html({{"a & b"}, {{"<c>"}}}),
       "<div class=\"scroll\"><table class=\"plain\">\n<thead><tr><th>a &amp; b</th></tr>\n</thead>\n<tbody>\n<tr><td>&lt;c&gt;</td></tr>\n</tbody></table></div>\n");
   EXPECT_EQ(list_html({"<c>", "d"}), "<ul class=\"plain\">\n<li>&lt;c&gt;</li>\n<li>d</li>\n</ul>\n");
 }

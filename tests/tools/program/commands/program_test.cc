@@ -362,7 +362,7 @@ TEST(Program, ControlCOfCalibrateWritesNothing) {
   EXPECT_EQ(result.status, 130);
   EXPECT_EQ(result.out, "");
   EXPECT_EQ(result.err,
-            "slipbench: stopping; nothing is kept; once more to stop at once\nslipbench: interrupted; nothing is written\n");
+            "slipbench: stopping; nothing is kept; once more to stop at once\nslipbench: interrupted; nothing is kept\n");
   EXPECT_TRUE(std::filesystem::is_empty(folder / ""));
 }
 

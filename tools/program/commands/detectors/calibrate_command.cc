@@ -32,39 +32,6 @@ std::string command_text(const calibrate::Options& options, const std::vector<st
   return options.synthetic_truth ? text + " --synthetic-truth" : text;
 }
 
-double half_width(const Json& interval) { return 0.5 * (interval.at("high").get<double>() - interval.at("low").get<double>()); }
-
-std::string summary(const calibrate::Options& options, const Json& result, const Style& style) {
-  std::vector<std::string> head{"key", "value", "95 % interval"};
-  if (options.synthetic_truth) head.insert(head.end(), {"drawn", "error"});
-  Table table(head);
-  for (std::size_t k = 0; k < options.keys.size(); ++k) {
-    const calibrate::FitKey& key = options.keys[k];
-    const Json& parameter = result.at("parameters").at(k);
-    const auto add = [&](const std::string& name, const Json& one) {
-      const bool known = one.at("determined").get<bool>(), bound = one.at("at_bound").get<bool>();
-      const auto shown = [&](const char* what) { return key.text(one.at(what).get<double>()); };
-      std::vector<std::string> row{
-          name, known ? shown("value") : "not determined",
-          (known ? "+- " + key.text(half_width(one), 2) : "") + (bound ? known ? ", at its bound" : "at its bound" : "")};
-      if (options.synthetic_truth)
-        row.insert(row.end(), {shown("truth"), known ? key.text(one.at("error").get<double>(), 2) : ""});
-      table.add(std::move(row));
-    };
-    if (!key.each) {
-      add(key.path, parameter);
-    } else {
-      for (std::size_t r = 0; r < parameter.at("by_recording").size(); ++r)
-        add(fmt::format("{} of {}", key.path, r), parameter.at("by_recording").at(r));
-    }
-  }
-  const bool groups = options.groups.has_value();
-  return table.text(style) +
-         fmt::format("residuals are {:.3g} times the {}\n",
-                     result.at(groups ? "residual_over_scatter" : "residual_over_repeatability").get<double>(),
-                     groups ? "scatter of recordings and devices" : "sensor's repeatability");
-}
-
 }  // namespace
 
 void CalibrateCommand::declare(Arguments& arguments) {
@@ -124,26 +91,23 @@ int CalibrateCommand::run() {
   std::vector<std::string> inputs = options.recordings;
   inputs.push_back(options.scene_path);
   if (!output.empty()) calibrate::check_calibration_target(output, inputs);
-  calibrate::Result result;
-  try {
+  const calibrate::Result result = [this] {
     const InterruptGuard guard("stopping; nothing is kept");
     const InterruptScope scope(&InterruptGuard::flag());
     Progress progress = Progress::for_stream(stderr, silent());
     options.interrupt = &InterruptGuard::flag();
     options.progress = [&](std::size_t done, std::size_t of) { progress.update(done, of, std::nullopt); };
-    result = calibrate::calibrate(options, program_catalogues());
-  } catch (const Interrupted&) {
-    say(stderr, "slipbench: interrupted; nothing is written\n");
-    return exit_interrupted;
-  }
+    return calibrate::calibrate(options, program_catalogues());
+  }();
   std::vector<std::string> files;
   if (!output.empty()) files = calibrate::write_calibration(output, result.fitted, result.json);
   if (json) {
     print_json(result.json);
   } else {
-    const Style style = style_for(stdout);
-    if (!quiet) fmt::print("{}", summary(options, result.json, style));
-    for (const std::string& file : files) fmt::print("{} {}\n", style.good("written:"), file);
+    if (!quiet)
+      fmt::print("{}{}\n", Table(calibrate::parameter_table(result.json)).text(style_for(stdout)),
+                 calibrate::residual_text(result.json));
+    print_written(files);
   }
   return options.synthetic_truth && !calibrate::recovers(result.json) ? exit_check_failed : exit_good;
 }

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -16,7 +15,6 @@
 #include "detectors/hd/words.h"
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
-#include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/statistics/descriptive.h"
@@ -53,13 +51,7 @@ constexpr std::size_t steps_timed = 201;
 double step_time(network::Engine& engine) {
   std::vector<float> features(engine.inputs());
   for (std::size_t i = 0; i < features.size(); ++i) features[i] = 0.25F * static_cast<float>(1 + i % 7);
-  std::vector<double> times;
-  for (std::size_t k = 0; k < steps_timed; ++k) {
-    const auto begin = std::chrono::steady_clock::now();
-    engine.run(features);
-    times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-  }
-  return median(std::move(times));
+  return median_time(steps_timed, [&] { engine.run(features); });
 }
 
 // What is said of it. A network need not take features that are made up; the dataset's own are another matter.
@@ -148,9 +140,8 @@ int EvalCommand::run() {
   std::vector<std::string> files;
   if (!output.empty()) files = page::write_page_files(output, eval::page_kind, eval::eval_page(result, output), result);
   if (json) return print_json(result);
-  const Style style = style_for(stdout);
-  fmt::print("{}{}", eval_text(result, style), step);
-  for (const std::string& file : files) fmt::print("{} {}\n", style.good("written:"), file);
+  fmt::print("{}{}", eval_text(result, style_for(stdout)), step);
+  print_written(files);
   return exit_good;
 }
 
@@ -216,9 +207,7 @@ std::string BenchmarkCommand::text(const Json& result) const {
   std::string all;
   for (const Json& set : result.at("sets")) {
     const benchmark::BoardTable board = benchmark::board_table(set);
-    Table table(board.head);
-    for (const std::vector<std::string>& row : board.rows) table.add(row);
-    all += style.heading(board.title) + "\n" + table.text(style);
+    all += style.heading(board.title) + "\n" + Table(board.cells).text(style);
     for (const std::string& one : board.left_out) all += style.dim("  not on this board: " + one) + "\n";
     all += "\n";
   }
@@ -254,23 +243,18 @@ int BenchmarkCommand::run() {
                                          return page::begins_as_object(text, benchmark::page_kind);
                                        }});
   }
-  try {
-    if (!verified.empty()) return verify();
-    const Json result = made(asked, protocol.empty() ? benchmark::default_protocol : protocol);
-    std::vector<std::string> files;
-    if (!output.empty()) files = page::write_page_files(output, benchmark::page_kind, benchmark::board_page(result), result);
-    if (!submission.empty()) {
-      write_text_file(submission, benchmark::submission_text(result));
-      files.push_back(submission);
-    }
-    if (json) return print_json(result);
-    fmt::print("{}", text(result));
-    for (const std::string& file : files) fmt::print("{} {}\n", style_for(stdout).good("written:"), file);
-    return exit_good;
-  } catch (const Interrupted&) {
-    say(stderr, "slipbench: interrupted; nothing is kept\n");
-    return exit_interrupted;
+  if (!verified.empty()) return verify();
+  const Json result = made(asked, protocol.empty() ? benchmark::default_protocol : protocol);
+  std::vector<std::string> files;
+  if (!output.empty()) files = page::write_page_files(output, benchmark::page_kind, benchmark::board_page(result), result);
+  if (!submission.empty()) {
+    write_text_file(submission, benchmark::submission_text(result));
+    files.push_back(submission);
   }
+  if (json) return print_json(result);
+  fmt::print("{}", text(result));
+  print_written(files);
+  return exit_good;
 }
 
 }  // namespace slipbench

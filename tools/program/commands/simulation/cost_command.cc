@@ -85,21 +85,14 @@ Examples:
 
 int CostCommand::run() {
   if (!output.empty()) page::check_page_files(output, cost::page_kind);
-  const Style style = style_for(stdout);
   const Json environment = environment_json();  // before the work, which is load itself
   Json found = Json::object();
   std::string text;
   bool interrupted = false;
   if (!explore.scene_path.empty()) {
-    cost::Exploration exploration;
-    try {
-      exploration = explored(*this);
-    } catch (const Interrupted&) {
-      say(stderr, "slipbench: interrupted; nothing is kept\n");
-      return exit_interrupted;
-    }
+    const cost::Exploration exploration = explored(*this);
     found = cost::cost_json(exploration, environment);
-    text = cost_text(exploration, style, terminal_width(stdout));
+    text = cost_text(exploration, style_for(stdout), terminal_width(stdout));
     interrupted = exploration.interrupted;
   }
   if (stability && !interrupted) {
@@ -120,7 +113,7 @@ int CostCommand::run() {
     print_json(found);
   } else {
     if (!quiet) fmt::print("{}", text);
-    for (const std::string& file : files) fmt::print("{} {}\n", style.good("written:"), file);
+    print_written(files);
   }
   return interrupted ? exit_interrupted : exit_good;
 }

@@ -324,7 +324,7 @@ int ClusterCommand::run() {
   settle_accuracy(options.sweep, catalogues, *this);
   const std::vector<std::string> files = write_cluster_folder(options, catalogues);
   if (json) return print_json({{"files", files}});
-  for (const std::string& file : files) fmt::print("{} {}\n", style_for(stdout).good("written:"), file);
+  print_written(files);
   fmt::print("{} read {}\n", style_for(stdout).dim("next:"), files.front());
   return exit_good;
 }

@@ -103,7 +103,7 @@ int ViewCommand::show(const std::string& dataset) const {
   if (json) {
     print_json({{"dataset", dataset}, {"trials", result.trials}, {"saved", output}});
   } else if (!output.empty()) {
-    fmt::print("{} {}\n", style_for(stdout).good("written:"), output);
+    print_written({output});
   }
   return exit_good;
 }
@@ -129,13 +129,12 @@ int ViewCommand::run() {
     found["opened_by"] = browser ? Json(*browser) : Json();
     return print_json(found);
   }
-  const Style style = style_for(stdout);
-  if (scene) fmt::print("{} {}\n", style.good("written:"), dataset);
-  fmt::print("{} {}\n", style.good("written:"), page);
+  if (scene) print_written({dataset});
+  print_written({page});
   if (browser) {
     fmt::print("opened by {}\n", *browser);
   } else {
-    fmt::print("{} open it in a browser: {}\n", style.dim("next:"), std::filesystem::absolute(page).string());
+    fmt::print("{} open it in a browser: {}\n", style_for(stdout).dim("next:"), std::filesystem::absolute(page).string());
   }
   return exit_good;
 }

@@ -2,10 +2,10 @@
 const el = sb.element;
 const choice = sb.choice;
 
-sb.rowsSection = () => {
-  const nodes = new Map();
-  const spread = ({cpu_s: cpu}) => cpu && cpu.median > 0 && cpu.low !== null ? (cpu.high - cpu.low) / (2 * cpu.median) : null;
-  const columns = [
+const spread = ({cpu_s: cpu}) => cpu && cpu.median > 0 && cpu.low !== null ? (cpu.high - cpu.low) / (2 * cpu.median) : null;
+
+function columns() {
+  return [
     {
       title: 'series',
       kind: 'text',
@@ -55,7 +55,11 @@ sb.rowsSection = () => {
     })),
     {title: '', kind: 'text', cell: row => row.command ? sb.copyButton(row.command) : ''},
   ];
-  const table = sb.sortedTable(columns, choice.rows, (row, cells) => {
+}
+
+sb.rowsSection = () => {
+  const nodes = new Map();
+  const table = sb.sortedTable(columns(), choice.rows, (row, cells) => {
     nodes.set(row, el('tr', {onclick: () => choice.select(row)}, cells));
     return nodes.get(row);
   });

@@ -193,6 +193,61 @@ function encoding(path) {
   };
 }
 
+// A range with some room beside it.
+const padded = ([low, high], logarithmic) => {
+  if (logarithmic) return [low / 1.25, high * 1.25];
+  const gap = 0.06 * (high - low) || Math.abs(high) * 0.1 || 1;
+  return [low - gap, high + gap];
+};
+
+// Where trials stand along an axis from `begin` to `end` [px]. What is endless has no place on any axis, and zero none on a
+// logarithmic one: they get one of their own, right and left of the others, with a word below.
+function placesAlong(axis, happened, begin, end) {
+  const shown = trial => valueOf(trial, axis.path) * sb.factor(axis.unit);
+  const finite = trials => trials.filter(trial => valueOf(trial, axis.path) !== null).map(shown);
+  // Where only endless values are left, the others still say what the axis is.
+  const values = finite(happened).length ? finite(happened) : finite(page.trials);
+  const beyond = happened.some(trial => endless(axis, trial));
+  const others = values.filter(value => value !== 0);
+  const zeros = others.length < values.length && wide(d3.extent(others), 8, axis.unit);
+  const range = d3.extent(zeros ? others : values), logarithmic = wide(range, 8, axis.unit);
+  const x = axisOf(label(axis), logarithmic, padded(range, logarithmic), [begin + (zeros ? 26 : 0), end - (beyond ? 48 : 0)]);
+  const zeroAt = begin + 13, beyondAt = end - 22;
+  return {
+    x,
+    shown: trial => endless(axis, trial) ? sb.endless(axis.unit) : shown(trial),
+    place: trial => endless(axis, trial) ? beyondAt : zeros && shown(trial) === 0 ? zeroAt : x.at(shown(trial)),
+    words: [zeros && [zeroAt, '0'], beyond && [beyondAt, sb.endless(axis.unit)]].filter(word => word)
+  };
+}
+
+// One picture: times(trial) [ms], which are `name`, against one axis. Returns what draws its points.
+function scatterPicture(host, axis, happened, {name, times, logarithmic, encoded, open}) {
+  const box = {width: 400, height: 270, left: 58, right: 12, top: 10, bottom: 40}, foot = box.height - box.bottom;
+  const {x, shown, place, words} = placesAlong(axis, happened, box.left, box.width - box.right);
+  const y = axisOf(name + ', ms', logarithmic, padded(d3.extent(happened, times), logarithmic), [foot, box.top]);
+  const svg = sb.axes(box, {...x, bare: true}, y, {role: 'img', 'aria-label': y.title + ' against ' + x.title});
+  svg.append(...words.map(([at, word]) => text(at, foot + 16, 'middle', word)));
+  const panel = el('div', {}, svg);
+  host.append(panel);
+  const drawn = happened.filter(trial => endless(axis, trial) || valueOf(trial, axis.path) !== null);
+  sb.saveCorner(panel, name + ' against ' + sb.pathWord(axis.path), () => svg, () => [
+    ['trial', label(axis), name + ' [ms]'], ...drawn.map(trial => [trial.index, shown(trial), times(trial)])
+  ]);
+  const lines = trial => [
+    'trial ' + trial.index, name + ': ' + sb.fixed(times(trial), 1) + ' ms',
+    ...varied.map(other => sb.pathWord(other.path) + ': ' + said(other, trial))
+  ];
+  const point = trial => mark('path.point', {
+    transform: 'translate(' + place(trial) + ',' + y.at(times(trial)) + ')',
+    d: sb.markPath(encoded.shape(trial), 3.9),
+    style: 'fill:' + encoded.colour(trial) + ';fill-opacity:.85',
+    onclick: () => sb.isEmbedded(trial.index) ? open(trial.index) : sb.pointAtRow(trial.index),
+    ...sb.tipped(() => lines(trial))
+  });
+  return () => panel.isConnected && svg.append(...drawn.map(point));
+}
+
 // Times against what was swept.
 function scatter(sensor, open) {
   const numeric = varied.filter(axis => axis.numeric);
@@ -210,85 +265,34 @@ function scatter(sensor, open) {
     change(key);
     draw();
   });
-  const times = outcomes.map(outcome => [outcome.key, outcome.name]);
   const origins = [['motion', 'the start of the motion'], ['trial', 'the start of the trial']];
   const colours = [['', 'none'], ...colourable.map(axis => [axis.path, sb.pathWord(axis.path)])];
   const controls = el(
       'div.controls', {},
-      choose('time of', times, state.outcome.key, key => state.outcome = outcomes.find(outcome => outcome.key === key)),
+      choose('time of', outcomes.map(outcome => [outcome.key, outcome.name]), state.outcome.key,
+             key => state.outcome = outcomes.find(outcome => outcome.key === key)),
       started && choose('counted from', origins, 'motion', key => state.relative = key === 'motion'),
       choose('colour', colours, state.colour, key => state.colour = key));
   const note = el('p.note'), legend = el('div.legend'), host = el('div.panels');
-
-  const timeOf = trial => {
+  const times = trial => {
     const time = trial.sensors[sensor][state.outcome.key];
     if (time === null) return null;
     return 1e3 * (state.outcome.timed && state.relative ? time - trial.motion_start_s : time);
   };
-  const padded = ([low, high], logarithmic) => {
-    if (logarithmic) return [low / 1.25, high * 1.25];
-    const gap = 0.06 * (high - low) || Math.abs(high) * 0.1 || 1;
-    return [low - gap, high + gap];
-  };
-  // One picture. Returns what draws its points.
-  const picture = (axis, happened, yLog, encoded) => {
-    const box = {width: 400, height: 270, left: 58, right: 12, top: 10, bottom: 40}, end = box.width - box.right;
-    const shownValue = trial => valueOf(trial, axis.path) * sb.factor(axis.unit);
-    const finite = trials => trials.filter(trial => valueOf(trial, axis.path) !== null).map(shownValue);
-    // Where only endless values are left, the others still say what the axis is.
-    const values = finite(happened).length ? finite(happened) : finite(page.trials);
-    // What is endless has no place on any axis, and zero none on a logarithmic one: they get one of their own, right and left
-    // of the others.
-    const beyond = happened.some(trial => endless(axis, trial));
-    const others = values.filter(value => value !== 0),
-          zeros = others.length < values.length && wide(d3.extent(others), 8, axis.unit);
-    const range = d3.extent(zeros ? others : values), xLog = wide(range, 8, axis.unit);
-    const x = axisOf(label(axis), xLog, padded(range, xLog), [box.left + (zeros ? 26 : 0), end - (beyond ? 48 : 0)]);
-    const [zeroAt, beyondAt] = [box.left + 13, end - 22];
-    const place = trial => {
-      if (endless(axis, trial)) return beyondAt;
-      return zeros && shownValue(trial) === 0 ? zeroAt : x.at(shownValue(trial));
-    };
-    const {name} = state.outcome;
-    const y = axisOf(name + ', ms', yLog, padded(d3.extent(happened, timeOf), yLog), [box.height - box.bottom, box.top]);
-    const svg = sb.axes(box, {...x, bare: true}, y, {role: 'img', 'aria-label': y.title + ' against ' + x.title});
-    const below = (at, words) => svg.append(text(at, box.height - box.bottom + 16, 'middle', words));
-    if (zeros) below(zeroAt, '0');
-    if (beyond) below(beyondAt, sb.endless(axis.unit));
-    const panel = el('div', {}, svg);
-    host.append(panel);
-    const shown = happened.filter(trial => endless(axis, trial) || valueOf(trial, axis.path) !== null);
-    sb.saveCorner(panel, name + ' against ' + sb.pathWord(axis.path), () => svg, () => [
-      ['trial', label(axis), name + ' [ms]'],
-      ...shown.map(trial => [trial.index, endless(axis, trial) ? sb.endless(axis.unit) : shownValue(trial), timeOf(trial)])
-    ]);
-    const lines = trial => [
-      'trial ' + trial.index, name + ': ' + sb.fixed(timeOf(trial), 1) + ' ms',
-      ...varied.map(other => sb.pathWord(other.path) + ': ' + said(other, trial))
-    ];
-    const point = trial => mark('path.point', {
-      transform: 'translate(' + place(trial) + ',' + y.at(timeOf(trial)) + ')',
-      d: sb.markPath(encoded.shape(trial), 3.9),
-      style: 'fill:' + encoded.colour(trial) + ';fill-opacity:.85',
-      onclick: () => sb.isEmbedded(trial.index) ? open(trial.index) : sb.pointAtRow(trial.index),
-      ...sb.tipped(() => lines(trial))
-    });
-    return () => panel.isConnected && svg.append(...shown.map(point));
-  };
   function draw() {
     const encoded = encoding(state.colour);
     legend.replaceChildren(...encoded.legend);
-    const happened = page.trials.filter(trial => timeOf(trial) !== null);
+    const happened = page.trials.filter(trial => times(trial) !== null);
     const never = page.trials.length - happened.length;
     note.textContent = 'One point a trial. ' +
         (never ? never + ' of ' + page.trials.length + ' trials do not get that far and are not shown. ' : '') +
         'Hover for its values, click to open it.';
     host.replaceChildren();
     if (!happened.length) return;
-    const yLog = wide(d3.extent(happened, timeOf), 12);
+    const how = {name: state.outcome.name, times, logarithmic: wide(d3.extent(happened, times), 12), encoded, open};
     // Thousands of points: each picture in a frame of its own, the axes at once.
     let waiting = Promise.resolve();
-    for (const points of axes.map(axis => picture(axis, happened, yLog, encoded)))
+    for (const points of axes.map(axis => scatterPicture(host, axis, happened, how)))
       waiting = waiting.then(sb.painted).then(points);
   }
   draw();

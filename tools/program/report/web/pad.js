@@ -17,10 +17,9 @@ function roundDown(value) {
 }
 
 sb.Pad = class {
-  // onPick(unit): a unit was clicked.
-  constructor(parent, recording, onPick) {
-    this.recording = recording;
-    const positions = recording.positions;
+  // How large the pad is drawn, and where its units stand. Returns [px]: between neighbours, and their places.
+  layOut(recording, picture) {
+    const {positions} = recording;
     const spacing = sb.spacingOf(positions, 5e-3);
     const extent = axis => {
       const [low, high] = d3.extent(positions, p => p[axis]);
@@ -34,7 +33,6 @@ sb.Pad = class {
     const xs = positions.map(this.x), ys = positions.map(this.y);
     // The picture is stretched to its card: a pad of one unit gets a wide frame, so that its text is no larger than others'.
     const margin = (places, least) => Math.max(30, 0.67 * pitch, 0.5 * (least - (Math.max(...places) - Math.min(...places))));
-    const picture = sb.padPicture(recording);
     const beside = picture ? 18 : 0;  // px, so that the picture leaves the axes their corner
     const left = Math.min(...xs) - margin(xs, 300) - beside, right = Math.max(...xs) + margin(xs, 300);
     const top = Math.min(...ys) - margin(ys, 160), bottom = Math.max(...ys) + margin(ys, 160) + beside;
@@ -42,7 +40,14 @@ sb.Pad = class {
     this.labels = recording.units <= 25;
     this.roomy = pitch >= 55;  // px, for the name and the force of a unit side by side
     this.radius = (this.labels || (picture && picture.cells.length === recording.units) ? 0.27 : 0.4) * pitch;  // no unit hides its cell
+    return {pitch, xs, ys};
+  }
 
+  // onPick(unit): a unit was clicked.
+  constructor(parent, recording, onPick) {
+    this.recording = recording;
+    const picture = sb.padPicture(recording), {pitch, xs, ys} = this.layOut(recording, picture);
+    const {left, right, top, bottom} = this.box;
     const svg = mark('svg', {
       viewBox: [left, top, right - left, bottom - top + 30].join(' '), role: 'img',
       'aria-label': 'The pad at the cursor, ' + this.view.note

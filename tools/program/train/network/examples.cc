@@ -24,6 +24,15 @@
 #include "tools/program/samples/samples.h"
 
 namespace slipbench::train {
+
+// The one list of what goes through the pipe: a binding that leaves a member out does not compile.
+template <MaybeConst<Example> Value>
+auto fields_of(Value& example) {
+  auto& [trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, frames, turn] = example;
+  auto& [features, label] = frames;
+  return std::tie(trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, features, label, turn);
+}
+
 namespace {
 
 bool slips(std::uint8_t state) { return state >= static_cast<std::uint8_t>(PadState::incipient); }
@@ -215,14 +224,6 @@ std::string wanted(const network::Input& input) {
                      values > 0 ? fmt::format(" of {} values or more", values) : std::string());
 }
 
-// The one list of what goes through the pipe: a binding that leaves a member out does not compile; `use` names each.
-template <class ExampleOrConst, class Do>
-void with_members(ExampleOrConst& example, Do&& use) {
-  auto& [trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, frames, turn] = example;
-  auto& [features, label] = frames;
-  use(trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, features, label, turn);
-}
-
 std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const ExampleOptions& options,
                                                 const std::string& subject) {
   std::vector<const SensorRecord*> chosen;
@@ -235,13 +236,6 @@ std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const
   throw InputError(fmt::format("{}: no sensor{} fits: has {}; allowed: {}", subject,
                                options.sensor.empty() ? "" : " '" + options.sensor + "'", fmt::join(there, ", "),
                                wanted(options.input)));
-}
-
-DatasetReader whole_dataset(const std::string& path) {
-  DatasetReader reader(path);
-  if (!reader.complete()) throw InputError(path + ": its run did not come to its end; allowed: a whole dataset");
-  if (reader.trials().empty()) throw InputError(path + ": holds no trial");
-  return reader;
 }
 
 std::string packed_units(const std::string& dataset_path, const std::string& wanted, const std::string& channel) {
@@ -266,30 +260,25 @@ std::string packed_examples(const std::string& dataset_path, const ExampleOption
   Packed bytes;
   bytes.put(reader.header().command, reader.content_sha256().size());
   for (const std::string& digest : reader.content_sha256()) bytes.put(digest);
-  ContentCheck check(reader);
   const ReadingProgress progress = options.read;  // what it shows goes with it, also where reading fails
   if (progress) progress(0, reader.trials().size());
   std::size_t read = 0;
-  for (const std::size_t trial : reader.trials()) {
-    const std::string subject = fmt::format("{}: trial {}", reader.files()[reader.file_of(trial)], trial);
-    reader.check_recorded(trial);
-    const TrialRecord record = reader.read_trial(trial);
-    check.add(trial);
-    RandomStream turns(options.seed, trial, "turns");
+  for_each_trial(reader, [&](const TrialRecord& record) {
+    const std::string subject = fmt::format("{}: trial {}", reader.files()[reader.file_of(record.trial)], record.trial);
+    RandomStream turns(options.seed, record.trial, "turns");
     for (const SensorRecord* sensor : chosen_sensors(record, options, subject)) {
       for (std::size_t copy = 0; copy <= options.turned; ++copy) {
         try {
           Example example = example_of(record, *sensor, options, copy == 0 ? 0 : 1 + turns.integer(rotations - 1));
-          example.sha256 = trial_identity(reader, trial);
-          with_members(example, [&](const auto&... members) { bytes.put(members...); });
+          example.sha256 = trial_identity(reader, record.trial);
+          bytes.put(example);
         } catch (const InputError& error) {
           throw InputError(fmt::format("{}: {}", subject, error.what()));
         }
       }
     }
     if (progress) progress(++read, reader.trials().size());
-  }
-  check.finish();
+  });
   return bytes.release();
 }
 
@@ -405,7 +394,7 @@ Examples read_examples(const std::string& dataset_path, const ExampleOptions& op
   for (std::string& digest : examples.sha256) bytes.take(digest);
   while (!bytes.at_end()) {
     Example& example = examples.all.emplace_back();
-    with_members(example, [&](auto&... members) { bytes.take(members...); });
+    bytes.take(example);
     if (example.frames.label.empty()) continue;
     const std::size_t inputs = example.frames.features.size() / example.frames.label.size();
     if (examples.inputs != 0 && inputs != examples.inputs)
