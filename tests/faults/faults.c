@@ -54,7 +54,11 @@ static int hit(const char *which) {
   return 1;
 }
 
-static int below(const char *path) { return path[0] != '/' || strncmp(path, under, under_length) == 0; }
+// The folder itself, too, which is synced.
+static int below(const char *path) {
+  return path[0] != '/' || strncmp(path, under, under_length) == 0 ||
+         (strlen(path) + 1 == under_length && strncmp(path, under, under_length - 1) == 0);
+}
 
 static int hit_file(const char *which, int descriptor) {
   if (calls == NULL || strcmp(which, kind) != 0) return 0;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <system_error>
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -16,6 +17,8 @@
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/shard.h"
+#include "tools/base/files/output_file.h"
+#include "tools/base/hdf5/crash_safe_file.h"
 
 namespace slipbench {
 namespace {
@@ -52,10 +55,13 @@ std::string found_text(const std::string& path) {
     const std::optional<FileAbout> about = file_about(path);
     if (!about) return nlohmann::json{{"kind", Found::Kind::other}}.dump();
     const DatasetHeader& header = about->header;
-    return nlohmann::json{
-        {"kind", Found::Kind::dataset},        {"shard", about->shard},
-        {"shards", about->shards.value_or(0)}, {"trials", about->trials},
-        {"complete", about->complete},         {"dataset", fmt::format("{}\n{}\n{}", header.seed, header.command, header.scene)}}
+    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    return nlohmann::json{{"kind", Found::Kind::dataset},
+                          {"shard", about->shard},
+                          {"shards", about->shards.value_or(0)},
+                          {"trials", about->trials},
+                          {"complete", about->complete && hdf5::CrashSafeFile::cleared(file.get())},
+                          {"dataset", fmt::format("{}\n{}\n{}", header.seed, header.command, header.scene)}}
         .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   } catch (const std::exception&) {
     return nlohmann::json{{"kind", Found::Kind::damaged}}.dump();

@@ -25,13 +25,13 @@ namespace {
 // Room for what a file gets when it is finished: masks and closing attributes [bytes].
 std::uint64_t closing_bytes(std::size_t trials) { return 32768 + 32 * static_cast<std::uint64_t>(trials); }
 
-// Makes renamings in the folder of `path` last.
+// Makes names in the folder of `path` last.
 void sync_folder(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   const Descriptor descriptor(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (descriptor.get() < 0 || !sync_file(descriptor.get(), true)) {
-    throw InputError(fmt::format("{} is written, and a power failure may still take its name: its folder cannot be synced: {}",
-                                 path, std::strerror(errno)));
+    throw InputError(
+        fmt::format("a power failure may take the name of {}: its folder cannot be synced: {}", path, std::strerror(errno)));
   }
 }
 
@@ -101,6 +101,7 @@ struct DatasetWriter::State {
     const std::size_t numbers = header.part ? header.part->trials : planned;
     const std::size_t last = std::max<std::size_t>(numbers, 10'000) - 1;
     shards.emplace_back(temporary_path(shard_path(path, shards.size())), header, shards.size(), left, last);
+    sync_folder(shards.back().path());
   }
 
   // Leaves of a run that did not come to its end what is safe.

@@ -267,9 +267,11 @@ void CrashSafeFile::close() {
   list_.close();
   reserve_.close();
   file_.close();
+  lengthen(1);  // not cleared yet
   show(disk_->superblock);
   const std::vector<std::uint8_t> nothing(reserve_bytes_);
   if (!write_at(disk_->descriptor, nothing, reserve)) fail();
+  sync();
   if (::ftruncate(disk_->descriptor, static_cast<off_t>(disk_->end)) != 0 || !sync_file(disk_->descriptor)) fail();
 }
 
@@ -288,16 +290,25 @@ void CrashSafeFile::write_back() {
 }
 
 // A file that is shorter than its superblock says is refused by readers, a longer one is not.
-void CrashSafeFile::lengthen() {
+void CrashSafeFile::lengthen(std::uint64_t by) {
   struct stat status {};
   if (::fstat(disk_->descriptor, &status) != 0) fail();
-  const auto end = static_cast<off_t>(disk_->end);
+  const auto end = static_cast<off_t>(disk_->end + by);
   if (status.st_size < end && ::ftruncate(disk_->descriptor, end) != 0) fail();
 }
 
 void CrashSafeFile::sync() {
   lengthen();
   if (!sync_file(disk_->descriptor)) fail();
+}
+
+bool CrashSafeFile::cleared(int descriptor) {
+  std::array<std::uint8_t, 8> end{};
+  struct stat status {};
+  if (!read_whole(descriptor, end, end_field) || ::fstat(descriptor, &status) != 0) fail();
+  std::array<std::uint8_t, 8> size{};
+  put(size.data(), static_cast<std::uint64_t>(status.st_size), size.size());
+  return size == end;
 }
 
 std::uint64_t CrashSafeFile::size_bytes() const {

@@ -18,7 +18,8 @@ namespace slipbench::hdf5 {
 //   headers.
 // - publish() copies the list into the copy that is not shown, syncs, and shows it by writing the superblock: 48 bytes, in one
 //   sector. It syncs again, so that the copy shown before may be rewritten.
-// - close() does the same with HDF5's own superblock and headers, and clears both copies.
+// - close() does the same with HDF5's own superblock and headers, and clears both copies. Until then the file is longer than its
+//   superblock says.
 //
 // Format: HDF5 File Format Specification 3.0, II.A "Superblock", versions 2 and 3; IV.A.1.b "Version 2 Data Object Header
 // Prefix". All functions throw std::runtime_error with the system's reason.
@@ -52,6 +53,9 @@ class CrashSafeFile {
     file_.abandon();
   }
 
+  // Whether close() came to its end, of a file that is readable. Else its bytes are not those of a file that was written undisturbed.
+  [[nodiscard]] static bool cleared(int descriptor);
+
   // Bytes of the file if it were closed now.
   [[nodiscard]] std::uint64_t size_bytes() const;
 
@@ -71,7 +75,7 @@ class CrashSafeFile {
   };
 
   void show(const std::array<std::uint8_t, 48>& superblock);
-  void lengthen();
+  void lengthen(std::uint64_t by = 0);
   void write_back();
 
   std::unique_ptr<Disk> disk_;

@@ -54,6 +54,20 @@ void print_error(const char* message, const char* detail = "") noexcept {
   }
 }
 
+// Where nothing catches it: what is made before main() begins, functions that must not throw.
+[[gnu::constructor(101)]] void end_where_memory_ends() {
+  std::set_terminate([] {
+    try {
+      if (std::current_exception() != nullptr) throw;
+    } catch (const std::bad_alloc&) {
+      std::fputs("slipbench: out of memory\n", stderr);
+      _exit(exit_bad_input);
+    } catch (...) {  // is told below
+    }
+    __gnu_cxx::__verbose_terminate_handler();
+  });
+}
+
 // A program may be started without standard streams (`>&-`). The next files that it opens would take their numbers, and what is
 // meant for a person would end in a dataset. /dev/null stands in, opened the wrong way round, so that results still cannot be
 // lost unnoticed: writing them fails.

@@ -150,7 +150,7 @@ constexpr std::size_t digest_size = 32;
 std::string digest_of(const std::string& bytes) {
   std::array<unsigned char, digest_size> digest{};
   if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(), nullptr) != 1)
-    throw std::runtime_error("OpenSSL offers no SHA-256");
+    throw std::bad_alloc();  // nothing else can be amiss
   return {digest.begin(), digest.end()};
 }
 
