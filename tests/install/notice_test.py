@@ -29,10 +29,19 @@ SONAME = re.compile(r"[\w.+-]+\.so(?:\.[\w.]+)?")
 
 
 def rows(text):
-    """(names, packages, licence) of every table."""
+    """(names, packages, version, licence) of every table."""
     cells = [[cell.strip() for cell in line.strip("| \n").split("|")] for line in text.splitlines() if line.startswith("| ")]
-    return [(re.split(r", ", names), re.split(r", ", packages), licence)
-            for names, packages, licence in cells if licence != "licence"]
+    return [(re.split(r", ", names), re.split(r", ", packages), version, licence)
+            for names, packages, version, licence in cells if licence != "licence"]
+
+
+@cache
+def version_of(package):
+    """Of what is installed: a Debian package's to two numbers, since updates of Debian 12 change the others, a pinned one's whole."""
+    if package.startswith("PyPI: "):
+        return PINS[package.removeprefix("PyPI: ")]
+    listed = subprocess.run(["dpkg-query", "--show", "--showformat=${Version}\n", package], capture_output=True, text=True, check=False).stdout
+    return (re.findall(r"^(?:\d+:)?(\d+(?:\.\d+)?)", listed) or ["none"])[0]
 
 
 def output(*command):
@@ -70,7 +79,7 @@ def compiled_in():
             if path.startswith("/usr/"):
                 files.add(path)
             elif "/site-packages/nanobind/" in path:
-                packages.add(f"PyPI: nanobind {PINS['nanobind']}")
+                packages.add("PyPI: nanobind")
     files = {path for path in files if not re.search(r"/python3\.\d+/", path)}
     for listing in Path("/var/lib/dpkg/info").glob("*.list"):
         if not files.isdisjoint(listing.read_text(encoding="utf-8").splitlines()):
@@ -90,7 +99,7 @@ def findings(text):
     found += [f"{name} is inlined and not named" for name in inlined - scripts]
     found += [f"{name} is named and not inlined" for name in scripts - inlined]
     found += [f"{package} is compiled in and not named" for package in compiled_in() - packages]
-    for row_names, row_packages, licence in rows(text):
+    for row_names, row_packages, version, licence in rows(text):
         if not any(name in libraries | scripts for name in row_names):
             found += [f"{package} is named and not compiled in" for package in row_packages if package not in compiled_in()]
         words = re.sub(r"\bWITH ([\w.-]+)", lambda end: "" if end[1] in EXCEPTIONS else end[1], licence)
@@ -99,6 +108,8 @@ def findings(text):
         for package in row_packages:
             if not package.startswith("PyPI: ") and not Path(f"/usr/share/doc/{package}/copyright").exists():
                 found.append(f"{package} has no copyright file here")
+            elif version != version_of(package):
+                found.append(f"{package} is {version_of(package)} here, not {version}")
     return sorted(found)
 
 
@@ -119,7 +130,7 @@ class NoticeTest(unittest.TestCase):
                                ("| libtbb.so.12", "libtbb.so.12 is loaded and not named"),
                                ("| d3.min.js", "d3.min.js is inlined and not named"),
                                ("| CLI11", "libcli11-dev is compiled in and not named"),
-                               ("| nanobind", f"PyPI: nanobind {PINS['nanobind']} is compiled in and not named"),
+                               ("| nanobind", "PyPI: nanobind is compiled in and not named"),
                                ("| Eigen", "libeigen3-dev is compiled in and not named")):
             self.assertEqual(findings(without(start)), [finding])
         verilator = [line for line in self.text.splitlines(True) if "| verilator |" in line]
@@ -127,15 +138,16 @@ class NoticeTest(unittest.TestCase):
         for line in verilator:
             text = text.replace(line, "")
         self.assertEqual(findings(text), ["verilator is compiled in and not named"])
-        self.assertEqual(findings(self.text + "| libgone.so.1 | libc6 | MIT |\n"), ["libgone.so.1 is named and not loaded"])
-        self.assertEqual(findings(self.text + "| a work | libcurl4 | MIT |\n"), ["libcurl4 is named and not compiled in"])
-        self.assertEqual(findings(self.text + "| libc.so.6 | libc6 | BSD |\n"), ["BSD is no licence of SPDX"])
-        self.assertEqual(findings(self.text + "| libc.so.6 | libgone1 | MIT |\n"), ["libgone1 has no copyright file here"])
+        self.assertEqual(findings(self.text + "| libgone.so.1 | libc6 | 2.36 | MIT |\n"), ["libgone.so.1 is named and not loaded"])
+        self.assertEqual(findings(self.text + "| a work | libcurl4 | 7.88 | MIT |\n"), ["libcurl4 is named and not compiled in"])
+        self.assertEqual(findings(self.text + "| libc.so.6 | libc6 | 2.36 | BSD |\n"), ["BSD is no licence of SPDX"])
+        self.assertEqual(findings(self.text + "| libc.so.6 | libgone1 | 1.0 | MIT |\n"), ["libgone1 has no copyright file here"])
+        self.assertEqual(findings(self.text + "| libc.so.6 | libc6 | 2.35 | MIT |\n"), ["libc6 is 2.36 here, not 2.35"])
 
     def test_names_the_pinned_wheels(self):
         mujoco, openvino = PINS["mujoco-core"], PINS["openvino"]
-        self.assertIn(f"| libmujoco.so.{mujoco} | PyPI: mujoco-core {mujoco} |", self.text)
-        self.assertIn(f"| PyPI: openvino {openvino} |", self.text)
+        self.assertIn(f"| libmujoco.so.{mujoco} | PyPI: mujoco-core | {mujoco} |", self.text)
+        self.assertIn(f"| PyPI: openvino | {openvino} |", self.text)
 
     def test_the_pages_carry_the_licence_of_their_script(self):
         self.assertEqual([path.name for path in INLINED], ["d3.min.js"])

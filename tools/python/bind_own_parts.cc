@@ -20,6 +20,7 @@
 
 #include "sensors/own/own_sensor.h"
 #include "sim/core/error.h"
+#include "sim/core/process/plugin_library.h"
 #include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/python/module.h"
@@ -62,16 +63,17 @@ class FrameArrays {
 
 // Whom an error is told of.
 struct Blame {
-  std::string path;   // of the type in the scene: "detector.type"
-  std::string whose;  // "detector mine"
+  std::string path;         // of the type in the scene: "detector.type"
+  std::string whose;        // "detector mine"
+  std::string method = {};  // that is called: "update"
 };
 
 // One Python object of a user's class, for one trial. All of it is made, used and let go of with Python's lock. `Real`: what its frames hold.
 template <class Real>
 struct Own {
-  Own(Blame told_of, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
+  Own(const Blame& told_of, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
       const std::vector<Channel>& channels)
-      : blame(std::move(told_of)),
+      : blame{told_of.path, told_of.whose, method},
         package(nb::module_::import_("slipbench._own")),
         frame_type(package.attr("Frame")),
         made(type(source, **keywords)),
@@ -93,6 +95,10 @@ struct WithLock {
     if (!Py_IsInitialized()) return;  // the interpreter has gone, and what it held with it
     const nb::gil_scoped_acquire acquire;
     delete own;
+    // What it has printed would be lost with a process that is ended.
+    PyObject* const out = PySys_GetObject("stdout");
+    const nb::object flushed = nb::steal(out == nullptr ? nullptr : PyObject_CallMethod(out, "flush", nullptr));
+    if (!flushed) PyErr_Clear();
   }
 };
 template <class Real>
@@ -109,6 +115,7 @@ std::string text_of(const nb::python_error& error) {
 template <class Work>
 auto locked(const Blame& blame, Work&& work) {
   const nb::gil_scoped_acquire acquire;
+  const NotedWork noted(blame.path, blame.whose, blame.method);
   try {
     return work();
   } catch (const nb::python_error& error) {

@@ -42,35 +42,40 @@ namespace {
 // Called with the trials done and all of them.
 using Progress = nb::typed<nb::object, nb::typed<nb::callable, void(std::size_t, std::size_t)>>;
 
-// Judging forks a child that may call a user's detector: Python must know of it, or the child waits for threads that it lacks. While the parent
-// waits, other threads run.
-thread_local bool python_forks = false;
+// What forks children that may call a user's classes: Python must know of it, or a child waits for threads that it lacks. In all of them Python's lock
+// is let go of, so that other threads run.
+thread_local int python_forks =
+    0;  // generations of them: a worker forks for those alone who hold the lock and tell Python themselves
 thread_local PyThreadState* waiting = nullptr;
 
 void before_fork() {
-  if (!python_forks) return;
-  if (waiting != nullptr) PyEval_RestoreThread(std::exchange(waiting, nullptr));
+  if (python_forks == 0) return;
+  PyEval_RestoreThread(std::exchange(waiting, nullptr));
   PyOS_BeforeFork();
 }
 void after_fork_in_parent() {
-  if (!python_forks) return;
+  if (python_forks == 0) return;
   PyOS_AfterFork_Parent();
   waiting = PyEval_SaveThread();
 }
 void after_fork_in_child() {
-  if (python_forks) PyOS_AfterFork_Child();
+  if (python_forks == 0) return;
+  PyOS_AfterFork_Child();
+  waiting = PyEval_SaveThread();
+  --python_forks;
 }
 
 struct PythonForks {
   PythonForks() {
     static const int registered = ::pthread_atfork(before_fork, after_fork_in_parent, after_fork_in_child);
-    python_forks = registered == 0;
+    python_forks = registered == 0 ? 2 : 0;
+    waiting = PyEval_SaveThread();
   }
   PythonForks(const PythonForks&) = delete;
   PythonForks& operator=(const PythonForks&) = delete;
   ~PythonForks() {
-    python_forks = false;
-    if (waiting != nullptr) PyEval_RestoreThread(std::exchange(waiting, nullptr));
+    python_forks = 0;
+    PyEval_RestoreThread(std::exchange(waiting, nullptr));
   }
 };
 
@@ -151,7 +156,7 @@ class Scene {
   // Runs the sweep into a dataset; returns run_sweep()'s summary as JSON.
   [[nodiscard]] std::string write(const std::string& output, std::size_t draws, std::size_t limit,
                                   std::optional<std::uint64_t> seed, std::size_t jobs, bool full, bool resume,
-                                  const Progress& progress) const {
+                                  const Progress& progress, bool isolate, const WorkLimits& limits) const {
     SweepOptions options = options_;
     options.verb = limit == 0 ? "sweep" : "run";
     options.output = output;
@@ -161,6 +166,8 @@ class Scene {
     options.jobs = jobs;
     options.recording = full ? Recording::full : Recording::outcome;
     options.resume = resume;
+    options.isolate = isolate;
+    options.limits = limits;
     const SharedInterrupt guard;
     options.interrupt = &InterruptGuard::flag();
     const auto told = [&](const SweepProgress& at) {
@@ -168,23 +175,26 @@ class Scene {
       const nb::gil_scoped_acquire acquire;
       progress(at.done, at.total);
     };
-    const nb::gil_scoped_release release;
+    const PythonForks forks;
     return summary_json(run_sweep(options, *catalogues_, told));
   }
 
   [[nodiscard]] nb::typed<nb::dict, nb::str, nb::any> check(std::size_t draws, std::optional<std::uint64_t> seed,
-                                                            std::size_t jobs, const std::string& folder) const {
+                                                            std::size_t jobs, const std::string& folder, bool isolate,
+                                                            const WorkLimits& limits) const {
     CheckOptions options{.scene_path = options_.scene_path,
                          .overrides = options_.overrides,
                          .seed = seed,
                          .trials = draws,
                          .jobs = jobs,
+                         .isolate = isolate,
+                         .limits = limits,
                          .folder = folder};
     SceneCheck result;
     {
       const SharedInterrupt guard;
       options.interrupt = &InterruptGuard::flag();
-      const nb::gil_scoped_release release;
+      const PythonForks forks;
       result = check_scene(options, *catalogues_);
     }
     nb::dict all;
@@ -267,6 +277,7 @@ std::string list_names() { return list_json(catalogue_items(program_catalogues()
 }  // namespace
 
 void bind_scene(nb::module_& module) {
+  nb::class_<WorkLimits>(module, "Limits").def(nb::init<double, std::size_t>(), nb::arg("time"), nb::arg("memory"));
   nb::class_<Stop>(module, "Stop").def(nb::init<>()).def("set", [](Stop& stop) { stop.now = true; });
   nb::class_<Scene>(module, "Scene")
       .def(nb::init<std::string, const Pairs&>())
@@ -276,8 +287,9 @@ void bind_scene(nb::module_& module) {
       .def("run", &Scene::run, nb::arg("trial"), nb::arg("draws"), nb::arg("limit"), nb::arg("seed"), nb::arg("full"),
            nb::arg("stop").none())
       .def("write", &Scene::write, nb::arg("output"), nb::arg("draws"), nb::arg("limit"), nb::arg("seed").none(), nb::arg("jobs"),
-           nb::arg("full"), nb::arg("resume"), nb::arg("progress").none())
-      .def("check", &Scene::check, nb::arg("draws"), nb::arg("seed").none(), nb::arg("jobs"), nb::arg("folder"));
+           nb::arg("full"), nb::arg("resume"), nb::arg("progress").none(), nb::arg("isolate"), nb::arg("limits"))
+      .def("check", &Scene::check, nb::arg("draws"), nb::arg("seed").none(), nb::arg("jobs"), nb::arg("folder"),
+           nb::arg("isolate"), nb::arg("limits"));
   module.def("evaluate", &evaluate);
   module.def("describe", &describe);
   module.def("list_names", &list_names);

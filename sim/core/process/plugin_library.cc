@@ -69,6 +69,14 @@ void refuse_exit() {
 
 void write(std::string_view text, std::span<char> place) { place[text.copy(place.data(), place.size() - 1)] = '\0'; }
 
+bool note_call(const std::string& key, const std::string& library, const std::string& function) {
+  if (noted_call == nullptr) return false;
+  write(key, noted_call->key);
+  write(library, noted_call->library);
+  write(function, noted_call->function);
+  return true;
+}
+
 // The sizes in the order of slipbench_abi.
 struct Size {
   const char* structure;
@@ -192,12 +200,13 @@ void PluginLibrary::check_build(const slipbench_abi& own) {
 
 void PluginLibrary::note_calls(NotedCall& place) { noted_call = &place; }
 
-bool PluginLibrary::note(const std::string& function) const {
-  if (noted_call == nullptr) return false;
-  write(key_, noted_call->key);
-  write(name_, noted_call->library);
-  write(function, noted_call->function);
-  return true;
+bool PluginLibrary::note(const std::string& function) const { return note_call(key_, name_, function); }
+
+NotedWork::NotedWork(const std::string& key, const std::string& whose, const std::string& function) {
+  static_cast<void>(note_call(key, whose, function));
+}
+NotedWork::~NotedWork() {
+  if (noted_call != nullptr) noted_call->function.front() = '\0';
 }
 
 void PluginLibrary::settle(const std::string& function, int signal, const std::string& thrown) {

@@ -25,6 +25,15 @@ struct NotedCall {
   std::array<char, 64> function{};   // empty: no call is under way
 };
 
+// Notes code of others that is no library for as long as it lives, where calls are noted.
+class NotedWork {
+ public:
+  NotedWork(const std::string& key, const std::string& whose, const std::string& function);
+  NotedWork(const NotedWork&) = delete;
+  NotedWork& operator=(const NotedWork&) = delete;
+  ~NotedWork();
+};
+
 // A shared library, or code of the same interface that the program is built with. A library stays loaded when the object goes, since threads that
 // it has started may run on; one that has changed since needs another start of the program. Whatever it does wrong is a SceneValueError at
 // `where`.library, or .type: the message names the library, and the function where one is to blame. Exception: a call of exit() while the object lives ends the

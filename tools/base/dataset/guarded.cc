@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
@@ -25,37 +24,14 @@
 namespace slipbench {
 namespace {
 
-// A sanitizer takes the whole address space for itself.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool sanitized = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
-constexpr bool sanitized = true;
-#else
-constexpr bool sanitized = false;
-#endif
-#else
-constexpr bool sanitized = false;
-#endif
-
-// Pages of the address space that the program has.
-std::uint64_t own_bytes() {
-  std::uint64_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-}
-
 void set_limits(const ReadingLimits& limits) {
   constexpr rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
-  const auto lower = [](__rlimit_resource kind, std::uint64_t value) {
-    rlimit limit{};
-    ::getrlimit(kind, &limit);
-    limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, value);
-    ::setrlimit(kind, &limit);
-  };
-  lower(RLIMIT_CPU, limits.cpu);
-  if (!sanitized) lower(RLIMIT_AS, own_bytes() + limits.memory);
+  rlimit cpu{};
+  ::getrlimit(RLIMIT_CPU, &cpu);
+  cpu.rlim_cur = std::min<rlim_t>(cpu.rlim_max, limits.cpu);
+  ::setrlimit(RLIMIT_CPU, &cpu);
+  limit_memory(limits.memory);
 }
 
 // What the child hands back; empty: it took longer than `seconds`. They are counted while this process runs, so that one that is stopped

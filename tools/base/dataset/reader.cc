@@ -47,26 +47,33 @@ struct Array {
 };
 
 template <class T>
-Array<T> read_array(const Place& place) {
-  const Handle object = open_object(place);
+Array<T> read_array(const Place& place, const Handle& object) {
   Array<T> array{hdf5::array_extents(place, object), {}};
   array.values.resize(hdf5::count_of(place, array.shape, 1, hdf5::best_compression));
-  if (!array.values.empty() && H5Dread(object.get(), memory_type(T{}), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.values.data()) < 0) {
-    place.fail("cannot be read: " + hdf5::last_error());
-  }
+  if (!array.values.empty()) hdf5::read_values(place, object, array.shape, memory_type(T{}), array.values.data());
   return array;
 }
 
-// An array of the extents that the trial prescribes.
 template <class T>
-std::vector<T> read_column(const Place& place, std::size_t rows, const Extents& tail) {
-  Array<T> array = read_array<T>(place);
+Array<T> read_array(const Place& place) {
+  return read_array<T>(place, open_object(place));
+}
+
+// An array of the extents that the trial prescribes, `object`.
+template <class T>
+std::vector<T> read_column(const Place& place, const Handle& object, std::size_t rows, const Extents& tail) {
+  Array<T> array = read_array<T>(place, object);
   Extents expected{rows};
   expected.insert(expected.end(), tail.begin(), tail.end());
   if (array.shape != expected) {
     place.fail(fmt::format("has extents [{}], expected [{}]", fmt::join(array.shape, ", "), fmt::join(expected, ", ")));
   }
   return std::move(array.values);
+}
+
+template <class T>
+std::vector<T> read_column(const Place& place, std::size_t rows, const Extents& tail) {
+  return read_column<T>(place, open_object(place), rows, tail);
 }
 
 template <class T>
@@ -257,22 +264,23 @@ struct DatasetReader::State {
       for (const std::size_t extent : tail) expected *= extent;
       if (values.size() != expected) place.fail(fmt::format("attribute '{}' does not fit {} units", name, units));
     });
-    const auto read_into = [&place](std::size_t rows) {
-      return [&place, rows]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
-        column = read_column<T>(place.below(name), rows, tail);
-      };
-    };
-    for_each_label(labels, units, read_into(time.size()));
-    for_each_event_column(labels, read_into(read_array<double>(place.below("events/t")).values.size()));
+    for_each_label(labels, units, [&]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
+      const Place at = place.below(name);
+      column = read_column<T>(at, hdf5::open_below(at, group, name), time.size(), tail);
+    });
+    const std::size_t events = read_array<double>(place.below("events/t")).values.size();
+    for_each_event_column(labels, [&]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
+      column = read_column<T>(place.below(name), events, tail);
+    });
     labels.state_count = count_states(place.below("state"), labels.state);
     labels.state_micro_count = count_states(place.below("state_micro"), labels.state_micro);
     return labels;
   }
 
   // The control loop of a demo, empty where it has none. `sensors`: those of the demo. `grasp`: it is one, so the gripper has
-  // columns, and a guided arm one. `counts`: no columns but the detector's.
+  // columns, and a guided arm one.
   [[nodiscard]] static std::optional<ControlRecord> read_control(const Place& demo, const std::vector<SensorRecord>& sensors,
-                                                                 const std::optional<GraspOutcome>& grasp, bool counts) {
+                                                                 const std::optional<GraspOutcome>& grasp) {
     const Place place = demo.below(control_group);
     if (!exists(place)) return std::nullopt;
     if (!sensors.empty() && !sensors.front().labels.truth)
@@ -292,13 +300,9 @@ struct DatasetReader::State {
     const auto read = [&]<class T>(const char* name, const char*, const Extents& tail, std::vector<T>& column) {
       column = read_column<T>(place.below(name), control.time.size(), tail);
     };
-    if (counts) {
-      control.detector_class = read_column<std::uint8_t>(place.below("detector_class"), control.time.size(), {});
-    } else {
-      for_each_control_column(control, read);
-      if (grasp) for_each_grip_column(control.grip, read);
-      if (grasp && grasp->turn) for_each_arm_column(control.grip, read);
-    }
+    for_each_control_column(control, read);
+    if (grasp) for_each_grip_column(control.grip, read);
+    if (grasp && grasp->turn) for_each_arm_column(control.grip, read);
     static_cast<void>(count_states(place.below("detector_class"), control.detector_class));
     const auto sensor = std::ranges::find(sensors, control.sensor, &SensorRecord::name);
     if (sensor == sensors.end()) place.fail(fmt::format("reads the sensor '{}', which the trial does not have", control.sensor));
@@ -422,9 +426,17 @@ SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& se
   return record;
 }
 
-Digest DatasetReader::stored_digest(std::size_t trial) const {
+Digest DatasetReader::stored_digest(std::size_t trial, const TrialRecord* read) const {
   const Place demo = state_->demo(trial);
-  return schema(file_of(trial)) == 1 ? stored_arrays_digest(demo) : stored_trial_digest(demo);
+  if (schema(file_of(trial)) == 1) return stored_arrays_digest(demo);
+  std::map<std::string, ArrayView> arrays;
+  std::map<const std::uint8_t*, std::size_t> shared;  // columns that the record has once and the file several times
+  for (const ArrayView& view : read == nullptr ? std::vector<ArrayView>() : arrays_of(*read)) {
+    ++shared[view.bytes];
+    arrays.emplace(view.path, view);
+  }
+  std::erase_if(arrays, [&](const auto& array) { return shared[array.second.bytes] > 1; });
+  return stored_trial_digest(demo, arrays);
 }
 
 std::string DatasetReader::trial_sha256(std::size_t trial) const {
@@ -437,22 +449,6 @@ std::string DatasetReader::stored_sha256(std::size_t file, const std::vector<std
   std::vector<Digest> digests;
   for (const auto& [trial, digest] : trials) digests.push_back(digest);
   return content_digest(digests);
-}
-
-TrialRecord DatasetReader::read_counts(std::size_t trial) const {
-  TrialRecord record = record_of(trial, info(trial));
-  for (const std::string& name : sensors(trial)) {
-    const Place demo = state_->demo(trial), labels = demo.below(label_group(name));
-    SensorRecord& sensor = record.sensors.emplace_back();
-    sensor.name = name;
-    sensor.time = read_array<double>(demo.below(sensor_group(name)).below("t")).values;
-    sensor.labels.state = read_column<std::uint8_t>(labels.below("state"), sensor.time.size(), {});
-    sensor.labels.state_count = count_states(labels.below("state"), sensor.labels.state);
-    const auto micro = labels.below("state_micro");
-    sensor.labels.state_micro_count = count_states(micro, read_column<std::uint8_t>(micro, sensor.time.size(), {}));
-  }
-  record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp, true);
-  return record;
 }
 
 EncodedTrial DatasetReader::read_encoded(std::size_t trial) const { return slipbench::read_encoded(state_->demo(trial), trial); }
@@ -481,7 +477,7 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
     record.bodies.push_back(std::move(columns));
   }
   if (!header().truth.empty() && !record.sensors.empty()) record.body_time = record.sensors.front().time;
-  record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp, false);
+  record.control = state_->read_control(state_->demo(trial), record.sensors, record.outcome.grasp);
   if (record.control && !record.control->detector.empty() && !record.outcome.detection) {
     settle_old_detection(record.outcome, record.control->confusion);
   }

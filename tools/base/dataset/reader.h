@@ -81,8 +81,6 @@ class DatasetReader {
   // Everything of one trial. `material` is not stored a trial and stays empty. A file of a version before outcomes had
   // `detection` gets one by today's rule (settle_detection).
   [[nodiscard]] TrialRecord read_trial(std::size_t trial) const;
-  // Of read_trial() the outcome, the samples in each state, and the loop's counts, for which few of the arrays are read. Not of imported recordings.
-  [[nodiscard]] TrialRecord read_counts(std::size_t trial) const;
   // The trial as it is stored (read_encoded() of stored_trials.h).
   [[nodiscard]] EncodedTrial read_encoded(std::size_t trial) const;
   // What a sensor is: "papillarray".
@@ -90,8 +88,9 @@ class DatasetReader {
   // One sensor's samples and labels.
   [[nodiscard]] SensorRecord read_sensor(std::size_t trial, const std::string& sensor) const;
 
-  // The digest of what the file holds of a trial, as README.md says for the schema of its file.
-  [[nodiscard]] Digest stored_digest(std::size_t trial) const;
+  // The digest of what the file holds of a trial, as README.md says for the schema of its file. `read`: its read_trial(), whose arrays are not read
+  // again; null: none.
+  [[nodiscard]] Digest stored_digest(std::size_t trial, const TrialRecord* read = nullptr) const;
   // What its attribute `sha256` says, 64 hexadecimal digits; empty in a file of schema 1, which has none.
   [[nodiscard]] std::string trial_sha256(std::size_t trial) const;
   // What a file's content_sha256 should say, made of the digests of all of its trials in ascending order and of what it holds

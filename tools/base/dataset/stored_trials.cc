@@ -84,40 +84,12 @@ ElementType element_type(const Place& place, const Handle& array) {
   place.fail("is of a type that no dataset has");
 }
 
-// Whether an array is filtered as the encoder does it.
-bool is_filtered_as_written(const Handle& properties, ElementType type) {
-  std::vector<H5Z_filter_t> wanted{H5Z_FILTER_DEFLATE};
-  if (size_of(type) > 1) wanted.insert(wanted.begin(), H5Z_FILTER_SHUFFLE);
-  if (H5Pget_nfilters(properties.get()) != static_cast<int>(wanted.size())) return false;
-  for (unsigned i = 0; i < wanted.size(); ++i) {
-    unsigned flags = 0;
-    std::size_t count = 0;
-    unsigned filter_config = 0;
-    if (H5Pget_filter2(properties.get(), i, &flags, &count, nullptr, 0, nullptr, &filter_config) != wanted[i]) return false;
-  }
-  return true;
-}
-
 void read_chunks(const Place& place, const Handle& dataset, const Handle& properties, EncodedArray& array) {
-  std::vector<hsize_t> chunk(array.shape.size());
-  check(H5Pget_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()));
-  array.chunk_rows = chunk.front();
-  const bool whole_rows = std::equal(chunk.begin() + 1, chunk.end(), array.shape.begin() + 1);
-  if (!whole_rows || array.chunk_rows == 0 || !is_filtered_as_written(properties, array.type)) {
-    place.fail("is not stored as this program does it; allowed: the files of sweep --shard");
-  }
-  std::vector<hsize_t> offset(array.shape.size(), 0);
-  const hsize_t stored = H5Dget_storage_size(dataset.get());
-  for (; offset.front() < array.shape.front(); offset.front() += array.chunk_rows) {
-    hsize_t bytes = 0;
-    std::uint32_t filters = 0;
-    if (H5Dget_chunk_storage_size(dataset.get(), offset.data(), &bytes) < 0 || bytes == 0 || bytes > stored) {
-      place.fail("misses a chunk");
-    }
-    std::vector<std::uint8_t>& to = array.chunks.emplace_back(bytes);
-    if (H5Dread_chunk(dataset.get(), H5P_DEFAULT, offset.data(), &filters, to.data()) < 0 || filters != 0) {
-      place.fail("cannot be read: " + hdf5::last_error());
-    }
+  array.chunk_rows = hdf5::folded_rows(properties, array.shape, size_of(array.type));
+  if (array.chunk_rows == 0) place.fail("is not stored as this program does it; allowed: the files of sweep --shard");
+  for (std::size_t row = 0; row < array.shape.front(); row += array.chunk_rows) {
+    if (!hdf5::read_chunk(dataset, array.shape.size(), row, array.chunks.emplace_back()))
+      place.fail("misses a chunk, or cannot be read: " + hdf5::last_error());
   }
 }
 

@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <map>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 
@@ -63,6 +65,45 @@ std::string file_difference(const std::map<std::string, std::string>& left, cons
     if (!left.contains(path)) return fmt::format("no file {}, which {}'s scene names", path, other);
   }
   return "";
+}
+
+// The values of the arrays of codes that are counted, by their paths.
+using Codes = std::map<std::string, std::vector<std::uint8_t>>;
+
+// What is told of a trial: outcome, samples in each state, the loop's counts. Throws std::out_of_range where something is missing or is no state.
+TrialRecord counts_of(const EncodedTrial& trial, const Codes& codes) {
+  std::map<std::string, EncodedAttribute> attributes;
+  for (const EncodedAttribute& attribute : trial.attributes) attributes.emplace(attribute.path + "@" + attribute.name, attribute);
+  const auto text = [&](const std::string& key) { return std::get<std::string>(attributes.at(key).value); };
+  TrialRecord record;
+  record.trial = trial.trial;
+  record.params = text("@params");
+  record.outcome = parse_outcome(text("@outcome"));
+  std::map<std::string, std::vector<std::uint8_t>> states;  // by sensor
+  for (const EncodedArray& array : trial.arrays) {
+    const std::string name = array.path.substr(0, array.path.rfind('/'));
+    if (array.path != name + "/state") continue;
+    SensorRecord& sensor = record.sensors.emplace_back();
+    sensor.name = name.substr(name.find('/') + 1);
+    states[sensor.name] = codes.at(array.path);
+    for (const std::uint8_t state : codes.at(array.path)) ++sensor.labels.state_count.at(state);
+    for (const std::uint8_t state : codes.at(name + "/state_micro")) ++sensor.labels.state_micro_count.at(state);
+  }
+  const std::string control = std::string(control_group) + "@";
+  if (!attributes.contains(control + "detector")) return record;
+  ControlRecord& loop = record.control.emplace();
+  loop.detector = text(control + "detector");
+  loop.controller = text(control + "controller");
+  loop.sensor = text(control + "sensor");
+  if (record.sensors.empty()) {
+    const auto& counts = std::get<EncodedAttribute::Doubles>(attributes.at(control + "confusion").value).values;
+    for (std::size_t i = 0; i < counts.size(); ++i)
+      loop.confusion.at(i / loop.confusion.size())[i % loop.confusion.size()] = static_cast<std::size_t>(counts[i]);
+    return record;
+  }
+  const std::vector<std::uint8_t>& said = codes.at(std::string(control_group) + "/detector_class");
+  for (std::size_t row = 0; row < said.size(); ++row) ++loop.confusion.at(states.at(loop.sensor).at(row)).at(said[row]);
+  return record;
 }
 
 // JSON: the numbers of the trials, and the files' names.
@@ -302,8 +343,14 @@ KeptTrials::KeptTrials(const std::string& path, const DatasetHeader& header) {
 std::optional<KeptTrials::Trial> KeptTrials::read(std::size_t trial) const {
   try {
     if (!reader_) reader_.emplace(files_.front());
-    Trial read{reader_->read_counts(trial), reader_->read_encoded(trial)};
-    if (recomputed_digest(read.encoded) == read.encoded.digest) return read;
+    Trial read{{}, reader_->read_encoded(trial)};
+    Codes codes;
+    const auto see = [&](const EncodedArray& array, std::span<const std::uint8_t> values) {
+      if (array.type == ElementType::u8) codes[array.path] = {values.begin(), values.end()};
+    };
+    if (recomputed_digest(read.encoded, see) != read.encoded.digest) return std::nullopt;
+    read.counts = counts_of(read.encoded, codes);
+    return read;
   } catch (const std::exception&) {  // is damage, want of memory for a size that it tells among it
   }
   return std::nullopt;

@@ -9,12 +9,13 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <span>
+#include <new>
 #include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <libdeflate.h>
 
 #include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
@@ -56,14 +57,15 @@ std::uint64_t file_bytes(const Place& place) {
 }
 
 // One serves all attributes: to make a type takes HDF5 as long as to write an attribute.
-const Handle& text_type() {
-  static const Handle made = [] {
+const Handle& text_type(H5T_cset_t characters = H5T_CSET_UTF8) {
+  const auto make = [](H5T_cset_t of) {
     Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
     check(H5Tset_size(type.get(), H5T_VARIABLE));
-    check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
+    check(H5Tset_cset(type.get(), of));
     return type;
-  }();
-  return made;
+  };
+  static const Handle utf8 = make(H5T_CSET_UTF8), ascii = make(H5T_CSET_ASCII);
+  return characters == H5T_CSET_UTF8 ? utf8 : ascii;
 }
 
 void write(hid_t object, const std::string& name, hid_t type, const std::vector<std::size_t>& shape, const void* values) {
@@ -71,6 +73,36 @@ void write(hid_t object, const std::string& name, hid_t type, const std::vector<
   Handle attribute(H5Acreate2(object, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT), &H5Aclose);
   check(H5Awrite(attribute.get(), type, values));
   attribute.close();
+}
+
+// The reverse of HDF5's shuffle filter, which puts all first bytes of the elements before all second bytes, and so on.
+template <class Element>
+void unshuffle(const std::uint8_t* in, std::size_t count, std::uint8_t* out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    Element element = 0;
+    for (std::size_t byte = 0; byte < sizeof element; ++byte)
+      element |= static_cast<Element>(Element{in[byte * count + i]} << (8 * byte));
+    std::memcpy(out + i * sizeof element, &element, sizeof element);
+  }
+}
+
+// False: it is stored otherwise, or a chunk cannot be read.
+bool read_folded(const Handle& array, const std::vector<std::size_t>& extents, std::size_t element, std::uint8_t* to) {
+  const std::size_t rows = folded_rows({H5Dget_create_plist(array.get()), &H5Pclose}, extents, element);
+  if (rows == 0) return false;
+  std::size_t row = element;  // bytes
+  for (std::size_t axis = 1; axis < extents.size(); ++axis) row *= extents[axis];
+  Unfolder unfolder;
+  std::vector<std::uint8_t> chunk, whole;
+  for (std::size_t first = 0; first < extents.front(); first += rows) {
+    const std::size_t present = std::min(rows, extents.front() - first) * row;
+    std::uint8_t* const at = to + first * row;
+    if (!read_chunk(array, extents.size(), first, chunk)) return false;
+    if (present < rows * row) whole.resize(rows * row);  // chunks are stored at full size
+    if (!unfolder.unfold(chunk, element, whole.empty() ? std::span(at, present) : std::span(whole))) return false;
+    if (!whole.empty()) std::memcpy(at, whole.data(), present);
+  }
+  return true;
 }
 
 struct Reason {
@@ -138,6 +170,13 @@ Handle open_member(const Place& place, const Handle& group, const std::string& n
   const hid_t id = H5Oopen(group.get(), name.c_str(), H5P_DEFAULT);
   if (id < 0) place.fail("missing or damaged");
   return {id, &H5Oclose};
+}
+
+Handle open_below(const Place& place, const Handle& group, const std::string& name) {
+  H5L_info_t info{};
+  if (H5Lget_info(group.get(), name.c_str(), &info, H5P_DEFAULT) < 0) place.fail("missing or damaged");
+  if (info.type != H5L_TYPE_HARD) refuse_link(place);
+  return open_member(place, group, name);
 }
 
 std::vector<std::string> members_of(const Place& place) { return members_of(place, open_object(place)); }
@@ -215,6 +254,53 @@ std::vector<std::size_t> array_extents(const Place& place, const Handle& array, 
   return extents;
 }
 
+void read_values(const Place& place, const Handle& array, const std::vector<std::size_t>& extents, hid_t type, void* to) {
+  const Handle own(H5Dget_type(array.get()), &H5Tclose);
+  if (H5Tequal(own.get(), type) > 0 && read_folded(array, extents, H5Tget_size(type), static_cast<std::uint8_t*>(to))) return;
+  if (H5Dread(array.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, to) < 0) place.fail("cannot be read: " + last_error());
+}
+
+std::size_t folded_rows(const Handle& properties, const std::vector<std::size_t>& extents, std::size_t element) {
+  std::vector<H5Z_filter_t> wanted{H5Z_FILTER_DEFLATE};
+  if (element > 1) wanted.insert(wanted.begin(), H5Z_FILTER_SHUFFLE);
+  if (extents.empty() || H5Pget_layout(properties.get()) != H5D_CHUNKED ||
+      H5Pget_nfilters(properties.get()) != static_cast<int>(wanted.size()))
+    return 0;
+  for (unsigned i = 0; i < wanted.size(); ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t count = 0;
+    if (H5Pget_filter2(properties.get(), i, &flags, &count, nullptr, 0, nullptr, &config) != wanted[i]) return 0;
+  }
+  std::vector<hsize_t> chunk(extents.size());
+  check(H5Pget_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()));
+  return std::equal(chunk.begin() + 1, chunk.end(), extents.begin() + 1, extents.end()) ? chunk.front() : 0;
+}
+
+bool read_chunk(const Handle& array, std::size_t rank, std::size_t row, std::vector<std::uint8_t>& to) {
+  std::vector<hsize_t> offset(rank, 0);
+  offset.front() = row;
+  hsize_t bytes = 0;
+  std::uint32_t filters = 0;
+  if (H5Dget_chunk_storage_size(array.get(), offset.data(), &bytes) < 0 || bytes > H5Dget_storage_size(array.get())) return false;
+  to.resize(bytes);
+  return bytes > 0 && H5Dread_chunk(array.get(), H5P_DEFAULT, offset.data(), &filters, to.data()) >= 0 && filters == 0;
+}
+
+Unfolder::Unfolder() : inflater_(libdeflate_alloc_decompressor()) {
+  if (inflater_ == nullptr) throw std::bad_alloc();
+}
+Unfolder::~Unfolder() { libdeflate_free_decompressor(inflater_); }
+
+bool Unfolder::unfold(std::span<const std::uint8_t> chunk, std::size_t element, std::span<std::uint8_t> to) {
+  if (element == 1)
+    return libdeflate_zlib_decompress(inflater_, chunk.data(), chunk.size(), to.data(), to.size(), nullptr) == LIBDEFLATE_SUCCESS;
+  shuffled_.resize(to.size());
+  if (!unfold(chunk, 1, shuffled_)) return false;
+  if (element == 4) unshuffle<std::uint32_t>(shuffled_.data(), to.size() / element, to.data());
+  if (element == 8) unshuffle<std::uint64_t>(shuffled_.data(), to.size() / element, to.data());
+  return element == 4 || element == 8;
+}
+
 Attribute open_attribute(const Place& place, const Handle& object, const std::string& name) {
   const hid_t opened = H5Aopen(object.get(), name.c_str(), H5P_DEFAULT);
   if (opened < 0) {
@@ -233,9 +319,7 @@ Attribute open_attribute(const Place& place, const Handle& object, const std::st
 std::vector<std::string> texts_of(const Place& place, const Attribute& attribute, const std::string& name) {
   if (H5Tis_variable_str(attribute.type.get()) <= 0) place.fail("attribute '" + name + "' is no text");
   std::vector<char*> texts(count_of(place, attribute.shape, 1, 1), nullptr);
-  Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
-  check(H5Tset_size(type.get(), H5T_VARIABLE));
-  check(H5Tset_cset(type.get(), H5Tget_cset(attribute.type.get())));
+  const Handle& type = text_type(H5Tget_cset(attribute.type.get()));
   if (!texts.empty() && H5Aread(attribute.handle.get(), type.get(), texts.data()) < 0) {
     place.fail("attribute '" + name + "' cannot be read: " + last_error());
   }

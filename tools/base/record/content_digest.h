@@ -10,6 +10,7 @@
 
 #include "tools/base/files/output_file.h"
 #include "tools/base/hdf5/hdf5_place.h"
+#include "tools/base/record/encoder.h"
 
 namespace slipbench {
 
@@ -18,9 +19,9 @@ inline constexpr const char* trial_sha256_name = "sha256";
 // The same of a file.
 inline constexpr const char* file_sha256_name = "content_sha256";
 
-// Of a demo: all of its arrays and attributes. Throws InputError where something in it cannot be read or is of a type that no
-// dataset has.
-Digest stored_trial_digest(const hdf5::Place& demo);
+// Of a demo: all of its arrays and attributes. `read`: arrays whose values have just been read from it, which are not read again. Throws InputError
+// where something in it cannot be read or is of a type that no dataset has.
+Digest stored_trial_digest(const hdf5::Place& demo, const std::map<std::string, ArrayView>& read = {});
 
 // Of a demo, as schema 1 has it: over its arrays alone.
 Digest stored_arrays_digest(const hdf5::Place& demo);

@@ -110,14 +110,6 @@ void shuffle(const std::uint8_t* in, std::size_t bytes, std::uint8_t* out) {
   }
 }
 
-// The reverse: shuffling by the number of the elements.
-void unshuffle(const std::vector<std::uint8_t>& in, std::size_t element, std::uint8_t* out) {
-  const std::size_t count = in.size() / element;
-  for (std::size_t byte = 0; byte < element; ++byte) {
-    for (std::size_t i = 0; i < count; ++i) out[i * element + byte] = in[byte * count + i];
-  }
-}
-
 static_assert(std::endian::native == std::endian::little, "columns are stored as they lie in memory");
 
 constexpr ElementType type_of(double) { return ElementType::f64; }
@@ -223,33 +215,28 @@ EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
   return trial;
 }
 
-Digest recomputed_digest(const EncodedTrial& trial) {
-  const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> inflater(
-      libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
-  if (!inflater) throw std::bad_alloc();
+Digest recomputed_digest(const EncodedTrial& trial,
+                         const std::function<void(const EncodedArray&, std::span<const std::uint8_t>)>& see) {
+  hdf5::Unfolder unfolder;
   ContentDigest digest;
-  std::vector<std::uint8_t> shuffled;
   std::vector<std::uint8_t> values;
   for (const EncodedArray& array : trial.arrays) {
     const auto refuse = [&] { throw InputError(array.path + ": a chunk does not hold its rows"); };
     const std::size_t element = size_of(array.type);
     std::size_t row = element;  // bytes
     for (std::size_t axis = 1; axis < array.shape.size(); ++axis) row *= array.shape[axis];
-    shuffled.resize(0);
     values.resize(0);
     for (const std::vector<std::uint8_t>& chunk : array.chunks) {
       constexpr std::size_t most = 1032;  // bytes that deflate makes of one
       if (row == 0 || array.chunk_rows > most * chunk.size() / row) refuse();
-      shuffled.resize(array.chunk_rows * row);
-      values.resize(values.size() + shuffled.size());
-      if (libdeflate_zlib_decompress(inflater.get(), chunk.data(), chunk.size(), shuffled.data(), shuffled.size(), nullptr) !=
-          LIBDEFLATE_SUCCESS)
-        refuse();
-      unshuffle(shuffled, element, values.data() + values.size() - shuffled.size());
+      const std::size_t bytes = array.chunk_rows * row;
+      values.resize(values.size() + bytes);
+      if (!unfolder.unfold(chunk, element, std::span(values).last(bytes))) refuse();
     }
     const std::size_t bytes = array.shape.front() * row;
     if (bytes > values.size()) refuse();
     add_array(digest, array.path, array.type, array.shape, values.data(), bytes, array.unit, array.codes);
+    see(array, std::span(values).first(bytes));
   }
   for (const EncodedAttribute& attribute : trial.attributes) {
     if (!attribute.path.empty() || attribute.name != trial_sha256_name) add_attribute(digest, attribute);

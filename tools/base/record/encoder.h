@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -185,8 +187,10 @@ class TrialEncoder {
   std::unique_ptr<State> state_;
 };
 
-// EncodedTrial::digest by its chunks and attributes, whatever it says itself. Throws InputError where a chunk does not hold the rows that it should.
-Digest recomputed_digest(const EncodedTrial& trial);
+// EncodedTrial::digest by its chunks and attributes, whatever it says itself; `see` is shown the values of each array. Throws InputError where a
+// chunk does not hold the rows that it should.
+Digest recomputed_digest(const EncodedTrial& trial,
+                         const std::function<void(const EncodedArray&, std::span<const std::uint8_t>)>& see);
 
 // EncodedTrial::digest of a trial, without encoding it.
 Digest trial_digest(const TrialRecord& record);

@@ -2,12 +2,14 @@
 
 #include <poll.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <fstream>
 #include <new>
 
 #include <fmt/format.h>
@@ -18,6 +20,19 @@ namespace slipbench {
 namespace {
 
 using Kind = ChildEnd::Kind;
+
+// A sanitizer takes the whole address space for itself.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool sanitized = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+constexpr bool sanitized = true;
+#else
+constexpr bool sanitized = false;
+#endif
+#else
+constexpr bool sanitized = false;
+#endif
 
 [[noreturn]] void be_the_child(int channel, const std::function<std::string()>& action) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -85,6 +100,20 @@ std::string ChildEnd::result() && {
                       WIFSIGNALED(status) ? fmt::format(" ({})", ::strsignal(WTERMSIG(status))) : std::string()));
   }
   return std::move(text);
+}
+
+std::uint64_t own_bytes() {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+void limit_memory(std::uint64_t more) {
+  if (sanitized) return;
+  rlimit limit{};
+  ::getrlimit(RLIMIT_AS, &limit);
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, own_bytes() + more);
+  ::setrlimit(RLIMIT_AS, &limit);
 }
 
 ChildProcess::ChildProcess(const std::function<std::string()>& action) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <functional>
 #include <stdexcept>
@@ -159,6 +160,11 @@ struct ChildEnd {
   // What it returned. Throws InputError as such, all else as std::runtime_error.
   std::string result() &&;
 };
+
+// Bytes of the address space that this process has.
+std::uint64_t own_bytes();
+// Lets this process have so many more; none more under a sanitizer, which takes the whole address space for itself.
+void limit_memory(std::uint64_t more);
 
 // A copy of this process that does one thing. It ends with its parent, and a Ctrl-C of the terminal is the parent's affair. Call it while this
 // process has no other thread.

@@ -70,7 +70,7 @@ struct IsolatedWorker::Message {
   int status = 0;     // waitpid's
 };
 
-IsolatedWorker::IsolatedWorker(const std::function<std::string(std::size_t)>& work, double limit) : limit_(limit) {
+IsolatedWorker::IsolatedWorker(const std::function<std::string(std::size_t)>& work, const WorkLimits& limits) : limits_(limits) {
   std::error_code gone;
   folder_ = std::filesystem::current_path(gone).string();
   std::array<int, 2> ends{};
@@ -104,6 +104,8 @@ IsolatedWorker::~IsolatedWorker() {
 void IsolatedWorker::keep_working(int channel, const std::function<std::string(std::size_t)>& work) {
   PluginLibrary::note_calls(page_->call);
   const pid_t self = ::getpid();
+  const std::uint64_t memory = 1'000'000 * limits_.memory, full = own_bytes() + memory / 2;
+  if (memory > 0) limit_memory(memory);
   Message message;
   while (::recv(channel, &message, sizeof message, 0) == sizeof message) {
     page_->begun = now();
@@ -119,6 +121,7 @@ void IsolatedWorker::keep_working(int channel, const std::function<std::string(s
     }
     if (::send(channel, &message, sizeof message, MSG_NOSIGNAL) < 0) break;
     if (!folder_.empty() && ::chdir(folder_.c_str()) != 0) break;
+    if (memory > 0 && own_bytes() > full) break;  // what work has kept would be missed by the next
   }
   ::_exit(1);
 }
@@ -145,7 +148,7 @@ void IsolatedWorker::keep_a_worker(int channel, const std::function<std::string(
     while (::waitpid(worker, &message.status, WNOHANG) == 0) {
       constexpr timespec a_while{.tv_sec = 0, .tv_nsec = 50'000'000};
       ::sigtimedwait(&ended, nullptr, &a_while);
-      message.late = message.late || now() - page_->begun > limit_;
+      message.late = message.late || now() - page_->begun > limits_.time;
       if (message.late) ::kill(worker, SIGKILL);
     }
     ::kill(-worker, SIGKILL);
@@ -200,7 +203,8 @@ void IsolatedWorker::tell_loss(const Message& message) const {
   const std::string subject = function.empty() ? "its process" : fmt::format("{}: {}", key, text(page_->lost.library));
   const std::string in = function.empty() ? "" : " in " + function;
   const std::string path = function.empty() ? "" : key;
-  if (message.late) throw LostWork(path, fmt::format("{} was still at work{} after {:g} s, the limit", subject, in, limit_));
+  if (message.late)
+    throw LostWork(path, fmt::format("{} was still at work{} after {:g} s, the limit", subject, in, limits_.time));
   if (!WIFSIGNALED(message.status))
     throw LostWork(path, fmt::format("{} ended{}{}", subject, function.empty() ? "" : " its process", in));
   throw LostWork(path, fmt::format("{} crashed{}: {}", subject, in, signal_text(WTERMSIG(message.status))));

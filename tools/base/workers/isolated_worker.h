@@ -26,15 +26,20 @@ class LostWork : public InputError {
   std::string path_;
 };
 
+// What a work may take.
+struct WorkLimits {
+  double time = std::numeric_limits<double>::infinity();  // s
+  std::size_t memory = 0;                                 // MB, beyond what the program has; 0: what there is
+};
+
 // A process that does one work after another, and is replaced where a work has ended it. Between the two stands a third, which has one thread as long
 // as it lives, so that forking is safe whatever threads the caller makes. All three share the last answer's bytes, and a page that says what is under
 // way. The processes end with the caller's, however that ends, and are no part of its terminal's group: Ctrl-C is the caller's affair.
 class IsolatedWorker {
  public:
-  // `limit`: what a work may take [s]. Call it while this process has no other thread and no file open that work should not hold open. Throws
-  // std::runtime_error where the system gives no process.
-  explicit IsolatedWorker(const std::function<std::string(std::size_t)>& work,
-                          double limit = std::numeric_limits<double>::infinity());
+  // Call it while this process has no other thread and no file open that work should not hold open. Throws std::runtime_error where the system gives
+  // no process.
+  explicit IsolatedWorker(const std::function<std::string(std::size_t)>& work, const WorkLimits& limits = {});
   ~IsolatedWorker();  // kills what is under way
   IsolatedWorker(const IsolatedWorker&) = delete;
   IsolatedWorker& operator=(const IsolatedWorker&) = delete;
@@ -46,9 +51,9 @@ class IsolatedWorker {
 
   // What make() returns, made here or, where `apart` says so, as the only work of such a process.
   template <class Make>
-  static auto made(bool apart, double limit, const Make& make) {
+  static auto made(bool apart, const WorkLimits& limits, const Make& make) {
     if (!apart) return make();
-    IsolatedWorker worker([&make](std::size_t) { return Packed::bytes_of(make()); }, limit);
+    IsolatedWorker worker([&make](std::size_t) { return Packed::bytes_of(make()); }, limits);
     return Packed::of(worker.run(0, nullptr)).template take<decltype(make())>();
   }
 
@@ -63,7 +68,7 @@ class IsolatedWorker {
   [[noreturn]] void tell_loss(const Message& message) const;
   void map(std::size_t size);
 
-  double limit_;            // s
+  WorkLimits limits_;
   int channel_ = -1;        // to both other processes
   int bytes_ = -1;          // file in memory, of the last answer
   int keeper_ = -1;         // process

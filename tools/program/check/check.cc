@@ -116,6 +116,8 @@ SweepOptions replay_of(const CheckOptions& options, std::uint64_t seed, std::siz
   if (options.trials > 0) run.overrides.push_back({"sweep.trials", std::to_string(options.trials)});
   run.seed = seed;
   run.only = trial;
+  run.isolate = options.isolate;
+  run.limits = options.limits;
   run.interrupt = options.interrupt;
   return run;
 }
@@ -307,6 +309,8 @@ SweepOptions sweep_of(const CheckOptions& options) {
   sweep.seed = options.seed;
   sweep.trials = options.trials;
   sweep.jobs = options.jobs;
+  sweep.isolate = options.isolate;
+  sweep.limits = options.limits;
   sweep.interrupt = options.interrupt;
   sweep.on_start = options.on_start;
   return sweep;

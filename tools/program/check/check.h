@@ -23,7 +23,9 @@ struct CheckOptions {
   std::optional<std::uint64_t> seed = {};  // empty: the scene's
   std::size_t trials = 0;                  // of each cell of the grid; 0: the scene's sweep.trials, or 1
   std::size_t jobs = 0;                    // worker threads; 0: one a hardware thread. What comes out does not depend on it
-  std::string folder = {};                 // for what a failed check leaves; made where it is missing; empty: nothing is left
+  bool isolate = false;                    // as SweepOptions has them
+  WorkLimits limits = {};
+  std::string folder = {};  // for what a failed check leaves; made where it is missing; empty: nothing is left
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void()> on_start = {};  // called once the scene is checked; may be empty
 };

@@ -164,7 +164,7 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
   const std::vector<SensorRecord> sensors = in_order(record, names);
   const Replayed replayed = replay(options.detector, sensors, sensor, record.seed, trial);
   std::optional<Scene> scene;
-  if (has_scene(reader)) scene = recorded_scene(reader, record, catalogues);
+  if (has_scene(reader)) scene = recorded_scene(recorded_file(reader), record, catalogues);
   const Scene* const known = scene ? &*scene : nullptr;
   Judged result;
   const Truth truth = truth_of(known, record, sensors[sensor], options.labels);

@@ -5,8 +5,9 @@
 #include <string_view>
 #include <variant>
 
+#include <fmt/format.h>
+
 #include "sim/core/error.h"
-#include "sim/scene/parser.h"
 #include "sim/scene/section_readers.h"
 #include "tools/base/record/json.h"
 
@@ -62,22 +63,26 @@ std::string speed_of(const Scene& scene) {
   throw SceneValueError("split.by", "the motion '" + scene.motion.name + "' has no speed; allowed: material, object, trial");
 }
 
+void apply(const std::string& text, const char* attribute, SceneFile& file) {
+  const auto values = Json::parse(text, nullptr, false);
+  if (!values.is_object()) throw InputError(fmt::format("attribute {} is not a JSON object", attribute));
+  for (const auto& [path, value] : values.items()) {
+    if (path != "sweep" && !path.starts_with("sweep.") && !value.is_null())
+      file.apply({path, value.is_string() ? value.get<std::string>() : value.dump()});
+  }
+}
+
 }  // namespace
 
-Scene recorded_scene(const DatasetReader& reader, const TrialRecord& record, const Catalogues& catalogues) {
+SceneFile recorded_file(const DatasetReader& reader) {
   SceneFile file = SceneFile::from_text(reader.header().scene, "attribute scene");
-  const auto apply = [&file](const std::string& text, const std::string& attribute) {
-    const auto values = Json::parse(text, nullptr, false);
-    if (!values.is_object()) throw InputError("attribute " + attribute + " is not a JSON object");
-    for (const auto& [path, value] : values.items()) {
-      if (path != "sweep" && !path.starts_with("sweep.") && !value.is_null()) {
-        file.apply({path, value.is_string() ? value.get<std::string>() : value.dump()});
-      }
-    }
-  };
-  apply(reader.header().overrides, "overrides");
+  apply(reader.header().overrides, "overrides", file);
   file.apply({"sweep", "{}"});
-  apply(record.params, "params");
+  return file;
+}
+
+Scene recorded_scene(SceneFile file, const TrialRecord& record, const Catalogues& catalogues) {
+  apply(record.params, "params", file);
   return parse_scene(file, catalogues);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sim/scene/catalogues.h"
+#include "sim/scene/parser.h"
 #include "sim/scene/scene.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/reader.h"
@@ -12,8 +13,10 @@
 
 namespace slipbench {
 
-// The scene that a trial ran: the dataset's, with what was set and what was drawn. Throws InputError where this version cannot read it.
-Scene recorded_scene(const DatasetReader& reader, const TrialRecord& record, const Catalogues& catalogues);
+// The scene of a dataset, with what was set and without its sweep. Throws InputError where this version cannot read it.
+SceneFile recorded_file(const DatasetReader& reader);
+// The scene that a trial ran: its dataset's recorded_file(), with what was drawn. Throws the same.
+Scene recorded_scene(SceneFile file, const TrialRecord& record, const Catalogues& catalogues);
 
 // The scene's `split`; empty where it has none.
 std::optional<SplitRule> split_rule(const Scene& scene);

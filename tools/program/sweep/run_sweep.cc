@@ -140,6 +140,11 @@ struct WorkPlan {
   Recording recording = Recording::full;
   double max_bytes = max_record_bytes;  // of a trial's record
   const std::atomic<bool>* interrupt = nullptr;
+  std::size_t memory = 0;  // MB that a trial may take; 0: what there is
+
+  [[nodiscard]] std::string too_little(std::size_t trial) const {
+    return fmt::format("trial {}: needed more than {} MB of memory, the limit", trial, memory);
+  }
 };
 
 // Says nothing of the trial. So it ends the run, whose finished trials are kept, and is not noted as a failure.
@@ -236,7 +241,7 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const 
                       std::size_t asked, const Catalogues& catalogues, std::set<std::string>& files) {
   const auto check = [&](std::size_t trial) { return check_one(plan, trial, options.only ? trial + 1 : asked, catalogues); };
   std::optional<IsolatedWorker> apart;
-  if (options.isolate) apart.emplace([&](std::size_t trial) { return Packed::bytes_of(check(trial)); }, options.trial_limit);
+  if (options.isolate) apart.emplace([&](std::size_t trial) { return Packed::bytes_of(check(trial)); }, options.limits);
   const std::vector<std::size_t> numbers = checked_trials(plan, options, trials);
   std::size_t largest = numbers.front();  // trial of the largest record
   double bytes = 0.0;
@@ -274,6 +279,7 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
   } catch (const InputError& error) {
     throw InputError(fmt::format("trial {}: {}", index, error.what()));
   } catch (const std::bad_alloc&) {
+    if (plan.memory > 0) throw InputError(plan.too_little(index));
     throw EndOfRun(fmt::format("trial {}: out of memory; a shorter trial, slower sensors or fewer --jobs need less", index));
   } catch (const std::exception& error) {
     throw std::runtime_error(fmt::format("trial {}: {}", index, error.what()));
@@ -303,6 +309,9 @@ Simulate simulation_by(IsolatedWorker& worker, const WorkPlan& plan) {
       return Packed::of(worker.run(trial, plan.interrupt)).take<FinishedTrial>();
     } catch (const LostWork& loss) {
       return failed_trial(trial, fmt::format("trial {}: {}", trial, lost_text(plan.trials, trial, loss)));
+    } catch (const std::bad_alloc&) {
+      if (plan.memory == 0) throw;
+      return failed_trial(trial, plan.too_little(trial));
     } catch (const std::out_of_range&) {
       return failed_trial(trial, fmt::format("trial {}: its process handed over what is none", trial));
     }
@@ -364,7 +373,7 @@ TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, 
 // The numbers of those that run.
 std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const SweepOptions& options, std::uint64_t seed) {
   if (options.shard) {
-    return IsolatedWorker::made(options.isolate, options.trial_limit, [&] {
+    return IsolatedWorker::made(options.isolate, options.limits, [&] {
       return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
     });
   }
@@ -396,7 +405,7 @@ class RunningSweep {
   void report();
 
   [[nodiscard]] WorkPlan work() const {
-    return {plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt};
+    return {plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt, options_.limits.memory};
   }
   [[nodiscard]] bool holds(std::size_t trial) const { return kept_ && kept_->holds(trial); }
   [[nodiscard]] bool unpublished() const { return writer_ && writer_->published() < writer_->size(); }
@@ -450,7 +459,7 @@ void RunningSweep::check(const Catalogues& catalogues) {
   for (std::size_t i = 0; options_.isolate && i < workforce_.threads; ++i) {
     apart_.emplace_back(
         [simulate = simulation(work(), options_)](std::size_t trial) { return Packed::bytes_of(simulate(trial)); },
-        options_.trial_limit);
+        options_.limits);
   }
 }
 
@@ -459,7 +468,7 @@ bool RunningSweep::resume() {
   for (std::size_t i = 0; kept_->size() > 0 && i < workforce_.threads; ++i) {
     constexpr double long_enough = 120.0;  // s, where damage makes HDF5 run for ever
     readers_.emplace_back([this](std::size_t trial) { return Packed::bytes_of(resumed_trial(*kept_, work(), trial)); },
-                          long_enough);
+                          WorkLimits{.time = long_enough});
   }
   if (kept_->size() > 0) return false;
   std::optional<FinishedDataset> whole = finished_dataset(options_.output, header_);

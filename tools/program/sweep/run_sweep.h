@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/base/record/trial_record.h"
+#include "tools/base/workers/isolated_worker.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench {
@@ -67,8 +67,8 @@ struct SweepOptions {
   std::size_t jobs = 0;    // worker threads; 0: as many as the machine has, or as their records have room for
   bool isolate =
       false;  // simulate in processes of their own, for code that may end them; not in a process that has other threads
-  double trial_limit = std::numeric_limits<double>::infinity();  // s, after which an isolated trial has failed
-  std::string output;                                            // dataset; empty: nothing is written
+  WorkLimits limits = {};                 // beyond which an isolated trial has failed
+  std::string output;                     // dataset; empty: nothing is written
   Recording recording = Recording::full;  // what the dataset holds of a trial: its outcome alone takes some kB
   std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
   const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials end and count for nothing

@@ -265,8 +265,7 @@ std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& s
   }
   std::vector<Warning> warnings;
   try {
-    warnings =
-        IsolatedWorker::made(sweep.isolate, sweep.trial_limit, [&] { return scene_warnings(planned.plan, numbers, true); });
+    warnings = IsolatedWorker::made(sweep.isolate, sweep.limits, [&] { return scene_warnings(planned.plan, numbers, true); });
   } catch (const LostWork&) {
     // Running it says why.
   }

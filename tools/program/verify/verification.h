@@ -34,6 +34,9 @@ class Verification {
   void fail(Check check, const Where& where, const std::string& what);
 
   [[nodiscard]] bool holds() const;
+  // What another one has found, by its json(): of trials after those of this one.
+  void add(const Json& later);
+
   // {"holds", "checks": [{"check", "checked", "of", "failed", "left_out": [...]}], "failures": [{"check", "trial", "array", "sample", "what"}]}
   [[nodiscard]] Json json() const;
 

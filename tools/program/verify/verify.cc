@@ -1,10 +1,12 @@
 #include "tools/program/verify/verify.h"
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +17,7 @@
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/shard_set.h"
 #include "tools/base/record/encoder.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/verify/verification.h"
@@ -25,16 +28,28 @@ namespace {
 using verify::Check;
 using verify::Verification;
 
+std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
 class DatasetCheck {
  public:
   explicit DatasetCheck(const std::string& path)
       : reader_(path), catalogues_(program_catalogues()), digests_(reader_.files().size()) {}
 
-  Json run() {
+  // By a process for each hardware thread, which damage may end.
+  Json run(const std::string& path) {
     check_order();
-    for (const std::size_t trial : reader_.trials()) {
-      check_digest(trial);
-      check_content(trial);
+    const std::size_t parts = std::max(1U, std::thread::hardware_concurrency());
+    static const std::atomic<bool> never{false};
+    const auto check_apart = [&](std::size_t part) { return guarded(path, [&] { return check_part(part, parts); }); };
+    auto trial = reader_.trials().begin();
+    for (const std::string& found : run_in_processes(
+             parts, parts, check_apart, [](std::size_t) {}, never)) {
+      Packed packed(found);
+      verification_.add(Json::parse(packed.take<std::string>()));
+      for (const std::optional<Digest>& digest : packed.take<std::vector<std::optional<Digest>>>()) {
+        if (digest) digests_[reader_.file_of(*trial)].emplace_back(*trial, *digest);
+        ++trial;
+      }
     }
     check_file_digests();
     Json result{{"files", reader_.files()},
@@ -47,6 +62,20 @@ class DatasetCheck {
   }
 
  private:
+  // Part `part` of `parts` of the trials: what is found, and their digests.
+  std::string check_part(std::size_t part, std::size_t parts) {
+    verification_ = {};
+    const std::vector<std::size_t>& trials = reader_.trials();
+    std::vector<std::optional<Digest>> digests;
+    for (std::size_t i = part * trials.size() / parts; i < (part + 1) * trials.size() / parts; ++i) {
+      std::optional<TrialRecord> record;
+      hold(Check::values, trials[i], [&] { record = reader_.read_trial(trials[i]); });
+      digests.push_back(check_digest(trials[i], record ? &*record : nullptr));
+      if (record) check_content(*record);
+    }
+    return Packed::bytes_of(dumped(verification_.json()), digests);
+  }
+
   // What reading refuses does not hold.
   template <class Action>
   void hold(Check check, std::optional<std::size_t> trial, const Action& action) {
@@ -57,19 +86,20 @@ class DatasetCheck {
     }
   }
 
-  void check_digest(std::size_t trial) {
+  // `record`: what has been read of the trial; null: it could not be.
+  std::optional<Digest> check_digest(std::size_t trial, const TrialRecord* record) {
+    std::optional<Digest> found;
     hold(Check::digests, trial, [&] {
-      const std::size_t file = reader_.file_of(trial);
-      const Digest found = reader_.stored_digest(trial);
-      digests_[file].emplace_back(trial, found);
+      found = reader_.stored_digest(trial, record);
       const std::string written = reader_.trial_sha256(trial);
-      if (!written.empty() && written != hexadecimal(found)) {
+      if (!written.empty() && written != hexadecimal(*found)) {
         verification_.fail(
             Check::digests, {trial},
-            fmt::format("its content has the SHA-256 {}, its attribute sha256 says {}", hexadecimal(found), written));
+            fmt::format("its content has the SHA-256 {}, its attribute sha256 says {}", hexadecimal(*found), written));
       }
       verification_.count(Check::digests, 1);
     });
+    return found;
   }
 
   void check_file_digests() {
@@ -148,9 +178,9 @@ class DatasetCheck {
     }
   }
 
-  void check_content(std::size_t trial) {
+  void check_content(const TrialRecord& record) {
+    const std::size_t trial = record.trial;
     hold(Check::values, trial, [&] {
-      const TrialRecord record = reader_.read_trial(trial);
       if (record.seed != reader_.header().seed) {
         verification_.fail(Check::order, {trial},
                            fmt::format("has the seed {}, its file {}", record.seed, reader_.header().seed));
@@ -192,7 +222,8 @@ class DatasetCheck {
   void check_cones(const TrialRecord& record) {
     std::optional<Scene> scene;
     try {
-      scene = recorded_scene(reader_, record, catalogues_);
+      if (!scene_) scene_ = recorded_file(reader_);
+      scene = recorded_scene(*scene_, record, catalogues_);
     } catch (const std::exception& error) {
       verification_.leave_out(Check::cone, fmt::format("all: this program does not know the scene ({})", error.what()));
       return;
@@ -210,11 +241,10 @@ class DatasetCheck {
 
   DatasetReader reader_;
   Catalogues catalogues_;
+  std::optional<SceneFile> scene_;                                    // with what was set
   std::vector<std::vector<std::pair<std::size_t, Digest>>> digests_;  // by file
   Verification verification_;
 };
-
-std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 // Which file of its dataset it is.
 std::uint64_t shard_of(const std::string& path) {
@@ -267,7 +297,7 @@ Verified verify_datasets(const std::vector<std::string>& paths) {
         further.push_back(path);
         return;
       }
-      Json result = Json::parse(guarded(path, [&] { return dumped(DatasetCheck(path).run()); }));
+      Json result = Json::parse(guarded(path, [&] { return dumped(DatasetCheck(path).run(path)); }));
       for (const Json& file : result["files"])
         seen.insert(std::filesystem::path(file.get<std::string>()).lexically_normal().string());
       verified.holds = verified.holds && result["holds"].get<bool>();

@@ -244,12 +244,16 @@ DetectorClass = TypeVar("DetectorClass", bound=Callable[..., Detector])
 ControllerClass = TypeVar("ControllerClass", bound=Callable[..., Controller])
 
 
+own_names: set[str] = set()  # that are registered
+
+
 def _registering(register: Callable[..., None], name: str) -> Callable[[Any], Any]:
     """A decorator that hands a class to `register` with its summary and its parameters."""
 
     def decorate(made: Any) -> Any:
         summary = ((made.__doc__ or "").strip() or "A Python class.").splitlines()[0]
         declared = getattr(made, "parameters", {}).items()
+        own_names.add(name)
         register(name, made, summary, [(key, value if isinstance(value, str) else repr(float(value))) for key, value in declared])
         return made
 

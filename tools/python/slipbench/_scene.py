@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import os
+import sys
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -11,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from slipbench._own import own_names
 from slipbench._trial import Trial
 from slipbench.bin import _core
 
@@ -155,30 +158,54 @@ class Scene:
         return Sweep(lambda trial, stop: Trial(self._core.run(trial, draws, 0, chosen, full, stop)), self.trials(draws), jobs or os.cpu_count() or 1)
 
     def write(self, path: str | os.PathLike[str], *, draws: int = 0, trials: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full",
-              resume: bool = False, progress: Callable[[int, int], None] | None = None) -> dict[str, Any]:
+              resume: bool = False, progress: Callable[[int, int], None] | None = None, isolate: bool | None = None,
+              trial_limit: float | None = None, trial_memory: int | None = None) -> dict[str, Any]:
         """Runs the sweep into the dataset at `path`, byte for byte what `slipbench sweep` writes; with `trials` what `slipbench run --trials` writes.
 
         `draws`, `seed`, `jobs`, `record`: as `sweep()` takes them. `resume`: goes on with a file that an interrupted call has left. Returns the
         summary that `--json` prints. `progress(done, total)` is called now and then, and at the end. Raises KeyboardInterrupt after Ctrl-C, when the
         finished trials are kept for `resume=True`.
+
+        `isolate`: trials run in processes of their own, so that a class that ends its process or never returns fails its trial alone. What a class
+        keeps outside of its objects stays in that process. None: where several trials of a class of one's own or of a plugin run, and neither torch
+        nor a notebook, whose threads no such process has, is loaded. A trial that takes more than `trial_limit` s, or `trial_memory` MB beyond what
+        Python has, fails: each implies `isolate`.
         """
         _check_counts(draws=draws, trials=trials, seed=seed, jobs=jobs)
         if draws and trials:
             raise _core.InputError(f"draws={draws} and trials={trials}; allowed: one of them")
-        summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, _full(record), resume, progress))
+        summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, _full(record), resume, progress,
+                                                               *self._apart(trials or self.trials(draws), isolate, trial_limit, trial_memory)))
         if summary.get("interrupted"):
             raise KeyboardInterrupt
         if progress is not None:
             progress(summary["planned"], summary["planned"])
         return summary
 
-    def check(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, folder: str = "") -> Check:
+    def check(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, folder: str = "", isolate: bool | None = None,
+              trial_limit: float | None = None, trial_memory: int | None = None) -> Check:
         """Holds the scene's `expect` against its trials, as `slipbench check`.
 
-        `draws`, `seed`, `jobs`: as `sweep()` takes them. `folder`: for what a failed check leaves; empty: nothing.
+        `draws`, `seed`, `jobs`: as `sweep()` takes them, `isolate` and the limits as `write()` does. `folder`: for what a failed check leaves; empty: nothing.
         """
         _check_counts(draws=draws, seed=seed, jobs=jobs)
-        return Check(**self._core.check(draws, seed, jobs, folder))
+        apart = self._apart(self.trials(draws), isolate, trial_limit, trial_memory)
+        return Check(**self._core.check(draws, seed, jobs, folder, *apart))
+
+    def _apart(self, trials: int, isolate: bool | None, time: float | None, memory: int | None) -> tuple[bool, _core.Limits]:
+        """Whether `trials` trials run in processes of their own, as `write()` says, and their limits."""
+        if (time is not None and not time > 0) or (memory is not None and memory < 1):
+            raise _core.InputError(f"trial_limit={time}, trial_memory={memory}; allowed: more than 0 s, 1 MB or more")
+        limited = time is not None or memory is not None
+        if limited and isolate is False:
+            raise _core.InputError("isolate=False beside a limit of a trial; allowed: one of them")
+        if isolate is None:
+            texts = [self.text, *(value for _, value in self.overrides)]
+            others = any(name in text for name in ("plugin", *own_names) for text in texts)
+            isolate = limited or (others and trials > 1 and not {"torch", "ipykernel"} & sys.modules.keys())
+        if isolate and sys.stdout is not None:
+            sys.stdout.flush()  # what waits would be printed by each process
+        return isolate, _core.Limits(math.inf if time is None else time, memory or 0)
 
     def __repr__(self) -> str:
         return f"<slipbench.Scene {self.path}{''.join(f' {path}={value}' for path, value in self.overrides)}>"

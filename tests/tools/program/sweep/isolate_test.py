@@ -33,6 +33,7 @@ DEEDS = {
     "files": "its process ended",
     "loop": IN_UPDATE.format("was still at work") + f" after {LIMIT:g} s, the limit",
     "deaf": IN_UPDATE.format("was still at work") + f" after {LIMIT:g} s, the limit",
+    "memory": "threw 'std::bad_alloc' in update",
     "folder": None,
     "output": None,
 }
@@ -89,7 +90,7 @@ class IsolateTest(unittest.TestCase):
 
     def test_a_deed_fails_its_trial_alone(self):
         self.sweep(DEEDS, "--no-isolate", "-o", "honest.h5", honest=True)
-        out, _ = self.sweep(DEEDS, "--trial-limit", str(LIMIT), "--json", "-o", "out.h5", status=1)
+        out, _ = self.sweep(DEEDS, "--trial-limit", str(LIMIT), "--trial-memory", "1000", "--json", "-o", "out.h5", status=1)
         failed = {one["trial"]: one["message"] for one in json.loads(out)["failed"]}
         expected = {trial: DEEDS.get(deed) for i, deed in enumerate(values(DEEDS)) for trial in (2 * i, 2 * i + 1)}
         self.assertEqual(set(failed), {trial for trial, text in expected.items() if text})

@@ -134,7 +134,10 @@ SceneCheck check_settled(CheckOptions& check, const Catalogues& catalogues, cons
   if (expects_anything(check, catalogues)) {
     SweepOptions sweep = sweep_of(check);
     settle_accuracy(sweep, catalogues, command);
-    warnings = scene_warnings(read_sweep(sweep, catalogues), sweep);
+    const ReadSweep read = read_sweep(sweep, catalogues);
+    sweep.limits = check.limits = command.isolation.limits;
+    sweep.isolate = check.isolate = command.isolation.wanted(read.planned.asked, read.file, sweep.overrides);
+    warnings = scene_warnings(read, sweep);
     print_warnings(warnings);
     check.overrides = std::move(sweep.overrides);
   }
@@ -169,6 +172,7 @@ Examples:
   arguments.flag("--quiet", quiet, "No progress and no summary");
   arguments.number("--trials N", options.trials, "Number of random draws of each cell of the grid", 1);
   arguments.jobs(options.jobs);
+  isolation.declare(arguments);
   arguments.file("--junit FILE.xml", junit, "Write what was found as JUnit XML");
   arguments.folder("-o,--output DIR", output, "Folder for the trials of failed checks (default: slipbench-check)");
 }

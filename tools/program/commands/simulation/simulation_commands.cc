@@ -148,13 +148,6 @@ SweepShard parse_shard_option(const std::string& text) {
   throw InputError(fmt::format("sweep: --shard is {}; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8", quote(text)));
 }
 
-// Whether plugins may be at work: their type stands in the scene or in a --set.
-bool may_load_plugins(const ReadSweep& read, const SweepOptions& options) {
-  const auto says = [](const std::string& text) { return text.find("plugin") != std::string::npos; };
-  return says(read.file.text()) ||
-         std::ranges::any_of(options.overrides, [&](const Override& change) { return says(change.value); });
-}
-
 int report_interrupted(const SweepSummary& summary) {
   const std::string kept = summary.files.empty()
                                ? "nothing is kept"
@@ -166,6 +159,27 @@ int report_interrupted(const SweepSummary& summary) {
 
 }  // namespace
 
+void IsolationOptions::declare(Arguments& arguments) {
+  arguments.flag("--isolate", isolate,
+                 "Simulate in processes of their own, so that a plugin that ends one, or never returns, fails its trial alone");
+  arguments.flag("--no-isolate", together,
+                 "Simulate in threads (the default, but for several trials of a scene that says plugin)");
+  arguments.quantity("--trial-limit TIME", limits.time, "A trial that takes longer has failed; implies --isolate",
+                     Quantity::time);
+  arguments.number("--trial-memory MB", limits.memory, "A trial that takes more than so many MB has failed; implies --isolate",
+                   1);
+  arguments.then([this, &arguments] {
+    isolate = isolate || std::isfinite(limits.time) || limits.memory > 0;
+    if (isolate && together)
+      throw InputError(arguments.name() + ": --no-isolate stands beside --isolate or a limit; allowed: one of them");
+  });
+}
+
+bool IsolationOptions::wanted(std::size_t trials, const SceneFile& file, const std::vector<Override>& overrides) const {
+  const auto says = [](const std::string& text) { return text.find("plugin") != std::string::npos; };
+  return isolate || (!together && trials > 1 && (says(file.text()) || std::ranges::any_of(overrides, says, &Override::value)));
+}
+
 void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help) {
   sweep.verb = arguments.name();
   arguments.text("SCENE", sweep.scene_path, "Scene file (YAML)").required();
@@ -176,18 +190,9 @@ void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, 
   arguments.file("-o,--output FILE.h5", sweep.output, "Write the dataset (HDF5)");
   arguments.word("--record NAME", sweep.recording, "What -o writes: everything (full, the default), or outcomes alone (outcome)",
                  recording_words);
-  arguments.flag("--isolate", isolate,
-                 "Simulate in processes of their own, so that a plugin that ends one, or never returns, fails its trial alone");
-  arguments.flag("--no-isolate", together,
-                 "Simulate in threads (the default, but for several trials of a scene that says plugin)");
-  arguments.quantity("--trial-limit TIME", sweep.trial_limit, "A trial that takes longer has failed; implies --isolate",
-                     Quantity::time);
+  isolation.declare(arguments);
   arguments.flag("--resume", sweep.resume, "Go on with what a killed or interrupted run of the same command has left of FILE.h5");
   arguments.then([this] {
-    isolate = isolate || std::isfinite(sweep.trial_limit);
-    if (isolate && together) {
-      throw InputError(sweep.verb + ": --no-isolate stands beside --isolate or --trial-limit; allowed: one of them");
-    }
     if (sweep.resume && sweep.output.empty())
       throw InputError(sweep.verb + ": --resume goes on with a dataset; allowed: with -o");
     if (sweep.recording != Recording::full && sweep.output.empty()) {
@@ -201,7 +206,8 @@ int SimulationCommand::run() {
   settle_accuracy(sweep, catalogues, *this);
   std::optional<PreparationNotice> preparing(silent());
   const ReadSweep read = read_sweep(sweep, catalogues);
-  sweep.isolate = isolate || (!together && !sweep.only && read.planned.asked > 1 && may_load_plugins(read, sweep));
+  sweep.limits = isolation.limits;
+  sweep.isolate = isolation.wanted(sweep.only ? 1 : read.planned.asked, read.file, sweep.overrides);
   std::vector<Warning> warnings = scene_warnings(read, sweep);
   print_warnings(warnings);
   TrialsJson trials;
@@ -277,7 +283,7 @@ void MergeCommand::declare(Arguments& arguments) {
   arguments.about("merge", "Put the shards of a sweep together", R"(
 Writes the dataset that the undivided sweep would have written, byte for byte, from the files of sweep --shard k/n of all k. Arrays are copied
 as they are compressed, so it takes little memory and no simulation. Shards of another scene, seed, version or n are refused, missing trials too.
-A trial that stands in several files is taken once, if its digests agree. Trials are not unfolded: slipbench verify does that.
+A trial that stands in several files is taken once, if its digests agree. A trial that does not hold its digest is refused.
 
 Examples:
   slipbench merge shard-1.h5 shard-2.h5 -o hexapod.h5)");

@@ -18,6 +18,16 @@
 
 namespace slipbench {
 
+// The options that say whether trials run in processes of their own.
+struct IsolationOptions {
+  bool isolate = false, together = false;  // neither: where there may be a plugin and several trials run
+  WorkLimits limits = {};
+
+  void declare(Arguments& arguments);
+  // `trials`: that run. Whether plugins may be at work: their type stands in the scene or in a --set.
+  [[nodiscard]] bool wanted(std::size_t trials, const SceneFile& file, const std::vector<Override>& overrides) const;
+};
+
 // `run` and `sweep`: trials of a scene.
 
 // What the two have in common.
@@ -26,8 +36,8 @@ class SimulationCommand : public Command {
   int run() override;
 
   SweepOptions sweep;
-  bool isolate = false, together = false;  // as the options say; neither: isolated where there may be a plugin
-  bool brief = false;                      // progress and errors, no summary: for a command that says itself what came of it
+  IsolationOptions isolation;
+  bool brief = false;  // progress and errors, no summary: for a command that says itself what came of it
 
  protected:
   // The options of both; --trials, which they read differently, goes to `trials`.
@@ -70,7 +80,8 @@ class CheckCommand final : public Command {
   int run() override;
 
   std::vector<std::string> scenes;
-  CheckOptions options;                    // but for scene_path and folder, which are each scene's own
+  IsolationOptions isolation;
+  CheckOptions options;                    // but for isolation, scene_path and folder, which are each scene's own
   std::string junit;                       // XML file to write; empty: none
   std::string output = "slipbench-check";  // folder for the trials of failed checks
 };

@@ -52,6 +52,7 @@ void do_deed(const std::string& deed) {
   if (deed == "files") ::close_range(3, ~0U, 0);
   if (deed == "folder") sink = ::chdir("/");
   if (deed == "output") std::puts("not JSON"), std::fflush(stdout);
+  if (deed == "memory") sink = static_cast<int>(std::string(2'000'000'000, 'm').size());
   if (deed == "thread") std::thread(crash).join();
   if (deed == "loop") loop();
   if (deed == "deaf") {

@@ -1,0 +1,123 @@
+"""Detectors of Python that misbehave: trials in processes of their own keep them apart. Argument: the program, which is not used."""
+
+import ctypes
+import os
+import signal
+import sys
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+
+import slipbench
+
+LIMIT, MEMORY = 2.0, 200  # s, above what an honest trial takes on a machine that does much else; MB
+HONEST = False
+KEPT = []
+
+
+def recurse(depth=0):
+    return recurse(depth + 1) + 1
+
+
+def loop():
+    while True:
+        pass
+
+
+def be_deaf():
+    for number in set(signal.Signals) - {signal.SIGKILL, signal.SIGSTOP}:
+        signal.signal(number, signal.SIG_IGN)
+    loop()
+
+
+IN_UPDATE = "detector.type: detector misbehaves {} in update"
+# What is done, and what the message of the failed trial holds; None: nothing happens.
+DEEDS = [
+    (lambda: os._exit(0), IN_UPDATE.format("ended its process")),
+    (lambda: ctypes.string_at(0), IN_UPDATE.format("crashed") + ": SIGSEGV"),
+    (os.abort, IN_UPDATE.format("crashed") + ": SIGABRT"),
+    (lambda: os.kill(os.getpid(), signal.SIGKILL), IN_UPDATE.format("crashed") + ": Killed"),
+    (loop, IN_UPDATE.format("was still at work") + f" after {LIMIT:g} s, the limit"),
+    (be_deaf, IN_UPDATE.format("was still at work") + f" after {LIMIT:g} s, the limit"),
+    (lambda: KEPT.append(bytearray(2 * MEMORY * 10**6)), "MemoryError"),
+    (recurse, "RecursionError"),
+    (sys.exit, "SystemExit"),
+    (lambda: [][int("\udce9", 36)], "ValueError"),
+    (lambda: os.closerange(3, 1 << 16), "its process ended"),
+    (lambda: os.chdir("/"), None),
+    (lambda: print("said"), None),
+    (lambda: KEPT.append(bytearray(int(0.6 * MEMORY * 10**6))), None),
+    (lambda: threading.Thread(target=loop, daemon=True).start(), None),
+    (os.fork, None),
+]
+
+
+@slipbench.detector("misbehaves")
+class Misbehaves:
+    """Does what its parameter says in its hundredth update."""
+
+    parameters = {"deed": -1}
+
+    def __init__(self, source, deed):
+        self.deed, self.updates = int(deed), 0
+
+    def update(self, frame):
+        self.updates += 1
+        if self.deed >= 0 and self.updates == 100 and not HONEST:
+            DEEDS[self.deed][0]()
+        return slipbench.State.NON_SLIP
+
+
+SCENE = """slipbench: 1
+duration: 0.3 s
+time_step: 1 ms
+motion: {kind: stage, gap: 0 mm, compression: 0.1 mm, approach_speed: 10 mm/s, start: 0.1 s, speed: 4 mm/s}
+sensors: {pad: {type: papillarray, rate: 1 kHz, bristles: 3}}
+detector: {type: misbehaves}
+"""
+
+
+class IsolateTest(unittest.TestCase):
+    def setUp(self):
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        (folder / "scene.yaml").write_text(SCENE, encoding="ascii")
+        self.file = folder / "out.h5"
+        self.scene = slipbench.Scene.load(folder / "scene.yaml")
+
+    def digests(self, deeds, **options):
+        summary = self.scene.set({"sweep": {"detector.deed": deeds}}).write(self.file, **options)
+        with slipbench.open(self.file) as data:
+            return {trial: data[trial].sha256 for trial in data.trials}, {one["trial"]: one["message"] for one in summary["failed"]}
+
+    def test_a_deed_fails_its_trial_alone(self):
+        global HONEST
+        deeds = [value for deed in range(len(DEEDS)) for value in (-1, deed)] + [-1]
+        HONEST = True
+        honest, failed = self.digests(deeds, isolate=False)
+        HONEST = False
+        self.assertEqual(failed, {})
+        digests, failed = self.digests(deeds, trial_limit=LIMIT, trial_memory=MEMORY)
+        expected = {2 * deed + 1: text for deed, (_, text) in enumerate(DEEDS) if text}
+        self.assertEqual(set(failed), set(expected), failed)
+        for trial, text in expected.items():
+            self.assertIn(text, failed[trial])
+        self.assertEqual(digests, {trial: digest for trial, digest in honest.items() if trial not in failed})
+
+    def test_is_the_default_of_several_trials_whose_limit_is_kept_to_a_second(self):
+        self.assertEqual(set(self.digests([-1, 0])[1]), {1})
+        begin = time.monotonic()
+        _, failed = self.digests([-1, 4], trial_limit=1.0, jobs=1)
+        self.assertEqual(set(failed), {1})
+        self.assertLess(time.monotonic() - begin, 1.0 + 1.0 + 1.0)  # the limit, what is allowed beyond it, and the honest trial
+
+    def test_limits_are_checked(self):
+        for options in ({"trial_limit": 0.0}, {"trial_memory": 0}, {"trial_limit": 1.0, "isolate": False}):
+            with self.assertRaises(slipbench.InputError):
+                self.scene.write(self.file, **options)
+
+
+if __name__ == "__main__":
+    del sys.argv[1]
+    unittest.main()
