@@ -11,7 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <stdexcept>
+#include <new>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -134,7 +134,7 @@ Descriptor lock_file(const std::string& path) {
 Sha256::Sha256() : context_(EVP_MD_CTX_new()) {
   if (context_ == nullptr || EVP_DigestInit_ex(context_, EVP_sha256(), nullptr) != 1) {
     EVP_MD_CTX_free(context_);
-    throw std::bad_alloc();  // nothing else can be amiss
+    throw std::bad_alloc();
   }
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <stdexcept>
+#include <new>
 
 #include <fmt/format.h>
 
@@ -112,9 +112,7 @@ constexpr double largest_code = 2147483647.0;
 std::string deflate_base64(const std::vector<std::uint8_t>& bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::vector<std::uint8_t> packed(size);
-  if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 6) != Z_OK) {
-    throw std::runtime_error("zlib could not compress an array of the report");
-  }
+  if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 6) != Z_OK) throw std::bad_alloc();
   packed.resize(size);
   return base64(packed);
 }

@@ -11,7 +11,9 @@
 #include <exception>
 #include <new>
 #include <system_error>
+#include <typeinfo>
 
+#include <cxxabi.h>
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
@@ -46,25 +48,16 @@ int dispatch(const Commands& commands, const std::vector<std::string>& words) {
 
 // `message` and `detail` in one line on stderr. It is called where nothing catches any more, so it must not throw.
 void print_error(const char* message, const char* detail = "") noexcept {
-  try {
-    say(stderr,
-        fmt::format("{} {}{}\n", style_for(stderr).error("slipbench:"), printable(message, true), printable(detail, true)));
-  } catch (const std::bad_alloc&) {
-    std::fputs("slipbench: out of memory\n", stderr);
-  }
+  say(stderr, fmt::format("{} {}{}\n", style_for(stderr).error("slipbench:"), printable(message, true), printable(detail, true)));
 }
 
 // Where nothing catches it: what is made before main() begins, functions that must not throw.
 [[gnu::constructor(101)]] void end_where_memory_ends() {
   std::set_terminate([] {
-    try {
-      if (std::current_exception() != nullptr) throw;
-    } catch (const std::bad_alloc&) {
-      std::fputs("slipbench: out of memory\n", stderr);
-      _exit(exit_bad_input);
-    } catch (...) {  // is told below
-    }
-    __gnu_cxx::__verbose_terminate_handler();
+    const std::type_info* const thrown = abi::__cxa_current_exception_type();
+    if (thrown == nullptr || *thrown != typeid(std::bad_alloc)) __gnu_cxx::__verbose_terminate_handler();
+    std::fputs("slipbench: out of memory\n", stderr);
+    _exit(exit_bad_input);
   });
 }
 

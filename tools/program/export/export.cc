@@ -13,8 +13,8 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <new>
 #include <set>
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -442,9 +442,7 @@ void OutputFolder::make(const std::string& folder) {
 
 std::string gzip(std::string_view text) {
   z_stream stream{};
-  if (deflateInit2(&stream, level, Z_DEFLATED, MAX_WBITS + container, memory, Z_DEFAULT_STRATEGY) != Z_OK) {
-    throw std::runtime_error("zlib: cannot begin a stream");
-  }
+  if (deflateInit2(&stream, level, Z_DEFLATED, MAX_WBITS + container, memory, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
   std::string bytes;
   std::string part(beginning, '\0');
   for (int status = Z_OK; status != Z_STREAM_END;) {
@@ -464,7 +462,7 @@ std::string gzip(std::string_view text) {
 
 std::string beginning_of_gzip(std::string_view bytes) {
   z_stream stream{};
-  if (inflateInit2(&stream, MAX_WBITS + container) != Z_OK) throw std::runtime_error("zlib: cannot begin a stream");
+  if (inflateInit2(&stream, MAX_WBITS + container) != Z_OK) throw std::bad_alloc();
   std::string text(beginning, '\0');
   stream.next_in = input_of(bytes);
   stream.avail_in = static_cast<uInt>(std::min(bytes.size(), most));

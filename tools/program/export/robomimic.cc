@@ -203,13 +203,10 @@ void write_robomimic(const DatasetReader& reader, const std::vector<std::size_t>
     file.close();
     if (!sync_file(own.get()) || std::rename(temporary.c_str(), path.c_str()) != 0)
       throw std::runtime_error(std::strerror(errno));
-  } catch (const InputError&) {
-    file.abandon();
-    ::unlink(temporary.c_str());
-    throw;
   } catch (const std::runtime_error& error) {
     file.abandon();
     ::unlink(temporary.c_str());
+    if (dynamic_cast<const InputError*>(&error) != nullptr) throw;
     throw InputError(fmt::format("cannot write {}: {}", path, error.what()));
   }
 }

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "sim/core/wrong_run.h"
 #include "tools/base/record/encoder.h"
 #include "tools/program/run/recorded_scene.h"
 
@@ -96,8 +96,8 @@ void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBa
 }
 
 [[noreturn]] void refuse(const std::string& what, double time) {
-  throw InputError(fmt::format("{} is not finite at {} s: the scene's values are beyond what the bench can compute", what,
-                               format_number(time)));
+  throw WrongRun(fmt::format("{} is not finite at {} s: the scene's values are beyond what the bench can compute", what,
+                             format_number(time)));
 }
 
 // The earliest row of a record that is not finite.
