@@ -16,7 +16,6 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/project/project_file.h"
-#include "tools/studies/biotac/biotac_recordings.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
