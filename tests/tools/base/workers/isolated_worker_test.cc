@@ -79,7 +79,7 @@ TEST(IsolatedWorker, EndsWhatTakesTooLongAndWhatIsInterrupted) {
     ::sleep(60);
     return std::string();
   };
-  IsolatedWorker limited(sleep, 0.1);
+  IsolatedWorker limited(sleep, {.time = 0.1});
   EXPECT_EQ(refusal_of([&] { limited.run(0, nullptr); }), "its process was still at work after 0.1 s, the limit");
   IsolatedWorker interrupted(sleep);
   const std::atomic<bool> now{true};

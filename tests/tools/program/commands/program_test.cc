@@ -81,8 +81,8 @@ TEST(Program, WhatIsNotFiniteIsRefused) {
   // 1e300 times an offset of some millinewton is beyond a float.
   const std::string offset = "sensors.pad.electronics=[{offset: {scale: 1e300}}]";
   const std::string where = "trial 0: .*stage.yaml:[0-9]+: sensors.pad: force is not finite at ";
-  expect_refusal({"run", stage, "--set", offset}, ContainsRegex(where + "3.999 s"));
-  expect_refusal({"run", stage, "--set", offset, "-o", folder / "out.h5"}, ContainsRegex(where + "0 s"));
+  expect_refusal({"run", stage, "--set", offset}, testing::ContainsRegex(where + "3.999 s"));
+  expect_refusal({"run", stage, "--set", offset, "-o", folder / "out.h5"}, testing::ContainsRegex(where + "0 s"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out.h5"));
 }
 
