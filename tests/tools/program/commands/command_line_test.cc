@@ -356,7 +356,7 @@ TEST(CommandLine, ARefusalSaysWhatIsAllowed) {
        "sweep: --shard is '0/3'; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8"},
       {{"sweep", "s.yaml", "--shard", "1/3"}, "sweep: --shard writes a part of a dataset; allowed: with -o"},
       {{"run", "s.yaml", "--job", "2"},
-       "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --isolate, --no-isolate, --trial-limit, --resume, --trial"},
+       "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --isolate, --no-isolate, --trial-limit, --trial-memory, --resume, --trial"},
       {{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
       {{"cost"}, "cost: a scene is missing; allowed: SCENE.yaml, --stability, or both"},
       {{"cost", "s.yaml", "--budget", "0 s"}, "cost: --budget: '0 s' is out of range; allowed: > 0 s"},
