@@ -97,7 +97,8 @@ void FreeBodies::place(const mjModel* m, mjData* d) const {
     vector_at(d->cvel + 6 * body.body) = spin;
     vector_at(d->cvel + 6 * body.body + 3) = vector_at(d->qvel + body.dof) + spin.cross(arm);
 
-    // What holds the joint's velocities as they are: m (w x (w x r) - g) at the centre of mass, and w x I w.
+    // The force [N] and torque [N m] that keep the joint's velocities as they are: m (w x (w x r) - g) at the centre of mass, which is at r from the
+    // frame's origin, and w x I w about it.
     const Vector3d force = body.mass * (spin.cross(spin.cross(arm)) - gravity);
     vector_at(d->qfrc_bias + body.dof) = force;
     vector_at(d->qfrc_bias + body.dof + 3) =

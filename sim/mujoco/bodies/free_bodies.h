@@ -15,10 +15,11 @@ namespace slipbench {
 // All bodies of a model that move.
 class FreeBodies {
  public:
-  // Throws std::logic_error where one of them is not free and alone, or something but passive forces, xfrc_applied left out, may act on it.
+  // Throws std::logic_error where one of them is not free and alone, or where more than passive forces and d->qfrc_applied may act on it.
+  // d->xfrc_applied is not looked at.
   explicit FreeBodies(const mjModel_* m);
 
-  // From d->qpos and d->qvel, as mj_kinematics, mj_comPos, mj_comVel and mj_rne: the frames of bodies, of their inertia, geoms and sites, with their
+  // By Newton's and Euler's equations of a rigid body, from d->qpos and d->qvel, as mj_kinematics, mj_comPos, mj_comVel and mj_rne: the frames of bodies, of their inertia, geoms and sites, with their
   // quaternions; subtree_com, but the world's; cdof, cvel and qfrc_bias. All else of mjData stays as it is, the mass matrix too.
   void place(const mjModel_* m, mjData_* d) const;
 

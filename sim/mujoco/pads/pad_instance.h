@@ -57,7 +57,7 @@ namespace slipbench {
 //             touch several geoms at once or in turn
 //   sensor    {type: papillarray, ...} as under `sensors` in a scene, electronics included
 //   elements  [[x, y, z, k_n, k_t], ...]: tip [m] in P and stiffness [N/m] of each element, and its axis in three more columns
-//             [ax, ay, az] where it is not -Z
+//             [ax, ay, az] where it is not -Z. In models that the program builds: a name by HandedLayouts, with units and element_truth in it
 //   units     [6, 6, ...]: how many elements each unit of `elements` has; default: one
 //   element_truth  true: the contact of the pad also tells of each element (PadLayout::element_truth), for who reads it in C++; read: so do
 //             two more channels of `elements`, depth [E] m and shear [3, E] m

@@ -1,5 +1,6 @@
 // The friction map of patchy_friction.
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "tests/expect.h"
@@ -17,8 +18,9 @@ constexpr double cell = shortest / 8.0;
 // at every pose: tips that stick would stay where they are.
 class Map {
  public:
-  explicit Map(PadLayout pad, std::uint64_t seed = 7, std::uint64_t trial = 0, const std::vector<Wanted>& others = {})
-      : plain_(pad, Plane{}, {0.5, 0.5}), field_(with(pad, seed, trial, others)) {}
+  explicit Map(PadLayout pad, std::uint64_t seed = 7, std::uint64_t trial = 0, const std::vector<Wanted>& others = {},
+               const std::pair<double, double>& waves = {shortest, longest})
+      : plain_(pad, Plane{}, {0.5, 0.5}), field_(with(pad, seed, trial, others, waves)) {}
 
   std::vector<double> at(const Pose& pose) {
     Pose lifted = pose;
@@ -33,8 +35,9 @@ class Map {
   }
 
  private:
-  static Field with(const PadLayout& pad, std::uint64_t seed, std::uint64_t trial, std::vector<Wanted> others) {
-    others.push_back({"patchy_friction", {{"sd", sd}, {"shortest", shortest}, {"longest", longest}}});
+  static Field with(const PadLayout& pad, std::uint64_t seed, std::uint64_t trial, std::vector<Wanted> others,
+                    const std::pair<double, double>& waves) {
+    others.push_back({"patchy_friction", {{"sd", sd}, {"shortest", waves.first}, {"longest", waves.second}}});
     return field_with(pad, {0.5, 0.5}, others, seed, trial);
   }
 
@@ -94,6 +97,11 @@ TEST(PatchyFriction, DependsOnSeedAndTrialOnly) {
   EXPECT_EQ(Map(pad, 7, 3).at(pose), map);
   EXPECT_NE(Map(pad, 7, 4).at(pose), map);
   EXPECT_NE(Map(pad, 8, 3).at(pose), map);
+  // Fields share a map: it is of these waves alone, and lives as long as they.
+  Map older(pad, 7, 3);
+  EXPECT_NE(Map(pad, 7, 3, {}, {1.5e-3, longest}).at(pose), map);
+  EXPECT_NE(Map(pad, 7, 3, {}, {shortest, 4e-3}).at(pose), map);
+  EXPECT_EQ(older.at(pose), map);
   // Neither another effect before it nor the pad's own make-up shifts its draws.
   EXPECT_EQ(Map(pad, 7, 3, {{"stribeck", {}}, {"ageing", {}}, {"texture", {{"height", 0.0}}}}).at(pose), map);
   PadLayout half = pad;
