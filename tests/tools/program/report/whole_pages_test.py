@@ -165,13 +165,15 @@ class Pages:
             self.open(page)
 
     def check_skins(self):
-        """A gel's fields, and around those of a sphere's contact the circle that Hertz has: sqrt(40 mm 0.15 mm), of 16 cells of 0.37 mm on 250 px."""
+        """A gel's fields, and around those of a sphere's contact the circle that Hertz has: sqrt(40 mm 0.15 mm), of 16 cells of 0.37 mm on 250 px, which hides
+        no cell."""
         self.check(self.report("run", SCENES / "soft_skin/flat.yaml", "flat"))
         self.check(self.report("run", SCENES / "soft_skin/sphere.yaml", "sphere"))
         contact = (40e-3 * 0.15e-3) ** 0.5 * 250 / (16 * 0.37e-3)
 
         def check_rings(stick):
-            rings = self.browser.evaluate("[...document.querySelectorAll('svg[aria-label^=\"Pressure,\"] circle')].map(ring => +ring.getAttribute('r'))")
+            rings = self.browser.evaluate("[...document.querySelectorAll('svg[aria-label^=\"Pressure,\"] circle')].map(ring => "
+                                          "getComputedStyle(ring).fill === 'none' && +ring.getAttribute('r'))")
             assert len(rings) == 6 and all(abs(ring - contact) < 0.01 * contact for ring in rings[::2]), (rings, contact)
             assert all(0 < ring < contact if stick else ring == 0 for ring in rings[1::2]), rings
 

@@ -48,7 +48,7 @@ class SkinFields {
       x: this.x(p[right]) - width / 2, y: this.y(p[up]) - height / 2, width, height, stroke: 'var(--line)', 'stroke-width': 0.4
     }));
     const rings = ['none', '5 3'].map(
-        dash => mark('circle', {fill: 'none', stroke: 'var(--ink)', 'stroke-width': 1.4, 'stroke-dasharray': dash}));
+        dash => mark('circle', {style: 'fill:none', stroke: 'var(--ink)', 'stroke-width': 1.4, 'stroke-dasharray': dash}));
     const arrows = index === 1 ? positions.map(() => mark('path', {stroke: 'var(--ink)', 'stroke-width': 1})) : [];
     const title = sb.text(0, -6, 'start', '');
     const place = {transform: 'translate(' + index * (size + gap) + ',20)'};
