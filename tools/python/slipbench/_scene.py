@@ -186,7 +186,8 @@ class Scene:
               trial_limit: float | None = None, trial_memory: int | None = None) -> Check:
         """Holds the scene's `expect` against its trials, as `slipbench check`.
 
-        `draws`, `seed`, `jobs`: as `sweep()` takes them, `isolate` and the limits as `write()` does. `folder`: for what a failed check leaves; empty: nothing.
+        `draws`, `seed`, `jobs`: as `sweep()` takes them, `isolate`, `trial_limit`, `trial_memory` as `write()` does. `folder`: for what a failed check
+        leaves; empty: nothing.
         """
         _check_counts(draws=draws, seed=seed, jobs=jobs)
         apart = self._apart(self.trials(draws), isolate, trial_limit, trial_memory)

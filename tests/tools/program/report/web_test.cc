@@ -70,7 +70,7 @@ TEST(Scripts, SayFromWhereThePadIsSeen) {
 // A swept value that is infinite has no place on a scale: each picture and table of the overview gives it one of its own.
 TEST(Scripts, ShowEndlessValues) {
   const std::string text = web_files(".js").at("dataset.js");
-  for (const char* name : {"swept", "encoding", "scatter", "table"}) {
+  for (const char* name : {"swept", "encoding", "placesAlong", "table"}) {
     const std::size_t begin = text.find(std::string("\nfunction ") + name + "(");
     ASSERT_NE(begin, std::string::npos) << name;
     const std::string body = text.substr(begin, text.find("\n}\n", begin) - begin);
