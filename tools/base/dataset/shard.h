@@ -29,6 +29,10 @@ class Shard {
   // disk.
   void publish();
 
+  // Publishes a file that gets no further demo, and lets go of its memory and of what it has open, but for the first file's lock. prepare() opens
+  // it again.
+  void park();
+
   // Numbers of the trials held.
   [[nodiscard]] const std::vector<std::size_t>& trials() const { return trials_; }
   // How many of them are in the file for good.
@@ -47,13 +51,17 @@ class Shard {
   void close();
 
  private:
+  // Of the descriptor, and the lock with it; the first file's lock is the whole dataset's.
+  void let_go();
   // Runs `action`; what it throws is a failure of this file.
   template <class Action>
   void write(const Action& action);
 
   std::string path_;
   Descriptor descriptor_;  // holds the lock, and is what is written through
+  bool first_;             // of the dataset's files
   hdf5::CrashSafeFile file_;
+  bool parked_ = false;
   hdf5::Handle list_;           // the group of the demos
   std::size_t list_bytes_ = 0;  // of its header
   bool of_shard_;               // of a sweep: masks are then no last word, and what they are made from is kept

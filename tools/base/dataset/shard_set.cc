@@ -40,22 +40,8 @@ void refuse_input_as_output(const std::vector<std::string>& inputs, const std::s
   }
 }
 
-// The masks of the whole, where its files will end by their number of trials and not by their size, and there are more than `few`. Else empty:
-// nothing can be foreseen, or nothing is gained.
-std::optional<Masks> foreseen_masks(ShardSet& set, const DatasetHeader& whole) {
-  constexpr std::size_t few = 2;  // files: the first and the last stay open in any case
-  std::uint64_t bytes = 0;
-  std::error_code error;
-  for (const std::string& file : set.files()) bytes += std::filesystem::file_size(file, error);
-  const bool small = bytes / set.size() * most_trials_per_file < DatasetWriter::default_shard_limit / 2;
-  if (!small || set.size() <= few * most_trials_per_file) return std::nullopt;
-  std::vector<std::pair<std::size_t, std::string>> trials = set.list();
-  trials.erase(std::unique(trials.begin(), trials.end()), trials.end());
-  return split_trials(trials, whole.seed, whole.split);
-}
-
-// The work of merge_shards(), in the child process. `foresees`: whether files are finished before the last trial is there. Empty: that went wrong.
-std::optional<Merged> merge(const std::vector<std::string>& paths, const std::string& output, bool foresees) {
+// The work of merge_shards(), in the child process.
+Merged merge(const std::vector<std::string>& paths, const std::string& output) {
   ShardSet set(paths);
   refuse_input_as_output(set.files(), output);
   if (const std::vector<std::string> gaps = set.gaps(); !gaps.empty()) {
@@ -75,18 +61,8 @@ std::optional<Merged> merge(const std::vector<std::string>& paths, const std::st
   if (!leftovers(output).empty()) kept.emplace(output, header);
   DatasetWriter writer(output, header, set.header().part->trials, DatasetWriter::default_shard_limit, kept ? &*kept : nullptr);
   try {
-    const std::size_t files = (set.size() + most_trials_per_file - 1) / most_trials_per_file;
-    std::optional<Masks> masks = foresees && !kept ? foreseen_masks(set, header) : std::nullopt;
-    const bool foreseen = masks.has_value();
-    if (masks) writer.foresee(*std::move(masks), set.failed(), files);
     while (const std::optional<EncodedTrial> trial = set.next(merged.duplicates)) writer.append(*trial);
-    if (foreseen && writer.files() != files) {
-      writer.discard();
-      return std::nullopt;
-    }
-    if (!foreseen) {
-      for (const FailedTrial& failed : set.failed()) writer.add_failed(failed);
-    }
+    for (const FailedTrial& failed : set.failed()) writer.add_failed(failed);
     merged.trials = writer.size();
     merged.failed = set.failed().size();
     merged.files = writer.commit();
@@ -240,9 +216,7 @@ ReadingLimits reading_limits(const std::vector<std::string>& paths) {
 Merged merge_shards(const std::vector<std::string>& paths, const std::string& output) {
   const auto action = [&] {
     std::signal(SIGXFSZ, SIG_IGN);  // writing beyond a limit is an error like a full disk
-    std::optional<Merged> done = merge(paths, output, true);
-    if (!done) done = merge(paths, output, false);
-    const Merged& merged = *done;
+    const Merged merged = merge(paths, output);
     return nlohmann::json{merged.trials, merged.failed, merged.duplicates, merged.files}.dump();
   };
   const auto found =

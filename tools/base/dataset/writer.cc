@@ -122,8 +122,6 @@ struct DatasetWriter::State {
   std::vector<Shard> shards;
   std::vector<std::pair<std::size_t, std::string>> trials;  // number, material
   std::vector<FailedTrial> failed;
-  std::optional<Masks> foreseen;
-  std::size_t foreseen_files = 0;
   std::vector<std::string> kept_files;  // of the run that this one goes on with
   std::size_t kept = 0;                 // trials in them
   std::size_t kept_instead = 0;         // of these, those that keep_partial() has left in place of fewer of this run
@@ -132,11 +130,7 @@ struct DatasetWriter::State {
   bool ended = false;
 
   void add_shard() {
-    if (!shards.empty()) shards.back().publish();
-    if (foreseen && shards.size() > 1) {
-      shards.back().prepare(*foreseen, failed, foreseen_files, true);
-      shards.back().close();
-    }
+    if (!shards.empty()) shards.back().park();
     if (shards.size() >= checked) check_names_are_free(path, shards.size());
     const std::size_t left = planned > trials.size() ? planned - trials.size() : 0;
     const std::size_t numbers = header.part ? header.part->trials : planned;
@@ -167,21 +161,18 @@ struct DatasetWriter::State {
 
   // Finishes every file and gives it its name under `target`, the first file last: once it is there, all are.
   std::vector<std::string> finish_as(const std::string& target, bool complete) {
-    if (foreseen && complete && shards.size() != foreseen_files) throw std::logic_error("not as many files as were foreseen");
-    const Masks masks = foreseen ? *std::move(foreseen) : split_trials(trials, header.seed, header.split);
-    std::vector<Shard*> whole;
-    for (Shard& shard : shards) {
+    const Masks masks = split_trials(trials, header.seed, header.split);
+    // The first file last: where it is complete, all are.
+    for (std::size_t k = shards.size(); k-- > 0;) {
+      Shard& shard = shards[k];
       if (shard.failed() || shard.prepared()) continue;  // its trials stay as they are, without a mask
       try {
         shard.prepare(masks, failed, shards.size(), complete);
-        whole.push_back(&shard);
+        shard.close();
       } catch (const InputError&) {
         if (complete) throw;
       }
     }
-    // The first file last: where it is complete, all are.
-    std::ranges::reverse(whole);
-    for (Shard* shard : whole) shard->close();
     const std::vector<std::string> stale = complete ? later_files(target, shards.size()) : std::vector<std::string>();
     std::vector<std::string> names;
     for (std::size_t k = shards.size(); k-- > 0;) {
@@ -237,14 +228,6 @@ void DatasetWriter::append(const EncodedTrial& trial) {
   state_->shards.back().append(trial);
   state_->trials.emplace_back(trial.trial, trial.material);
 }
-
-void DatasetWriter::foresee(Masks masks, const std::vector<FailedTrial>& failed, std::size_t files) {
-  state_->foreseen = std::move(masks);
-  state_->failed = failed;
-  state_->foreseen_files = files;
-}
-
-std::size_t DatasetWriter::files() const { return state_->shards.size(); }
 
 void DatasetWriter::add_failed(FailedTrial failed) { state_->failed.push_back(std::move(failed)); }
 

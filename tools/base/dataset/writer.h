@@ -84,13 +84,6 @@ class DatasetWriter {
   DatasetWriter(const DatasetWriter&) = delete;
   DatasetWriter& operator=(const DatasetWriter&) = delete;
 
-  // Says beforehand what the files get when they are finished: the masks and failed trials of the whole, and how many files there will be. Each but
-  // the first is then finished as soon as it is full; open, it takes a megabyte of memory or more. The bytes are the same. Call it before the
-  // first trial.
-  void foresee(Masks masks, const std::vector<FailedTrial>& failed, std::size_t files);
-  // Files begun so far. Where they are not as many as foreseen when the last trial is there, nothing can be committed: discard().
-  [[nodiscard]] std::size_t files() const;
-
   // Adds a trial. Trials come in ascending order. Refuses to begin a further file where another stands in its way.
   void append(const EncodedTrial& trial);
   // Notes a trial that failed; the files get all of these when they are finished.

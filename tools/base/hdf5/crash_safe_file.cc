@@ -201,18 +201,23 @@ struct CrashSafeDriver {
     static const hid_t registered = check(H5FDregister(&driver));
     return registered;
   }
+
+  // Properties under which HDF5 opens what lies on `disk`.
+  static Handle access(Disk& disk) {
+    // File format 1.8: readable by every HDF5 of the last fifteen years, and without the "open for writing" mark of later ones,
+    // which would lock a killed run's file.
+    Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
+    check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
+    check(H5Pset_meta_block_size(access.get(), 1 << 16));
+    Disk* const address = &disk;
+    check(H5Pset_driver(access.get(), id(), &address));
+    return access;
+  }
 };
 
 CrashSafeFile::CrashSafeFile(int descriptor, hid_t creation) : disk_(std::make_unique<Disk>(Disk{descriptor})) {
   if (::ftruncate(descriptor, 0) != 0) fail();
-  // File format 1.8: readable by every HDF5 of the last fifteen years, and without the "open for writing" mark of later ones,
-  // which would lock a killed run's file.
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
-  check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
-  check(H5Pset_meta_block_size(access.get(), 1 << 16));
-  Disk* const disk = disk_.get();
-  check(H5Pset_driver(access.get(), CrashSafeDriver::id(), &disk));
-  file_ = Handle(H5Fcreate("crash safe", H5F_ACC_TRUNC, creation, access.get()), &H5Fclose);
+  file_ = Handle(H5Fcreate("crash safe", H5F_ACC_TRUNC, creation, CrashSafeDriver::access(*disk_).get()), &H5Fclose);
 }
 
 void CrashSafeFile::begin(const char* list) {
@@ -264,15 +269,24 @@ void CrashSafeFile::publish() {
 
 void CrashSafeFile::close() {
   const std::uint64_t reserve = views_[0].root;
-  list_.close();
-  reserve_.close();
-  file_.close();
+  park();
   lengthen(1);  // not cleared yet
   show(disk_->superblock);
   const std::vector<std::uint8_t> nothing(reserve_bytes_);
   if (!write_at(disk_->descriptor, nothing, reserve)) fail();
   sync();
   if (::ftruncate(disk_->descriptor, static_cast<off_t>(disk_->end)) != 0 || !sync_file(disk_->descriptor)) fail();
+}
+
+void CrashSafeFile::park() {
+  list_.close();
+  reserve_.close();
+  file_.close();
+}
+
+void CrashSafeFile::reopen(int descriptor) {
+  disk_->descriptor = descriptor;
+  file_ = Handle(H5Fopen("crash safe", H5F_ACC_RDWR, CrashSafeDriver::access(*disk_).get()), &H5Fclose);
 }
 
 void CrashSafeFile::show(const std::array<std::uint8_t, 48>& superblock) {

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <filesystem>
 #include <functional>
 
 #include "tests/expect.h"
@@ -57,6 +58,19 @@ class FailureTest : public FolderTest {
     }
   }
 };
+
+TEST_F(FailureTest, FullFilesAreNotKeptOpen) {
+  const auto open_now = [] { return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {}); };
+  DatasetWriter writer(path("out.h5"), header, 9, 1);  // bytes, so that each trial gets a file
+  std::vector<std::ptrdiff_t> open;
+  for (std::size_t k = 0; k < 9; ++k) {
+    writer.append(make_trial(k, rows));
+    open.push_back(open_now());
+  }
+  EXPECT_EQ(open.back(), open[1]);  // the first file's lock, and the last file
+  EXPECT_EQ(writer.commit().size(), 9U);
+  EXPECT_EQ(DatasetReader(path("out.h5")).read<float>(4, "labels/pad/force"), make_record(4, rows).sensors[0].labels.force);
+}
 
 TEST_F(FailureTest, MissingFolderIsRefused) {
   EXPECT_EQ(refusal(path("no/out.h5")), "cannot write " + path("no/out.h5") + ": there is no folder " + path("no"));
