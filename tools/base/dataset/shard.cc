@@ -185,7 +185,11 @@ void write_demo(hid_t file, hid_t list, std::size_t list_bytes, const EncodedTri
 }  // namespace
 
 Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t index, std::size_t planned, std::size_t last)
-    : path_(std::move(temporary)), descriptor_(lock_file(path_)), first_(index == 0), of_shard_(header.part.has_value()), split_(header.split) {
+    : path_(std::move(temporary)),
+      descriptor_(lock_file(path_)),
+      first_(index == 0),
+      of_shard_(header.part.has_value()),
+      split_(header.split) {
   hdf5::initialise();
   try {
     write([&] {
