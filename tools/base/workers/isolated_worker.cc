@@ -29,6 +29,8 @@ namespace {
 
 using Kind = ChildEnd::Kind;
 
+constexpr int no_memory = 12;  // status of a process that had none to begin its work with
+
 constexpr double idle = std::numeric_limits<double>::infinity();
 
 // On the clock that all processes share [s].
@@ -85,7 +87,11 @@ IsolatedWorker::IsolatedWorker(const std::function<std::string(std::size_t)>& wo
   keeper_ = ::fork();
   if (keeper_ == 0) {
     depend_on(self);
-    keep_a_worker(ends[1], work);
+    try {
+      keep_a_worker(ends[1], work);
+    } catch (const std::bad_alloc&) {
+      ::_exit(no_memory);  // unwinding would end the caller's other workers
+    }
   }
   ::close(ends[1]);
   if (keeper_ < 0) throw_system("cannot start a process");
@@ -104,7 +110,7 @@ IsolatedWorker::~IsolatedWorker() {
 void IsolatedWorker::keep_working(int channel, const std::function<std::string(std::size_t)>& work) {
   PluginLibrary::note_calls(page_->call);
   const pid_t self = ::getpid();
-  const std::uint64_t memory = 1'000'000 * limits_.memory, full = own_bytes() + memory / 2;
+  const std::uint64_t memory = 1'000'000 * limits_.memory, full = memory > 0 ? own_bytes() + memory / 2 : 0;
   if (memory > 0) limit_memory(memory);
   Message message;
   while (::recv(channel, &message, sizeof message, 0) == sizeof message) {
@@ -183,7 +189,8 @@ void IsolatedWorker::ask(std::size_t index) {
 
 IsolatedWorker::Message IsolatedWorker::answer(std::size_t index, const std::atomic<bool>* interrupt) {
   constexpr int a_while = 100;  // ms, after which a set `interrupt` is seen
-  while (true) {
+  constexpr int most = 3;       // workers lost, one after the other, before they had begun anything
+  for (int unbegun = 0; true;) {
     end_if(interrupt);
     pollfd ready{channel_, POLLIN, 0};
     if (::poll(&ready, 1, a_while) <= 0) continue;
@@ -191,6 +198,8 @@ IsolatedWorker::Message IsolatedWorker::answer(std::size_t index, const std::ato
     if (::recv(channel_, &message, sizeof message, 0) != sizeof message) throw std::runtime_error("a process has gone");
     if (message.number == sent_) return message;
     if (message.kind != Kind::broken) continue;  // of a request that was given up
+    if (++unbegun > most && WIFEXITED(message.status) && WEXITSTATUS(message.status) == no_memory) throw std::bad_alloc();
+    if (unbegun > most) return message;
     // A worker was lost that had not begun this request. It may have taken it from the channel, or not: then it is done twice, and heard once.
     fresh_ = true;
     ask(index);
