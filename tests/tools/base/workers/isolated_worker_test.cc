@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <pthread.h>
 #include <unistd.h>
 
 #include "sim/core/process/interrupted.h"
@@ -42,6 +43,22 @@ TEST(IsolatedWorker, DoesInnocentWorkOnceMore) {
   EXPECT_EQ(worker.run(1, nullptr), "1");
   EXPECT_EQ(refusal_of([&] { worker.run(2, nullptr); }), "its process ended");
   EXPECT_EQ(worker.run(4, nullptr), "4");
+}
+
+// Without memory a process may end before it takes any work; a keeper's next one does, too.
+TEST(IsolatedWorker, GivesUpWhereNoProcessBegins) {
+  static int status = 0, generation = 0;  // of the keeper 1, of its processes 2
+  ::pthread_atfork(nullptr, nullptr, [] {
+    if (status > 0 && ++generation == 2) ::_exit(status);
+  });
+  for (status = 12; status > 0; status -= 6) {
+    IsolatedWorker worker([](std::size_t) { return std::string(); });
+    if (status == 12) {
+      EXPECT_THROW(worker.run(0, nullptr), std::bad_alloc);
+    } else {
+      EXPECT_EQ(refusal_of([&] { worker.run(0, nullptr); }), "its process ended");
+    }
+  }
 }
 
 // Each process is killed from outside as soon as it has answered, at the latest while it takes up the next work.
