@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "controllers/controller_kinds.h"
-#include "sim/core/gripper_registers.h"
+#include "sim/core/controller.h"
 #include "sim/core/parameters.h"
 #include "sim/core/sensor_frame.h"
 

@@ -17,7 +17,6 @@
 #include "detectors/hd/words.h"
 #include "sim/core/process/own_library.h"
 #include "sim/core/process/regular_file.h"
-#include "sim/core/process/whole_write.h"
 
 namespace slipbench::hd {
 namespace {

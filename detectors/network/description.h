@@ -71,8 +71,6 @@ struct Class {
   PadState state{};  // what the detector says then
 };
 
-inline bool slips(PadState state) { return state == PadState::incipient || state == PadState::gross; }
-
 // When slip is said: from the `on`-th frame in a row on whose probability reaches the threshold, until `off` frames in a row do not reach it and
 // `least` frames have passed since it began.
 struct Alarm {

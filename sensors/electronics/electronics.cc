@@ -21,21 +21,10 @@ const std::vector<PartKind>& part_kinds() {
   return kinds;
 }
 
-// `path`: of the electronics in the scene.
-const PartKind& kind_of(const std::string& name, const std::string& path) {
-  const auto& kinds = part_kinds();
-  const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const PartKind& kind) { return kind.entry.name == name; });
-  if (found != kinds.end()) return *found;
-
-  std::vector<std::string> names;
-  std::string allowed;
-  for (const PartKind& kind : kinds) {
-    names.push_back(kind.entry.name);
-    allowed += (allowed.empty() ? "" : ", ") + kind.entry.name;
-  }
-  const std::string near = nearest_name(name, names);
-  throw SceneValueError(
-      path, "unknown part '" + name + "'" + (near.empty() ? "" : "; did you mean '" + near + "'?") + "; allowed: " + allowed);
+const PartKind& kind_of(const std::string& name) {
+  const auto found = std::ranges::find(part_kinds(), name, [](const PartKind& kind) { return kind.entry.name; });
+  if (found == part_kinds().end()) throw std::logic_error("electronics have no part '" + name + "'");
+  return *found;
 }
 
 }  // namespace
@@ -47,7 +36,7 @@ ParameterSpec scale_parameter() {
 Electronics::Electronics(const std::vector<Named>& parts, const SignalModel& model, const ElectronicsKey& key) {
   const std::string path = "sensors." + key.sensor_name + ".electronics";
   for (auto part = parts.begin(); part != parts.end(); ++part) {
-    const PartKind& kind = kind_of(part->name, path);
+    const PartKind& kind = kind_of(part->name);
     if (std::any_of(parts.begin(), part, [&](const Named& earlier) { return earlier.name == part->name; })) {
       throw SceneValueError(path, "part '" + part->name + "' is listed twice; name it once and use its scale");
     }
@@ -72,24 +61,12 @@ std::uint64_t Electronics::saturated() const {
   return samples;
 }
 
-std::vector<Entry> electronics_entries() {
-  std::vector<Entry> entries;
-  for (const PartKind& kind : part_kinds()) entries.push_back(kind.entry);
-  return entries;
-}
-
-bool draws_numbers(const std::string& part) {
-  const auto found = std::ranges::find(part_kinds(), part, [](const PartKind& kind) { return kind.entry.name; });
-  if (found == part_kinds().end()) throw std::logic_error("electronics have no part '" + part + "'");
-  return found->drawn_per != DrawnPer::never;
-}
+bool draws_numbers(const std::string& part) { return kind_of(part).drawn_per != DrawnPer::never; }
 
 std::vector<Entry> electronics_of(const std::string& device, const std::vector<PartFigures>& figures) {
   std::vector<Entry> entries;
   for (const PartFigures& own : figures) {
-    const auto kind = std::ranges::find(part_kinds(), own.part, [](const PartKind& known) { return known.entry.name; });
-    if (kind == part_kinds().end()) throw std::logic_error(device + ": no part " + own.part + " of the electronics");
-    Entry entry = kind->entry;
+    Entry entry = kind_of(own.part).entry;
     entry.source = device + ": " + own.source + ". General: " + entry.source;
     for (const PartFigures::Default& value : own.defaults) {
       const auto spec = std::ranges::find(entry.parameters, value.parameter, &ParameterSpec::name);

@@ -82,9 +82,6 @@ class Electronics {
   std::vector<std::unique_ptr<ElectronicsStage>> stages_;
 };
 
-// All parts, in the order of the signal path.
-std::vector<Entry> electronics_entries();
-
 // Whether a part of the electronics draws random numbers, of a recording or of a device. Throws std::logic_error where there is no such part.
 bool draws_numbers(const std::string& part);
 

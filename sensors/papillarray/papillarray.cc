@@ -4,7 +4,6 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstdlib>
 #include <string>
 
 #include "sensors/electronics/pad_sensor.h"

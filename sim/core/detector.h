@@ -41,7 +41,7 @@ struct FrameSource {
   std::vector<SensorSource> sensors{};                        // all of the scene in its order, this one among them
 };
 
-// What a scene names as its detector to get the truth in a detector's place (tools/program/catalogue/detector_catalogue.h). Wherever a person
+// What a scene names as its detector to get the truth in a detector's place (tools/program/catalogue/program_catalogues.h). Wherever a person
 // reads, it is called an oracle.
 inline constexpr std::string_view oracle_type = "truth";
 

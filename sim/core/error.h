@@ -15,6 +15,12 @@ class InputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// How a run ends that has gone wrong. The scene's time step is the first to look at. Whoever has read the scene adds where it stands.
+class WrongRun : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 // A value of a scene that is allowed by itself, but not together with the rest. Whoever has read the scene adds the file and
 // line.
 class SceneValueError : public InputError {

@@ -1,8 +1,6 @@
 // Poses and velocities of bodies, and forces on them.
 #pragma once
 
-#include <string>
-
 #include <Eigen/Geometry>
 
 namespace slipbench {

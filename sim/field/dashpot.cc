@@ -1,8 +1,9 @@
-#include "sim/field/dashpot.h"
-
 #include <algorithm>
 #include <array>
 #include <vector>
+
+#include "sim/core/pad_layout.h"
+#include "sim/field/effect.h"
 
 namespace slipbench {
 namespace {

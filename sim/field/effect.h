@@ -12,6 +12,8 @@
 
 namespace slipbench {
 
+struct PadLayout;
+
 // Read-only columns of a field with `count` elements, in the surface frame S.
 struct ElementColumns {
   std::size_t count;
@@ -184,6 +186,11 @@ class SkinEffect : public Effect {
   [[nodiscard]] virtual std::span<const double> punch_normal() const = 0;
   [[nodiscard]] virtual std::span<const double> punch_tangential() const = 0;
 };
+
+// Dashpots in parallel with the springs, as elements may have them. Kelvin-Voigt element: f = k u + c du/dt with the rate taken over the step
+// (backward Euler, first order, never unstable). Normal: u is the penetration; tangential: the stretch, and the whole force f obeys the
+// friction cone. Null when no element has a dashpot.
+std::unique_ptr<RheologyEffect> make_dashpots(const PadLayout& layout);
 
 // The effects of one field, in the order in which the scene names them.
 struct FieldEffects {

@@ -9,8 +9,7 @@
 #include <string>
 
 #include "sim/core/error.h"
-#include "sim/field/cones.h"
-#include "sim/field/dashpot.h"
+#include "sim/field/return_mapping.h"
 
 namespace slipbench {
 namespace {

@@ -37,7 +37,6 @@
 #include "sim/core/pad_layout.h"
 #include "sim/core/pose.h"
 #include "sim/field/active_set.h"
-#include "sim/field/contact_points.h"
 #include "sim/field/effect.h"
 #include "sim/field/kernel.h"
 #include "sim/field/surface/surface.h"

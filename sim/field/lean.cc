@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "sim/core/error.h"
-#include "sim/field/cones.h"
+#include "sim/field/return_mapping.h"
 
 namespace slipbench {
 namespace {

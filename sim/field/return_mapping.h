@@ -1,6 +1,6 @@
 // The return mapping of one element onto its friction cone (field.h): one for all cones.
 //
-// A trial force with the anchor where it was, what the cone makes of it (map_onto_circle here, or cones.h), and the element's new
+// A trial force with the anchor where it was, what the cone makes of it (map_onto_circle, or map_onto where the kernel cannot work on several at once), and the element's new
 // state. The kernel inlines all three and works on several elements at once.
 #pragma once
 
@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "sim/core/vectorise.h"
+#include "sim/field/effect.h"
 #include "sim/field/kernel.h"
 
 namespace slipbench::kernel {
@@ -139,3 +140,16 @@ void map_each(const Columns& c, bool plane, bool extended, std::size_t count, co
 }
 
 }  // namespace slipbench::kernel
+
+namespace slipbench {
+
+// What `cone` makes of the trial of element i, which touches. `rate`: null, or a rate law in a step of `dt` > 0 [s].
+[[nodiscard]] kernel::Mapped map_onto(const ConeEffect& cone, RateEffect* rate, double dt, const kernel::Columns& columns,
+                                      std::size_t i, const kernel::Trial& trial);
+
+// What Coulomb's cone makes of it where elements are columns (effect.h's Lean); the trial is that of an upright one. Also writes the columns trial
+// and slide. Throws InputError where the column is loaded beyond what its stop holds.
+[[nodiscard]] kernel::Mapped map_onto(const Lean& lean, const RateEffect* rate, double dt, const kernel::Columns& columns,
+                                      std::size_t i, const kernel::Trial& trial);
+
+}  // namespace slipbench

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/gripper_registers.h"
+#include "sim/core/controller.h"
 #include "sim/core/pad_layout.h"
 #include "sim/core/parameters.h"
 #include "sim/motion/guided.h"

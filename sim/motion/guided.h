@@ -8,7 +8,7 @@
 
 #include <limits>
 
-#include "sim/core/gripper_registers.h"
+#include "sim/core/controller.h"
 #include "sim/motion/motion.h"
 #include "sim/motion/profile.h"
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/wrong_run.h"
 #include "sim/mujoco/mujoco_call.h"
 
 namespace slipbench {

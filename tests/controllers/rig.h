@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/program/catalogue/detector_catalogue.h"
+#include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench::controllers {
 

@@ -21,7 +21,7 @@
 #include "sensors/own/own_sensor.h"
 #include "sim/core/error.h"
 #include "sim/core/process/plugin_library.h"
-#include "tools/program/catalogue/detector_catalogue.h"
+#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/python/module.h"
 

@@ -18,7 +18,7 @@
 #include "tools/base/workers/child_process.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/studies/kept_networks.h"
+#include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
 namespace {

@@ -13,7 +13,8 @@ namespace slipbench::reproduce {
 namespace {
 
 // Where a chart stands in its drawing [px].
-constexpr double chart_width = 760.0, chart_height = 330.0, left = 56.0, right = 610.0, top = 14.0, foot = 286.0;
+constexpr double left = 56.0, right = 610.0, top = 14.0, foot = 286.0;
+constexpr page::Frame frame{760.0, 330.0, left, right, top, foot};
 
 std::string chart_html(const ResultChart& chart) {
   std::vector<double> values{chart.bar};
@@ -23,15 +24,9 @@ std::string chart_html(const ResultChart& chart) {
   const auto [least, most] = std::ranges::minmax(values);
   const page::Axis up = page::linear_axis(values, std::max(0.05, page::round_step(most - least, 8.0)), foot, top);
   const page::Axis across{.high = static_cast<double>(chart.places.size() - 1), .begin = left, .end = right};
-  page::Svg svg(chart_width, chart_height);
-  for (const double value : up.ticks) {
-    svg.line("mesh", left, up.at(value), right, up.at(value));
-    svg.text("end", left - 8.0, up.at(value) + 4.0, fmt::format("{:.6g}", value));
-  }
+  page::Svg svg = page::chart(frame, "", across, chart.across, up, chart.up);
   const auto place = [&](std::size_t i) { return across.at(static_cast<double>(i)); };
-  for (std::size_t i = 0; i < chart.places.size(); ++i) svg.text("middle", place(i), foot + 18.0, chart.places[i]);
-  svg.text("middle", 0.5 * (left + right), foot + 38.0, chart.across);
-  svg.text_upwards("middle", 12.0, 0.5 * (top + foot), chart.up);
+  for (std::size_t i = 0; i < chart.places.size(); ++i) svg.text("small middle", place(i), foot + 14.0, chart.places[i]);
   svg.line("limit", left, up.at(chart.bar), right, up.at(chart.bar));
   double row = top + 12.0;  // of the legend
   const auto name = [&](std::string_view kind, std::string_view text) {
@@ -53,11 +48,6 @@ std::string chart_html(const ResultChart& chart) {
   }
   name("limit", chart.bar_name);
   return svg.element(chart.title);
-}
-
-std::string section(std::string_view title, const std::string& content, const std::string& note = "") {
-  return fmt::format("<section><h2>{}</h2>\n{}{}</section>\n", page::escape_html(title), content,
-                     note.empty() ? "" : fmt::format("<p class=\"note\">{}</p>\n", page::escape_html(note)));
 }
 
 }  // namespace
@@ -162,15 +152,14 @@ Json result_json(const std::string& name, const Result& result) {
 }
 
 std::string result_page(const std::string& name, const Result& result) {
-  std::string body = fmt::format(
-      "<header class=\"plain\"><p class=\"eyebrow\">{} {}</p>\n<h1>{}</h1>\n<p class=\"note\">{}</p></header>\n",
-      page_kind.generator, page::escape_html(name), page::escape_html(result.title), page::escape_html(result.source));
+  std::string body =
+      page::head_html(fmt::format("{} {}", page_kind.generator, page::escape_html(name)), result.title, {result.source});
   for (const ResultChart& chart : result.charts)
-    body += section(chart.title, "<div class=\"scroll\">" + chart_html(chart) + "</div>\n");
+    body += page::section_html(chart.title, "", "<div class=\"scroll\">" + chart_html(chart) + "</div>\n");
   for (const ResultTable& table : result.tables)
-    body += section(table.title, page::table_html({table.head, table.rows}), table.note);
-  if (!result.remarks.empty()) body += section("What differs, and why", page::list_html(result.remarks));
-  if (!result.setup.empty()) body += section("How it was measured", page::list_html(result.setup));
+    body += page::section_html(table.title, table.note, page::table_html({table.head, table.rows}));
+  if (!result.remarks.empty()) body += page::section_html("What differs, and why", "", page::list_html(result.remarks));
+  if (!result.setup.empty()) body += page::section_html("How it was measured", "", page::list_html(result.setup));
   return page::compose_page({page_kind.generator, name + " · slipbench reproduce"}, body);
 }
 

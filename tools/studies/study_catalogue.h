@@ -18,7 +18,7 @@ struct ResultTable {
   std::string title;
   std::vector<std::string> head;
   std::vector<std::vector<std::string>> rows = {};  // as many cells as the head has
-  std::string note = {};                            // a sentence below it; may be empty
+  std::string note = {};                            // a sentence with it; may be empty
 };
 
 // A value against what was varied, with its interval; `low` and `high` may be equal to it.

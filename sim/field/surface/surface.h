@@ -12,7 +12,6 @@
 
 #include "sim/core/vectorise.h"
 #include "sim/field/surface/distance_grid.h"
-#include "sim/field/surface/surface_point.h"
 
 namespace slipbench {
 

@@ -14,10 +14,9 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
-#include "sim/core/wrong_run.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/mujoco_call.h"
-#include "sim/simulation/stage_setup.h"
+#include "sim/simulation/stage_simulation.h"
 #include "sim/simulation/step_plan.h"
 
 namespace slipbench {

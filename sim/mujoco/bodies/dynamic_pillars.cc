@@ -6,11 +6,10 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
-#include "sim/core/wrong_run.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
 #include "sim/mujoco/bodies/model_builder.h"
 #include "sim/mujoco/pads/geom_surface.h"
-#include "sim/simulation/stage_setup.h"
+#include "sim/simulation/stage_simulation.h"
 
 namespace slipbench {
 namespace {

@@ -11,13 +11,12 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
-#include "sim/core/wrong_run.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/motion/motion.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
 #include "sim/mujoco/bodies/model_builder.h"
 #include "sim/mujoco/pads/field_plugin.h"
-#include "sim/simulation/stage_setup.h"
+#include "sim/simulation/stage_simulation.h"
 #include "sim/simulation/step_plan.h"
 
 namespace slipbench {

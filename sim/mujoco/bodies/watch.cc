@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
-#include "sim/core/wrong_run.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
 #include "sim/mujoco/bodies/model_builder.h"
 #include "sim/mujoco/pads/field_plugin.h"

@@ -5,7 +5,6 @@
 
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/mujoco_differences.h"
-#include "sim/mujoco/pads/plugin_interface.h"
 #include "sim/mujoco/pads/register_plugin.h"
 
 #include <array>

@@ -3,14 +3,16 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "sim/core/sensor.h"
 #include "sim/scene/catalogues.h"
 #include "sim/scene/scene.h"
 
-namespace slipbench {
+struct mjModel_;
+struct mjData_;
 
-// What pads are made of.
+namespace slipbench {
 
 // sim/ knows no sensor: whoever composes a program or the plugin's library hands them in.
 struct PadCatalogue {
@@ -31,5 +33,15 @@ void register_field_plugin(PadCatalogue catalogue);
 
 // The same, and `slipbench.bench`. For programs that simulate scenes.
 void register_bench_plugin(PadCatalogue catalogue);
+
+// What the plugin's library tells others of a model's pads beside what MuJoCo asks for: Python's slipbench.mujoco calls it.
+
+// One line for each pad, values separated by tabs: its instance's number, name, site's number, number of units, 1 with truth; then one for each
+// channel of the sensor: "", name, unit and shape, as in "9 3". Throws InputError where the model's attributes are wrong.
+[[nodiscard]] std::string describe_pads(const mjModel_* model);
+
+// The longest step [s] that the explicit pads of the model bear, with all elements of every pad touching at once: each pad on that of its bodies on
+// which it vibrates fastest, in the positions of `data`. Infinite without explicit pads. `data` is one of this model.
+[[nodiscard]] double longest_step(const mjModel_* model, mjData_* data);
 
 }  // namespace slipbench

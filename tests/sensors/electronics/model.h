@@ -31,6 +31,14 @@ inline SignalModel two_values_a_source(std::size_t sources, double rate = 1000.0
   return model;
 }
 
+// All parts, in the order of the signal path.
+inline std::vector<Entry> electronics_entries() {
+  std::vector<PartFigures> parts;
+  for (const char* name : {"scan", "coupling", "gain", "offset", "drift", "noise", "white_noise", "skewed_noise", "quantisation"})
+    parts.push_back({name, "made up"});
+  return electronics_of("made up", parts);
+}
+
 // A part at its defaults, but for `scale` where it has one.
 inline Named part(const std::string& name, double scale = 1.0) {
   const std::vector<Entry> entries = electronics_entries();

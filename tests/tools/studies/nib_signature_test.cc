@@ -72,7 +72,7 @@ TEST(NibTrace, IsWhatTheDetectorSaw) {
   ASSERT_EQ(trace.size(), 100u);
   EXPECT_EQ(trace.source().channels[0].every, 9u);
   const auto image = [&](std::size_t k) { return trace.frame(k).values[0]; };
-  EXPECT_EQ(image(7), 0.0F);  // no image is complete
+  EXPECT_EQ(image(7), 1.0F);  // no image is complete: the first stands there
   EXPECT_EQ(image(8), 1.0F);
   EXPECT_EQ(image(16), 1.0F);
   EXPECT_EQ(image(17), 2.0F);

@@ -67,8 +67,10 @@ TEST(Examples, OfAShortcutAreWhatItIsTold) {
 // Two folds. With contact: all right, and half of each right. Motors: 3 of 4 and 1 of 4 frames right.
 // All, fold 1: slip 1/1, hold (1 + 3)/5 = 0.8; 90 %. Fold 2: slip 1/2, hold (1 + 1)/6; 41.7 %.
 TEST(Figures, AreMeansOfFolds) {
-  const std::vector<GroupCounts> folds{{train::Counts{1, 0, 0, 1}, train::Counts{0, 0, 1, 3}},
-                                       {train::Counts{1, 1, 1, 1}, train::Counts{0, 0, 3, 1}}};
+  const auto frames = [](std::size_t slip_right, std::size_t slip_wrong, std::size_t hold_wrong, std::size_t hold_right) {
+    return Confusion{{{}, {0, hold_right, 0, hold_wrong}, {}, {0, slip_wrong, 0, slip_right}}};
+  };
+  const std::vector<GroupCounts> folds{{frames(1, 0, 0, 1), frames(0, 0, 1, 3)}, {frames(1, 1, 1, 1), frames(0, 0, 3, 1)}};
   EXPECT_NEAR(on_slip(folds).accuracy.mean, 75.0, 1e-9);
   EXPECT_NEAR(on_slip(folds).accuracy.sd, 50.0 / std::sqrt(2.0), 1e-9);  // of two: their distance over the root of 2
   EXPECT_NEAR(on_slip(folds).f1.mean, 0.75, 1e-9);                       // 1, and 2/(2 + 1 + 1)

@@ -16,7 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
-#include "sim/core/process/whole_write.h"
+#include "sim/core/process/regular_file.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/shard.h"

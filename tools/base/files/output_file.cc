@@ -18,7 +18,7 @@
 #include <openssl/evp.h>
 
 #include "sim/core/error.h"
-#include "sim/core/process/whole_write.h"
+#include "sim/core/process/regular_file.h"
 
 namespace slipbench {
 namespace {

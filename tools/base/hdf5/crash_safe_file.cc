@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "sim/core/process/whole_write.h"
+#include "sim/core/process/regular_file.h"
 
 namespace slipbench::hdf5 {
 namespace {

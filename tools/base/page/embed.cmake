@@ -1,6 +1,6 @@
 # Files as bytes inside the program, so that the installed one needs none beside it.
 # include(tools/base/page/embed.cmake)
-# slipbench_embed(generated NAMESPACE slipbench::cost HEADER tools/program/cost/cost_page.h FILES a.js b.css)
+# slipbench_embed(generated NAMESPACE slipbench::cost HEADER tools/program/cost/explore.h FILES a.js b.css)
 # sets `generated` to a C++ source that defines NAMESPACE::assets(), which HEADER declares, with the files in this order.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
   set(SLIPBENCH_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_FILE} CACHE INTERNAL "")

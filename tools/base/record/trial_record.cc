@@ -131,4 +131,10 @@ TrialOutcome parse_outcome(const std::string& text) {
   }
 }
 
+const BodyRecord& TrialRecord::body(std::string_view called) const {
+  const auto found = std::ranges::find(bodies, called, &BodyRecord::name);
+  if (found == bodies.end()) throw InputError(fmt::format("trial {}: has no truth/{}", trial, called));
+  return *found;
+}
+
 }  // namespace slipbench

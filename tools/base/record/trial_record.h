@@ -215,6 +215,8 @@ struct TrialRecord {
 
   // Samples of that sensor.
   [[nodiscard]] std::size_t num_samples() const { return body_time.size(); }
+  // Throws InputError, naming the trial, where there is none of that name.
+  [[nodiscard]] const BodyRecord& body(std::string_view called) const;
 };
 
 }  // namespace slipbench

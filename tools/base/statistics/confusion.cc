@@ -1,7 +1,6 @@
 #include "tools/base/statistics/confusion.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -12,14 +11,6 @@ namespace {
 
 constexpr std::array contact_states{PadState::non_slip, PadState::incipient, PadState::gross};
 constexpr std::array slip_states{PadState::incipient, PadState::gross};
-
-std::size_t counted(const Confusion& confusion, PadState truth, PadState seen) {
-  return confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(seen)];
-}
-
-double share_of(std::size_t part, std::size_t all) {
-  return all == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(part) / static_cast<double>(all);
-}
 
 // The recalls of the states that occur.
 std::vector<double> recalls(const Confusion& confusion) {
@@ -36,6 +27,10 @@ void count(Confusion& confusion, PadState truth, PadState seen) {
   ++confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(seen)];
 }
 
+void count(Confusion& confusion, bool slips, bool seen) {
+  count(confusion, slips ? PadState::gross : PadState::non_slip, seen ? PadState::gross : PadState::non_slip);
+}
+
 void add(Confusion& sum, const Confusion& other) {
   for (std::size_t truth = 0; truth < sum.size(); ++truth) {
     for (std::size_t seen = 0; seen < sum.size(); ++seen) sum[truth][seen] += other[truth][seen];
@@ -47,6 +42,10 @@ std::size_t samples_in(const Confusion& confusion, PadState truth) {
   return std::accumulate(row.begin(), row.end(), std::size_t{0});
 }
 
+std::size_t samples_in(const Confusion& confusion, PadState truth, PadState seen) {
+  return confusion[static_cast<std::size_t>(truth)][static_cast<std::size_t>(seen)];
+}
+
 std::size_t samples_in_contact(const Confusion& confusion) {
   std::size_t all = 0;
   for (const PadState truth : contact_states) all += samples_in(confusion, truth);
@@ -54,14 +53,14 @@ std::size_t samples_in_contact(const Confusion& confusion) {
 }
 
 double recall(const Confusion& confusion, PadState truth) {
-  return share_of(counted(confusion, truth, truth), samples_in(confusion, truth));
+  return share_of(samples_in(confusion, truth, truth), samples_in(confusion, truth));
 }
 
 double recall_of_slip(const Confusion& confusion) {
   std::size_t seen = 0;
   std::size_t all = 0;
   for (const PadState truth : slip_states) {
-    for (const PadState answer : slip_states) seen += counted(confusion, truth, answer);
+    for (const PadState answer : slip_states) seen += samples_in(confusion, truth, answer);
     all += samples_in(confusion, truth);
   }
   return share_of(seen, all);
@@ -73,7 +72,7 @@ double constant_balanced_accuracy(const Confusion& confusion) { return share_of(
 
 double accuracy(const Confusion& confusion) {
   std::size_t right = 0;
-  for (const PadState truth : contact_states) right += counted(confusion, truth, truth);
+  for (const PadState truth : contact_states) right += samples_in(confusion, truth, truth);
   return share_of(right, samples_in_contact(confusion));
 }
 
@@ -86,7 +85,7 @@ double constant_accuracy(const Confusion& confusion) {
 double balanced_slip_accuracy(const Confusion& confusion) {
   std::size_t quiet = 0, still = 0;
   for (const PadState truth : {PadState::no_contact, PadState::non_slip}) {
-    for (const PadState answer : {PadState::no_contact, PadState::non_slip}) quiet += counted(confusion, truth, answer);
+    for (const PadState answer : {PadState::no_contact, PadState::non_slip}) quiet += samples_in(confusion, truth, answer);
     still += samples_in(confusion, truth);
   }
   return 0.5 * (recall_of_slip(confusion) + share_of(quiet, still));
@@ -95,7 +94,7 @@ double balanced_slip_accuracy(const Confusion& confusion) {
 double f1_of_slip(const Confusion& confusion) {
   std::size_t right = 0, slips = 0, called = 0;
   for (const PadState slip : slip_states) {
-    for (const PadState answer : slip_states) right += counted(confusion, slip, answer);
+    for (const PadState answer : slip_states) right += samples_in(confusion, slip, answer);
     slips += samples_in(confusion, slip);
     for (const StateCounts& row : confusion) called += row[static_cast<std::size_t>(slip)];
   }

@@ -14,15 +14,17 @@ using StateCounts = std::array<std::size_t, 4>;
 // Samples by true state (strict) and by detector class: [truth][class].
 using Confusion = std::array<StateCounts, 4>;
 
-// One more sample.
+// One more sample; or of one that slips or holds, gross or non_slip.
 void count(Confusion& confusion, PadState truth, PadState seen);
+void count(Confusion& confusion, bool slips, bool seen);
 void add(Confusion& sum, const Confusion& other);
 
 // All shares below are of the samples in contact, 0 to 1; NaN where there is none to take a share of. The class no_contact, which
 // is also "nothing seen yet", is wrong there. Incipient and gross are slip.
 
-// Number of samples whose true state is `truth`.
+// Number of samples whose true state is `truth`, and of those seen as `seen`.
 std::size_t samples_in(const Confusion& confusion, PadState truth);
+std::size_t samples_in(const Confusion& confusion, PadState truth, PadState seen);
 std::size_t samples_in_contact(const Confusion& confusion);
 // Share of the samples of a true state that have its class.
 double recall(const Confusion& confusion, PadState truth);

@@ -93,7 +93,6 @@ std::vector<Interval> bootstrap_intervals(std::size_t groups, std::size_t draws,
       if (!std::isnan(found[k])) values[k].push_back(found[k]);
     }
   }
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<Interval> intervals;
   for (const std::vector<double>& of_figure : values) {
     intervals.push_back(groups < 2 ? Interval{nan, nan} : Interval{quantile(of_figure, 0.025), quantile(of_figure, 0.975)});

@@ -4,10 +4,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
 namespace slipbench {
+
+// part/all; NaN where that is none.
+inline double share_of(std::size_t part, std::size_t all) {
+  return all == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(part) / static_cast<double>(all);
+}
 
 // How far a share of trials can be trusted.
 

@@ -171,7 +171,7 @@ void clear_seats(Board& board) {
       if (why.empty()) why = answer.failure;
     }
     std::size_t known = 0;
-    for (const std::string& digest : board.digests) known += std::ranges::count(seat.entrant->sha256_seen, digest) > 0 ? 1U : 0U;
+    for (const std::string& digest : board.digests) known += seat.entrant->sha256_seen.count(digest);
     why = without_folder(why, file_of(seat.entrant->detector));
     if (known > 0) why = fmt::format("has learnt from {} of the {} trials", known, board.digests.size());
     if (!why.empty()) board.left_out.push_back({seat.entrant->name, why});

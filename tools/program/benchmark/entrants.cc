@@ -18,8 +18,8 @@
 #include "tools/base/dataset/reader.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
-#include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/eval/evaluate.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/train/train_network.h"
@@ -52,18 +52,6 @@ std::string file_digest(const std::string& path) {
   std::string text;
   for (const std::string& file : files) text += fs::path(file).filename().string() + " " + file_sha256(file) + "\n";
   return text_sha256(text);
-}
-
-std::vector<std::string> trials_seen(const DetectorScene& detector) {
-  const std::unique_ptr<network::Engine> engine = eval::network_of(detector);
-  if (engine == nullptr) return {};
-  const Json trained = Json::parse(engine->description().trained, nullptr, false);
-  if (!trained.is_object() || !trained.contains("sha256_seen") || !trained.at("sha256_seen").is_array()) return {};
-  std::vector<std::string> digests;
-  for (const Json& digest : trained.at("sha256_seen")) {
-    if (digest.is_string()) digests.push_back(digest.get<std::string>());
-  }
-  return digests;
 }
 
 // A training scene's trials in `folder`, simulated the first time that it is asked for.
@@ -158,7 +146,8 @@ Entrant given_entrant(const std::string& word, const std::vector<Override>& para
     entrant.parameters[change.path] = change.value;
     identity += "\n" + change.path + "=" + change.value;
   }
-  entrant.sha256_seen = trials_seen(entrant.detector);
+  if (const auto engine = eval::network_of(entrant.detector))
+    entrant.sha256_seen = eval::seen_trials(entrant.detector, engine->description().trained);
   if (const std::string file = file_of(entrant.detector); !file.empty()) identity += "\n" + file_digest(file);
   entrant.sha256 = text_sha256(identity);
   return entrant;

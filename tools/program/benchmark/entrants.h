@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -38,10 +39,10 @@ struct Entrant {
   Kind kind = Kind::shipped;
   DetectorScene detector{};  // but for the sensor, and for the instants of a control that is told them
   Told told = Told::nothing;
-  std::string reads{};                     // type of sensor that it learnt from; empty: whichever it can
-  Json parameters = Json::object();        // that were set, as text
-  std::string sha256{};                    // of what it is: type, parameters, files; of one that learns: of what it learns from
-  std::vector<std::string> sha256_seen{};  // trials that it says it has learnt from
+  std::string reads{};                  // type of sensor that it learnt from; empty: whichever it can
+  Json parameters = Json::object();     // that were set, as text
+  std::string sha256{};                 // of what it is: type, parameters, files; of one that learns: of what it learns from
+  std::set<std::string> sha256_seen{};  // trials that it says it has learnt from
 };
 
 // A detector as the command line names it: a name of the catalogue, FILE.onnx, a folder of memories; with parameters of it. Throws InputError as

@@ -110,8 +110,6 @@ std::string scene_digest(const std::string& scene) {
 }
 
 constexpr double seconds_a_minute = 60.0;
-constexpr std::size_t bootstrap_draws = 1000;
-constexpr std::uint64_t bootstrap_seed = 1;
 
 // All but the credit.
 Part alarms_of(const eval::Judgement& judgement) {
@@ -119,11 +117,9 @@ Part alarms_of(const eval::Judgement& judgement) {
   part.alarms = static_cast<double>(judgement.stick_alarms + judgement.air_alarms);
   part.quiet = judgement.stick_time + judgement.air_time;
   for (const PadState state : {PadState::no_contact, PadState::non_slip}) {
-    const StateCounts& row = judgement.frames[static_cast<std::size_t>(state)];
-    for (std::size_t seen = 0; seen < row.size(); ++seen) {
-      part.still += static_cast<double>(row[seen]);
-      if (seen >= static_cast<std::size_t>(PadState::incipient)) part.said += static_cast<double>(row[seen]);
-    }
+    part.still += static_cast<double>(samples_in(judgement.frames, state));
+    for (const PadState slip : {PadState::incipient, PadState::gross})
+      part.said += static_cast<double>(samples_in(judgement.frames, state, slip));
   }
   return part;
 }
@@ -211,9 +207,8 @@ Score score_of(std::span<const Part> parts, const Held& held) {
 }
 
 Interval score_interval(std::span<const Part> parts, const Held& held) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  if (parts.size() < eval::fewest_experiments) return {nan, nan};
-  return bootstrap_intervals(parts.size(), bootstrap_draws, bootstrap_seed,
+  if (parts.size() < eval::fewest_experiments) return {none, none};
+  return bootstrap_intervals(parts.size(), eval::bootstrap_draws, eval::bootstrap_seed,
                              [&](std::span<const std::size_t> drawn) {
                                std::vector<Part> some;
                                some.reserve(drawn.size());

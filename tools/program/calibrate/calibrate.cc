@@ -32,12 +32,6 @@ struct Compared {
   VectorXd roughness;  // RMS over the recordings
 };
 
-VectorXd rms_over(const std::vector<VectorXd>& values) {
-  VectorXd squares = VectorXd::Zero(values.front().size());
-  for (const VectorXd& value : values) squares += value.cwiseAbs2();
-  return (squares / static_cast<double>(values.size())).cwiseSqrt();
-}
-
 // `lag`: of each recording's clock; a drawn one has its own.
 Compared compared(const std::vector<RawRecording>& recordings, const std::vector<SensorRecord>& scene,
                   const std::function<double(std::size_t)>& lag) {

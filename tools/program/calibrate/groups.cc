@@ -51,8 +51,6 @@ std::optional<std::vector<SensorRecord>> possible_trial(const Model& model, cons
                                                         const std::atomic<bool>* interrupt) {
   try {
     return model.simulate_drawn(places, trial, seed, device, interrupt);
-  } catch (const Interrupted&) {
-    throw;
   } catch (const InputError&) {
     return std::nullopt;
   }
@@ -134,10 +132,10 @@ void GroupProblem::lay_out(const std::vector<RawRecording>& recordings, const st
     if (columns_.channels.empty()) columns_ = of_recording_.back();
     check_same_columns(recording.name, of_recording_.back(), recordings.front().name, columns_);
   }
-  VectorXd squares = VectorXd::Zero(static_cast<Index>(columns_.count));
+  std::vector<VectorXd> rough;
   for (std::size_t r = 0; r < recordings.size(); ++r)
-    squares += roughness(recordings[r].sensors, Side::real, of_recording_[r]).cwiseAbs2();
-  floor_ = least_band * (squares / static_cast<double>(recordings.size())).cwiseSqrt();
+    rough.push_back(roughness(recordings[r].sensors, Side::real, of_recording_[r]));
+  floor_ = least_band * rms_over(rough);
 
   std::size_t figures = 0;
   for (std::size_t c = 0; c < columns_.channels.size(); ++c) {
@@ -235,7 +233,7 @@ std::vector<MatrixXd> GroupProblem::means_of_sets(const VectorXd& own) const {
   std::vector<Waves> simulated(sets);
   for (std::size_t task = 0; std::optional<RowVectorXd> row = workers.next(); ++task)
     simulated[task / model->trials()].emplace_back(std::move(*row));
-  if (interrupt != nullptr && interrupt->load()) throw Interrupted();
+  end_if(interrupt);
   std::vector<MatrixXd> means;
   for (const Waves& set : simulated) {
     means.push_back(simulated_means(set));

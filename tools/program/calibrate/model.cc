@@ -12,7 +12,6 @@
 
 #include "sensors/electronics/electronics.h"
 #include "sim/core/error.h"
-#include "sim/core/process/interrupted.h"
 #include "sim/core/random.h"
 #include "sim/scene/section_readers.h"
 #include "sim/scene/sweep.h"
@@ -68,15 +67,11 @@ double own_place(const SceneFile& file, const Trace& values, const FitKey& key) 
   return place >= 0.0 && place <= 1.0 ? place : 0.5;
 }
 
-const std::string& scalar_text(const YamlNode& node, const std::string& where, const std::string& allowed) {
-  return text_of(node, where, allowed);
-}
-
 bool chosen(const YamlNode& map, const char* key, const std::string& path, std::string_view no, std::string_view yes) {
   const YamlNode* node = map.find(key);
   if (node == nullptr) return false;
   const std::string where = path + "." + key;
-  const std::string text = scalar_text(*node, where, fmt::format("{} or {}", no, yes));
+  const std::string text = text_of(*node, where, fmt::format("{} or {}", no, yes));
   if (text != no && text != yes) fail(node->origin, fmt::format("{} is {}; allowed: {} or {}", where, quote(text), no, yes));
   return text == yes;
 }
@@ -90,7 +85,7 @@ FitKey read_fit_key(const YamlNode& node) {
     const YamlNode* found = node.find(name);
     if (found == nullptr) fail(node.origin, fmt::format("no key '{}' in {}; allowed: {{min: .., max: ..}}", name, key.path));
     const std::string where = key.path + "." + name;
-    const std::string text = scalar_text(*found, where, "a number");
+    const std::string text = text_of(*found, where, "a number");
     try {
       const Quantity quantity = quantity_of(text);
       if (key.quantity != Quantity::none && quantity != Quantity::none && quantity != key.quantity)
@@ -169,6 +164,19 @@ std::string draw_of(const FitKey& key, const Json& parameter) {
   if (key.logarithmic) return fmt::format("{{draw: lognormal, median: {}, sd: {}}}", written(centre), format_number(sd));
   return fmt::format("{{draw: normal, mean: {}, sd: {}, min: {}, max: {}}}", written(centre), written(sd), written(key.min),
                      written(key.max));
+}
+
+// What the sensors of a scene read in trial number `trial`, without its detector. What goes wrong is told of `subject`.
+template <class MakeScene>
+std::vector<SensorRecord> read_of(const std::string& subject, std::size_t trial, const std::atomic<bool>* interrupt,
+                                  const MakeScene& make_scene) {
+  try {
+    Scene scene = make_scene();
+    scene.detector.reset();
+    return run_trial(scene, trial, Recording::full, max_record_bytes, interrupt).record.sensors;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("calibrate: {}: {}", subject, error.what()));
+  }
 }
 
 }  // namespace
@@ -273,36 +281,27 @@ std::vector<SensorRecord> Model::simulate_drawn(const Eigen::VectorXd& places, s
                                                 std::uint64_t device, const std::atomic<bool>* interrupt) const {
   SceneFile file = files_.front();
   const std::string values = apply(file, places, trial);
-  try {
+  return read_of(fmt::format("trial {} with {}", trial, values), trial, interrupt, [&] {
     Scene scene = TrialPlan(file, *catalogues_, 0, seed).trial(trial).scene;
     scene.seed = device;
-    scene.detector.reset();
-    return run_trial(scene, trial, Recording::full, max_record_bytes, interrupt).record.sensors;
-  } catch (const Interrupted&) {
-    throw;
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("calibrate: trial {} with {}: {}", trial, values, error.what()));
-  }
+    return scene;
+  });
 }
 
 std::vector<SensorRecord> Model::simulate(const Eigen::VectorXd& places, std::size_t recording, Readings readings,
                                           std::uint64_t seed, const std::atomic<bool>* interrupt, std::size_t again) const {
   SceneFile file = files_[trials() == 1 ? 0 : recording];
   const std::string values = apply(file, places, recording);
-  try {
+  const std::string subject = fmt::format("recording {} with {}", recording, values);
+  return read_of(subject, recording + again * recordings_, interrupt, [&] {
     Scene scene = parse_scene(file, *catalogues_);
     scene.seed = seed;
-    scene.detector.reset();
     if (readings == Readings::ideal) {
       for (SensorScene& sensor : scene.sensors)
         std::erase_if(sensor.electronics, [](const Named& part) { return draws_numbers(part.name); });
     }
-    return run_trial(scene, recording + again * recordings_, Recording::full, max_record_bytes, interrupt).record.sensors;
-  } catch (const Interrupted&) {
-    throw;
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("calibrate: recording {} with {}: {}", recording, values, error.what()));
-  }
+    return scene;
+  });
 }
 
 std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number, const std::string& what) {

@@ -244,4 +244,10 @@ Eigen::VectorXd roughness(const std::vector<SensorRecord>& sensors, Side side, c
   return rough;
 }
 
+Eigen::VectorXd rms_over(const std::vector<Eigen::VectorXd>& values) {
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(values.front().size());
+  for (const Eigen::VectorXd& value : values) squares += value.cwiseAbs2();
+  return (squares / static_cast<double>(values.size())).cwiseSqrt();
+}
+
 }  // namespace slipbench::calibrate

@@ -77,4 +77,7 @@ Eigen::MatrixXd bin_means(const std::vector<SensorRecord>& sensors, Side side, c
 // By column the RMS of the steps from sample to sample, over the square root of two: of white noise its standard deviation.
 Eigen::VectorXd roughness(const std::vector<SensorRecord>& sensors, Side side, const Columns& columns);
 
+// Root mean square of each entry over the values, at least one.
+Eigen::VectorXd rms_over(const std::vector<Eigen::VectorXd>& values);
+
 }  // namespace slipbench::calibrate

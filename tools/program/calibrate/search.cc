@@ -42,7 +42,7 @@ class Searcher {
 
   Solution run() {
     Solution solution;
-    solution.starts = starts();
+    solution.starts = in_order<Start>(options_.starts, [&](std::size_t k) { return start(k); });
     const auto best = std::ranges::min_element(solution.starts, {}, &Start::cost);
     descend(model().spread(best->places), solution);
     know(solution);
@@ -58,14 +58,20 @@ class Searcher {
 
   [[nodiscard]] const Model& model() const { return *problem_.model; }
 
-  // Waits for the next of the workers' results and tells of the progress.
-  template <class Result>
-  std::optional<Result> next(OrderedWorkers<Result>& workers) {
-    while (!workers.ready_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(100))) tell();
-    tell();
-    std::optional<Result> result = workers.next();
-    if (problem_.interrupt != nullptr && problem_.interrupt->load()) throw Interrupted();
-    return result;
+  // What `work` makes of 0 to `count` - 1, by several threads; tells of the progress meanwhile.
+  template <class Result, class Work>
+  std::vector<Result> in_order(std::size_t count, const Work& work) {
+    OrderedWorkers<Result> workers(
+        count, std::min(problem_.jobs, std::max<std::size_t>(1, count)), [&] { return work; }, problem_.interrupt);
+    std::vector<Result> results;
+    while (results.size() < count) {
+      while (!workers.ready_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(100))) tell();
+      tell();
+      std::optional<Result> result = workers.next();
+      end_if(problem_.interrupt);
+      results.push_back(std::move(*result));
+    }
+    return results;
   }
   void tell() const {
     if (options_.progress) options_.progress(std::min(done_.load(), of_), of_);
@@ -78,12 +84,7 @@ class Searcher {
   }
 
   std::vector<MatrixXd> simulated(const std::vector<Task>& tasks) {
-    OrderedWorkers<MatrixXd> workers(
-        tasks.size(), std::min(problem_.jobs, std::max<std::size_t>(1, tasks.size())),
-        [&] { return [&](std::size_t k) { return wave(tasks[k].places, tasks[k].recording); }; }, problem_.interrupt);
-    std::vector<MatrixXd> results;
-    while (std::optional<MatrixXd> result = next(workers)) results.push_back(std::move(*result));
-    return results;
+    return in_order<MatrixXd>(tasks.size(), [&](std::size_t k) { return wave(tasks[k].places, tasks[k].recording); });
   }
 
   std::vector<Task> all_recordings(const VectorXd& places) const {
@@ -111,15 +112,6 @@ class Searcher {
     minimise(result.places, cost, {}, small_step, problem_.evaluations().global * (keys + 1));
     result.cost = minimise(result.places, cost, 0.02, small_step, problem_.evaluations().local * (keys + 1));
     return result;
-  }
-
-  std::vector<Start> starts() {
-    OrderedWorkers<Start> workers(
-        options_.starts, std::min(problem_.jobs, options_.starts), [&] { return [&](std::size_t k) { return start(k); }; },
-        problem_.interrupt);
-    std::vector<Start> results;
-    while (std::optional<Start> result = next(workers)) results.push_back(std::move(*result));
-    return results;
   }
 
   // Of the residuals by the places, from differences to both sides that are possible.
@@ -257,7 +249,6 @@ class Searcher {
 constexpr std::size_t devices = 6;  // simulated for each set of values, always the same
 constexpr std::size_t evaluations_a_key = 30;
 constexpr double difference_of_size = 0.05;  // of the bounds, to either side
-constexpr double place_prior = 12.0;         // 1 over the variance of a place between the bounds
 constexpr double least_variance = 1e-4;      // of a logarithm: 1 %
 
 class Sizes {
@@ -274,7 +265,7 @@ class Sizes {
     MatrixXd sizes(real_.size(), static_cast<Index>(devices));
     Index column = 0;
     while (std::optional<VectorXd> size = workers.next()) sizes.col(column++) = *size;
-    if (problem_.interrupt != nullptr && problem_.interrupt->load()) throw Interrupted();
+    end_if(problem_.interrupt);
     return sizes;
   }
 
@@ -308,16 +299,15 @@ class Sizes {
   [[nodiscard]] VectorXd of_device(const VectorXd& places, std::uint64_t seed) const {
     const Columns& columns = problem_.disturbances->columns();
     Waves read, ideal;
-    VectorXd squares = VectorXd::Zero(static_cast<Index>(columns.count));
+    std::vector<VectorXd> rough;
     for (std::size_t r = 0; r < model_.recordings(); ++r) {
       const auto sensors = model_.simulate(places, r, Readings::read, seed, problem_.interrupt);
       read.push_back(bin_means(sensors, Side::scene, columns, problem_.edges[r], 0.0));
-      squares += roughness(sensors, Side::scene, columns).cwiseAbs2();
+      rough.push_back(roughness(sensors, Side::scene, columns));
       ideal.push_back(bin_means(model_.simulate(places, r, Readings::ideal, seed, problem_.interrupt), Side::scene, columns,
                                 problem_.edges[r], 0.0));
     }
-    const VectorXd rough = (squares / static_cast<double>(model_.recordings())).cwiseSqrt();
-    return disturbance_sizes(columns, read, problem_.disturbances->distance(read, ideal), rough);
+    return disturbance_sizes(columns, read, problem_.disturbances->distance(read, ideal), rms_over(rough));
   }
 
   const Model& model_;
@@ -423,10 +413,10 @@ ElectronicsFit fit_electronics(const Model& model, const CurveProblem& problem, 
   sizes.weigh(own);
   ElectronicsFit fit{.places = own, .known = {}};
   const auto cost = [&](const VectorXd& places) {
-    return sizes.residual(places).squaredNorm() + place_prior * (places - own).squaredNorm();
+    return sizes.residual(places).squaredNorm() + prior_weight * (places - own).squaredNorm();
   };
   minimise(fit.places, cost, 0.2, 1e-3, evaluations_a_key * static_cast<std::size_t>(own.size()));
-  MatrixXd curvature = place_prior * MatrixXd::Identity(own.size(), own.size());
+  MatrixXd curvature = prior_weight * MatrixXd::Identity(own.size(), own.size());
   MatrixXd slopes(sizes_of_real.size(), own.size());
   for (Index p = 0; p < own.size(); ++p) {
     VectorXd up = fit.places, down = fit.places;

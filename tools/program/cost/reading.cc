@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -341,6 +342,15 @@ Json cost_json(const Exploration& exploration, const Json& environment) {
           {"rows", rows},
           {"sentences", sentences(exploration)},
           {"effects", effects}};
+}
+
+std::string cost_page(const Json& result) {
+  if (!result.is_object() || result.empty() || std::ranges::find(page_kind.keys, result.begin().key()) == page_kind.keys.end()) {
+    throw std::logic_error("the result of a cost exploration begins with its kind");
+  }
+  const std::string title =
+      result.contains("scene") ? result.at("scene").get<std::string>() : "stability";  // in the browser's tab
+  return page::compose_drawn_page({page_kind.generator, title + " · slipbench cost"}, assets(), result);
 }
 
 }  // namespace slipbench::cost

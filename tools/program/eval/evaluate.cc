@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <set>
 #include <tuple>
 #include <utility>
 #include <variant>
@@ -188,22 +187,6 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
     result.as_in_loop = std::ranges::equal(record.control->detector_class, replayed.seen, same);
   }
   return result;
-}
-
-// Digests of the trials that the detector has learnt from or chosen its state by, whatever file they are in.
-std::set<std::string> seen_trials(const Options& options) {
-  const Json trained = Json::parse(options.trained, nullptr, false);
-  std::set<std::string> digests;
-  if (!trained.is_object() || !trained.contains("sha256_seen")) return digests;
-  const Json& told = trained.at("sha256_seen");
-  const auto is_digest = [](const Json& one) { return one.is_string() && one.get_ref<const std::string&>().size() == 64; };
-  if (!told.is_array() || !std::ranges::all_of(told, is_digest)) {
-    const DetectorScene& detector = options.detector;
-    throw InputError(fmt::format("{}: metadata: trained.sha256_seen is no list of digests; allowed: 64 hexadecimal digits each",
-                                 detector.type == "network" ? detector.parameters.path("model") : detector.type));
-  }
-  if (!options.all) digests.insert(told.begin(), told.end());
-  return digests;
 }
 
 Json parameters_json(const Parameters& parameters) {
@@ -456,7 +439,8 @@ std::string evaluated(const Options& options) {
   for (const char* mask : masks) {
     for (const std::size_t trial : reader.mask(mask)) mask_of[trial] = mask;
   }
-  const std::set<std::string> seen = seen_trials(options);
+  std::set<std::string> seen = seen_trials(options.detector, options.trained);
+  if (options.all) seen.clear();
   const Catalogues catalogues = program_catalogues();
   const std::unique_ptr<network::Engine> network = network_of(options.detector);
   std::vector<Judged> trials;
@@ -517,6 +501,18 @@ TruthRule learnt_labels(const std::string& trained) {
     throw InputError(fmt::format("the detector's metadata: trained.labels: {}; judge by another with --labels", error.what()));
   }
   throw InputError("the detector's metadata: trained.labels is no name of a rule; judge by one with --labels");
+}
+
+std::set<std::string> seen_trials(const DetectorScene& detector, const std::string& trained) {
+  const Json said = Json::parse(trained, nullptr, false);
+  if (!said.is_object() || !said.contains("sha256_seen")) return {};
+  const Json& told = said.at("sha256_seen");
+  const auto is_digest = [](const Json& one) { return one.is_string() && one.get_ref<const std::string&>().size() == 64; };
+  if (!told.is_array() || !std::ranges::all_of(told, is_digest)) {
+    throw InputError(fmt::format("{}: metadata: trained.sha256_seen is no list of digests; allowed: 64 hexadecimal digits each",
+                                 detector.type == "network" ? detector.parameters.path("model") : detector.type));
+  }
+  return {told.begin(), told.end()};
 }
 
 std::string truth_note(const Json& result) {

@@ -1,6 +1,7 @@
 // `slipbench eval`: any detector on any dataset of its sensor.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,8 @@ struct Options {
 
 // The rule that a detector learnt by, of what it says of its training; strict where that names none. Throws InputError for a rule that is none.
 TruthRule learnt_labels(const std::string& trained);
+// Digests of the trials that it has learnt from or chosen its state by, whatever file they are in. Throws InputError for what is no list of them.
+std::set<std::string> seen_trials(const DetectorScene& detector, const std::string& trained);
 
 inline constexpr const char* result_key = "slipbench_eval";
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -19,12 +18,8 @@ namespace slipbench::eval {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t bootstrap_draws = 1000;
-constexpr std::uint64_t bootstrap_seed = 1;
 
 constexpr std::array<const char*, 4> state_words{"no_contact", "non_slip", "incipient", "gross"};
-
-bool is_slip(PadState state) { return state == PadState::incipient || state == PadState::gross; }
 
 // Sums over trials.
 struct Pool {
@@ -75,11 +70,9 @@ std::vector<double> figures_of(const Pool& pool) {
   set("delay_p90_s", quantile(pool.delays, 0.9));
   set("early", ratio(static_cast<double>(pool.counts.early), slipping));
   set("missed", ratio(static_cast<double>(pool.counts.missed), slipping));
-  const StateCounts& stick = frames[static_cast<std::size_t>(PadState::non_slip)];
-  const double stick_called_slip = static_cast<double>(stick[static_cast<std::size_t>(PadState::incipient)] +
-                                                       stick[static_cast<std::size_t>(PadState::gross)]);
-  set("false_alarm_share",
-      ratio(stick_called_slip, static_cast<double>(std::accumulate(stick.begin(), stick.end(), std::size_t{0}))));
+  constexpr PadState stick = PadState::non_slip;
+  set("false_alarm_share", share_of(samples_in(frames, stick, PadState::incipient) + samples_in(frames, stick, PadState::gross),
+                                    samples_in(frames, stick)));
   set("false_alarms_per_minute", 60.0 * ratio(pool.stick_alarms, pool.stick_time));
   set("air_alarms_per_minute", 60.0 * ratio(pool.air_alarms, pool.air_time));
   set("f1_of_slip", f1_of_slip(frames));
@@ -205,7 +198,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
     const bool judges = truth.masked.empty() || !truth.masked[row];
     if (judges) count(result.frames, state, seen);
     if (const double value = replayed.probability[row]; judges && !std::isnan(value)) {
-      (is_slip(state) ? result.positives : result.negatives).push_back(value);
+      (slips(state) ? result.positives : result.negatives).push_back(value);
     }
     if (!truth.stuck_fraction.empty()) {
       const double error = std::abs(replayed.stuck_fraction[row] - static_cast<double>(truth.stuck_fraction[row]));
@@ -214,10 +207,10 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
         ++result.stuck_frames;
       }
     }
-    const bool begins = !std::exchange(seen_before, is_slip(seen)) && is_slip(seen);
+    const bool begins = !std::exchange(seen_before, slips(seen)) && slips(seen);
     const bool graced = time < truth.first_slip && in_time(time);
     if (!truth.counts(time)) continue;
-    if (is_slip(seen) && std::isnan(result.alarm_time)) {
+    if (slips(seen) && std::isnan(result.alarm_time)) {
       // One that was there before it counted is an alarm from the sample on from which it counts.
       const bool new_here = row == 0 || replayed.seen_since[row] > truth.time[row - 1];
       result.alarm_time = new_here ? replayed.seen_since[row] : time;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <string>
@@ -129,9 +130,10 @@ struct Summary {
 };
 
 // Intervals are of 95 % and by experiment, which is a trial and its twins: of shares of trials exact (Clopper and Pearson) where no trial has a
-// twin, of the AUC Obuchowski's, else by bootstrap with seed 1 and 1000 draws. A percentile bootstrap of a handful covers far less than it says, so
+// twin, of the AUC Obuchowski's, else by bootstrap. A percentile bootstrap of a handful covers far less than it says, so
 // fewer than `fewest_experiments` have no such interval.
-inline constexpr std::size_t fewest_experiments = 10;
+inline constexpr std::size_t fewest_experiments = 10, bootstrap_draws = 1000;
+inline constexpr std::uint64_t bootstrap_seed = 1;
 // Without `intervals` there are none, nor an AUC.
 Summary summarised(std::span<const Judgement> trials, bool intervals = true);
 

@@ -12,7 +12,6 @@
 #include "detectors/detector_kinds.h"
 #include "detectors/hd/memory_files.h"
 #include "sim/core/error.h"
-#include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/trial_run.h"
 #include "tools/program/samples/samples.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "sim/core/error.h"
@@ -18,25 +19,7 @@
 namespace slipbench {
 namespace {
 
-constexpr std::array<const char*, 3> fingers{"ff", "mf", "th"};
-constexpr std::size_t electrodes = 24;
 constexpr std::string_view first_columns = "object,slipped";
-
-std::string header() {
-  std::string text(first_columns);
-  for (const char* finger : fingers) {
-    for (std::size_t e = 1; e <= electrodes; ++e) text += fmt::format(",{}_biotac_{}", finger, e);
-  }
-  return text + '\n';
-}
-
-const BodyRecord& body_of(const TrialRecord& record, std::string_view name) {
-  const auto found = std::ranges::find(record.bodies, name, &BodyRecord::name);
-  if (found == record.bodies.end()) {
-    throw InputError(fmt::format("trial {}: has no truth/{}", record.trial, name));
-  }
-  return *found;
-}
 
 const SensorColumn& electrodes_of(const TrialRecord& record, const char* finger) {
   const auto sensor = std::ranges::find(record.sensors, finger, &SensorRecord::name);
@@ -55,7 +38,7 @@ std::string object_name(const std::string& shape, const std::vector<double>& siz
 }
 
 std::string row_of(const TrialRecord& record) {
-  const BodyRecord& object = body_of(record, "object");
+  const BodyRecord& object = record.body("object");
   if (!record.outcome.hold) {
     throw InputError(fmt::format("trial {}: its outcome does not say whether the object was held; allowed: a scene with 'hold'",
                                  record.trial));
@@ -63,12 +46,12 @@ std::string row_of(const TrialRecord& record) {
   const auto params = nlohmann::json::parse(record.params);
   std::string text =
       fmt::format("{},{}", object_name(params.value("bodies.object.shape", ""), object.size), record.outcome.hold->held ? 0 : 1);
-  for (const char* finger : fingers) {
+  for (const char* finger : grasp_fingers) {
     const SensorColumn& column = electrodes_of(record, finger);
     const auto sensor = std::ranges::find(record.sensors, finger, &SensorRecord::name);
     const std::optional<std::size_t> row = latest_row(sensor->time, record.outcome.hold->from);
     if (!row) throw InputError(fmt::format("trial {}: nothing was read by hold.from", record.trial));
-    for (std::size_t e = 0; e < electrodes; ++e) text += fmt::format(",{}", column.values[electrodes * *row + e]);
+    for (std::size_t e = 0; e < finger_electrodes; ++e) text += fmt::format(",{}", column.values[finger_electrodes * *row + e]);
   }
   return text + '\n';
 }
@@ -104,7 +87,7 @@ std::string object_of(const DatasetReader& reader, std::size_t trial) {
 }  // namespace
 
 std::string grasp_csv(const DatasetReader& reader, const std::vector<std::size_t>& trials) {
-  std::string text = header();
+  std::string text = fmt::format("{}\n", fmt::join(grasp_columns(), ","));
   for (const std::size_t trial : trials) text += row_of(reader.read_trial(trial));
   return text;
 }
@@ -114,7 +97,8 @@ bool begins_as_grasp_csv(std::string_view text) { return text.starts_with(first_
 SlipRecording slip_csv(const DatasetReader& reader, std::size_t trial, const std::string& sensor) {
   const SensorRecord record = reader.read_sensor(trial, sensor);
   const auto column = std::ranges::find(record.channels, "electrodes", &SensorColumn::name);
-  if (record.type != "biotac_sp" || column == record.channels.end() || column->shape != std::vector<std::size_t>{electrodes}) {
+  if (record.type != "biotac_sp" || column == record.channels.end() ||
+      column->shape != std::vector<std::size_t>{finger_electrodes}) {
     throw InputError(
         fmt::format("trial {}: sensor '{}' is a {}; allowed: a biotac_sp, which slip-csv is for", trial, sensor, record.type));
   }
@@ -129,12 +113,12 @@ SlipRecording slip_csv(const DatasetReader& reader, std::size_t trial, const std
 
   fmt::memory_buffer text;
   auto out = std::back_inserter(text);
-  for (std::size_t e = 1; e <= electrodes; ++e) fmt::format_to(out, "{}ff_e{}", e == 1 ? "" : ",", e);
+  for (std::size_t e = 1; e <= finger_electrodes; ++e) fmt::format_to(out, "{}ff_e{}", e == 1 ? "" : ",", e);
   text.push_back('\n');
   for (std::size_t row = 0; row < record.time.size(); ++row) {
     if (record.time[row] < begin) continue;
-    for (std::size_t e = 0; e < electrodes; ++e) {
-      fmt::format_to(out, "{}{:.0f}", e == 0 ? "" : ",", column->values[row * electrodes + e]);
+    for (std::size_t e = 0; e < finger_electrodes; ++e) {
+      fmt::format_to(out, "{}{:.0f}", e == 0 ? "" : ",", column->values[row * finger_electrodes + e]);
     }
     text.push_back('\n');
   }

@@ -89,10 +89,8 @@ Episode::Column actions_of(const TrialRecord& record, const Grid& grid, std::siz
   } else {
     actions.values.resize(steps * actions.width);
     for (std::size_t carrier = 0; carrier < space.bodies.size(); ++carrier) {
-      const auto body = std::ranges::find(record.bodies, space.bodies[carrier], &BodyRecord::name);
-      if (body == record.bodies.end())
-        throw InputError(fmt::format("trial {}: has no truth/{}", record.trial, space.bodies[carrier]));
-      const std::vector<float> velocity = resampled({record.body_time, body->velocity, velocity_names.size()}, grid, steps);
+      const BodyRecord& body = record.body(space.bodies[carrier]);
+      const std::vector<float> velocity = resampled({record.body_time, body.velocity, velocity_names.size()}, grid, steps);
       for (std::size_t i = 0; i < velocity.size(); ++i) {
         actions.values[i / velocity_names.size() * actions.width + carrier * velocity_names.size() + i % velocity_names.size()] =
             velocity[i];

@@ -132,10 +132,8 @@ Files export_training(const DatasetReader& reader, std::size_t trial, OutputFold
   }
   const TrialRecord record = reader.read_trial(trial);
   const auto sensor = std::ranges::find(record.sensors, asked.front(), &SensorRecord::name);
-  const auto pad = std::ranges::find(record.bodies, "pad", &BodyRecord::name);
-  if (pad == record.bodies.end()) throw InputError(fmt::format("trial {}: has no truth/pad, which tells the move", trial));
   const PapillarraySamples samples(*sensor, slip_rule(options), label_speed(options));
-  const std::string name = training_file_name(trial, commanded_motion(reader, trial), *pad, record.body_time);
+  const std::string name = training_file_name(trial, commanded_motion(reader, trial), record.body("pad"), record.body_time);
   return {out.write(name, {"file of 73 columns", &begins_as_training_csv}, training_csv(samples, sensor->rate))};
 }
 

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/process/whole_write.h"
+#include "sim/core/process/regular_file.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/files/output_file.h"

@@ -12,13 +12,13 @@
 #include "sim/core/error.h"
 #include "tools/base/record/json.h"
 #include "tools/program/import/source_table.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {
 
-constexpr std::size_t dos_electrodes = 24;
-constexpr double dos_rate = 100.0;          // Hz, nominal: the files have no time
-constexpr double most_dos_counts = 4095.0;  // of the converter
+constexpr double nominal_rate = 100.0;  // Hz: neither set's files have a time
+constexpr double most_counts = 4095.0;  // of the converter
 // North, east, south, west, clockwise, anticlockwise, touch.
 constexpr std::array<std::string_view, 7> dos_classes{"n", "e", "s", "w", "cw", "aw", "t"};
 constexpr const char* dos_rule = "BioTacSP-DoS: non-slip throughout a recording of class t (touch), gross throughout the others";
@@ -46,22 +46,10 @@ DosName dos_name(const SourceFile& file) {
   return name;
 }
 
-constexpr std::array<const char*, 3> fingers{"ff", "mf", "th"};
-constexpr std::size_t electrodes_a_finger = 24;
 constexpr std::size_t before_electrodes = 2;  // columns
-constexpr double most_counts = 4095.0;        // of the converter
-constexpr double nominal_rate = 100.0;        // Hz, of the log that the row was taken from
 constexpr const char* grasp_rule =
     "bts3v2: gross where the set says that the lifted object slipped, else non-slip; the row is from before the lift";
 constexpr const char* finger_frame = "electrodes E1 to E24 of the fingertip, counts as recorded: pressed skin lowers them";
-
-std::vector<std::string> grasp_columns() {
-  std::vector<std::string> names{"object", "slipped"};
-  for (const char* finger : fingers) {
-    for (std::size_t e = 1; e <= electrodes_a_finger; ++e) names.push_back(fmt::format("{}_biotac_{}", finger, e));
-  }
-  return names;
-}
 
 // "45" of "bts3v2_palm_45.csv"; empty: the name does not say.
 std::string palm_of(const SourceFile& file) {
@@ -76,16 +64,16 @@ std::string palm_of(const SourceFile& file) {
 void read_biotacsp_dos(const SourceFile& file, const AddRecording& add) {
   const DosName name = dos_name(file);
   std::vector<std::string> columns;
-  for (std::size_t e = 1; e <= dos_electrodes; ++e) columns.push_back(fmt::format("ff_e{}", e));
-  SensorRecord sensor = make_imported_sensor("pad", "biotac_sp", dos_rate, dos_frame, {"electrodes"});
+  for (std::size_t e = 1; e <= finger_electrodes; ++e) columns.push_back(fmt::format("ff_e{}", e));
+  SensorRecord sensor = make_imported_sensor("pad", "biotac_sp", nominal_rate, dos_frame, {"electrodes"});
   SourceTable table(file);
   table.expect_header(columns);
   while (table.next()) {
     table.expect_cells(columns.size());
     table.expect_room(sensor.time.size() + 1, sizeof(double) + columns.size() * sizeof(float));
-    sensor.time.push_back(static_cast<double>(sensor.time.size()) / dos_rate);
-    for (std::size_t e = 0; e < dos_electrodes; ++e)
-      sensor.channels[0].values.push_back(static_cast<float>(table.number(e, columns[e], 0.0, most_dos_counts)));
+    sensor.time.push_back(static_cast<double>(sensor.time.size()) / nominal_rate);
+    for (std::size_t e = 0; e < finger_electrodes; ++e)
+      sensor.channels[0].values.push_back(static_cast<float>(table.number(e, columns[e], 0.0, most_counts)));
   }
   if (sensor.time.empty()) table.fail("is the only line; allowed: a header and a row a sample");
   const PadState state = name.slip_class == "t" ? PadState::non_slip : PadState::gross;
@@ -105,7 +93,7 @@ void read_biotacsp_dos(const SourceFile& file, const AddRecording& add) {
 void read_bts3v2(const SourceFile& file, const AddRecording& add) {
   const std::vector<std::string> columns = grasp_columns();
   std::vector<SensorRecord> sensors;
-  for (const char* finger : fingers)
+  for (const char* finger : grasp_fingers)
     sensors.push_back(make_imported_sensor(finger, "biotac_sp", nominal_rate, finger_frame, {"electrodes"}));
   const std::string palm = palm_of(file);
   SourceTable table(file);
@@ -126,7 +114,7 @@ void read_bts3v2(const SourceFile& file, const AddRecording& add) {
     std::size_t cell = before_electrodes;
     for (SensorRecord& sensor : record.sensors) {
       sensor.time = {0.0};
-      for (std::size_t e = 0; e < electrodes_a_finger; ++e, ++cell)
+      for (std::size_t e = 0; e < finger_electrodes; ++e, ++cell)
         sensor.channels[0].values.push_back(static_cast<float>(table.number(cell, columns[cell], 0.0, most_counts)));
       sensor.labels.rule = grasp_rule;
       sensor.labels.state_paper = {static_cast<std::uint8_t>(slipped ? PadState::gross : PadState::non_slip)};

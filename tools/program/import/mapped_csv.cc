@@ -165,9 +165,7 @@ void read_mapped_csv(const SourceFile& file, const AddRecording& add) {
     if (!map.state.empty())
       sensor.labels.state_paper.push_back(static_cast<std::uint8_t>(table.one_of(state, map.state, states)));
   }
-  if (sensor.time.size() < 2)
-    table.fail(fmt::format("ends a recording of {} samples; allowed: two at least, which tell the rate", sensor.time.size()));
-  sensor.rate = rate_of(sensor.time);
+  sensor.rate = rate_of(table, sensor.time);
   TrialRecord record = make_recording({{"file", file.name}}, "");
   record.body_time = sensor.time;
   record.sensors.push_back(std::move(sensor));

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "detectors/channel.h"
 #include "sim/core/error.h"
 #include "tools/base/record/json.h"
 #include "tools/program/import/source_table.h"
@@ -26,7 +27,7 @@ constexpr double latest_log = 1e15;                                             
 constexpr double smallest_log_time = 0.0;
 constexpr const char* log_rule =
     "the device's own slip detection: none, some or all of the pillars in contact (slipState 1, 2 or 3) are in state 3";
-constexpr const char* log_frame =
+constexpr const char* device_frame =
     "pillars seen from above with the connector at the bottom: x up, y right, z into the sensor, so that compression is positive; "
     "forces act on the sensor, displacements are of its tips";
 
@@ -83,7 +84,7 @@ struct LoggedSensor {
       touching += state > 0 ? 1 : 0;
       slipping += state == 3 ? 1 : 0;
     }
-    record.labels.state_paper.push_back(static_cast<std::uint8_t>(state_of_units(touching, slipping)));
+    record.labels.state_paper.push_back(static_cast<std::uint8_t>(UnitCounts{touching, slipping}.state()));
   }
 };
 
@@ -94,9 +95,6 @@ constexpr double most_training_mm = 1e6;
 constexpr const char* training_rule =
     "the training files' own: none, some or all of the pillars with contact have the flag slip; the centre pillar does not count in a "
     "file that lies in a folder rotation or combined";
-constexpr const char* training_frame =
-    "pillars seen from above with the connector at the bottom: x up, y right, z into the sensor, so that compression is positive; "
-    "forces act on the sensor, displacements are of its tips";
 
 // What folder and name say: "translation/demo_3-v_4.0-slip.csv".
 struct TrainingName {
@@ -138,7 +136,7 @@ void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
   const std::size_t count = names.size() / log_sensor_columns;
   std::vector<LoggedSensor> sensors;
   for (std::size_t s = 0; s < count; ++s) {
-    sensors.push_back({make_imported_sensor(count == 1 ? "pad" : fmt::format("s{}", s), "papillarray", 0.0, log_frame,
+    sensors.push_back({make_imported_sensor(count == 1 ? "pad" : fmt::format("s{}", s), "papillarray", 0.0, device_frame,
                                             {"force", "displacement"})});
   }
   std::vector<double> time;
@@ -160,13 +158,11 @@ void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
     time.push_back(now);
     for (std::size_t s = 0; s < count; ++s) sensors[s].add(table, names, 1 + s * log_sensor_columns);
   }
-  if (time.size() < 2)
-    table.fail(fmt::format("ends a recording of {} samples; allowed: two at least, which tell the rate", time.size()));
 
   bool detects = true;
   for (LoggedSensor& sensor : sensors) {
     sensor.record.time = time;
-    sensor.record.rate = rate_of(time);
+    sensor.record.rate = rate_of(table, time);
     sensor.record.labels.rule = log_rule;
     if (!sensor.always_active) sensor.record.labels.state_paper.clear();
     detects = detects && sensor.always_active;
@@ -183,7 +179,7 @@ void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
 
 void read_training_csv(const SourceFile& file, const AddRecording& add) {
   const TrainingName name = training_name(file);
-  SensorRecord sensor = make_imported_sensor("pad", "papillarray", 0.0, training_frame, {"force", "displacement"});
+  SensorRecord sensor = make_imported_sensor("pad", "papillarray", 0.0, device_frame, {"force", "displacement"});
   std::vector<std::string> columns{"time"};
   while (columns.size() < training_columns) columns.push_back(training_column(columns.size()));
   SourceTable table(file);
@@ -212,12 +208,10 @@ void read_training_csv(const SourceFile& file, const AddRecording& add) {
       }
     }
     // A centre pillar that touches alone does not slip.
-    const PadState state = touching == 0 && contact ? PadState::non_slip : state_of_units(touching, slipping);
+    const PadState state = touching == 0 && contact ? PadState::non_slip : UnitCounts{touching, slipping}.state();
     sensor.labels.state_paper.push_back(static_cast<std::uint8_t>(state));
   }
-  if (sensor.time.size() < 2)
-    table.fail(fmt::format("ends a recording of {} samples; allowed: two at least, which tell the rate", sensor.time.size()));
-  sensor.rate = rate_of(sensor.time);
+  sensor.rate = rate_of(table, sensor.time);
   sensor.labels.rule = training_rule;
   TrialRecord record = make_recording(name.params, "");
   record.body_time = sensor.time;

@@ -167,13 +167,9 @@ SensorRecord make_imported_sensor(const std::string& name, const std::string& ty
   return record;
 }
 
-PadState state_of_units(std::size_t touching, std::size_t slipping) {
-  if (touching == 0) return PadState::no_contact;
-  if (slipping == 0) return PadState::non_slip;
-  return slipping < touching ? PadState::incipient : PadState::gross;
-}
-
-double rate_of(const std::vector<double>& times) {
+double rate_of(const SourceTable& table, const std::vector<double>& times) {
+  if (times.size() < 2)
+    table.fail(fmt::format("ends a recording of {} samples; allowed: two at least, which tell the rate", times.size()));
   std::vector<double> steps;
   for (std::size_t row = 1; row < times.size(); ++row) steps.push_back(times[row] - times[row - 1]);
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);

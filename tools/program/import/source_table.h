@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/core/pad_state.h"
 #include "tools/base/record/json.h"
 #include "tools/base/record/trial_record.h"
 
@@ -58,12 +57,6 @@ SensorRecord make_imported_sensor(const std::string& name, const std::string& ty
 // Whether a text can name an object or a file in a dataset: not empty, UTF-8, no control characters.
 bool is_plain_name(const std::string& text);
 
-// None, some or all of the units that touch slip.
-PadState state_of_units(std::size_t touching, std::size_t slipping);
-
-// Samples a second of rising times [s]: one over the median step, rounded to a microsecond. There are two at least.
-double rate_of(const std::vector<double>& times);
-
 // What one recording may take in memory [bytes]: a dataset's file holds a recording whole.
 inline constexpr std::size_t largest_recording = 1'000'000'000;
 
@@ -110,5 +103,8 @@ class SourceTable {
   std::vector<std::string_view> cells_;
   std::size_t line_ = 0;
 };
+
+// Samples a second of rising times [s]: one over the median step, rounded to a microsecond. Fails where there are fewer than two.
+double rate_of(const SourceTable& table, const std::vector<double>& times);
 
 }  // namespace slipbench

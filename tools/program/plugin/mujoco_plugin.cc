@@ -5,7 +5,6 @@
 #include <exception>
 #include <string>
 
-#include "sim/mujoco/pads/plugin_interface.h"
 #include "sim/mujoco/pads/register_plugin.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
@@ -41,7 +40,7 @@ int write_text(char* text, int size, const Action& action) {
 
 extern "C" {
 
-// describe_pads() of sim/mujoco/pads/plugin_interface.h.
+// describe_pads() of sim/mujoco/pads/register_plugin.h.
 [[gnu::visibility("default")]] int slipbench_describe_pads(const mjModel_* model, char* text, int size) {
   return write_text(text, size, [model] { return slipbench::describe_pads(model); });
 }

@@ -20,6 +20,7 @@
 #include "tools/base/files/output_file.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/report/report_parts.h"
+#include "tools/program/run/recorded_scene.h"
 #include "tools/program/sweep/warnings.h"
 
 namespace slipbench {
@@ -115,12 +116,6 @@ std::vector<std::size_t> embedded_trials(const std::vector<std::size_t>& trials,
   return chosen;
 }
 
-Json parse_json(const std::string& text, const std::string& subject) {
-  Json value = Json::parse(text, nullptr, false);
-  if (value.is_discarded()) throw InputError(subject + " is not JSON: " + text.substr(0, 60));
-  return value;
-}
-
 std::string description_of(const std::string& scene, const std::string& subject) {
   try {
     const YAML::Node description = YAML::Load(scene)["description"];
@@ -132,9 +127,8 @@ std::string description_of(const std::string& scene, const std::string& subject)
 
 // Drawn parameters of a trial: {path: plain value}, those that it has.
 Json drawn_parameters(const std::string& params, const std::string& subject) {
-  const Json stored = parse_json(params, subject);
-  if (!stored.is_object()) throw InputError(subject + " is not a JSON object");
   Json result = Json::object();
+  const Json stored = json_object(params, subject);
   for (const auto& [path, value] : stored.items()) {
     if (!value.is_null()) result[path] = report::plain_value(path, value);  // null: a parameter of another type than the trial's
   }
@@ -173,16 +167,6 @@ Json trial_row(const TrialRecord& record, const std::string& subject) {
   return row;
 }
 
-// The scene that the dataset holds, with its overrides. Nothing is built, since that would open files that the dataset names.
-TrialPlan plan_of(const DatasetHeader& header, const Json& overrides, const Catalogues& catalogues) {
-  SceneFile file = SceneFile::from_text(header.scene, "scene");
-  for (const auto& [path, value] : overrides.items()) {
-    if (!value.is_string()) throw InputError("overrides hold no text for " + path);
-    file.apply({path, value.get<std::string>()});
-  }
-  return {file, catalogues, 0, header.seed};
-}
-
 // What the closed form of a pad that is one elastic body needs, where it is one.
 Json skin_of(const Scene& scene) {
   const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
@@ -203,7 +187,8 @@ std::vector<Warning> read_scene(const DatasetHeader& header, const std::vector<s
                                 const std::vector<std::size_t>& embedded, Json& page) {
   try {
     const Catalogues catalogues = program_catalogues();
-    const TrialPlan plan = plan_of(header, page["overrides"], catalogues);
+    // Nothing is built, since that would open files that the dataset names.
+    const TrialPlan plan{recorded_file(header.scene, page["overrides"], "scene"), catalogues, 0, header.seed};
     std::vector<std::size_t> own = trials;  // --trials may have made more
     std::erase_if(own, [&](std::size_t trial) { return trial >= plan.size(); });
     for (const std::size_t trial : embedded) {
@@ -250,7 +235,7 @@ Json head_of(const DatasetReader& dataset, const std::string& path, const Report
           {"command", header.command},
           {"seed", std::to_string(header.seed)},
           {"scene", header.scene},
-          {"overrides", parse_json(header.overrides, path + ": attribute overrides")},
+          {"overrides", json_object(header.overrides, path + ": attribute overrides")},
           {"content_sha256", dataset.content_sha256()},
           {"trials_in_file", dataset.trials().size()},
           {"recorded", Json::array()},

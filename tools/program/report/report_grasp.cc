@@ -17,6 +17,7 @@
 #include "tools/base/page/page.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/report/report_parts.h"
+#include "tools/program/run/recorded_scene.h"
 
 namespace slipbench::report {
 namespace {
@@ -254,11 +255,7 @@ Json grasp_payload(const TrialRecord& record, std::size_t curve_values, const st
 }
 
 Json grasp_parameters(const std::string& scene, const Json& overrides, const Json& swept, const std::string& place) {
-  SceneFile file = SceneFile::from_text(scene, place);
-  for (const auto& [path, value] : overrides.items()) {
-    if (!value.is_string()) throw InputError(place + ": attribute overrides holds no text for " + path);
-    file.apply({path, value.get<std::string>()});
-  }
+  const SceneFile file = recorded_file(scene, overrides, place);
   ParameterRows rows(file.root(), swept);
   for (const Entry& entry : grasp_catalogue()) {
     if (entry.name != "scatter" || rows.at({"scatter"}) != nullptr) rows.add({entry.name}, entry);

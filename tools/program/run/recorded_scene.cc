@@ -5,11 +5,8 @@
 #include <string_view>
 #include <variant>
 
-#include <fmt/format.h>
-
 #include "sim/core/error.h"
 #include "sim/scene/section_readers.h"
-#include "tools/base/record/json.h"
 
 namespace slipbench {
 namespace {
@@ -63,26 +60,35 @@ std::string speed_of(const Scene& scene) {
   throw SceneValueError("split.by", "the motion '" + scene.motion.name + "' has no speed; allowed: material, object, trial");
 }
 
-void apply(const std::string& text, const char* attribute, SceneFile& file) {
-  const auto values = Json::parse(text, nullptr, false);
-  if (!values.is_object()) throw InputError(fmt::format("attribute {} is not a JSON object", attribute));
-  for (const auto& [path, value] : values.items()) {
-    if (path != "sweep" && !path.starts_with("sweep.") && !value.is_null())
-      file.apply({path, value.is_string() ? value.get<std::string>() : value.dump()});
-  }
-}
-
 }  // namespace
 
+Json json_object(const std::string& text, const std::string& subject) {
+  Json values = Json::parse(text, nullptr, false);
+  if (!values.is_object()) throw InputError(subject + " is not a JSON object: " + text.substr(0, 60));
+  return values;
+}
+
+SceneFile recorded_file(const std::string& scene, const Json& overrides, const std::string& place) {
+  SceneFile file = SceneFile::from_text(scene, place);
+  for (const auto& [path, value] : overrides.items()) {
+    if (!value.is_string()) throw InputError(place + ": the overrides hold no text for " + path);
+    file.apply({path, value.get<std::string>()});
+  }
+  return file;
+}
+
 SceneFile recorded_file(const DatasetReader& reader) {
-  SceneFile file = SceneFile::from_text(reader.header().scene, "attribute scene");
-  apply(reader.header().overrides, "overrides", file);
+  SceneFile file =
+      recorded_file(reader.header().scene, json_object(reader.header().overrides, "attribute overrides"), "attribute scene");
   file.apply({"sweep", "{}"});
   return file;
 }
 
 Scene recorded_scene(SceneFile file, const TrialRecord& record, const Catalogues& catalogues) {
-  apply(record.params, "params", file);
+  const Json params = json_object(record.params, "attribute params");
+  for (const auto& [path, value] : params.items()) {
+    if (!value.is_null()) file.apply({path, value.is_string() ? value.get<std::string>() : value.dump()});
+  }
   return parse_scene(file, catalogues);
 }
 

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/error.h"
 #include "sim/core/quantity.h"
-#include "sim/core/wrong_run.h"
 #include "tools/base/record/encoder.h"
 #include "tools/program/run/recorded_scene.h"
 
@@ -137,8 +137,6 @@ class FirstBadRow {
 void keep_earliest(double& time, double candidate) {
   if (!(time <= candidate)) time = candidate;
 }
-
-bool slips(PadState state) { return state == PadState::incipient || state == PadState::gross; }
 
 std::size_t index_of(const std::vector<NamedBody>& bodies, const std::string& name, const char* key) {
   const auto found = std::ranges::find(bodies, name, &NamedBody::name);

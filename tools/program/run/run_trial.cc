@@ -11,7 +11,7 @@
 #include "sim/simulation/stage_simulation.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/workers/child_process.h"
-#include "tools/program/catalogue/detector_catalogue.h"
+#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/run/trial_run.h"

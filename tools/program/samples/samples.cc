@@ -7,12 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "detectors/channel.h"
 #include "detectors/hd/words.h"
 #include "sim/core/error.h"
 #include "sim/motion/motion.h"
 #include "sim/scene/parser.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
+#include "tools/program/run/recorded_scene.h"
 
 namespace slipbench {
 namespace {
@@ -42,22 +44,12 @@ std::size_t samples_a_row(const SensorColumn& column, const SensorRecord& sensor
   return static_cast<std::size_t>(std::clamp(every, 1.0, static_cast<double>(sensor.time.size())));
 }
 
-Json object_of(const std::string& text, const std::string& subject) {
-  Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object()) throw InputError(subject + " is not a JSON object");
-  return json;
-}
-
 // The scene as it was run, but for what was swept.
 SceneFile scene_of(const DatasetReader& reader) {
   const std::string file = reader.files().front();
-  SceneFile scene = SceneFile::from_text(reader.header().scene, file + ": scene");
+  SceneFile scene = recorded_file(reader.header().scene, json_object(reader.header().overrides, file + ": attribute overrides"),
+                                  file + ": scene");
   if (scene.root().kind != YamlNode::Kind::map) throw InputError(file + ": attribute scene is not a scene");
-  const Json overrides = object_of(reader.header().overrides, file + ": attribute overrides");
-  for (const auto& [path, value] : overrides.items()) {
-    if (!value.is_string()) throw InputError(file + ": attribute overrides holds no text for " + path);
-    scene.apply({path, value.get<std::string>()});
-  }
   return scene;
 }
 
@@ -75,7 +67,7 @@ class Commanded {
  public:
   Commanded(const DatasetReader& reader, std::size_t trial)
       : file_(reader.files()[reader.file_of(trial)]),
-        swept_(object_of(reader.info(trial).params, fmt::format("{}: trial {}: attribute params", file_, trial))),
+        swept_(json_object(reader.info(trial).params, fmt::format("{}: trial {}: attribute params", file_, trial))),
         scene_(scene_of(reader)) {}
 
   // Empty where the motion has no such number.
@@ -268,18 +260,15 @@ bool PapillarraySamples::slipping(std::size_t row, std::size_t pillar) const {
 
 PadState PapillarraySamples::pad_state(std::size_t row, bool turning) const {
   bool in_contact = false;
-  std::size_t judged = 0;
-  std::size_t slipped = 0;
+  UnitCounts judged;
   for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
     if (!touching(row, pillar)) continue;
     in_contact = true;
     if (turning && pillar == middle_pillar) continue;
-    ++judged;
-    if (slipping(row, pillar)) ++slipped;
+    ++judged.touching;
+    if (slipping(row, pillar)) ++judged.slipping;
   }
-  if (!in_contact) return PadState::no_contact;
-  if (slipped == 0) return PadState::non_slip;
-  return slipped == judged ? PadState::gross : PadState::incipient;
+  return in_contact && judged.touching == 0 ? PadState::non_slip : judged.state();
 }
 
 double PapillarraySamples::tangential_force(std::size_t row, std::size_t pillar) const {
@@ -316,6 +305,14 @@ std::vector<std::string> vendor_log_columns(std::size_t sensors) {
       names.push_back(fmt::format("S{}_P{}_slipState", s, p));
     }
     names.push_back(fmt::format("S{}_FrictionEst", s));
+  }
+  return names;
+}
+
+std::vector<std::string> grasp_columns() {
+  std::vector<std::string> names{"object", "slipped"};
+  for (const char* finger : grasp_fingers) {
+    for (std::size_t e = 1; e <= finger_electrodes; ++e) names.push_back(fmt::format("{}_biotac_{}", finger, e));
   }
   return names;
 }

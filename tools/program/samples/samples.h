@@ -99,6 +99,11 @@ inline constexpr std::size_t middle_pillar = 4;
 // The columns of the vendor's log of so many sensors, in its manual's order: T_us, S0_P0_DX, ...
 std::vector<std::string> vendor_log_columns(std::size_t sensors);
 
+// Those of a file of bts3v2, a row a grasp with three BioTac SP: object, slipped, ff_biotac_1, ...
+inline constexpr std::array<const char*, 3> grasp_fingers{"ff", "mf", "th"};
+inline constexpr std::size_t finger_electrodes = 24;
+std::vector<std::string> grasp_columns();
+
 // One PapillArray's samples: force and displacement of every pillar, and the truth.
 class PapillarraySamples {
  public:

@@ -17,14 +17,13 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/wrong_run.h"
 #include "sim/scene/section_readers.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/base/workers/isolated_worker.h"
 #include "tools/base/workers/ordered_workers.h"
-#include "tools/program/catalogue/detector_catalogue.h"
+#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/run/trial_run.h"
 #include "tools/program/sweep/sweep_shard.h"

@@ -13,11 +13,11 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/workers/isolated_worker.h"
-#include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/run/run_trial.h"

@@ -160,6 +160,13 @@ std::vector<std::string> kind_names() {
   return names;
 }
 
+// A name, and what is to say of it beside it from `column` + 4 on.
+std::string named_line(const std::string& name, const std::string& summary, std::size_t column, std::size_t width) {
+  std::string lines = wrap_text(summary, width, column + 4);
+  // The name takes the place of the first line's margin.
+  return lines.replace(0, column + 4, fmt::format("  {}{}  ", name, std::string(column - name.size(), ' ')));
+}
+
 constexpr const char* hd_summary = "The hyperdimensional detector of a PapillArray, taught in a single pass; writes a folder";
 
 std::string input_text(const network::Input& input) {
@@ -394,12 +401,7 @@ std::string list_text(const std::vector<CatalogueItem>& items, std::span<const C
     if (!text.empty()) text += '\n';
     text += fmt::format("{}  {}\n", style.heading(kind.plural), style.dim(fmt::format("scene key {}", kind.use)));
     const std::vector<CatalogueItem> listed = items_of(items, kind);
-    for (const CatalogueItem& item : listed) {
-      std::string summary = wrap_text(item.entry.summary, width, column + 4);
-      // The name takes the place of the first line's margin.
-      summary.replace(0, column + 4, fmt::format("  {}{}  ", item.entry.name, std::string(column - item.entry.name.size(), ' ')));
-      text += summary;
-    }
+    for (const CatalogueItem& item : listed) text += named_line(item.entry.name, item.entry.summary, column, width);
     if (listed.empty()) text += "  (none)\n";
   }
   return text;
@@ -426,13 +428,8 @@ std::string recipe_list_text(const Style& style, std::size_t width) {
   std::size_t column = 0;
   for (const std::string& name : recipe_names()) column = std::max(column, name.size());
   std::string text = fmt::format("{}  {}\n", style.heading("recipes"), style.dim("slipbench train --recipe"));
-  const auto add = [&](const std::string& name, const std::string& summary) {
-    std::string lines = wrap_text(summary, width, column + 4);
-    lines.replace(0, column + 4, fmt::format("  {}{}  ", name, std::string(column - name.size(), ' ')));
-    text += lines;
-  };
-  add(hd_recipe, hd_summary);
-  for (const train::Recipe& recipe : train::recipes()) add(recipe.name, recipe.summary);
+  text += named_line(hd_recipe, hd_summary, column, width);
+  for (const train::Recipe& recipe : train::recipes()) text += named_line(recipe.name, recipe.summary, column, width);
   return text;
 }
 

@@ -6,13 +6,13 @@
 #include <memory>
 #include <set>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/interrupted.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/record/json.h"
 #include "tools/program/train/network/network.h"
@@ -104,9 +104,9 @@ std::vector<SlipSeries> slip_series(const Answers& answers, const std::vector<ne
     SlipSeries& series = all.emplace_back();
     for (const Answer& answer : sequence) {
       double slip = 0.0;
-      for (std::size_t c = 0; c < classes.size(); ++c) slip += network::slips(classes[c].state) ? answer.probability[c] : 0.0;
+      for (std::size_t c = 0; c < classes.size(); ++c) slip += slips(classes[c].state) ? answer.probability[c] : 0.0;
       series.probability.push_back(slip);
-      series.truth.push_back(answer.label == masked ? masked : std::uint8_t{network::slips(classes[answer.label].state)});
+      series.truth.push_back(answer.label == masked ? masked : std::uint8_t{slips(classes[answer.label].state)});
     }
   }
   return all;
@@ -142,13 +142,11 @@ void check_classes(const std::vector<std::string>& datasets, const char* part, c
   }
 }
 
-Json counts_json(const Counts& counts) {
-  return {{"balanced_accuracy", or_null(counts.balanced_accuracy())},
-          {"f1", or_null(counts.f1())},
-          {"slip_called_slip", counts.slip_called_slip},
-          {"slip_called_hold", counts.slip_called_hold},
-          {"hold_called_slip", counts.hold_called_slip},
-          {"hold_called_hold", counts.hold_called_hold}};
+Json counts_json(const Confusion& frames) {
+  constexpr PadState slip = PadState::gross, hold = PadState::non_slip;
+  return {{"balanced_accuracy", or_null(balanced_slip_accuracy(frames))}, {"f1", or_null(f1_of_slip(frames))},
+          {"slip_called_slip", samples_in(frames, slip, slip)},           {"slip_called_hold", samples_in(frames, slip, hold)},
+          {"hold_called_slip", samples_in(frames, hold, slip)},           {"hold_called_hold", samples_in(frames, hold, hold)}};
 }
 
 std::string checkpoint_path(const std::string& output, std::size_t member) {
@@ -333,7 +331,7 @@ Json trained_json(const NetworkTraining& training, const Lesson& lesson, const s
                 {{"balanced_accuracy", summary.validation}, {"alarms_per_minute", or_null(summary.point.alarms_per_minute)}}},
                {"libraries", network_libraries()}};
   if (!lesson.judging.empty()) {
-    trained["judged"] = counts_json(summary.held_out);
+    trained["judged"] = counts_json(summary.held_out.frames);
     trained["judged"]["alarms_per_minute"] = or_null(summary.held_out_alarms);
     trained["judged"]["all_classes_balanced_accuracy"] = summary.held_out_accuracy;
   }

@@ -10,7 +10,6 @@
 
 #include "tools/program/train/network/examples.h"
 #include "tools/program/train/network/network.h"
-#include "tools/program/train/network/operating_point.h"
 #include "tools/program/train/network/validation.h"
 #include "tools/program/train/recipes/recipe.h"
 

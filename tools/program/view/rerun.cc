@@ -32,6 +32,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Starts a program in a session of its own, so that Ctrl-C ends the one that started it alone. `streams(actions)` says what its streams are.
+// Returns 0, or why it did not start, as errno has it.
+template <class Streams>
+int start(std::vector<std::string> words, const Streams& streams, pid_t& child) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawnattr_init(&attributes);
+  streams(&actions);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+  const int error = ::posix_spawnp(&child, words.front().c_str(), &actions, &attributes, pointers.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::posix_spawnattr_destroy(&attributes);
+  return error;
+}
+
 // The user's Python with rerun.py, which is told of files on its stdin.
 class Python {
  public:
@@ -41,22 +60,14 @@ class Python {
     std::vector<std::string> words{own == nullptr ? "python3" : own, "-P", "-c",
                                    std::string(page::embedded(view::assets(), "rerun.py")), name};
     if (!save.empty()) words.push_back(fs::absolute(save).string());
-    std::vector<char*> pointers;
-    for (std::string& word : words) pointers.push_back(word.data());
-    pointers.push_back(nullptr);
     std::array<int, 2> ends{};
     if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw InputError(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
     input_ = ends[1];
-    posix_spawn_file_actions_t streams;
-    posix_spawnattr_t attributes;
-    ::posix_spawn_file_actions_init(&streams);
-    ::posix_spawnattr_init(&attributes);
-    ::posix_spawn_file_actions_adddup2(&streams, ends[0], STDIN_FILENO);
-    ::posix_spawn_file_actions_adddup2(&streams, STDERR_FILENO, STDOUT_FILENO);
-    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);  // Ctrl-C ends the following, not the viewer
-    const int error = ::posix_spawnp(&child_, words.front().c_str(), &streams, &attributes, pointers.data(), environ);
-    ::posix_spawn_file_actions_destroy(&streams);
-    ::posix_spawnattr_destroy(&attributes);
+    const auto streams = [&ends](posix_spawn_file_actions_t* actions) {
+      ::posix_spawn_file_actions_adddup2(actions, ends[0], STDIN_FILENO);
+      ::posix_spawn_file_actions_adddup2(actions, STDERR_FILENO, STDOUT_FILENO);
+    };
+    const int error = start(words, streams, child_);
     ::close(ends[0]);
     if (error != 0) {
       ::close(input_);
@@ -140,24 +151,6 @@ bool opened(pid_t child) {
   return true;
 }
 
-// Starts `program path` in a session of its own, without this program's streams; -1 where there is no such program.
-pid_t start(std::string program, std::string path) {
-  std::array<char*, 3> words{program.data(), path.data(), nullptr};
-  posix_spawn_file_actions_t streams;
-  posix_spawnattr_t attributes;
-  ::posix_spawn_file_actions_init(&streams);
-  ::posix_spawnattr_init(&attributes);
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    ::posix_spawn_file_actions_addopen(&streams, stream, "/dev/null", O_RDWR, 0);
-  }
-  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
-  pid_t child = -1;
-  const bool started = ::posix_spawnp(&child, program.c_str(), &streams, &attributes, words.data(), environ) == 0;
-  ::posix_spawn_file_actions_destroy(&streams);
-  ::posix_spawnattr_destroy(&attributes);
-  return started ? child : -1;
-}
-
 }  // namespace
 
 bool begins_as_rrd(std::string_view text) { return text.starts_with("RRF"); }
@@ -199,8 +192,12 @@ std::optional<std::string> open_in_browser(const std::string& path) {
   if (!has_screen()) return std::nullopt;
   const std::string whole = std::filesystem::absolute(path).string();
   for (const std::string& program : openers()) {
-    const pid_t child = start(program, whole);
-    if (child > 0 && opened(child)) return program;
+    const auto none = [](posix_spawn_file_actions_t* actions) {
+      for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        ::posix_spawn_file_actions_addopen(actions, stream, "/dev/null", O_RDWR, 0);
+    };
+    pid_t child = -1;
+    if (start({program, whole}, none, child) == 0 && opened(child)) return program;
   }
   return std::nullopt;
 }

@@ -1,5 +1,4 @@
 // Table 3 of the paper: direction of slip under one finger, on objects that were not learnt; with and without the place of the touch.
-#include <algorithm>
 #include <array>
 #include <map>
 #include <set>

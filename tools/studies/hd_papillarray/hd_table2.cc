@@ -166,12 +166,9 @@ GraspFigures grasp_figures(const Scene& lift, const TrialRecord& record) {
   if (outcome.dropped) return figures;
   const SensorRecord& sensor = record.sensors.front();
   const auto force = std::ranges::find(sensor.channels, "force", &SensorColumn::name);
-  const auto pose = [&](const char* name) -> const std::vector<float>& {
-    return std::ranges::find(record.bodies, name, &BodyRecord::name)->pose;
-  };
   const double start = lift_times(lift.motion.parameters).start;
   const auto begun = static_cast<std::size_t>(std::ranges::upper_bound(sensor.time, start) - sensor.time.begin()) - 1;
-  const MarkerSlip markers = marker_slip(pose("arm"), pose("box"), begun);
+  const MarkerSlip markers = marker_slip(record.body("arm").pose, record.body("box").pose, begun);
   const std::vector<std::uint8_t>& position = record.control->grip.measured_position;
   figures.slip = outcome.slip_translation;
   figures.rotation = outcome.slip_rotation;

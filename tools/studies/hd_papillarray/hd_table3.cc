@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -35,13 +36,8 @@ const std::vector<GruRow> gru_rows{{"gru_micro", 1, train::LabelRule::micro},
                                    {"gru_latched_640", many_draws, train::LabelRule::latched},
                                    {"gru5_latched", 1, train::LabelRule::latched, "papillarray_gru5"}};
 
-struct GruOutcome {
-  GruFigures figures;
-  std::size_t learnt = 0;  // sequences, with those that choose the state
-  double kilobytes = 0.0, step = 0.0;
-};
-
-GruOutcome run_row(const GruRow& row, const std::string& dataset, const std::string& model, const ReproduceOptions& options) {
+// gru_figures(); "learnt", the sequences with those that choose the state; "kilobytes", "step_s".
+Json run_row(const GruRow& row, const std::string& dataset, const std::string& model, const ReproduceOptions& options) {
   const train::NetworkSummary summary = teach(row.name, train::find_recipe(row.recipe), row.labels, dataset, model, options);
   const std::unique_ptr<network::Engine> engine = network::load_engine(model);
   eval::Options judged;
@@ -49,17 +45,18 @@ GruOutcome run_row(const GruRow& row, const std::string& dataset, const std::str
   judged.dataset = dataset;
   judged.labels = eval::parse_label_rule(hd::name_of(train::label_words, row.labels));
   judged.trained = engine->description().trained;
-  GruOutcome outcome;
-  outcome.figures = gru_figures(eval::evaluate(judged));
-  outcome.learnt = summary.learnt + summary.validated;
-  outcome.kilobytes = 1e-3 * static_cast<double>(std::filesystem::file_size(model));
-  outcome.step = median_time(steps_timed, [&, nothing = std::vector<float>(engine->inputs())] { engine->run(nothing); });
+  Json figures = gru_figures(eval::evaluate(judged));
+  figures["learnt"] = summary.learnt + summary.validated;
+  figures["kilobytes"] = 1e-3 * static_cast<double>(std::filesystem::file_size(model));
+  figures["step_s"] = median_time(steps_timed, [&, nothing = std::vector<float>(engine->inputs())] { engine->run(nothing); });
   end_if_interrupted();
-  return outcome;
+  return figures;
 }
 
 std::string in_percent(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f}", 100.0 * share); }
-std::string in_ms(double seconds) { return std::isnan(seconds) ? "-" : fmt::format("{:.0f}", 1e3 * seconds); }
+// "-" of null.
+std::string in_ms(const Json& seconds) { return seconds.is_null() ? "-" : fmt::format("{:.0f}", 1e3 * seconds.get<double>()); }
+std::string count_of(const Json& figure) { return std::to_string(figure.get<std::size_t>()); }
 
 ResultTable frames_table() {
   return {
@@ -84,74 +81,53 @@ ResultTable events_table() {
 std::string text_of(const GruRow& row) { return row.recipe == "papillarray_gru5" ? "five GRUs averaged" : "GRU"; }
 std::string label_of(const GruRow& row) { return std::string(hd::name_of(train::label_words, row.labels)); }
 
-std::vector<std::string> frames_row(const GruRow& row, const GruOutcome& outcome) {
-  const GruFigures& figures = outcome.figures;
+std::vector<std::string> frames_row(const GruRow& row, const Json& figures) {
+  const auto number = [&](const char* key) { return number_or_nan(figures.at(key)); };
   return {text_of(row),
           label_of(row),
-          std::to_string(outcome.learnt),
-          in_percent(figures.balanced),
-          fmt::format("{:.3f}", figures.auc),
-          in_percent(figures.right(false)),
-          in_percent(figures.right(true)),
-          fmt::format("{:.0f}", outcome.kilobytes),
-          fmt::format("{:.0f}", 1e6 * outcome.step)};
+          count_of(figures.at("learnt")),
+          in_percent(number("balanced_accuracy")),
+          fmt::format("{:.3f}", number("auc")),
+          in_percent(right_share(figures, false)),
+          in_percent(right_share(figures, true)),
+          fmt::format("{:.0f}", number("kilobytes")),
+          fmt::format("{:.0f}", 1e6 * number("step_s"))};
 }
 
-std::vector<std::string> events_row(const GruRow& row, const GruOutcome& outcome) {
-  const GruFigures& figures = outcome.figures;
-  return {fmt::format("{}, {} learnt", text_of(row), outcome.learnt),
+std::vector<std::string> events_row(const GruRow& row, const Json& figures) {
+  const auto count = [&](const char* key) { return figures.at(key).get<std::size_t>(); };
+  return {fmt::format("{}, {} learnt", text_of(row), count("learnt")),
           label_of(row),
-          std::to_string(figures.slipping),
-          std::to_string(figures.seen),
-          std::to_string(figures.early),
-          std::to_string(figures.missed),
-          in_ms(figures.delay),
-          fmt::format("{} to {}", in_ms(figures.delay_10), in_ms(figures.delay_90)),
-          fmt::format("{} of {}", figures.false_alarms, figures.trials - figures.slipping),
-          fmt::format("{:.1f}", figures.false_alarms_a_minute)};
-}
-
-Json figures_json(const GruOutcome& outcome) {
-  const GruFigures& figures = outcome.figures;
-  return {{"learnt", outcome.learnt},
-          {"trials", figures.trials},
-          {"slipping", figures.slipping},
-          {"seen", figures.seen},
-          {"early", figures.early},
-          {"missed", figures.missed},
-          {"false_alarms", figures.false_alarms},
-          {"balanced_accuracy", figures.balanced},
-          {"auc", figures.auc},
-          {"delay_s", figures.delay},
-          {"delay_p10_s", figures.delay_10},
-          {"delay_p90_s", figures.delay_90},
-          {"false_alarms_a_minute", figures.false_alarms_a_minute},
-          {"kilobytes", outcome.kilobytes},
-          {"step_s", outcome.step}};
+          count_of(figures.at("slipping")),
+          count_of(figures.at("seen")),
+          count_of(figures.at("early")),
+          count_of(figures.at("missed")),
+          in_ms(figures.at("delay_s")),
+          fmt::format("{} to {}", in_ms(figures.at("delay_p10_s")), in_ms(figures.at("delay_p90_s"))),
+          fmt::format("{} of {}", count("false_alarms"), count("trials") - count("slipping")),
+          fmt::format("{:.1f}", number_or_nan(figures.at("false_alarms_a_minute")))};
 }
 
 }  // namespace
 
-double GruFigures::right(bool early_counts) const {
-  const std::size_t quiet = trials - slipping - false_alarms;
-  return static_cast<double>(seen + quiet + (early_counts ? early : 0)) / static_cast<double>(trials);
+double right_share(const Json& figures, bool early_counts) {
+  const auto count = [&](const char* key) { return figures.at(key).get<std::size_t>(); };
+  const std::size_t quiet = count("trials") - count("slipping") - count("false_alarms");
+  return static_cast<double>(count("seen") + quiet + (early_counts ? count("early") : 0)) / static_cast<double>(count("trials"));
 }
 
-GruFigures gru_figures(const Json& result) {
-  const Json &all = result.at("all"), &of = all.at("figures");
-  const auto value = [&](const char* key) { return number_or_nan(of.at(key).at("value")); };
-  return {all.at("trials"),
-          all.at("slipping"),
-          all.at("seen"),
-          all.at("early"),
-          all.at("missed"),
-          all.at("false_alarms"),
-          value("balanced_slip_accuracy"),
-          value("auc"),
-          value("delay_median_s"),
-          value("delay_p10_s"),
-          value("delay_p90_s"),
-          value("false_alarms_per_minute")};
+Json gru_figures(const Json& result) {
+  const Json& all = result.at("all");
+  Json figures;
+  for (const char* key : {"trials", "slipping", "seen", "early", "missed", "false_alarms"}) figures[key] = all.at(key);
+  for (const auto& [name, key] : {std::pair{"balanced_accuracy", "balanced_slip_accuracy"},
+                                  {"auc", "auc"},
+                                  {"delay_s", "delay_median_s"},
+                                  {"delay_p10_s", "delay_p10_s"},
+                                  {"delay_p90_s", "delay_p90_s"},
+                                  {"false_alarms_a_minute", "false_alarms_per_minute"}})
+    figures[name] = all.at("figures").at(key).at("value");
+  return figures;
 }
 
 Result hd_table3(const ReproduceOptions& options) {
@@ -172,10 +148,9 @@ Result hd_table3(const ReproduceOptions& options) {
       dataset = folder.file(fmt::format("hexapod{}.h5", row.draws));
       make_dataset(dataset, hexapod_scene, {}, row.draws, "sequences", options);
     }
-    const GruOutcome outcome = run_row(row, dataset, folder.file(row.name + ".onnx"), options);
-    frames.rows.push_back(frames_row(row, outcome));
-    events.rows.push_back(events_row(row, outcome));
-    result.figures[row.name] = figures_json(outcome);
+    const Json& figures = result.figures[row.name] = run_row(row, dataset, folder.file(row.name + ".onnx"), options);
+    frames.rows.push_back(frames_row(row, figures));
+    events.rows.push_back(events_row(row, figures));
   }
   result.tables = {frames, events};
   result.setup = {

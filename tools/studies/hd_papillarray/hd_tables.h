@@ -53,19 +53,12 @@ Spread spread(std::vector<double> values);
 
 inline constexpr const char* hexapod_scene = "scenes/papillarray/hexapod.yaml";  // the published protocol
 
-// What Table III says of a detector, out of what `slipbench eval` found.
-struct GruFigures {
-  std::size_t trials = 0, slipping = 0, seen = 0, early = 0, missed = 0, false_alarms = 0;  // of the trials that judge
-  double balanced = 0.0, auc = 0.0;                                                         // of frames, slip or not, 0 to 1
-  double delay = 0.0, delay_10 = 0.0, delay_90 = 0.0;                                       // s, of the trials seen; NaN: none
-  double false_alarms_a_minute = 0.0;
-
-  // Share of trials that are told: slip seen in time, or not called where there is none; `early_counts`: an early alarm is right, too.
-  [[nodiscard]] double right(bool early_counts) const;
-};
-
-// Of eval::evaluate()'s result.
-GruFigures gru_figures(const Json& result);
+// What Table III says of a detector, out of eval::evaluate()'s result: "trials", "slipping", "seen", "early", "missed", "false_alarms", of the trials
+// that judge. Of frames, slip or not: "balanced_accuracy" and "auc". Of the trials seen: "delay_s", "delay_p10_s" and "delay_p90_s", null of none. And
+// "false_alarms_a_minute".
+Json gru_figures(const Json& result);
+// Share of trials that are told: slip seen in time, or not called where there is none; `early_counts`: an early alarm is right, too.
+double right_share(const Json& figures, bool early_counts);
 
 inline constexpr double core_clock = 100e6;  // Hz, of the published boards
 

@@ -100,7 +100,7 @@ void teach_all(const std::vector<Loop>& rows, const Files& files, const std::str
     train::Recipe recipe = train::find_recipe(name);
     if (steps != 0) recipe.training.steps = steps;
     const train::NetworkSummary summary = teach(name, recipe, train::LabelRule::micro, dataset, output, options);
-    figures[name] = summary.held_out.balanced_accuracy();
+    figures[name] = balanced_slip_accuracy(summary.held_out.frames);
   };
   if (gru) learnt("grasp_gru", files.gru);
   if (piezo) learnt("piezo_fft_gru", files.piezo, piezo_steps);

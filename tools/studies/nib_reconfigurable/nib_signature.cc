@@ -11,6 +11,7 @@
 #include "sim/effects/effect_catalogue.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/statistics/roc.h"
+#include "tools/program/samples/samples.h"
 #include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
@@ -225,28 +226,14 @@ NibTrace::NibTrace(const TrialRecord& record) {
   const auto lever = std::ranges::find(record.bodies, "lever", &BodyRecord::name);
   if (record.sensors.size() != 1 || lever == record.bodies.end()) throw std::logic_error("no trial of the lever bench");
   const SensorRecord& sensor = record.sensors.front();
-  source_ = {sensor.name, sensor.type, sensor.rate, {}};
+  RecordedSamples samples(sensor);
+  source_ = {sensor.name, sensor.type, sensor.rate, samples.channels()};
   time_ = sensor.time;
-  for (const SensorColumn& column : sensor.channels) {
-    Channel channel{column.name, column.unit, column.shape, {}};
-    if (column.time) {
-      if (column.time->size() < 2) throw std::invalid_argument("a trial of fewer than two rows of a channel");
-      channel.every = static_cast<std::size_t>(std::lround((column.time->at(1) - column.time->at(0)) * sensor.rate));
-    }
-    frame_size_ += channel.size();
-    source_.channels.push_back(std::move(channel));
+  while (!samples.ended()) {
+    const SensorFrame frame = samples.take();
+    frames_.insert(frames_.end(), frame.values.begin(), frame.values.end());
   }
-  // A slow channel stands still until its next row; before the first there is nothing of it.
-  frames_.resize(size() * frame_size_);
-  std::size_t place = 0;
-  for (std::size_t c = 0; c < source_.channels.size(); ++c) {
-    const std::size_t width = source_.channels[c].size(), every = source_.channels[c].every;
-    for (std::size_t k = every - 1; k < size(); ++k) {
-      std::copy_n(sensor.channels[c].values.data() + ((k + 1) / every - 1) * width, width,
-                  frames_.data() + k * frame_size_ + place);
-    }
-    place += width;
-  }
+  frame_size_ = frames_.size() / size();
   const std::size_t units = sensor.labels.units();
   normal_.resize(size());
   lever_.resize(size());

@@ -24,9 +24,7 @@ constexpr std::size_t pose_size = 7;
 constexpr double upright = 0.0872664625997164788;  // rad, 5 degrees, as TurnOutcome has it
 
 const float* pose_of(const TrialRecord& record, std::string_view body, std::size_t row) {
-  const auto found = std::ranges::find(record.bodies, body, &BodyRecord::name);
-  if (found == record.bodies.end()) throw std::logic_error("turn_of: a body is missing");
-  return found->pose.data() + pose_size * row;
+  return record.body(body).pose.data() + pose_size * row;
 }
 
 // Between the body's axis Y and the vertical: of a rotation by (w, x, y, z) the entry of Y upwards is 2 (y z + w x).

@@ -71,9 +71,9 @@ train::Calls split(const std::vector<std::uint8_t>& all, const std::vector<train
   return calls;
 }
 
-train::Counts all_of(const GroupCounts& fold) {
-  train::Counts all = fold[with_slip];
-  all.add(fold[motors_alone]);
+Confusion all_of(const GroupCounts& fold) {
+  Confusion all = fold[with_slip];
+  add(all, fold[motors_alone]);
   return all;
 }
 
@@ -86,8 +86,8 @@ MeanSd over(const std::vector<GroupCounts>& folds, Of&& of) {
 
 template <class Of>
 NetworkFigures figures_over(const std::vector<GroupCounts>& folds, Of&& counts) {
-  return {over(folds, [&](const GroupCounts& fold) { return 100.0 * counts(fold).balanced_accuracy(); }),
-          over(folds, [&](const GroupCounts& fold) { return counts(fold).f1(); })};
+  return {over(folds, [&](const GroupCounts& fold) { return 100.0 * balanced_slip_accuracy(counts(fold)); }),
+          over(folds, [&](const GroupCounts& fold) { return f1_of_slip(counts(fold)); })};
 }
 
 constexpr const char* level_path = "motion.vibration";
@@ -106,8 +106,6 @@ double swept_number(const Json& swept, const char* path) {
   const auto found = swept.find(path);
   return found != swept.end() && found->is_number() ? found->get<double>() : std::numeric_limits<double>::quiet_NaN();
 }
-
-bool slips(std::uint8_t state) { return static_cast<PadState>(state) >= PadState::incipient; }
 
 // Sum of the speeds along the axes of what moves at time t [m/s].
 double bench_speed(const TrialRecord& record, double t) {
@@ -239,9 +237,9 @@ NetworkFigures on_slip(const std::vector<GroupCounts>& folds) {
 NetworkFigures on_all(const std::vector<GroupCounts>& folds) { return figures_over(folds, all_of); }
 MeanSd motors_right(const std::vector<GroupCounts>& folds) {
   return over(folds, [](const GroupCounts& fold) {
-    const auto right = static_cast<double>(fold[motors_alone].hold_called_hold),
-               wrong = static_cast<double>(fold[motors_alone].hold_called_slip);
-    return 100.0 * right / (right + wrong);
+    const Confusion& motors = fold[motors_alone];
+    const auto right = static_cast<double>(samples_in(motors, PadState::non_slip, PadState::non_slip));
+    return 100.0 * right / static_cast<double>(samples_in(motors, PadState::non_slip));
   });
 }
 
@@ -315,7 +313,7 @@ void Validations::run() {
   for (std::size_t k = 0; k < tasks_.size(); ++k) {
     Outcome& outcome = results_[tasks_[k].of];
     train::Calls called = split(said[k], *tasks_[k].examples, tasks_[k].fold_of, tasks_[k].fold);
-    const std::vector<train::Counts> counts = train::counts_of(*tasks_[k].examples, called);
+    const std::vector<Confusion> counts = train::counts_of(*tasks_[k].examples, called);
     std::ranges::copy(counts, outcome.folds.emplace_back().begin());
     for (std::size_t i = 0; i < called.size(); ++i) {
       if (!called[i].empty()) outcome.calls[i] = std::move(called[i]);
@@ -350,7 +348,7 @@ PiezoRecording make_recording(const TrialRecord& record, const std::vector<netwo
   recording.level = swept_number(swept, level_path);
   recording.tip = tip_of(swept);
   recording.motors_only = std::ranges::all_of(sensor->labels.state, [](std::uint8_t state) { return state == 0; });
-  const auto labelled = std::ranges::find_if(sensor->labels.state_paper, slips);
+  const auto labelled = std::ranges::find_if(sensor->labels.state_paper, [](std::uint8_t state) { return slips(state); });
   if (labelled != sensor->labels.state_paper.end())
     recording.label_time = sensor->time[static_cast<std::size_t>(labelled - sensor->labels.state_paper.begin())];
   for (const network::Input& input : inputs) {

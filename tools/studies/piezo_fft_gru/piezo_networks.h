@@ -177,7 +177,7 @@ std::vector<train::FoldExample> examples_of(const std::vector<PiezoRecording>& r
 // with_slip or motors_alone, of each.
 std::vector<std::size_t> groups_of(const std::vector<PiezoRecording>& recordings);
 
-using GroupCounts = std::array<train::Counts, 2>;  // of with_slip and of motors_alone
+using GroupCounts = std::array<Confusion, 2>;  // of with_slip and of motors_alone
 
 // Mean and standard deviation of the folds; NaN where there is none.
 struct NetworkFigures {

@@ -18,7 +18,6 @@
 #include "tools/program/benchmark/benchmark.h"
 #include "tools/program/benchmark/entrants.h"
 #include "tools/program/benchmark/protocol.h"
-#include "tools/program/catalogue/detector_catalogue.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/eval/metrics.h"
 #include "tools/program/eval/replay.h"

@@ -1,4 +1,4 @@
-#include "tools/program/cost/cost_page.h"
+#include "tools/program/cost/explore.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -344,7 +344,7 @@ TEST(Report, RefusesBrokenContent) {
   EXPECT_THAT(refusal(write_dataset("report_state.h5", scene, {broken}), page_path("x.html")),
               HasSubstr("/data/demo_0: labels/pad holds state 7; allowed: 0 to 3"));
   EXPECT_THAT(refusal(write_dataset("report_params.h5", scene, {sample_trial(0, "speed 4")}), page_path("x.html")),
-              HasSubstr("attribute params is not JSON: speed 4"));
+              HasSubstr("attribute params is not a JSON object: speed 4"));
   EXPECT_THAT(refusal(write_dataset("report_scene.h5", "a: [b", trials(1)), page_path("x.html")),
               HasSubstr("attribute scene is not a scene"));
 }

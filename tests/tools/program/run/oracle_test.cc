@@ -1,5 +1,5 @@
 // Who sees the truth: the oracle does, no detector does.
-#include "tools/program/catalogue/detector_catalogue.h"
+#include "tools/program/catalogue/program_catalogues.h"
 
 #include <algorithm>
 #include <cmath>

@@ -12,7 +12,6 @@ TOOLS = Path(__file__).resolve().parents[4] / "tools" / "studies" / "biotac"
 sys.path.insert(0, str(TOOLS))
 
 import recordings as rec  # noqa: E402
-import transfer  # noqa: E402
 
 
 def near(found, expected, tolerance):
@@ -58,19 +57,6 @@ def check_sides():
     near(rec.spreads(both)[1], 0.0, 1e-9)
 
 
-# Two normal clouds, means +-1 along x and variance 1: the logarithm of the odds is 2 x. 4,000 points leave its slope a standard error of
-# about 1/sqrt(4000 E p(1-p) x^2) = 0.06, of which five are allowed.
-def check_regression():
-    random = np.random.default_rng(5)
-    y = np.arange(4000) % 2
-    x = random.standard_normal((4000, 2)) + np.outer(2.0 * y - 1.0, [1.0, 0.0])
-    p = transfer.classifier(x, y).predict_proba(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))[:, 1]
-    odds = np.log(p / (1 - p))
-    near(odds[1] - odds[0], 2.0, 0.3)
-    near(odds[2] - odds[0], 0.0, 0.3)
-    three = transfer.classifier(x, np.arange(4000) % 3)  # labels that x knows nothing of
-    near(three.predict_proba(x).mean(0), 1 / 3, 0.01)
-
 
 def write(folder, scale, seed):
     random = np.random.default_rng(seed)
@@ -103,10 +89,6 @@ def check_programs(folder):
     again = run(TOOLS / "compare.py", folder / "a", folder / "a")
     assert same.stdout.startswith(again.stdout)  # but for the line on the page
     write(folder / "b", 3.0, 2)
-    told = run(TOOLS / "transfer.py", folder / "a", folder / "b")
-    assert told.returncode == 0, told.stderr
-    slip = [line for line in told.stdout.splitlines() if "sorted spreads" in line]
-    assert float(slip[0].split()[-1]) > 0.99, slip  # random walks of 3 counts a row against white noise of 4
     (folder / "b" / "e" / "glass0.csv").write_text("a,b\n1,2\n", encoding="ascii")
     for words, message in (((folder / "none", folder / "a"), "none/n: holds no CSV file"), ((folder / "a", folder / "b"), "e/glass0.csv:1: columns a,b")):
         refused = run(TOOLS / "compare.py", *words)
@@ -115,7 +97,6 @@ def check_programs(folder):
 
 check_sine()
 check_sides()
-check_regression()
 with tempfile.TemporaryDirectory() as temporary:
     check_programs(Path(temporary))
 print("as expected")

@@ -14,7 +14,7 @@
 #include "detectors/hd/words.h"
 #include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
-#include "tools/program/catalogue/detector_catalogue.h"
+#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/commands/detectors/detector_commands.h"

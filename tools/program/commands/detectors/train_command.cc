@@ -246,8 +246,8 @@ int TrainCommand::train_network() {
   Table table({"", summary.judged > 0 ? "held-out trials" : "validation"});
   if (summary.judged > 0) {
     table.add({"balanced accuracy, all classes", one_decimal(summary.held_out_accuracy)});
-    table.add({"balanced accuracy, slip or not", one_decimal(summary.held_out.balanced_accuracy())});
-    table.add({"F1 of slip", one_decimal(summary.held_out.f1())});
+    table.add({"balanced accuracy, slip or not", one_decimal(balanced_slip_accuracy(summary.held_out.frames))});
+    table.add({"F1 of slip", one_decimal(f1_of_slip(summary.held_out.frames))});
     table.add({"false alarms a minute of hold", fmt::format("{:.1f}", summary.held_out_alarms)});
   } else {
     table.add({"balanced accuracy, all classes", one_decimal(summary.validation)});

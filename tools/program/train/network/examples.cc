@@ -35,8 +35,6 @@ auto fields_of(Value& example) {
 
 namespace {
 
-bool slips(std::uint8_t state) { return state >= static_cast<std::uint8_t>(PadState::incipient); }
-
 // The rigid motion in the pad plane that fits the slip of the units that slip best: of their middle, and about it.
 struct SlipMotion {
   double x = 0.0, y = 0.0;  // m/s

@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "sim/core/process/own_library.h"
-#include "tools/program/train/network/torch_library.h"
 
 namespace slipbench::train {
 namespace {

@@ -11,7 +11,7 @@
 #include <onnx/checker.h>
 #include <onnx/onnx_pb.h>
 
-#include "tools/program/train/network/torch_library.h"
+#include "tools/program/train/network/network.h"
 
 namespace slipbench::train {
 namespace {

@@ -19,9 +19,9 @@
 #include <torch/torch.h>
 
 #include "sim/core/error.h"
-#include "sim/core/process/whole_write.h"
+#include "sim/core/process/regular_file.h"
 #include "sim/core/random.h"
-#include "tools/program/train/network/torch_library.h"
+#include "tools/program/train/network/network.h"
 
 namespace slipbench::train {
 namespace {

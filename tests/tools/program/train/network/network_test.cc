@@ -56,13 +56,13 @@ std::vector<float> log_odds(const Network& network, std::span<const float> featu
   return odds;
 }
 
-Counts judged(const Network& network, const std::vector<FrameSequence>& sequences, std::size_t from = 0) {
-  Counts counts;
+Confusion judged(const Network& network, const std::vector<FrameSequence>& sequences, std::size_t from = 0) {
+  Confusion counts{};
   for (const FrameSequence& sequence : sequences) {
     const std::vector<float> odds = log_odds(network, sequence.features);
     const std::size_t before = sequence.label.size() - odds.size();
     for (std::size_t frame = std::max(from, before); frame < sequence.label.size(); ++frame)
-      counts.add(sequence.label[frame] != 0, odds[frame - before] > 0.0F);
+      count(counts, sequence.label[frame] != 0, odds[frame - before] > 0.0F);
   }
   return counts;
 }
@@ -143,7 +143,7 @@ TEST(Network, ComesUpToBayesErrorAlsoOfARareClass) {
   TrainingOptions options = quick;
   options.steps = 600;
   network->train(gaussians(20, 1000, 2), {}, options);
-  EXPECT_NEAR(judged(*network, gaussians(20, 1000, 3)).balanced_accuracy(), 0.8413, 0.015);
+  EXPECT_NEAR(balanced_slip_accuracy(judged(*network, gaussians(20, 1000, 3))), 0.8413, 0.015);
   EXPECT_NEAR(log_odds(*network, std::vector<float>{1.0F})[0], 2.0, 0.5);
   EXPECT_NEAR(log_odds(*network, std::vector<float>{-1.0F})[0], -2.0, 0.5);
 }
@@ -161,7 +161,7 @@ TEST(Network, LearnsExclusiveOr) {
     options.optimiser = optimiser;
     const std::unique_ptr<Network> network = make_network(mlp(2, 16, 2), 1);
     network->train(sequences, {}, options);
-    EXPECT_EQ(judged(*network, sequences).balanced_accuracy(), 1.0);
+    EXPECT_EQ(balanced_slip_accuracy(judged(*network, sequences)), 1.0);
   }
 }
 
@@ -178,7 +178,7 @@ TEST(Network, OnlyAMemoryTellsThePast) {
   const auto learnt = [&](const NetworkShape& shape) {
     const std::unique_ptr<Network> network = make_network(shape, 1);
     network->train(sequences, {}, options);
-    return judged(*network, sequences, 1).balanced_accuracy();
+    return balanced_slip_accuracy(judged(*network, sequences, 1));
   };
   EXPECT_EQ(learnt(mlp(1, 8, 2)), 0.5);
   EXPECT_EQ(learnt(gru(1, 8)), 1.0);
@@ -214,7 +214,7 @@ TEST(Network, IgnoresMaskedFrames) {
   }
   const std::unique_ptr<Network> network = make_network(mlp(1, 8, 2), 1);
   network->train(sequences, {}, quick);
-  EXPECT_GT(judged(*network, gaussians(20, 400, 8)).balanced_accuracy(), 0.8);
+  EXPECT_GT(balanced_slip_accuracy(judged(*network, gaussians(20, 400, 8))), 0.8);
 }
 
 // With onset_frames 5 a slip of 30 frames teaches by its frames 1 to 5, 10, 20 and 30: as if the others were masked.
@@ -277,7 +277,7 @@ TEST(Network, KeepsTheBestStateAndEndsEarly) {
   EXPECT_LT(result.losses.size(), options.steps);
   EXPECT_EQ(result.validation, *std::ranges::max_element(validations));
   EXPECT_EQ(validations.size(), result.best_step / 10 + 3);
-  EXPECT_DOUBLE_EQ(judged(*network, opposite).balanced_accuracy(), result.validation);
+  EXPECT_DOUBLE_EQ(balanced_slip_accuracy(judged(*network, opposite)), result.validation);
 }
 
 // Killed after any report and gone on with, also with running means and an optimiser that remembers.
@@ -431,11 +431,11 @@ TEST(JudgeFold, LearnsOnlyFromItsGroups) {
   for (const FoldExample& example : examples) groups.push_back(example.group);
   for (const double validated : {0.0, 0.3}) {
     Validation validation{mlp(1, 8, 1), quick, validated, [](std::size_t group) { return group == 0; }};
-    const std::vector<Counts> counts = counts_of(examples, called_in_fold(examples, folds(groups, 3, 1), 1, validation));
+    const std::vector<Confusion> counts = counts_of(examples, called_in_fold(examples, folds(groups, 3, 1), 1, validation));
     ASSERT_EQ(counts.size(), 2U);
-    EXPECT_EQ(counts[0].balanced_accuracy(), 1.0);
-    EXPECT_EQ(counts[1].balanced_accuracy(), 0.0);
-    EXPECT_EQ(counts[1].slip_called_hold, 2U * 20U);  // of the two in the fold, half of 40 frames
+    EXPECT_EQ(balanced_slip_accuracy(counts[0]), 1.0);
+    EXPECT_EQ(balanced_slip_accuracy(counts[1]), 0.0);
+    EXPECT_EQ(samples_in(counts[1], PadState::gross, PadState::non_slip), 2U * 20U);  // of the two in the fold, half of 40 frames
   }
 }
 

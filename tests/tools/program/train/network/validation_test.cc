@@ -10,36 +10,19 @@
 namespace slipbench::train::validation_test {
 namespace {
 
-// 8 of 10 slip and 60 of 90 hold frames right: (0.8 + 2/3)/2; precision 8/38, recall 8/10, F1 = 16/(16 + 2 + 30).
-TEST(Counts, GiveBalancedAccuracyAndF1) {
-  const Counts counts{8, 2, 30, 60};
-  EXPECT_DOUBLE_EQ(counts.balanced_accuracy(), 0.5 * (0.8 + 60.0 / 90.0));
-  EXPECT_DOUBLE_EQ(counts.f1(), 2.0 * (8.0 / 38.0) * 0.8 / (8.0 / 38.0 + 0.8));
-  EXPECT_TRUE(std::isnan(Counts({0, 0, 1, 1}).balanced_accuracy()));
-  Counts sum;
-  sum.add(true, true);
-  sum.add(true, false);
-  sum.add(false, true);
-  sum.add(false, false);
-  sum.add(counts);
-  EXPECT_EQ(sum.slip_called_slip, 9U);
-  EXPECT_EQ(sum.slip_called_hold, 3U);
-  EXPECT_EQ(sum.hold_called_slip, 31U);
-  EXPECT_EQ(sum.hold_called_hold, 61U);
+Confusion frames(std::size_t slip_called_slip, std::size_t slip_called_hold, std::size_t hold_called_slip,
+                 std::size_t hold_called_hold) {
+  return {{{}, {0, hold_called_hold, 0, hold_called_slip}, {}, {0, slip_called_hold, 0, slip_called_slip}}};
 }
 
 // Of the first example one frame has no label and one is not judged; the last is in another fold.
-TEST(Counts, AreOfJudgedFramesByGroup) {
+TEST(Confusions, AreOfJudgedFramesByGroup) {
   const std::vector<FoldExample> examples{{{{}, {1, 0, masked, 0, 1}}, 1}, {{{}, {0, 1}}, 0}, {{{}, {1, 1}}, 2}};
-  const std::vector<Counts> counts = counts_of(examples, {{masked, 1, 1, 0, 1}, {0, 0}, {}});
+  const std::vector<Confusion> counts = counts_of(examples, {{masked, 1, 1, 0, 1}, {0, 0}, {}});
   ASSERT_EQ(counts.size(), 3U);
-  EXPECT_EQ(counts[1].slip_called_slip, 1U);  // the fifth
-  EXPECT_EQ(counts[1].hold_called_slip, 1U);  // the second
-  EXPECT_EQ(counts[1].hold_called_hold, 1U);
-  EXPECT_EQ(counts[1].slip_called_hold, 0U);  // the first is not judged
-  EXPECT_EQ(counts[0].hold_called_hold, 1U);
-  EXPECT_EQ(counts[0].slip_called_hold, 1U);
-  EXPECT_TRUE(std::isnan(counts[2].f1()));
+  EXPECT_EQ(counts[1], frames(1, 0, 1, 1));  // the fifth, the second and the fourth: the first is not judged
+  EXPECT_EQ(counts[0], frames(0, 1, 0, 1));
+  EXPECT_EQ(counts[2], Confusion{});
 }
 
 // 11 of one group and 7 of the other in five folds: 2 or 3 and 1 or 2 in each.
@@ -76,6 +59,76 @@ TEST(Logits, AreOfTheFoldAloneAndOfAllClasses) {
     ASSERT_EQ(logits[i].size(), 3U);
     EXPECT_EQ(std::ranges::max_element(logits[i]) - logits[i].begin(), static_cast<std::ptrdiff_t>(i % 3));
   }
+}
+
+constexpr double period = 0.1;  // s: 600 frames a minute
+
+// 100 frames of hold at .2, in which every tenth is at .9 alone, and 20 of slip at .8.
+std::vector<SlipSeries> spiky() {
+  SlipSeries series;
+  for (int t = 0; t < 120; ++t) {
+    series.truth.push_back(t < 100 ? 0 : 1);
+    series.probability.push_back(t >= 100 ? 0.8 : t % 10 == 5 ? 0.9 : 0.2);
+  }
+  return {series};
+}
+
+// 10 alarms in 10 s of hold are 60 a minute. A frame that is masked is nobody's, and an alarm that began in it is not false.
+TEST(AlarmCounts, AreOfAlarmsThatBeginInHold) {
+  std::vector<SlipSeries> series = spiky();
+  EXPECT_EQ(counts_at(series, period, 0.5, {}).false_alarms, 10U);
+  EXPECT_DOUBLE_EQ(counts_at(series, period, 0.5, {}).alarms_per_minute(period), 60.0);
+  EXPECT_DOUBLE_EQ(balanced_slip_accuracy(counts_at(series, period, 0.5, {}).frames), 0.5 * (1.0 + 0.9));
+  series[0].truth[5] = masked;
+  EXPECT_EQ(counts_at(series, period, 0.5, {}).false_alarms, 9U);
+  EXPECT_TRUE(std::isnan(counts_at({}, period, 0.5, {}).alarms_per_minute(period)));
+}
+
+// Above .8 nothing is slip, so no threshold holds the alarms down: two frames in a row do, at the price of the slip's first.
+TEST(OperatingPoint, TakesFramesInARowWhereNoThresholdWillDo) {
+  const OperatingPoint point = best_point(spiky(), period, 1.0);
+  EXPECT_EQ(point.alarm.on, 2U);
+  EXPECT_DOUBLE_EQ(point.threshold, 0.5);  // between hold's .2 and slip's .8
+  EXPECT_EQ(point.alarms_per_minute, 0.0);
+  EXPECT_DOUBLE_EQ(balanced_slip_accuracy(counts_at(spiky(), period, point.threshold, point.alarm).frames), 0.5 * (1.0 + 0.95));
+}
+
+TEST(OperatingPoint, HasNoMoreAlarmsThanAreBorneAndUsesThem) {
+  const OperatingPoint none = best_point(spiky(), period, 0.0), all = best_point(spiky(), period, 60.0);
+  EXPECT_EQ(none.alarms_per_minute, 0.0);
+  EXPECT_LE(all.alarms_per_minute, 60.0);
+  EXPECT_GE(balanced_slip_accuracy(counts_at(spiky(), period, all.threshold, all.alarm).frames),
+            balanced_slip_accuracy(counts_at(spiky(), period, none.threshold, none.alarm).frames));
+}
+
+// 60 frames of hold at .1, slip at .6, .6, .9, .9, and another 60 of hold with a spike of .7. At .5 the first slip is seen at once (credit 1) and the spike
+// is the only alarm in 12 s of hold, 5 a minute: 1/5 less 1/120. At .8, between .7 and .9, the slip is seen .2 s late, T/(T + .2 s) = 1/3, without an alarm.
+TEST(OperatingPoint, OfTheGreatestScoreWeighsDelayAgainstAlarms) {
+  SlipSeries slip{std::vector<double>(60, 0.1), std::vector<std::uint8_t>(60, 0)};
+  SlipSeries hold = slip;
+  hold.probability[30] = 0.7;
+  slip.probability.insert(slip.probability.end(), {0.6, 0.6, 0.9, 0.9});
+  slip.truth.insert(slip.truth.end(), 4, 1);
+  const std::vector<SlipSeries> series{slip, hold};
+  EXPECT_DOUBLE_EQ(counts_at(series, period, 0.5, {}).score(period), 1.0 / 5.0 - 1.0 / 120.0);
+  EXPECT_DOUBLE_EQ(counts_at(series, period, 0.8, {}).score(period), 1.0 / 3.0);
+  const OperatingPoint point = best_point(series, period, std::nullopt);
+  // Two frames in a row at .5 pass the spike by and see the slip .1 s late, which earns 1/2.
+  EXPECT_EQ(point.alarm.on, 2U);
+  EXPECT_DOUBLE_EQ(counts_at(series, period, point.threshold, point.alarm).score(period), 0.5);
+  slip.probability[59] = 0.9;  // said before it slips: nothing is earned
+  EXPECT_LT(counts_at(std::vector{slip}, period, 0.8, {}).score(period), 0.0);
+}
+
+// Hold .1 .3, slip .2 .7: at .5 half of slip and all of hold are right; at .15 all of slip, half of hold; the one nearer to 1/2 is kept.
+TEST(OperatingPoint, MostAccurateIsTheMiddleNearestToAHalf) {
+  const std::vector<SlipSeries> series{{{0.1, 0.2, 0.3, 0.7}, {0, 1, 0, 1}}};
+  EXPECT_DOUBLE_EQ(most_accurate_point(series, period).threshold, 0.5);
+  EXPECT_EQ(most_accurate_point(series, period).alarm.on, 1U);
+  const std::vector<SlipSeries> hold{{{0.1, 0.2}, {0, 0}}};
+  EXPECT_EQ(best_point(hold, period, 1.0).threshold, 0.5);
+  const std::vector<SlipSeries> snapshots{{{0.3}, {0}}, {{0.4}, {1}}};  // which last no time
+  EXPECT_DOUBLE_EQ(best_point(snapshots, period, 1.0).threshold, 0.35);
 }
 
 }  // namespace
