@@ -31,12 +31,14 @@ namespace fs = std::filesystem;
 
 // Of the catalogue, what is nothing without a file of the user's.
 constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
-// Networks that ship, with the type of sensor that each reads.
+// Networks that ship, with the type of sensor that each reads; by the threshold that loops want once more, where it is not the file's (empty).
 struct ShippedNetwork {
-  const char *path, *sensor;
+  const char *name, *path, *sensor, *threshold;
 };
-constexpr std::array<ShippedNetwork, 2> shipped_networks{
-    {{"scenes/learn/papillarray_slip.onnx", "papillarray"}, {"scenes/learn/piezo_slip.onnx", "piezo_skin"}}};
+constexpr std::array<ShippedNetwork, 3> shipped_networks{
+    {{"papillarray_slip", "scenes/learn/papillarray_slip.onnx", "papillarray", ""},
+     {"papillarray_slip, loops", "scenes/learn/papillarray_slip.onnx", "papillarray", "0.97"},
+     {"piezo_slip", "scenes/learn/piezo_slip.onnx", "piezo_skin", ""}}};
 constexpr const char* no_engine = "a network is taught by libtorch and run by OpenVINO: see slipbench doctor";
 
 std::string file_digest(const std::string& path) {
@@ -155,19 +157,20 @@ Entrant given_entrant(const std::string& word, const std::vector<Override>& para
 
 std::vector<Entrant> shipped_entrants() {
   std::vector<Entrant> entrants;
-  const auto add = [&entrants](const std::string& word, const std::string& name) {
-    Entrant entrant = given_entrant(word, {});
+  const auto add = [&entrants](const std::string& word, const std::string& name, const std::string& threshold) {
+    std::vector<Override> parameters;
+    if (!threshold.empty()) parameters.push_back({"threshold", threshold});
+    Entrant entrant = given_entrant(word, parameters);
     entrant.name = name;
     entrant.kind = Kind::shipped;
     entrants.push_back(std::move(entrant));
   };
   for (const Entry& entry : detector_entries()) {
     const bool asks_for_a_file = std::ranges::find(of_a_file, entry.name) != of_a_file.end();
-    if (!asks_for_a_file && entry.name != oracle_type && entry.name != control_type) add(entry.name, entry.name);
+    if (!asks_for_a_file && entry.name != oracle_type && entry.name != control_type) add(entry.name, entry.name, "");
   }
   if (network::engine_available()) {
-    for (const ShippedNetwork& network : shipped_networks)
-      add(project_file(network.path), fs::path(network.path).stem().string());
+    for (const ShippedNetwork& network : shipped_networks) add(project_file(network.path), network.name, network.threshold);
   }
   return entrants;
 }
@@ -175,8 +178,7 @@ std::vector<Entrant> shipped_entrants() {
 std::vector<Missing> missing_entrants() {
   std::vector<Missing> missing;
   if (network::engine_available()) return missing;
-  for (const ShippedNetwork& network : shipped_networks)
-    missing.push_back({fs::path(network.path).stem().string(), network.sensor, no_engine});
+  for (const ShippedNetwork& network : shipped_networks) missing.push_back({network.name, network.sensor, no_engine});
   return missing;
 }
 

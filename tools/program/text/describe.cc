@@ -212,8 +212,6 @@ std::string training_text(const train::TrainingOptions& training) {
   if (training.onset_frames > 0)
     text += fmt::format("; of a slip the first {} frames and each tenth teach", training.onset_frames);
   if (training.label_smoothing > 0.0) text += fmt::format("; label smoothing {:g}", training.label_smoothing);
-  if (training.change_penalty > 0.0)
-    text += fmt::format("; change of the logits times {:g} from step {} on", training.change_penalty, training.change_from);
   if (training.patience > 0) text += fmt::format("; ends after {} validations without a better one", training.patience);
   return text;
 }

@@ -168,7 +168,7 @@ std::string identity_of(const NetworkTraining& training, const Examples& example
               {"turned", training.recipe.turned},
               {"training",
                {options.steps, options.batch, options.clip, options.learning_rate, options.final_rate, options.label_smoothing,
-                options.change_penalty, options.change_from, options.validate_every, options.patience, options.onset_frames}},
+                options.validate_every, options.patience, options.onset_frames}},
               {"libraries", network_libraries()}}
       .dump();
 }

@@ -150,8 +150,6 @@ struct TrainingOptions {
   double final_rate = 0.1;      // share of it at the last step; it falls in a straight line
   Balance balance = Balance::weights;
   double label_smoothing = 0.0;            // share of the target that all classes share alike
-  double change_penalty = 0.0;             // times the mean |y_t - y_(t-1)| of the logits is added to the loss
-  std::size_t change_from = 0;             // from this step on
   std::size_t validate_every = 50;         // steps; the last state is judged, too
   std::size_t patience = 0;                // ends after so many validations without a better one; 0: never
   std::uint64_t seed = 1;                  // of the draws of clips

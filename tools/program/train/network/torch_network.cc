@@ -316,7 +316,7 @@ class TorchNetwork final : public Network {
       const std::size_t step = run.result.losses.size();
       set_rate(*optimiser, options.learning_rate * (1.0 - (1.0 - options.final_rate) * static_cast<double>(step) /
                                                               static_cast<double>(options.steps)));
-      run.result.losses.push_back(learn(clips.draw(step), weights, *optimiser, options, step));
+      run.result.losses.push_back(learn(clips.draw(step), weights, *optimiser, options));
       const std::size_t done = step + 1;
       if (done % std::max<std::size_t>(options.validate_every, 1) == 0 || done == options.steps) {
         judge(run, validation, options, done);
@@ -361,18 +361,14 @@ class TorchNetwork final : public Network {
   static void set_rate(torch::optim::Optimizer& optimiser, double rate) { optimiser.param_groups()[0].options().set_lr(rate); }
 
   double learn(const std::pair<Tensor, Tensor>& clips, const Tensor& weights, torch::optim::Optimizer& optimiser,
-               const TrainingOptions& options, std::size_t step) {
+               const TrainingOptions& options) {
     const auto& [features, classes] = clips;
     const Tensor logits = Forward(shape_, state_, true)(features);
-    Tensor loss = torch::nn::functional::cross_entropy(logits.reshape({-1, extent(classes_)}), classes.reshape({-1}),
-                                                       torch::nn::functional::CrossEntropyFuncOptions()
-                                                           .weight(weights)
-                                                           .label_smoothing(options.label_smoothing)
-                                                           .ignore_index(ignored));
-    if (options.change_penalty > 0.0 && step >= options.change_from && logits.size(1) > 1) {
-      const std::int64_t last = logits.size(1) - 1;
-      loss = loss + options.change_penalty * (logits.narrow(1, 1, last) - logits.narrow(1, 0, last)).abs().mean();
-    }
+    const Tensor loss = torch::nn::functional::cross_entropy(logits.reshape({-1, extent(classes_)}), classes.reshape({-1}),
+                                                             torch::nn::functional::CrossEntropyFuncOptions()
+                                                                 .weight(weights)
+                                                                 .label_smoothing(options.label_smoothing)
+                                                                 .ignore_index(ignored));
     optimiser.zero_grad();
     loss.backward();
     optimiser.step();

@@ -355,22 +355,6 @@ TEST_F(Resumed, OrRefusedWhereACheckpointIsLeft) {
   EXPECT_EQ(bytes_of(checkpoint.path), bytes);
 }
 
-// Logits that jump cost more, so that they jump less: sum |y_t - y_(t-1)| over a sequence that alternates.
-TEST(Network, APenaltyOnChangeSmoothes) {
-  std::vector<FrameSequence> sequences = gaussians(4, 200, 13);
-  const auto roughness = [&](double penalty) {
-    TrainingOptions options = quick;
-    options.change_penalty = penalty;
-    const std::unique_ptr<Network> network = make_network(mlp(1, 8, 2), 1);
-    network->train(sequences, {}, options);
-    const std::vector<float> odds = log_odds(*network, sequences[0].features);
-    double sum = 0.0;
-    for (std::size_t t = 1; t < odds.size(); ++t) sum += std::abs(double{odds[t]} - double{odds[t - 1]});
-    return sum;
-  };
-  EXPECT_LT(roughness(0.2), 0.7 * roughness(0.0));
-}
-
 // As if its last frame stood still behind it and were masked; 32 is a clip.
 TEST(Network, AShortSequenceCutsNoOthersClips) {
   const std::vector<FrameSequence> both = gaussians(2, 50, 6);
