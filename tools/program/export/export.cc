@@ -490,7 +490,7 @@ void start_python_export(const std::string& dataset_path, const std::string& out
   const char* const others = std::getenv("PYTHONPATH");
   ::setenv("PYTHONPATH", others == nullptr ? python.folder.c_str() : (python.folder + ":" + others).c_str(), 1);
   std::fflush(nullptr);
-  // Signals are held back until Python, which takes a while to start, can note them (tools/python/slipbench/_export/interrupt.py).
+  // Signals are held back until Python, which takes a while to start, can note them (tools/python/slipbench/_export/request.py).
   sigset_t signals, before;
   sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);

@@ -301,8 +301,7 @@ std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, c
 CatalogueKind find_kind(const std::string& plural) {
   const auto* const found = std::ranges::find(kinds, plural, &CatalogueKind::plural);
   if (found == kinds.end()) {
-    throw InputError(fmt::format("list: unknown catalogue '{}'{} allowed: {}", plural, suggestion(plural, kind_names()),
-                                 fmt::join(kind_names(), ", ")));
+    throw InputError(fmt::format("list: unknown catalogue '{}'{}", plural, allowed_names(plural, kind_names())));
   }
   return *found;
 }

@@ -24,8 +24,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 AFTER_THE_LAST = """
 import importlib, json, signal, sys
 from slipbench import open
-from slipbench._export.interrupt import Interrupt, Interrupted
-from slipbench._export.request import Progress, Request
+from slipbench._export.request import Interrupt, Interrupted, Progress, Request
 request = Request(**json.loads(sys.argv[2]))
 progress = Progress(request, Interrupt())
 progress.update = lambda done, written: signal.raise_signal(signal.SIGINT) if done == len(request.trials) else None

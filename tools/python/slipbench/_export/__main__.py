@@ -5,8 +5,7 @@ import json
 import sys
 
 from slipbench import InputError, open as open_dataset
-from slipbench._export.interrupt import Interrupt, Interrupted
-from slipbench._export.request import Progress, Request, tell
+from slipbench._export.request import Interrupt, Interrupted, Progress, Request, tell
 
 
 def main(text: str) -> int:
