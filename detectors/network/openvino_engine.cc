@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <iterator>
 #include <map>
+#include <new>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -74,6 +75,14 @@ std::string reason_of(const std::exception& error) {
   if (text.size() <= longest) return printable(text);
   text.resize(longest);
   return printable(text.substr(0, text.rfind(' '))) + " ...";
+}
+
+// Call it where `error` was caught. Want of memory is no fault of the network; OpenVINO has its own words for it, too.
+[[noreturn]] void refuse(const std::string& what, const std::exception& error) {
+  if (dynamic_cast<const InputError*>(&error) != nullptr) throw;
+  const std::string reason = reason_of(error);
+  if (reason == "std::bad_alloc" || reason == "can't alloc") throw std::bad_alloc();
+  throw InputError(what + reason);
 }
 
 struct Network {
@@ -246,7 +255,7 @@ class OpenVinoEngine final : public Engine {
     try {
       request_.infer();
     } catch (const std::exception& error) {
-      throw InputError(path_ + ": the network cannot be run: " + reason_of(error));
+      refuse(path_ + ": the network cannot be run: ", error);
     }
     for (auto& [in, out] : states_) std::copy_n(out.data<float>(), out.get_size(), in.data<float>());
     const std::span<const float> said{output_.data<float>(), output_.get_size()};
@@ -305,10 +314,8 @@ extern "C" __attribute__((visibility("default"))) slipbench::network::Engine* sl
   auto load = [&] {
     try {
       engine = new OpenVinoEngine(network_at(path), path);
-    } catch (const slipbench::InputError&) {
-      throw;
     } catch (const std::exception& error) {
-      throw slipbench::InputError(path + ": OpenVINO does not take it: " + reason_of(error));
+      refuse(path + ": OpenVINO does not take it: ", error);
     }
   };
   const int signal = slipbench::run_guarded(load);

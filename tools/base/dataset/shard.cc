@@ -260,7 +260,7 @@ void Shard::park() {
     list_.close();
     file_.park();
   });
-  let_go();
+  if (!first_) descriptor_ = Descriptor();
   parked_ = true;
 }
 
@@ -291,10 +291,6 @@ void Shard::prepare(const Masks& masks, const std::vector<FailedTrial>& failed, 
 
 void Shard::close() {
   write([&] { file_.close(); });
-  let_go();
-}
-
-void Shard::let_go() {
   if (!first_) descriptor_ = Descriptor();
 }
 

@@ -51,15 +51,13 @@ class Shard {
   void close();
 
  private:
-  // Of the descriptor, and the lock with it; the first file's lock is the whole dataset's.
-  void let_go();
   // Runs `action`; what it throws is a failure of this file.
   template <class Action>
   void write(const Action& action);
 
   std::string path_;
   Descriptor descriptor_;  // holds the lock, and is what is written through
-  bool first_;             // of the dataset's files
+  bool first_;             // of the dataset's files: its lock is the whole dataset's
   hdf5::CrashSafeFile file_;
   bool parked_ = false;
   hdf5::Handle list_;           // the group of the demos

@@ -394,8 +394,10 @@ void judge_grasps(Board& board, const Held& held, const HeldTrials& trials, cons
       },
       [&](Answer&& answer) { board.seats[done++ % seats].answers.push_back(std::move(answer)); });
   const auto tightens_never = [](const Seat& seat) { return seat.entrant->name == never_slip; };
-  for (const Answer& answer : std::ranges::find_if(board.seats, tightens_never)->answers)
-    board.untightened.push_back(answer.grasp.value());
+  for (const Answer& answer : std::ranges::find_if(board.seats, tightens_never)->answers) {
+    if (!answer.grasp) throw InputError(answer.failure);  // no detector's fault
+    board.untightened.push_back(*answer.grasp);
+  }
 }
 
 Json held_json(const Held& held, const std::vector<const Entrant*>& entrants, const Options& options,

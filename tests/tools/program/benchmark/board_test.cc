@@ -81,7 +81,7 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
     EXPECT_GE(recall(by_loops), recall(by_file));
     more += recall(by_loops) - recall(by_file);
   }
-  if (tracks.contains("papillarray_slip")) EXPECT_GT(more, 0.0);
+  EXPECT_TRUE(more > 0.0 || !tracks.contains("papillarray_slip"));
   for (const Entry& entry : detector_entries()) {
     if (std::set<std::string>{"network", "plugin", "truth", control_type}.contains(entry.name)) continue;
     if (entry.name.starts_with("marker_")) continue;  // the protocol has no sensor with markers
