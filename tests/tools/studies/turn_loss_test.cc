@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/core/error.h"
+
 namespace slipbench::reproduce::turn_loss_test {
 namespace {
 
@@ -71,7 +73,7 @@ TEST(TurnLoss, RefusesARecordWithoutItsRows) {
   EXPECT_THROW(turn_of(record, target), std::logic_error);
   record = record_of({before_touch, {0.01F, 0, 0.1F, 3, 25}});
   record.bodies.pop_back();
-  EXPECT_THROW(turn_of(record, target), std::runtime_error);
+  EXPECT_THROW(turn_of(record, target), InputError);
 }
 
 }  // namespace

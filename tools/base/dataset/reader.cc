@@ -236,7 +236,7 @@ struct DatasetReader::State {
     }
     digests.push_back(about.shards ? hdf5::text_of(place, open_object(place), file_sha256_name) : "");
     // What a killed run has left has no more files than are there, whatever those say that it had finished.
-    const bool killed = digests.front().empty();
+    const bool killed = digests.front().empty() || !about.shards;
     if (killed) return index + (std::filesystem::exists(sibling_path(files.front().name, index + 1)) ? 2 : 1);
     complete = about.complete && (index == 0 || complete);
     return *about.shards;

@@ -185,11 +185,7 @@ void write_demo(hid_t file, hid_t list, std::size_t list_bytes, const EncodedTri
 }  // namespace
 
 Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t index, std::size_t planned, std::size_t last)
-    : path_(std::move(temporary)),
-      descriptor_(lock_file(path_)),
-      first_(index == 0),
-      of_shard_(header.part.has_value()),
-      split_(header.split) {
+    : path_(std::move(temporary)), descriptor_(lock_file(path_)), of_shard_(header.part.has_value()), split_(header.split) {
   hdf5::initialise();
   try {
     write([&] {
@@ -260,7 +256,6 @@ void Shard::park() {
     list_.close();
     file_.park();
   });
-  if (!first_) descriptor_ = Descriptor();
   parked_ = true;
 }
 
@@ -268,9 +263,8 @@ std::uint64_t Shard::size_bytes() const { return file_.size_bytes(); }
 
 void Shard::prepare(const Masks& masks, const std::vector<FailedTrial>& failed, std::size_t shards, bool complete) {
   publish();
-  if (parked_ && !first_) descriptor_ = lock_file(path_);
   write([&] {
-    if (parked_) file_.reopen(descriptor_.get());
+    if (parked_) file_.reopen();
     Handle mask = write_masks(file_.get(), masks, trials_);
     if (of_shard_) hdf5::write_texts(mask.get(), split_groups_name, groups_);  // what merging splits the whole sweep by
     if (of_shard_ && split_)
@@ -291,7 +285,6 @@ void Shard::prepare(const Masks& masks, const std::vector<FailedTrial>& failed, 
 
 void Shard::close() {
   write([&] { file_.close(); });
-  if (!first_) descriptor_ = Descriptor();
 }
 
 std::uint64_t overhead_bytes(const EncodedTrial& trial) {

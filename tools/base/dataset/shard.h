@@ -29,8 +29,7 @@ class Shard {
   // disk.
   void publish();
 
-  // Publishes a file that gets no further demo, and lets go of its memory and of what it has open, but for the first file's lock. prepare() opens
-  // it again.
+  // Publishes a file that gets no further demo, and lets go of a megabyte of memory and of all that HDF5 has open. prepare() opens it again.
   void park();
 
   // Numbers of the trials held.
@@ -57,7 +56,6 @@ class Shard {
 
   std::string path_;
   Descriptor descriptor_;  // holds the lock, and is what is written through
-  bool first_;             // of the dataset's files: its lock is the whole dataset's
   hdf5::CrashSafeFile file_;
   bool parked_ = false;
   hdf5::Handle list_;           // the group of the demos

@@ -284,8 +284,7 @@ void CrashSafeFile::park() {
   file_.close();
 }
 
-void CrashSafeFile::reopen(int descriptor) {
-  disk_->descriptor = descriptor;
+void CrashSafeFile::reopen() {
   file_ = Handle(H5Fopen("crash safe", H5F_ACC_RDWR, CrashSafeDriver::access(*disk_).get()), &H5Fclose);
 }
 

@@ -47,10 +47,10 @@ class CrashSafeFile {
   // file.
   void close();
   // Lets go of the memory and of all that HDF5 has open, of a file whose members have all been published; they can be read on. Until reopen() nothing
-  // may be called but abandon() and the destructor, and the descriptor may be closed.
+  // may be called but abandon() and the destructor.
   void park();
-  // Goes on with close() to come. `descriptor`: of the same file, as the constructor's.
-  void reopen(int descriptor);
+  // Goes on, with close() to come.
+  void reopen();
   // Gives up a file that cannot be written any more. As when it is destroyed without close(), what was published last stays.
   void abandon() {
     list_.abandon();

@@ -190,6 +190,7 @@ void IsolatedWorker::ask(std::size_t index) {
 IsolatedWorker::Message IsolatedWorker::answer(std::size_t index, const std::atomic<bool>* interrupt) {
   constexpr int a_while = 100;  // ms, after which a set `interrupt` is seen
   constexpr int most = 3;       // workers lost, one after the other, before they had begun anything
+  std::uint64_t begun = sent_;  // the last request of which a loss is known to have begun it
   for (int unbegun = 0; true;) {
     end_if(interrupt);
     pollfd ready{channel_, POLLIN, 0};
@@ -198,7 +199,8 @@ IsolatedWorker::Message IsolatedWorker::answer(std::size_t index, const std::ato
     if (::recv(channel_, &message, sizeof message, 0) != sizeof message) throw std::runtime_error("a process has gone");
     if (message.number == sent_) return message;
     if (message.kind != Kind::broken) continue;  // of a request that was given up
-    if (++unbegun > most && WIFEXITED(message.status) && WEXITSTATUS(message.status) == no_memory) throw std::bad_alloc();
+    unbegun = message.number == std::exchange(begun, message.number) ? unbegun + 1 : 1;
+    if (unbegun > most && WIFEXITED(message.status) && WEXITSTATUS(message.status) == no_memory) throw std::bad_alloc();
     if (unbegun > most) return message;
     // A worker was lost that had not begun this request. It may have taken it from the channel, or not: then it is done twice, and heard once.
     fresh_ = true;

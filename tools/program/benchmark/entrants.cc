@@ -31,7 +31,8 @@ namespace fs = std::filesystem;
 
 // Of the catalogue, what is nothing without a file of the user's.
 constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
-// Networks that ship, with the type of sensor that each reads; by the threshold that loops want once more, where it is not the file's (empty).
+// Networks that ship, and the type of sensor that each reads. `threshold`: empty, the file's; else one that was chosen in loops, with these very files
+// (scenes/learn/README.md): a file that is taught anew needs a new one.
 struct ShippedNetwork {
   const char *name, *path, *sensor, *threshold;
 };

@@ -224,7 +224,8 @@ const std::vector<FrictionLaw>& friction_laws() {
 
 NibTrace::NibTrace(const TrialRecord& record) {
   const auto lever = std::ranges::find(record.bodies, "lever", &BodyRecord::name);
-  if (record.sensors.size() != 1 || lever == record.bodies.end()) throw std::logic_error("no trial of the lever bench");
+  if (record.sensors.size() != 1 || record.sensors.front().time.empty() || lever == record.bodies.end())
+    throw std::logic_error("no trial of the lever bench");
   const SensorRecord& sensor = record.sensors.front();
   RecordedSamples samples(sensor);
   source_ = {sensor.name, sensor.type, sensor.rate, samples.channels()};

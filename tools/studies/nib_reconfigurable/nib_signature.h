@@ -45,7 +45,7 @@ class NibTrace {
   // The first sample from `from` on at which the lever has gone by `way` [m] since; empty: it never has.
   [[nodiscard]] std::optional<std::size_t> moved(std::size_t from, double way) const;
 
-  // The sample as the sensor emitted it.
+  // The sample as the sensor emitted it; of a slow channel, before its first row is complete, that row.
   [[nodiscard]] SensorFrame frame(std::size_t sample) const {
     return {time_[sample], std::span(frames_).subspan(sample * frame_size_, frame_size_)};
   }
