@@ -170,13 +170,9 @@ const std::vector<Source>& sources() {
 
 std::string figure(double value) { return std::isnan(value) ? "-" : fmt::format("{:.3g}", value); }
 
-}  // namespace
-}  // namespace realism
-
-Result realism_table(const ReproduceOptions& options) {
-  using namespace realism;
+// The studies that `options` asks for. `left_out` gets the names of the others.
+std::vector<Source> asked_for(const ReproduceOptions& options, std::vector<std::string>& left_out) {
   std::vector<Source> asked = rows_asked_for(sources(), options);
-  std::vector<std::string> left_out;
   const std::string truth =
       options.real.empty() ? "" : guarded(options.real, [&] { return DatasetReader(options.real).header().truth; });
   std::erase_if(asked, [&](const Source& source) {
@@ -188,6 +184,16 @@ Result realism_table(const ReproduceOptions& options) {
   if (asked.empty() || (!options.real.empty() && std::ranges::all_of(asked, [](const Source& one) { return !one.recordings; })))
     throw InputError(
         "reproduce: realism: no study that is asked for judges by these recordings; allowed: --real of bts3v2, biotacsp-dos");
+  return asked;
+}
+
+}  // namespace
+}  // namespace realism
+
+Result realism_table(const ReproduceOptions& options) {
+  using namespace realism;
+  std::vector<std::string> left_out;
+  const std::vector<Source> asked = asked_for(options, left_out);
   Result result;
   result.title = "The bench beside real devices";
   result.source = "Published figures of real devices for which a study of slipbench has one of its own.";

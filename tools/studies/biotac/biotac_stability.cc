@@ -229,6 +229,35 @@ ResultTable palm_table(const char* title, const std::vector<Lesson2>& lessons, c
   return table;
 }
 
+// What is learnt from real, synthetic and both grasps, judged on real objects left out; beside the paper's figures.
+void add_three_ways(Result& result, const std::vector<Lesson2>& rows, const Lessons& lessons) {
+  ResultTable three{"Judged on real objects left out, learnt from",
+                    {"accuracy", "real alone", "synthetic alone", "both", "AUC: real alone", "synthetic alone", "both"}};
+  for (const Lesson2& row : rows) {
+    std::vector<std::string> cells{row.network.network.text}, areas;
+    for (const char* from : {"real", "synthetic_to_real", "both"}) {
+      const Scores scores = scores_of(lessons.answers(row.numbers.at(from)), row.real.fold_of);
+      cells.push_back(cell(scores.accuracy));
+      areas.push_back(cell(scores.auc));
+      result.figures["three_way"][row.network.network.name][from] = json_of(scores);
+    }
+    cells.insert(cells.end(), areas.begin(), areas.end());
+    three.rows.push_back(std::move(cells));
+  }
+  for (const auto& [name, published] : {std::pair{"gcn", 75.5}, {"cnn", 76.5}}) {
+    result.real.push_back({fmt::format("grasps held or lost, {}, real to real, %", name), published,
+                           100.0 * result.figures["three_way"][name]["real"]["accuracy"].get<double>(),
+                           "other objects than the paper's judge"});
+  }
+  for (const char* name : {"gcn", "cnn", "lr_by_palm"}) {
+    const Json& from = result.figures["three_way"][name];
+    result.real.push_back({fmt::format("the same, AUC, {}: learnt here from real, from synthetic grasps", name),
+                           from["real"]["auc"].get<double>(), from["synthetic_to_real"]["auc"].get<double>(), judged_here});
+  }
+  three.note = "Synthetic alone is one network, judged on all real grasps.";
+  result.tables.push_back(std::move(three));
+}
+
 }  // namespace
 }  // namespace slipbench::reproduce::biotac
 
@@ -265,31 +294,7 @@ Result biotac_table2(const ReproduceOptions& options) {
   if (!grasps.real.empty()) {
     result.tables.push_back(
         palm_table("Real grasps, by object", rows, "real", &Lesson2::real, grasps.real, lessons, result.figures["real"]));
-    ResultTable three{"Judged on real objects left out, learnt from",
-                      {"accuracy", "real alone", "synthetic alone", "both", "AUC: real alone", "synthetic alone", "both"}};
-    for (const Lesson2& row : rows) {
-      std::vector<std::string> cells{row.network.network.text}, areas;
-      for (const char* from : {"real", "synthetic_to_real", "both"}) {
-        const Scores scores = scores_of(lessons.answers(row.numbers.at(from)), row.real.fold_of);
-        cells.push_back(cell(scores.accuracy));
-        areas.push_back(cell(scores.auc));
-        result.figures["three_way"][row.network.network.name][from] = json_of(scores);
-      }
-      cells.insert(cells.end(), areas.begin(), areas.end());
-      three.rows.push_back(std::move(cells));
-    }
-    for (const auto& [name, published] : {std::pair{"gcn", 75.5}, {"cnn", 76.5}}) {
-      result.real.push_back({fmt::format("grasps held or lost, {}, real to real, %", name), published,
-                             100.0 * result.figures["three_way"][name]["real"]["accuracy"].get<double>(),
-                             "other objects than the paper's judge"});
-    }
-    for (const char* name : {"gcn", "cnn", "lr_by_palm"}) {
-      const Json& from = result.figures["three_way"][name];
-      result.real.push_back({fmt::format("the same, AUC, {}: learnt here from real, from synthetic grasps", name),
-                             from["real"]["auc"].get<double>(), from["synthetic_to_real"]["auc"].get<double>(), judged_here});
-    }
-    three.note = "Synthetic alone is one network, judged on all real grasps.";
-    result.tables.push_back(std::move(three));
+    add_three_ways(result, rows, lessons);
   }
   result.tables.push_back(palm_table("Synthetic grasps, by object", rows, "synthetic", &Lesson2::synthetic, grasps.synthetic,
                                      lessons, result.figures["synthetic"]));
