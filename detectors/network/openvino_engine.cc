@@ -81,7 +81,7 @@ std::string reason_of(const std::exception& error) {
 [[noreturn]] void refuse(const std::string& what, const std::exception& error) {
   if (dynamic_cast<const InputError*>(&error) != nullptr) throw;
   const std::string reason = reason_of(error);
-  if (reason == "std::bad_alloc" || reason == "can't alloc") throw std::bad_alloc();
+  if (reason.ends_with("std::bad_alloc") || reason.ends_with("can't alloc")) throw std::bad_alloc();
   throw InputError(what + reason);
 }
 

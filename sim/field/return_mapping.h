@@ -1,7 +1,7 @@
 // The return mapping of one element onto its friction cone (field.h): one for all cones.
 //
-// A trial force with the anchor where it was, what the cone makes of it (map_onto_circle, or map_onto where the kernel cannot work on several at once), and the element's new
-// state. The kernel inlines all three and works on several elements at once.
+// A trial force with the anchor where it was, what the cone makes of it (map_onto_circle; map_onto of other cones), and the element's new
+// state. The kernel inlines all three and, of a circle, works on several elements at once.
 #pragma once
 
 #include <cmath>

@@ -82,8 +82,8 @@ class Grid {
 // a record of each network that is done: set, number, its bytes and their SHA-256. A last record that a killed run has left unfinished is dropped.
 class KeptNetworks {
  public:
-  // `of`: all that decides what the networks say, as the command and its options, the data and the program. `resume`: goes on with what the file holds; else
-  // it begins anew. Throws InputError where the file cannot be written, is damaged before its end, holds networks and `resume` is false, or is not `of`.
+  // `of`: all that decides what the networks say, as the command and its options, the data and the program. `resume`: goes on with what is there,
+  // else begins anew. Throws InputError where the file cannot be written, is damaged before its end, is not `of`, or has networks without `resume`.
   KeptNetworks(std::string path, const std::string& of, bool resume);
 
   // A file without a network goes.

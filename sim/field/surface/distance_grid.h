@@ -1,4 +1,4 @@
-// What an element of a pad meets on a touched surface; the signed distance of a closed surface, computed once at the nodes of a regular grid: for shapes whose distance is dear.
+// What an element of a pad meets; a closed surface's signed distance, computed once at a grid's nodes, for shapes whose distance is dear.
 #pragma once
 
 #include <cstddef>

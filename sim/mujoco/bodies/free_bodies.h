@@ -19,8 +19,8 @@ class FreeBodies {
   // d->xfrc_applied is not looked at.
   explicit FreeBodies(const mjModel_* m);
 
-  // By Newton's and Euler's equations of a rigid body, from d->qpos and d->qvel, as mj_kinematics, mj_comPos, mj_comVel and mj_rne: the frames of bodies, of their inertia, geoms and sites, with their
-  // quaternions; subtree_com, but the world's; cdof, cvel and qfrc_bias. All else of mjData stays as it is, the mass matrix too.
+  // What mj_kinematics, mj_comPos, mj_comVel and mj_rne make of d->qpos and d->qvel, by Newton's and Euler's equations of a rigid body: frames of
+  // bodies, inertia, geoms and sites; subtree_com, but the world's; cdof, cvel, qfrc_bias. All else stays as it is, the mass matrix too.
   void place(const mjModel_* m, mjData_* d) const;
 
   // After place(): from d->qfrc_smooth to d->qacc.

@@ -168,7 +168,9 @@ class Builder {
 
   ModelPointer compile(mjSpec* spec) {
     ModelPointer model(mj_compile(spec, &vfs_.vfs));
-    if (!model) throw SceneValueError(blame(), "MuJoCo cannot compile it: " + placed(mjs_getError(spec)));
+    const std::string why = model ? "" : placed(mjs_getError(spec));
+    if (why.find("Could not allocate memory") != std::string::npos) throw std::bad_alloc();  // no fault of the scene
+    if (!model) throw SceneValueError(blame(), "MuJoCo cannot compile it: " + why);
     return model;
   }
 

@@ -31,8 +31,7 @@ namespace fs = std::filesystem;
 
 // Of the catalogue, what is nothing without a file of the user's.
 constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
-// Networks that ship, and the type of sensor that each reads. `threshold`: empty, the file's; else one that was chosen in loops, with these very files
-// (scenes/learn/README.md): a file that is taught anew needs a new one.
+// Networks that ship, and the type of sensor that each reads. `threshold`: empty, the file's; else chosen in loops for this very file.
 struct ShippedNetwork {
   const char *name, *path, *sensor, *threshold;
 };
