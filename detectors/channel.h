@@ -51,12 +51,7 @@ struct UnitCounts {
   std::size_t touching = 0;
   std::size_t slipping = 0;  // of those that touch
 
-  // no_contact: none touches; non_slip: none slips; incipient: some do; gross: all do.
-  [[nodiscard]] PadState state() const {
-    if (touching == 0) return PadState::no_contact;
-    if (slipping == 0) return PadState::non_slip;
-    return slipping == touching ? PadState::gross : PadState::incipient;
-  }
+  [[nodiscard]] PadState state() const { return pad_state(touching, slipping); }
 
   // Share of the touching units that stick; NaN where none touches.
   [[nodiscard]] double stuck_fraction() const {

@@ -304,9 +304,7 @@ class NibPad final : public PadSensor {
       const double way = truth.slip_distance[column] + truth.displacement.col(column).head<2>().matrix().norm();
       if (way >= label_distance_) ++displaced;
     }
-    if (touching == 0) return PadState::no_contact;
-    if (displaced == 0) return PadState::non_slip;
-    return displaced == touching ? PadState::gross : PadState::incipient;
+    return pad_state(touching, displaced);
   }
 
  private:

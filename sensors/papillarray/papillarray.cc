@@ -186,9 +186,7 @@ class PapillArray final : public PadSensor {
       ++judged;
       if (truth.slip_velocity.col(static_cast<Eigen::Index>(pillar)).matrix().norm() > label_speed_) ++slipping;
     }
-    if (!in_contact) return PadState::no_contact;
-    if (slipping == 0) return PadState::non_slip;
-    return slipping == judged ? PadState::gross : PadState::incipient;
+    return in_contact && judged == 0 ? PadState::non_slip : pad_state(judged, slipping);
   }
 
  private:

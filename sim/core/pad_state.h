@@ -1,6 +1,7 @@
 // What can be said of a whole pad: the word that truth, detectors and controllers share.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace slipbench {
@@ -10,5 +11,12 @@ enum class PadState : std::uint8_t { no_contact = 0, non_slip = 1, incipient = 2
 
 inline bool slips(PadState state) { return state == PadState::incipient || state == PadState::gross; }
 inline bool slips(std::uint8_t state) { return slips(static_cast<PadState>(state)); }
+
+// Of a pad of which so many units touch, and of these so many slip.
+inline PadState pad_state(std::size_t touching, std::size_t slipping) {
+  if (touching == 0) return PadState::no_contact;
+  if (slipping == 0) return PadState::non_slip;
+  return slipping == touching ? PadState::gross : PadState::incipient;
+}
 
 }  // namespace slipbench

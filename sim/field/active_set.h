@@ -1,47 +1,17 @@
-// Where the elements of a pad meet a surface, and the active set of a field: of many elements on a body few touch, and most are far from touching.
+// The active set of a field: of many elements on a body few touch, and most are far from touching.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <variant>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "sim/core/pad_layout.h"
 #include "sim/core/pose.h"
+#include "sim/field/contact_points.h"
 #include "sim/field/kernel.h"
-#include "sim/field/surface/surface.h"
 
 namespace slipbench {
-
-class ContactPoints {
- public:
-  ContactPoints(const PadLayout& layout, const Surface& surface);
-
-  // Writes contact points and gaps of the groups' elements when the pad is at `pose` in the surface, and their normals and faces unless
-  // the surface is a plane. On a plane `groups` are all.
-  void find(const kernel::Columns& columns, const Pose& pose, const kernel::Groups& groups) const;
-
-  // Whether the surface is a plane, so that all elements meet one normal.
-  [[nodiscard]] bool on_plane() const { return std::holds_alternative<Plane>(surface_); }
-  // Whether all elements have one axis.
-  [[nodiscard]] bool flat_pad() const { return flat_pad_; }
-  // Whether the axes of a flat pad look at the plane.
-  [[nodiscard]] bool looks_at_plane(const Pose& pose) const { return pose.rotation.row(2).dot(axis_) < 0.0; }
-  // Whether the point p of S [m] is outside the surface; false where the gap's slope may exceed 1: between the nodes of a grid.
-  [[nodiscard]] bool is_outside(const Eigen::Vector3d& p) const;
-
- private:
-  template <class Shape>
-  void meet(const Shape& shape, const kernel::Columns& columns, const Pose& pose, const kernel::Groups& groups) const;
-
-  Surface surface_;
-  std::size_t count_;
-  Eigen::Vector3d axis_;  // of the first element, in P
-  bool flat_pad_;
-};
 
 // Groups of elements (kernel::lanes) are in one of three states:
 // - active: an element touches, or has touched in one of the two steps before, so that both columns of each pair now/before have been written

@@ -14,13 +14,8 @@ constexpr double negligible = 1e-6;
 // `touched_by_slip`: units of which a part slips, or all.
 [[gnu::always_inline]] inline void judge(ContactFrame& frame, const Count& elements, const Count& units,
                                          std::uint32_t touched_by_slip) {
-  const auto state = [](std::uint32_t touching, std::uint32_t slipping) {
-    if (touching == 0) return PadState::no_contact;
-    if (slipping == 0) return PadState::non_slip;
-    return slipping == touching ? PadState::gross : PadState::incipient;
-  };
-  frame.state_micro = state(units.touching, touched_by_slip);
-  frame.state = frame.unit_state.size() == 1 ? frame.state_micro : state(units.touching, units.slipping);
+  frame.state_micro = pad_state(units.touching, touched_by_slip);
+  frame.state = frame.unit_state.size() == 1 ? frame.state_micro : pad_state(units.touching, units.slipping);
   frame.stuck_fraction =
       elements.touching == 0 ? nan : static_cast<double>(elements.touching - elements.slipping) / elements.touching;
 }

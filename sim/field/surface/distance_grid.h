@@ -1,4 +1,4 @@
-// What an element of a pad meets; a closed surface's signed distance, computed once at a grid's nodes, for shapes whose distance is dear.
+// The signed distance of a closed surface, computed once at the nodes of a regular grid: for shapes whose distance is dear.
 #pragma once
 
 #include <cstddef>
@@ -8,21 +8,9 @@
 
 #include <Eigen/Core>
 
+#include "sim/field/surface/surface_point.h"
+
 namespace slipbench {
-
-// What an element meets: `gap` is the signed distance of its undeformed tip [m] (negative: penetration), `normal` the unit
-// outward normal of the surface there. An element whose axis points away from every face near it never touches: its gap is
-// positive.
-//
-// `faces`, a bit for each face of a surface with edges: of a tip outside, those beyond whose planes it lies; of a tip inside, the
-// one that it meets; none where it meets none. A tip meets a face without a jump of its gap if it had that bit the moment before.
-struct SurfacePoint {
-  static constexpr unsigned only_face = 1;  // of a surface without edges: met by whoever looks at it
-
-  double gap;
-  double nx, ny, nz;
-  unsigned faces = only_face;
-};
 
 // A uniform tricubic B-spline through samples of a distance. Its coefficients along each axis are
 //   c = (1 - D/6 + D^2/36) f,   D f_i = f_(i-1) - 2 f_i + f_(i+1)

@@ -16,7 +16,7 @@
 #include "sim/core/process/interrupted.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/mujoco_call.h"
-#include "sim/simulation/stage_simulation.h"
+#include "sim/simulation/stage_setup.h"
 #include "sim/simulation/step_plan.h"
 
 namespace slipbench {

@@ -16,7 +16,7 @@
 #include "sim/mujoco/bodies/dynamic_state.h"
 #include "sim/mujoco/bodies/model_builder.h"
 #include "sim/mujoco/pads/field_plugin.h"
-#include "sim/simulation/stage_simulation.h"
+#include "sim/simulation/stage_setup.h"
 #include "sim/simulation/step_plan.h"
 
 namespace slipbench {

@@ -8,6 +8,7 @@
 
 #include "sim/effects/effect_catalogue.h"
 #include "sim/motion/motion.h"
+#include "sim/simulation/stage_setup.h"
 #include "sim/simulation/stage_simulation.h"
 #include "tests/oracle/pads.h"
 

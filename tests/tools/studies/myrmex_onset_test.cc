@@ -7,7 +7,7 @@
 #include <array>
 #include <numbers>
 
-#include "sim/simulation/stage_simulation.h"
+#include "sim/simulation/stage_setup.h"
 
 namespace slipbench::reproduce {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "sim/core/error.h"
-#include "sim/simulation/stage_simulation.h"
+#include "sim/simulation/stage_setup.h"
 #include "tools/program/catalogue/registry.h"
 
 // All sensors in the order of `slipbench list`, a line each: the name of its folder in sensors/ (plugin: own), where SensorKind NAME_sensor() is

@@ -3,7 +3,7 @@
 #include <functional>
 #include <memory>
 
-#include "sim/simulation/stage_simulation.h"
+#include "sim/simulation/stage_setup.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {

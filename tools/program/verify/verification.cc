@@ -77,12 +77,6 @@ std::vector<double> first_times(const LabelRecord& labels, const Counts& counts)
   return first;
 }
 
-PadState judged(std::size_t touching, std::size_t slipping) {
-  if (touching == 0) return PadState::no_contact;
-  if (slipping == 0) return PadState::non_slip;
-  return slipping < touching ? PadState::incipient : PadState::gross;
-}
-
 class EventCheck {
  public:
   EventCheck(const SensorRecord& sensor, std::size_t trial, Verification& verification)
@@ -166,9 +160,9 @@ class EventCheck {
       const std::size_t touching = at_least(UnitState::stick), micro = at_least(UnitState::slip);
       const auto whole = static_cast<std::size_t>(std::ranges::count(states, static_cast<std::uint8_t>(UnitState::slip)));
       // A pad of a single unit has none that could be told apart: strict is micro there.
-      const auto expected = static_cast<std::uint8_t>(judged(touching, micro));
-      if (units > 1 && labels_.state[row] != static_cast<std::uint8_t>(judged(touching, whole)))
-        fail("state", row, fmt::format("is {}, by unit_state {}", labels_.state[row], static_cast<int>(judged(touching, whole))));
+      const auto expected = static_cast<std::uint8_t>(pad_state(touching, micro));
+      if (units > 1 && labels_.state[row] != static_cast<std::uint8_t>(pad_state(touching, whole)))
+        fail("state", row, fmt::format("is {}, by unit_state {}", labels_.state[row], static_cast<int>(pad_state(touching, whole))));
       if (units == 1 && labels_.state[row] != labels_.state_micro[row])
         fail("state", row,
              fmt::format("is {}, of a single unit, whose state_micro is {}", labels_.state[row], labels_.state_micro[row]));

@@ -6,7 +6,7 @@
 
 #include "sim/motion/motion.h"
 #include "sim/mujoco/mujoco_call.h"
-#include "sim/simulation/stage_simulation.h"
+#include "sim/simulation/stage_setup.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"
 #include "tests/sim/mujoco/bodies/dynamic_scenes.h"
 
