@@ -162,7 +162,8 @@ class EventCheck {
       // A pad of a single unit has none that could be told apart: strict is micro there.
       const auto expected = static_cast<std::uint8_t>(pad_state(touching, micro));
       if (units > 1 && labels_.state[row] != static_cast<std::uint8_t>(pad_state(touching, whole)))
-        fail("state", row, fmt::format("is {}, by unit_state {}", labels_.state[row], static_cast<int>(pad_state(touching, whole))));
+        fail("state", row,
+             fmt::format("is {}, by unit_state {}", labels_.state[row], static_cast<int>(pad_state(touching, whole))));
       if (units == 1 && labels_.state[row] != labels_.state_micro[row])
         fail("state", row,
              fmt::format("is {}, of a single unit, whose state_micro is {}", labels_.state[row], labels_.state_micro[row]));
