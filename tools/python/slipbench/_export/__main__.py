@@ -8,6 +8,10 @@ from slipbench import InputError, open as open_dataset
 from slipbench._export.request import Interrupt, Interrupted, Progress, Request, tell
 
 
+def repeat_nothing(_told: object) -> None:
+    """Writers that are dropped unclosed would tell the same error again, with a traceback."""
+
+
 def main(text: str) -> int:
     """Writes what the request asks for; returns the exit status."""
     request = Request(**json.loads(text))
@@ -22,8 +26,12 @@ def main(text: str) -> int:
         message = f"export: --format {request.format} needs the Python package {error.name}, which {sys.executable} does not have; install it: {request.install}"
     except InputError as error:
         message = str(error)
+    except MemoryError:
+        message = "out of memory"
+        sys.unraisablehook = repeat_nothing
     except OSError as error:
         message = f"{error.filename or request.out}: cannot be written: {error.strerror or error}"
+        sys.unraisablehook = repeat_nothing
     except Interrupted:
         progress.clear()
         return 130
