@@ -1,14 +1,17 @@
 #include "sim/mujoco/mjcf.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -33,27 +36,32 @@ struct Tag {
   std::size_t line = 1;
 };
 
-// The tags of a text, comments left out. What is no XML gives any tags.
+// What MuJoCo's XML skips, comments and the like; "<!" begins two others too.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> skipped{
+    {{"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<!", ">"}, {"<?", "?>"}}};
+
+// The tags of a text. What is no XML gives any tags.
 std::vector<Tag> tags_of(std::string_view text) {
-  constexpr std::string_view space = " \t\r\n";
+  constexpr std::string_view space = " \t\r\n\v\f";
   std::vector<Tag> tags;
   std::size_t line = 1, counted = 0;
   for (std::size_t at = text.find('<'); at != std::string_view::npos; at = text.find('<', at)) {
-    if (text.substr(at, 4) == "<!--") {
-      at = std::min(text.find("-->", at), text.size());
+    const auto skip = std::ranges::find_if(skipped, [&](const auto& ends) { return text.substr(at).starts_with(ends.first); });
+    if (skip != skipped.end()) {
+      at = std::min(text.find(skip->second, at + skip->first.size()), text.size());
       continue;
     }
     for (; counted < at; ++counted) line += text[counted] == '\n' ? 1U : 0U;
     Tag tag;
     tag.line = line;
-    std::size_t end = std::min(text.find_first_of(" \t\r\n/>", at + 1), text.size());
+    std::size_t end = std::min(text.find_first_of(" \t\r\n\v\f/>", at + 1), text.size());
     tag.name = text.substr(at + 1, end - at - 1);
     while (true) {
       const std::size_t begin = text.find_first_not_of(space, end);
       const std::size_t equals = text.find_first_of("=><", begin == std::string_view::npos ? end : begin);
       if (begin == std::string_view::npos || equals == std::string_view::npos || text[equals] != '=') break;
-      const std::size_t open = text.find_first_of("\"'", equals);
-      if (open == std::string_view::npos) break;
+      const std::size_t open = text.find_first_not_of(space, equals + 1);
+      if (open == std::string_view::npos || (text[open] != '"' && text[open] != '\'')) break;
       const std::size_t close = text.find(text[open], open + 1);
       if (close == std::string_view::npos) break;
       std::string_view name = text.substr(begin, equals - begin);
@@ -67,10 +75,11 @@ std::vector<Tag> tags_of(std::string_view text) {
   return tags;
 }
 
-// The product of an attribute's numbers, 1 where it is not there: "3 4" is 12, "2M" is 2^21.
+// The product of an attribute's numbers, 1 where it is not there: "3 4" is 12, "2M" is 2^21. With an entity, "&#51;", it may be any.
 double product_of(const Tag& tag, const std::string& attribute) {
   const auto found = tag.attributes.find(attribute);
   if (found == tag.attributes.end()) return 1.0;
+  if (found->second.find('&') != std::string::npos) return std::numeric_limits<double>::infinity();
   double product = 1.0;
   const char* text = found->second.c_str();
   for (char* stop = nullptr;; text = stop) {
@@ -78,7 +87,7 @@ double product_of(const Tag& tag, const std::string& attribute) {
     if (stop == text) return product;
     product *= value;
     constexpr std::string_view prefixes = "KMGTPE";
-    const std::size_t power = *stop == '\0' ? std::string_view::npos : prefixes.find(static_cast<char>(std::toupper(*stop)));
+    const std::size_t power = prefixes.find(static_cast<char>(std::toupper(static_cast<unsigned char>(*stop))));
     if (power == std::string_view::npos) continue;
     for (std::size_t i = 0; i <= power; ++i) product *= 1024.0;
     ++stop;
@@ -86,7 +95,7 @@ double product_of(const Tag& tag, const std::string& attribute) {
 }
 
 void check_size(const std::string& file, const Tag& tag, const char* what, double found, double most) {
-  if (!(found > most)) return;
+  if (found <= most) return;
   throw InputError(file + ":" + std::to_string(tag.line) + ": <" + printable(tag.name) + "> " + what + " " +
                    std::to_string(found) + "; allowed: at most " + std::to_string(most));
 }
@@ -112,7 +121,11 @@ void check_file(const fs::path& path, const fs::path& root, Files& seen) {
     check_size(path.string(), tag, "has the count", product_of(tag, "count"), most_copies);
     check_size(path.string(), tag, "has the memory", product_of(tag, "memory"), most_memory);
     for (const auto& [key, value] : tag.attributes) {
-      if (!key.starts_with("file")) continue;  // of a cube's sides too
+      const bool names_file = key.starts_with("file");  // of a cube's sides too
+      if ((names_file || key.ends_with("dir")) && value.find('&') != std::string::npos)
+        throw InputError(fmt::format("{}:{}: {} is {}; allowed: a name without entities", path.string(), tag.line, printable(key),
+                                     quote(value)));
+      if (!names_file) continue;
       for (const fs::path& folder : folders) {
         std::error_code error;
         if (!fs::exists(folder / value, error)) continue;

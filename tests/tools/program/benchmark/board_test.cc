@@ -220,6 +220,9 @@ TEST(Submission, AskedIsReadBack) {
                     .untaught = true};
   EXPECT_EQ(asked_json(parse_asked(asked_json(asked), "a.json")), asked_json(asked));
   EXPECT_THAT(refusal_of([] { parse_asked(Json::array(), "a.json"); }), HasSubstr("a.json: /asked: "));
+  Json negative = asked_json(asked);
+  negative["trials"] = -1;
+  EXPECT_THAT(refusal_of([&] { parse_asked(negative, "a.json"); }), HasSubstr("a.json: /asked: "));
 }
 
 }  // namespace

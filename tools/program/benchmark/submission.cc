@@ -1,0 +1,72 @@
+// What a submission says, and whether another one says the same.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+#include "tools/program/benchmark/benchmark.h"
+#include "tools/program/benchmark/protocol.h"
+
+namespace slipbench::benchmark {
+namespace {
+
+std::string found(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+}  // namespace
+
+Json asked_json(const Asked& asked) {
+  Json parameters = Json::array();
+  for (const Override& change : asked.parameters) parameters.push_back({change.path, change.value});
+  return {{"detectors", asked.detectors}, {"set", parameters},      {"real", asked.real},
+          {"sensor", asked.sensor},       {"trials", asked.trials}, {"untaught", asked.untaught}};
+}
+
+Asked parse_asked(const Json& json, const std::string& file) {
+  try {
+    Asked asked;
+    asked.detectors = json.at("detectors").get<std::vector<std::string>>();
+    for (const Json& change : json.at("set")) asked.parameters.push_back({change.at(0), change.at(1)});
+    asked.real = json.at("real").get<std::vector<std::string>>();
+    asked.sensor = json.at("sensor").get<std::string>();
+    asked.trials = json.at("trials").get_ref<const Json::number_unsigned_t&>();  // -1 and 1e300 are none
+    asked.untaught = json.at("untaught").get<bool>();
+    return asked;
+  } catch (const Json::exception& error) {
+    throw InputError(fmt::format("{}: /asked: {}; allowed: as benchmark --submit writes it", file, error.what()));
+  }
+}
+
+std::string submission_text(const Json& result) { return result.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json parse_submission(const std::string& text, const std::string& name) {
+  const Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains(result_key) || !json.contains("asked") || !json.contains("protocol"))
+    throw InputError(name + ": is no submission; allowed: what benchmark --submit writes");
+  const Json& protocol = json.at("protocol");
+  if (!protocol.is_object() || !protocol.contains("name") || !protocol.at("name").is_string())
+    throw InputError(name + ": /protocol/name: is none; allowed: as benchmark --submit writes it");
+  const Protocol& known = find_protocol(protocol.at("name").get<std::string>(), name);
+  const std::string here = protocol_sha256(known);
+  const std::string there = protocol.contains("sha256") ? found(protocol.at("sha256")) : "nothing";
+  if (there != found(here))
+    throw InputError(
+        fmt::format("{}: /protocol/sha256: {} in the file; allowed: {}, that of {} here", name, there, found(here), known.name));
+  return json;
+}
+
+std::string difference(const std::string& text, const Json& submitted, Json recomputed) {
+  if (submitted.contains("machine")) recomputed["machine"] = submitted.at("machine");
+  if (submission_text(recomputed) == text) return "";
+  for (const Json& change : Json::diff(submitted, recomputed)) {
+    const std::string path = change.at("path").get<std::string>();
+    const Json::json_pointer place(path);
+    const std::string before = submitted.contains(place) ? found(submitted.at(place)) : "nothing";
+    const std::string now = recomputed.contains(place) ? found(recomputed.at(place)) : "nothing";
+    return fmt::format("{}: {} in the file, {} here", path, before, now);
+  }
+  const std::string here = submission_text(recomputed);
+  const auto [a, b] = std::ranges::mismatch(text, here);
+  return fmt::format("byte {}: the same values, written in another way", a - text.begin());
+}
+
+}  // namespace slipbench::benchmark
