@@ -86,8 +86,10 @@ void unshuffle(const std::uint8_t* in, std::size_t count, std::uint8_t* out) {
   }
 }
 
-// False: it is stored otherwise, or a chunk cannot be read.
-bool read_folded(const Handle& array, const std::vector<std::size_t>& extents, std::size_t element, std::uint8_t* to) {
+// False: it is stored otherwise, or misses a chunk. One that is damaged is refused here: where it unfolds to too little, or says that it is not
+// folded, HDF5 1.10 reads on behind it.
+bool read_folded(const Place& place, const Handle& array, const std::vector<std::size_t>& extents, std::size_t element,
+                 std::uint8_t* to) {
   const std::size_t rows = folded_rows({H5Dget_create_plist(array.get()), &H5Pclose}, extents, element);
   if (rows == 0) return false;
   std::size_t row = element;  // bytes
@@ -97,9 +99,11 @@ bool read_folded(const Handle& array, const std::vector<std::size_t>& extents, s
   for (std::size_t first = 0; first < extents.front(); first += rows) {
     const std::size_t present = std::min(rows, extents.front() - first) * row;
     std::uint8_t* const at = to + first * row;
-    if (!read_chunk(array, extents.size(), first, chunk)) return false;
+    const bool read = read_chunk(array, extents.size(), first, chunk);
+    if (!read && chunk.empty()) return false;
     if (present < rows * row) whole.resize(rows * row);  // chunks are stored at full size
-    if (!unfolder.unfold(chunk, element, whole.empty() ? std::span(at, present) : std::span(whole))) return false;
+    if (!read || !unfolder.unfold(chunk, element, whole.empty() ? std::span(at, present) : std::span(whole)))
+      place.fail("cannot be read: a chunk is damaged");
     if (!whole.empty()) std::memcpy(at, whole.data(), present);
   }
   return true;
@@ -256,7 +260,8 @@ std::vector<std::size_t> array_extents(const Place& place, const Handle& array, 
 
 void read_values(const Place& place, const Handle& array, const std::vector<std::size_t>& extents, hid_t type, void* to) {
   const Handle own(H5Dget_type(array.get()), &H5Tclose);
-  if (H5Tequal(own.get(), type) > 0 && read_folded(array, extents, H5Tget_size(type), static_cast<std::uint8_t*>(to))) return;
+  if (H5Tequal(own.get(), type) > 0 && read_folded(place, array, extents, H5Tget_size(type), static_cast<std::uint8_t*>(to)))
+    return;
   if (H5Dread(array.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, to) < 0) place.fail("cannot be read: " + last_error());
 }
 
