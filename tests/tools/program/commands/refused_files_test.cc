@@ -72,6 +72,9 @@ TEST_F(RefusedFiles, WhatAModelNamesAndDeclaresIsChecked) {
   expect_model_refusal("<worldbody><replicate count=\"1000000000\"><geom size=\"1\"/></replicate></worldbody>\n",
                        "model.xml:2: <replicate> has the count");
   expect_model_refusal("<size memory=\"100G\"/>\n", "model.xml:2: <size> has the memory");
+  // MuJoCo counts no lines of what is included.
+  std::ofstream(folder_ / "part.xml") << "<mujoco>\n<worldbody>\n<geom tipe=\"box\"/>\n</worldbody>\n</mujoco>\n";
+  expect_model_refusal("<include file=\"part.xml\"/>\n", "Element 'geom', " + folder_ / "part.xml" + ":3");
 }
 
 TEST_F(RefusedFiles, ControlCharactersDoNotReachTheTerminal) {

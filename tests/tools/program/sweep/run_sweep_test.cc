@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -481,6 +482,25 @@ TEST_F(SweepTest, ResumedSweepGivesTheBytesOfAnUndisturbedOne) {
       std::filesystem::remove(path("out.h5"));
     }
   }
+}
+
+// In time of the processor, whatever else the machine does. What is left is a quarter of the work.
+TEST_F(SweepTest, ResumedSweepTakesNoLongerThanAFreshOne) {
+  std::atomic<bool> interrupt = false;
+  SweepOptions sweep = options("out.h5");
+  sweep.trials = 20;  // 120 of all
+  sweep.interrupt = &interrupt;
+  const auto seconds = [&](const ProgressCallback& progress = {}) {
+    const std::clock_t begin = std::clock();
+    run(sweep, progress);
+    return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  };
+  const double fresh = seconds();
+  std::filesystem::remove(path("out.h5"));
+  static_cast<void>(seconds([&](const SweepProgress& progress) { interrupt = progress.done >= 90; }));
+  interrupt = false;
+  sweep.resume = true;
+  EXPECT_LT(seconds(), 1.5 * fresh);
 }
 
 TEST_F(SweepTest, LeftTrialsAreReplacedByNobody) {
