@@ -172,12 +172,16 @@ void settle_old_detection(TrialOutcome& outcome, const Confusion& confusion) {
 }
 
 // A record with what the demo says of itself.
-TrialRecord record_of(std::size_t trial, DemoInfo demo) {
+TrialRecord record_of(const Place& place, std::size_t trial, DemoInfo demo) {
   TrialRecord record;
   record.trial = trial;
   record.seed = demo.seed;
   record.params = std::move(demo.params);
-  record.outcome = parse_outcome(demo.outcome);
+  try {
+    record.outcome = parse_outcome(demo.outcome);
+  } catch (const InputError& error) {
+    place.fail(error.what());
+  }
   return record;
 }
 
@@ -454,8 +458,8 @@ std::string DatasetReader::stored_sha256(std::size_t file, const std::vector<std
 EncodedTrial DatasetReader::read_encoded(std::size_t trial) const { return slipbench::read_encoded(state_->demo(trial), trial); }
 
 TrialRecord DatasetReader::read_trial(std::size_t trial) const {
-  TrialRecord record = record_of(trial, info(trial));
   const Place demo_place = state_->demo(trial);
+  TrialRecord record = record_of(demo_place, trial, info(trial));
   const Handle demo_object = open_object(demo_place);
   if (H5Aexists(demo_object.get(), "model_sha256") > 0)
     record.model_sha256 = hdf5::text_of(demo_place, demo_object, "model_sha256");

@@ -283,8 +283,8 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   const DatasetReader dataset(dataset_path);
   check_reportable(dataset, dataset_path, options.trial);
   const std::vector<std::size_t>& trials = dataset.trials();
-  const bool of_grasps = parse_outcome(dataset.info(trials.front()).outcome).grasp.has_value();
   const TrialRecord first = dataset.read_trial(trials.front());
+  const bool of_grasps = first.outcome.grasp.has_value();
   const std::string first_subject = subject_of(dataset_path, trials.front());
   CurveShares shares(first, first_subject, std::min(trials.size(), options.max_trials.value_or(trials.size())),
                      trial_row(first, first_subject).dump().size() * std::min(trials.size(), options.max_rows));

@@ -1,5 +1,8 @@
+#include <csignal>
 #include <cstdio>
 #include <string>
+
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
@@ -144,6 +147,23 @@ TEST_F(ProgressTest, OffAndSingleTrialsDrawNothing) {
   off.update(2, 2, 8.0);
   single.update(1, 1, 4.0);
   EXPECT_EQ(written(), "");
+}
+
+TEST_F(ProgressTest, AFifthOfATrialInFiveSecondsLeavesTwenty) {
+  Progress progress = make(Progress::Mode::lines);
+  for (double share = 0.04; share < 0.3; share += 0.04) now_ += 1.0, progress.part(share);  // lines are 5 s apart
+  EXPECT_EQ(written(), "20 % of the trial, 5 s, ETA 20 s\n");
+}
+
+// The alarm rings after 10 s; here at once.
+TEST(PreparationNotice, SaysThatTrialsAreStillBeingPrepared) {
+  for (const bool quiet : {false, true}) {
+    const PreparationNotice notice(quiet);
+    EXPECT_THAT(::alarm(10), AnyOf(9U, 10U));
+    testing::internal::CaptureStderr();
+    std::raise(SIGALRM);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), StartsWith(quiet ? "" : "slipbench: still preparing the trials"));
+  }
 }
 
 TEST(Style, LeavesTextAloneWithoutColours) {

@@ -334,6 +334,18 @@ TEST(Program, WarnsOnStderrAndInTheJson) {
   EXPECT_TRUE(json_of(run_program_file({"run", stage, "--json"}))["warnings"].empty());
 }
 
+// MuJoCo's compiler is in want of memory, or a thread, or the trial.
+TEST(Program, WantOfMemoryIsSaid) {
+  const TemporaryFolder folder;
+  const std::string sweep =
+      "; slipbench sweep " SLIPBENCH_SOURCE_DIR "/scenes/grasp/lift.yaml --trials 2 --jobs 2 --quiet --set 'duration=2 s'";
+  for (int limit = 110'000; limit <= 170'000; limit += 10'000) {
+    const ChildResult result = run_shell("ulimit -v " + std::to_string(limit) + sweep, folder / "");
+    EXPECT_THAT(result.status, AnyOf(0, 2)) << limit << " kB: " << result.err;
+    if (result.status == 2) EXPECT_THAT(result.err, AnyOf(HasSubstr("out of memory"), HasSubstr("could be started"))) << limit;
+  }
+}
+
 TEST(Program, ControlCKeepsWhatIsFinished) {
   const TemporaryFolder folder;
   const std::string dataset = folder / "long.h5";

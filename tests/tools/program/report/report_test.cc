@@ -345,6 +345,11 @@ TEST(Report, RefusesBrokenContent) {
               HasSubstr("/data/demo_0: labels/pad holds state 7; allowed: 0 to 3"));
   EXPECT_THAT(refusal(write_dataset("report_params.h5", scene, {sample_trial(0, "speed 4")}), page_path("x.html")),
               HasSubstr("attribute params is not a JSON object: speed 4"));
+  const std::string file = write_dataset("report_outcome.h5", scene, trials(1));
+  std::string bytes = read_text(file);
+  bytes.replace(bytes.find("{\"dropped"), 1, "[");
+  write_text(file, bytes);
+  EXPECT_THAT(refusal(file, page_path("x.html")), HasSubstr(file + ": /data/demo_0: outcome is not the JSON object of a trial"));
   EXPECT_THAT(refusal(write_dataset("report_scene.h5", "a: [b", trials(1)), page_path("x.html")),
               HasSubstr("attribute scene is not a scene"));
 }

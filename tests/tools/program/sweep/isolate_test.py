@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -36,6 +37,7 @@ DEEDS = {
     "memory": "threw 'std::bad_alloc' in update",
     "folder": None,
     "output": None,
+    "latest": None,
 }
 
 
@@ -124,6 +126,22 @@ class IsolateTest(unittest.TestCase):
             self.assertIn(f"scene.yaml:15: detector.library: 'misbehaves.so' {text} in slipbench_make_detector", error)
         _, error = self.sweep(["none"], "--trial-limit", "1 s", "--no-isolate", status=2)
         self.assertIn("allowed: one of them", error)
+
+    def test_a_library_that_changes_ends_the_sweep(self):
+        library = self.folder / "misbehaves.so"
+        for way in ("another file", "written over"):
+            library.unlink()
+            shutil.copy(LIBRARY, library)
+            with self.start(["none"], "--trials", "20000", "--jobs", "1", "-o", "out.h5") as process:
+                while process.poll() is None and not (self.folder / "out.h5.partial").exists():
+                    time.sleep(0.01)
+                if way == "another file":
+                    library.unlink()
+                library.write_bytes(LIBRARY.read_bytes() + b"other")
+                _, error = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 2, error)
+            self.assertIn("misbehaves.so has changed since the first trial began", error)
+            (self.folder / "out.partial.h5").unlink(missing_ok=True)
 
     def test_signals_end_all_processes(self):
         whole = self.bytes_of(["loop"], honest=True)

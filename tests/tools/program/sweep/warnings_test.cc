@@ -114,6 +114,8 @@ TEST_F(Warnings, StepsThatTakeTenMinutes) {
   ASSERT_NE(steps, found.end());
   EXPECT_THAT(steps->text, AllOf(HasSubstr("auto makes steps of"), HasSubstr("days or more")));
   EXPECT_EQ(std::ranges::count(of("box: {mass: 200 g}\n"), "time_step", &Warning::about), 0);
+  EXPECT_THAT(told("fidelity: articulated\ntime_step: 0.05 us\n"),
+              ElementsAre(AllOf(StartsWith("s.yaml:4: time_step: 0.05 us makes steps of 5e-08 s"), HasSubstr("; auto takes"))));
 }
 
 TEST_F(Warnings, ShippedScenesHaveNone) {
