@@ -54,8 +54,9 @@ std::vector<Tag> tags_of(std::string_view text) {
     for (; counted < at; ++counted) line += text[counted] == '\n' ? 1U : 0U;
     Tag tag;
     tag.line = line;
-    std::size_t end = std::min(text.find_first_of(" \t\r\n\v\f/>", at + 1), text.size());
-    tag.name = text.substr(at + 1, end - at - 1);
+    const std::size_t name = std::min(text.find_first_not_of(space, at + 1), text.size());
+    std::size_t end = std::min(text.find_first_of(" \t\r\n\v\f/>", name), text.size());
+    tag.name = text.substr(name, end - name);
     while (true) {
       const std::size_t begin = text.find_first_not_of(space, end);
       const std::size_t equals = text.find_first_of("=><", begin == std::string_view::npos ? end : begin);
@@ -122,7 +123,8 @@ void check_file(const fs::path& path, const fs::path& root, Files& seen) {
     check_size(path.string(), tag, "has the memory", product_of(tag, "memory"), most_memory);
     for (const auto& [key, value] : tag.attributes) {
       const bool names_file = key.starts_with("file");  // of a cube's sides too
-      if ((names_file || key.ends_with("dir")) && value.find('&') != std::string::npos)
+      const std::size_t entity = value.find('&');
+      if ((names_file || key.ends_with("dir")) && entity != std::string::npos && value.find(';', entity) != std::string::npos)
         throw InputError(fmt::format("{}:{}: {} is {}; allowed: a name without entities", path.string(), tag.line, printable(key),
                                      quote(value)));
       if (!names_file) continue;

@@ -44,6 +44,11 @@ CompilerMemory::CompilerMemory() {
   for (std::size_t i = 0; i < blocks; ++i) taken.push_back(std::make_unique_for_overwrite<char[]>(bytes));
 }
 
+void CompilerMemory::tell_crash(int signal) const {
+  if (alone_.owns_lock()) throw std::bad_alloc();
+  throw InputError("MuJoCo's compiler crashed: " + signal_text(signal));
+}
+
 void call_mujoco(void (*action)(void* context), void* context) {
   [[maybe_unused]] static const bool installed = [] {
     mju_user_error = on_error;

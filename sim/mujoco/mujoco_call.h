@@ -8,6 +8,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include "sim/core/process/crash_guard.h"
+
 namespace slipbench {
 
 struct MujocoFree {
@@ -35,8 +37,15 @@ void call_mujoco(Action&& action) {
 class CompilerMemory {
  public:
   CompilerMemory();
+  // Runs action(), which calls the compiler. Where it crashes throws std::bad_alloc if memory is limited, else InputError.
+  template <class Action>
+  void run(Action&& action) {
+    if (const int signal = run_guarded(action); signal != 0) tell_crash(signal);
+  }
 
  private:
+  [[noreturn]] void tell_crash(int signal) const;
+
   std::unique_lock<std::mutex> alone_;
 };
 

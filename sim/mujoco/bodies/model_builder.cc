@@ -168,9 +168,9 @@ class Builder {
 
   ModelPointer compile(mjSpec* spec) {
     ModelPointer model(mj_compile(spec, &vfs_.vfs));
-    const std::string why = model ? "" : placed(mjs_getError(spec));
-    if (why.find("Could not allocate memory") != std::string::npos) throw std::bad_alloc();  // no fault of the scene
-    if (!model) throw SceneValueError(blame(), "MuJoCo cannot compile it: " + why);
+    const std::string why = model ? "" : mjs_getError(spec);
+    if (why.ends_with("Could not allocate memory")) throw std::bad_alloc();  // no fault of the scene
+    if (!model) throw SceneValueError(blame(), "MuJoCo cannot compile it: " + placed(why.c_str()));
     return model;
   }
 
@@ -554,14 +554,16 @@ class Builder {
 
 ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand,
                          HandedLayouts& handed) {
-  const CompilerMemory memory;
-  return Builder(scene, pads, trial, hand).build(handed);
+  ModelPointer model;
+  CompilerMemory().run([&] { model = Builder(scene, pads, trial, hand).build(handed); });
+  return model;
 }
 
 ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,
                                      const std::function<double(double)>& step_for, const Hand* hand) {
-  const CompilerMemory memory;
-  return Builder(scene, pads, 0, hand).build_articulated(step_for);
+  ModelPointer model;
+  CompilerMemory().run([&] { model = Builder(scene, pads, 0, hand).build_articulated(step_for); });
+  return model;
 }
 
 std::string site_of(const SensorScene& sensor) { return sensor.site.empty() ? stage_name : sensor.site; }

@@ -284,6 +284,7 @@ std::size_t folded_rows(const Handle& properties, const std::vector<std::size_t>
 bool read_chunk(const Handle& array, std::size_t rank, std::size_t row, std::vector<std::uint8_t>& to) {
   std::vector<hsize_t> offset(rank, 0);
   offset.front() = row;
+  to.clear();
   hsize_t bytes = 0;
   std::uint32_t filters = 0;
   if (H5Dget_chunk_storage_size(array.get(), offset.data(), &bytes) < 0 || bytes > H5Dget_storage_size(array.get())) return false;

@@ -39,7 +39,13 @@ Asked parse_asked(const Json& json, const std::string& file) {
 std::string submission_text(const Json& result) { return result.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 Json parse_submission(const std::string& text, const std::string& name) {
-  const Json json = Json::parse(text, nullptr, false);
+  constexpr int deepest = 100;  // what is compared and told follows it by calls of calls
+  const auto bounded = [&](int depth, Json::parse_event_t, Json&) {
+    return depth <= deepest ? true
+                            : throw InputError(fmt::format(
+                                  "{}: is nested more than {} deep; allowed: what benchmark --submit writes", name, deepest));
+  };
+  const Json json = Json::parse(text, bounded, false);
   if (!json.is_object() || !json.contains(result_key) || !json.contains("asked") || !json.contains("protocol"))
     throw InputError(name + ": is no submission; allowed: what benchmark --submit writes");
   const Json& protocol = json.at("protocol");

@@ -339,7 +339,7 @@ TEST(Program, WantOfMemoryIsSaid) {
   const TemporaryFolder folder;
   const std::string sweep =
       "; slipbench sweep " SLIPBENCH_SOURCE_DIR "/scenes/grasp/lift.yaml --trials 2 --jobs 2 --quiet --set 'duration=2 s'";
-  for (int limit = 110'000; limit <= 170'000; limit += 10'000) {
+  for (int limit = 150'000; limit <= 154'000; limit += 500) {
     const ChildResult result = run_shell("ulimit -v " + std::to_string(limit) + sweep, folder / "");
     EXPECT_THAT(result.status, AnyOf(0, 2)) << limit << " kB: " << result.err;
     EXPECT_TRUE(result.status == 0 || result.err.find("out of memory") != std::string::npos ||

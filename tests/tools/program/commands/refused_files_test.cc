@@ -74,6 +74,7 @@ TEST_F(RefusedFiles, WhatAModelNamesAndDeclaresIsChecked) {
   expect_model_refusal("<size memory=\"100G\"/>\n", "model.xml:2: <size> has the memory");
   // What is XML for MuJoCo, and seldom written.
   expect_model_refusal("<!x <!-- ><size\vmemory\f=\f\"100G\"/>\n", "model.xml:2: <size> has the memory");
+  expect_model_refusal("< size memory=\"100G\"/>\n", "model.xml:2: <size> has the memory");
   expect_model_refusal("<size memory=\"&#57;9G\"/>\n", "model.xml:2: <size> has the memory");
   expect_model_refusal("<include file=\"&#112;ipe\"/>\n", "model.xml:2: file is '&#112;ipe'; allowed: a name without entities");
   // MuJoCo counts no lines of what is included.
