@@ -44,9 +44,9 @@ CompilerMemory::CompilerMemory() {
   for (std::size_t i = 0; i < blocks; ++i) taken.push_back(std::make_unique_for_overwrite<char[]>(bytes));
 }
 
-void CompilerMemory::tell_crash(int signal) const {
+void CompilerMemory::tell_crash(const char* path, int signal) const {
   if (alone_.owns_lock()) throw std::bad_alloc();
-  throw InputError("MuJoCo's compiler crashed: " + signal_text(signal));
+  throw SceneValueError(path, "MuJoCo's compiler crashed: " + signal_text(signal) + "; allowed: what it can compile");
 }
 
 void call_mujoco(void (*action)(void* context), void* context) {

@@ -37,14 +37,14 @@ void call_mujoco(Action&& action) {
 class CompilerMemory {
  public:
   CompilerMemory();
-  // Runs action(), which calls the compiler. Where it crashes throws std::bad_alloc if memory is limited, else InputError.
+  // Runs action(), which calls the compiler. Where it crashes throws std::bad_alloc if memory is limited, else SceneValueError at `path`.
   template <class Action>
-  void run(Action&& action) {
-    if (const int signal = run_guarded(action); signal != 0) tell_crash(signal);
+  void run(const char* path, Action&& action) const {
+    if (const int signal = run_guarded(action); signal != 0) tell_crash(path, signal);
   }
 
  private:
-  [[noreturn]] void tell_crash(int signal) const;
+  [[noreturn]] void tell_crash(const char* path, int signal) const;
 
   std::unique_lock<std::mutex> alone_;
 };

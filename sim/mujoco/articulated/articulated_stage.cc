@@ -107,7 +107,7 @@ ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surfa
   const std::string name = "surface";
   add_articulated_pad(spec.get(), carrier, Pose{}, layout, {&name, 1}, friction, pillars, "pad");
 
-  w.model.reset(mj_compile(spec.get(), nullptr));
+  memory.run("fidelity", [&] { w.model.reset(mj_compile(spec.get(), nullptr)); });
   if (!w.model) throw std::runtime_error(std::string("MuJoCo cannot compile the articulated pad: ") + mjs_getError(spec.get()));
   w.data.reset(mj_makeData(w.model.get()));
   w.contact = std::make_unique<ArticulatedContact>(w.model.get(), "pad", layout, pillars);

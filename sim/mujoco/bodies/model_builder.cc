@@ -80,6 +80,9 @@ std::string name_of(mjsElement* element, const std::string& otherwise) {
 }
 
 // A scene's model in the making.
+// What of the scene a message of MuJoCo is about.
+const char* blamed(const Scene& scene) { return scene.model.empty() ? "bodies" : "model"; }
+
 class Builder {
  public:
   Builder(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand)
@@ -159,9 +162,6 @@ class Builder {
     mjVFS vfs;
   };
 
-  // What of the scene a message of MuJoCo is about.
-  [[nodiscard]] std::string blame() const { return scene_.model.empty() ? "bodies" : "model"; }
-
   [[nodiscard]] std::string placed(const char* message) const {
     return scene_.model.empty() ? message : placed_message(scene_.model, message);
   }
@@ -170,7 +170,7 @@ class Builder {
     ModelPointer model(mj_compile(spec, &vfs_.vfs));
     const std::string why = model ? "" : mjs_getError(spec);
     if (why.ends_with("Could not allocate memory")) throw std::bad_alloc();  // no fault of the scene
-    if (!model) throw SceneValueError(blame(), "MuJoCo cannot compile it: " + placed(why.c_str()));
+    if (!model) throw SceneValueError(blamed(scene_), "MuJoCo cannot compile it: " + placed(why.c_str()));
     return model;
   }
 
@@ -296,7 +296,7 @@ class Builder {
       mj_addBufferVFS(&vfs_.vfs, wrapper.c_str(), text.data(), static_cast<int>(text.size()));
       spec.reset(mj_parseXML(wrapper.c_str(), &vfs_.vfs, error.data(), size));
     }
-    if (!spec) throw SceneValueError(blame(), "MuJoCo cannot read it: " + placed(error.data()));
+    if (!spec) throw SceneValueError(blamed(scene_), "MuJoCo cannot read it: " + placed(error.data()));
     return spec;
   }
 
@@ -555,14 +555,14 @@ class Builder {
 ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand,
                          HandedLayouts& handed) {
   ModelPointer model;
-  CompilerMemory().run([&] { model = Builder(scene, pads, trial, hand).build(handed); });
+  CompilerMemory().run(blamed(scene), [&] { model = Builder(scene, pads, trial, hand).build(handed); });
   return model;
 }
 
 ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,
                                      const std::function<double(double)>& step_for, const Hand* hand) {
   ModelPointer model;
-  CompilerMemory().run([&] { model = Builder(scene, pads, 0, hand).build_articulated(step_for); });
+  CompilerMemory().run(blamed(scene), [&] { model = Builder(scene, pads, 0, hand).build_articulated(step_for); });
   return model;
 }
 

@@ -15,6 +15,7 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/writer.h"
+#include "tools/base/hdf5/hdf5_place.h"
 
 namespace slipbench::testing::failure_test {
 namespace {
@@ -221,6 +222,36 @@ TEST_F(FailureTest, RunKilledAtAnyTimeLeavesItsTrials) {
 }
 
 // Whatever bytes a file has lost or changed, guarded reading ends in values or in an InputError.
+// What was never written reads as zeros. A chunk that unfolds to too little, or is said to be stored without a filter, HDF5 1.10 would read beyond.
+TEST_F(FailureTest, AMissingChunkIsReadAndADamagedOneIsRefused) {
+  const std::vector<std::size_t> extents{50, 24};
+  const std::string name = path("chunks.h5");
+  const hdf5::Handle file(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), &H5Fclose);
+  const hdf5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
+  const std::array<hsize_t, 2> size{50, 24}, chunk{25, 24}, second{25, 0};
+  H5Pset_chunk(properties.get(), 2, chunk.data());
+  H5Pset_shuffle(properties.get());
+  H5Pset_deflate(properties.get(), 1);
+  const hdf5::Handle space(H5Screate_simple(2, size.data(), nullptr), &H5Sclose);
+  const hdf5::Handle array(
+      H5Dcreate2(file.get(), "force", H5T_IEEE_F32LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Dclose);
+  const hdf5::Handle first(H5Dget_space(array.get()), &H5Sclose);
+  const std::array<hsize_t, 2> begin{0, 0};
+  H5Sselect_hyperslab(first.get(), H5S_SELECT_SET, begin.data(), nullptr, chunk.data(), nullptr);
+  const std::vector<float> written(50 * 24, 1.5F);
+  const hdf5::Handle part(H5Screate_simple(2, chunk.data(), nullptr), &H5Sclose);
+  ASSERT_GE(H5Dwrite(array.get(), H5T_IEEE_F32LE, part.get(), first.get(), H5P_DEFAULT, written.data()), 0);
+  const hdf5::Place place{file.get(), name, "/force"};
+  std::vector<float> read(50 * 24, -1.0F);
+  hdf5::read_values(place, array, extents, H5T_IEEE_F32LE, read.data());
+  for (std::size_t i = 0; i < read.size(); ++i) EXPECT_EQ(read[i], i < 25 * 24 ? 1.5F : 0.0F) << i;
+  for (const std::uint32_t left_out : {0U, 3U}) {  // filters
+    ASSERT_GE(H5Dwrite_chunk(array.get(), H5P_DEFAULT, left_out, second.data(), 40, written.data()), 0);
+    EXPECT_EQ(refusal_of([&] { hdf5::read_values(place, array, extents, H5T_IEEE_F32LE, read.data()); }),
+              name + ": /force: cannot be read: a chunk is damaged");
+  }
+}
+
 TEST_F(FailureTest, DamagedFilesAreRefusedOrRead) {
   {
     DatasetWriter writer(path("whole.h5"), header, 1);
