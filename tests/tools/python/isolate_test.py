@@ -105,7 +105,7 @@ class IsolateTest(unittest.TestCase):
             self.assertIn(text, failed[trial])
         self.assertEqual(digests, {trial: digest for trial, digest in honest.items() if trial not in failed})
 
-    def test_is_the_default_of_several_trials_whose_limit_is_kept_to_a_second(self):
+    def test_is_the_default_and_its_limit_is_kept_to_a_second(self):
         self.assertEqual(set(self.digests([-1, 0])[1]), {1})
         begin = time.monotonic()
         _, failed = self.digests([-1, 4], trial_limit=1.0, jobs=1)

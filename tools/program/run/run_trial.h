@@ -47,6 +47,8 @@ TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recordi
 
 // The share of its trial that the run which has looked for an interrupt last has simulated: of the only one, where there is one at a time.
 double simulated_share();
+// Lets simulated_share() tell of runs in processes that are forked later. Throws std::bad_alloc.
+void share_with_children();
 
 // Builds what run_trial would step, and throws what it would throw before the first step, but for a record over the limit:
 // returns the bytes that a full one would take, its events aside.

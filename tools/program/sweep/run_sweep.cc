@@ -455,6 +455,7 @@ void RunningSweep::check(const Catalogues& catalogues) {
              {},
              summary_.shard};
   // Here, since there are no threads and no dataset is open.
+  if (options_.isolate) share_with_children();
   for (std::size_t i = 0; options_.isolate && i < workforce_.threads; ++i) {
     apart_.emplace_back(
         [simulate = simulation(work(), options_)](std::size_t trial) { return Packed::bytes_of(simulate(trial)); },
@@ -527,7 +528,7 @@ void RunningSweep::run_trials() {
     end_if(options_.interrupt);
     if (unpublished() && !workers.ready_until(due)) writer_->publish();
     constexpr std::chrono::milliseconds a_while{100};
-    while (progress_ && apart_.empty() && trials_.size() == 1 && !workers.ready_until(std::chrono::steady_clock::now() + a_while))
+    while (progress_ && trials_.size() == 1 && !workers.ready_until(std::chrono::steady_clock::now() + a_while))
       progress_({.total = 1, .share = simulated_share()});
     std::optional<FinishedTrial> finished = workers.next();
     if (!finished) break;

@@ -167,15 +167,15 @@ class Scene:
         finished trials are kept for `resume=True`.
 
         `isolate`: trials run in processes of their own, so that a class that ends its process or never returns fails its trial alone. What a class
-        keeps outside of its objects stays in that process. None: where several trials of a class of one's own or of a plugin run, and neither torch
-        nor a notebook, whose threads no such process has, is loaded. A trial that takes more than `trial_limit` s, or `trial_memory` MB beyond what
-        Python has, fails: each implies `isolate`.
+        keeps outside of its objects stays in that process. None: where a class of one's own or a plugin runs, and neither torch nor a
+        notebook, whose threads no such process has, is loaded. A trial that takes more than `trial_limit` s, or `trial_memory` MB beyond what Python
+        has, fails: each implies `isolate`.
         """
         _check_counts(draws=draws, trials=trials, seed=seed, jobs=jobs)
         if draws and trials:
             raise _core.InputError(f"draws={draws} and trials={trials}; allowed: one of them")
         summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, _full(record), resume, progress,
-                                                               *self._apart(trials or self.trials(draws), isolate, trial_limit, trial_memory)))
+                                                               *self._apart(isolate, trial_limit, trial_memory)))
         if summary.get("interrupted"):
             raise KeyboardInterrupt
         if progress is not None:
@@ -190,11 +190,11 @@ class Scene:
         leaves; empty: nothing.
         """
         _check_counts(draws=draws, seed=seed, jobs=jobs)
-        apart = self._apart(self.trials(draws), isolate, trial_limit, trial_memory)
+        apart = self._apart(isolate, trial_limit, trial_memory)
         return Check(**self._core.check(draws, seed, jobs, folder, *apart))
 
-    def _apart(self, trials: int, isolate: bool | None, time: float | None, memory: int | None) -> tuple[bool, _core.Limits]:
-        """Whether `trials` trials run in processes of their own, as `write()` says, and their limits."""
+    def _apart(self, isolate: bool | None, time: float | None, memory: int | None) -> tuple[bool, _core.Limits]:
+        """Whether trials run in processes of their own, as `write()` says, and their limits."""
         if (time is not None and not time > 0) or (memory is not None and memory < 1):
             raise _core.InputError(f"trial_limit={time}, trial_memory={memory}; allowed: more than 0 s, 1 MB or more")
         limited = time is not None or memory is not None
@@ -203,7 +203,7 @@ class Scene:
         if isolate is None:
             texts = [self.text, *(value for _, value in self.overrides)]
             others = any(name in text for name in ("plugin", *own_names) for text in texts)
-            isolate = limited or (others and trials > 1 and not {"torch", "ipykernel"} & sys.modules.keys())
+            isolate = limited or (others and not {"torch", "ipykernel"} & sys.modules.keys())
         if isolate and sys.stdout is not None:
             sys.stdout.flush()  # what waits would be printed by each process
         return isolate, _core.Limits(math.inf if time is None else time, memory or 0)

@@ -56,6 +56,13 @@ class IsolateTest(unittest.TestCase):
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory())).resolve()
         os.symlink(LIBRARY, self.folder / "misbehaves.so")
 
+    def start_one(self, deed, *words):
+        (self.folder / "scene.yaml").write_text(
+            scene_text(trials=1) + f"detector: {{type: plugin, library: misbehaves.so, parameters: {{deed: {deed}}}}}\n", encoding="ascii"
+        )
+        command = [PROGRAM, "run", "scene.yaml", "-o", "out.h5", *words]
+        return subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
     def start(self, deeds, *words, honest=False):
         text = scene_text(trials=1).replace("  motion.speed", f"  detector.parameters.deed: {json.dumps(values(deeds))}\n  motion.speed")
         text = text.replace("[1 mm/s, 4 mm/s, 16 mm/s]", "[1 mm/s, 4 mm/s]")
@@ -101,6 +108,25 @@ class IsolateTest(unittest.TestCase):
             self.assertIn(expected[trial], message)
         honest = digests(self.folder / "honest.h5")
         self.assertEqual(digests(self.folder / "out.h5"), {name: honest[name] for name in honest if int(name[5:]) not in failed})
+
+    def test_a_single_trial_is_kept_apart_too(self):
+        for deed, text in (("_exit", IN_UPDATE.format("ended its process")), ("folder", None)):
+            with self.start_one(deed) as process:
+                _, error = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 2 if text else 0, error)
+            self.assertEqual((self.folder / "out.h5").exists(), not text)
+            self.assertIn(text or "", error)
+        with self.start_one("loop") as process:
+            time.sleep(1.0)
+            process.send_signal(signal.SIGINT)
+            self.assertEqual(process.wait(timeout=60), 130)
+        self.assert_nothing_runs()
+
+    def test_a_single_trial_tells_how_far_it_is(self):
+        with self.start_one("slow") as process:  # 300 updates of 25 ms; nothing is told in the first 5 s
+            _, error = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 0, error)
+        self.assertRegex(error, r"\b[1-9][0-9](\.\d)? % of the trial")
 
     def test_bytes_are_those_of_one_process(self):
         whole = self.bytes_of(["folder"], "--no-isolate", honest=True)

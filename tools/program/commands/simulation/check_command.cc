@@ -136,7 +136,7 @@ SceneCheck check_settled(CheckOptions& check, const Catalogues& catalogues, cons
     settle_accuracy(sweep, catalogues, command);
     const ReadSweep read = read_sweep(sweep, catalogues);
     sweep.limits = check.limits = command.isolation.limits;
-    sweep.isolate = check.isolate = command.isolation.wanted(read.planned.asked, read.file, sweep.overrides);
+    sweep.isolate = check.isolate = command.isolation.wanted(read.file, sweep.overrides);
     warnings = scene_warnings(read, sweep);
     print_warnings(warnings);
     check.overrides = std::move(sweep.overrides);

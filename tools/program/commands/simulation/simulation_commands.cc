@@ -163,7 +163,7 @@ void IsolationOptions::declare(Arguments& arguments) {
   arguments.flag("--isolate", isolate,
                  "Simulate in processes of their own, so that a plugin that ends one, or never returns, fails its trial alone");
   arguments.flag("--no-isolate", together,
-                 "Simulate in threads (the default, but for several trials of a scene that says plugin)");
+                 "Simulate in threads (the default, but for a scene that says plugin)");
   arguments.quantity("--trial-limit TIME", limits.time, "A trial that takes longer has failed; implies --isolate",
                      Quantity::time);
   arguments.number("--trial-memory MB", limits.memory, "A trial that takes more than so many MB has failed; implies --isolate",
@@ -175,9 +175,9 @@ void IsolationOptions::declare(Arguments& arguments) {
   });
 }
 
-bool IsolationOptions::wanted(std::size_t trials, const SceneFile& file, const std::vector<Override>& overrides) const {
+bool IsolationOptions::wanted(const SceneFile& file, const std::vector<Override>& overrides) const {
   const auto says = [](const std::string& text) { return text.find("plugin") != std::string::npos; };
-  return isolate || (!together && trials > 1 && (says(file.text()) || std::ranges::any_of(overrides, says, &Override::value)));
+  return isolate || (!together && (says(file.text()) || std::ranges::any_of(overrides, says, &Override::value)));
 }
 
 void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help) {
@@ -207,7 +207,7 @@ int SimulationCommand::run() {
   std::optional<PreparationNotice> preparing(silent());
   const ReadSweep read = read_sweep(sweep, catalogues);
   sweep.limits = isolation.limits;
-  sweep.isolate = isolation.wanted(sweep.only ? 1 : read.planned.asked, read.file, sweep.overrides);
+  sweep.isolate = isolation.wanted(read.file, sweep.overrides);
   std::vector<Warning> warnings = scene_warnings(read, sweep);
   print_warnings(warnings);
   TrialsJson trials;

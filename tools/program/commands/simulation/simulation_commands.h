@@ -20,12 +20,12 @@ namespace slipbench {
 
 // The options that say whether trials run in processes of their own.
 struct IsolationOptions {
-  bool isolate = false, together = false;  // neither: where there may be a plugin and several trials run
+  bool isolate = false, together = false;  // neither: where there may be a plugin
   WorkLimits limits = {};
 
   void declare(Arguments& arguments);
-  // `trials`: that run. Whether plugins may be at work: their type stands in the scene or in a --set.
-  [[nodiscard]] bool wanted(std::size_t trials, const SceneFile& file, const std::vector<Override>& overrides) const;
+  // Whether they do. Plugins may be at work where their type stands in the scene or in a --set.
+  [[nodiscard]] bool wanted(const SceneFile& file, const std::vector<Override>& overrides) const;
 };
 
 // `run` and `sweep`: trials of a scene.

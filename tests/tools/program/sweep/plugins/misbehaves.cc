@@ -64,6 +64,7 @@ void do_deed(const std::string& deed) {
 void update(void* self, const slipbench_detector_input* input, slipbench_estimate* estimate) {
   auto& detector = *static_cast<Detector*>(self);
   if (++detector.updates == 100) do_deed(detector.deed);
+  if (detector.deed == "slow") ::usleep(25'000);
   if (detector.deed == "latest" && std::getenv("SLIPBENCH_HONEST") == nullptr)
     const_cast<float*>(input->sensors[0].latest)[0] = 7.0F;
   estimate->state = 1;
