@@ -27,13 +27,15 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t largest_file = 100'000'000;  // bytes
 constexpr double most_cells = 1e8;
-constexpr double most_copies = 1e6;
+constexpr double most_copies = 1e6;  // of nested ones together
+constexpr double most_values = 1e6;  // that each body, joint or the like has
 constexpr double most_memory = 4e9;  // bytes
 
 struct Tag {
   std::string name;
   std::map<std::string, std::string> attributes;
   std::size_t line = 1;
+  bool begins = false, ends = false;  // an element; both: it is empty
 };
 
 // What MuJoCo's XML skips, comments and the like; "<!" begins two others too.
@@ -54,7 +56,8 @@ std::vector<Tag> tags_of(std::string_view text) {
     for (; counted < at; ++counted) line += text[counted] == '\n' ? 1U : 0U;
     Tag tag;
     tag.line = line;
-    const std::size_t name = std::min(text.find_first_not_of(space, at + 1), text.size());
+    tag.begins = !text.substr(at).starts_with("</");
+    const std::size_t name = std::min(text.find_first_not_of(space, at + (tag.begins ? 1 : 2)), text.size());
     std::size_t end = std::min(text.find_first_of(" \t\r\n\v\f/>", name), text.size());
     tag.name = text.substr(name, end - name);
     while (true) {
@@ -70,6 +73,8 @@ std::vector<Tag> tags_of(std::string_view text) {
       tag.attributes.emplace(name, text.substr(open + 1, close - open - 1));
       end = close + 1;
     }
+    const std::size_t slash = text.find_first_not_of(space, end);
+    tag.ends = !tag.begins || (slash != std::string_view::npos && text[slash] == '/');
     tags.push_back(std::move(tag));
     at = std::max(end, at + 1);
   }
@@ -103,7 +108,8 @@ void check_size(const std::string& file, const Tag& tag, const char* what, doubl
 
 using Files = std::map<std::string, std::vector<Tag>>;
 
-void check_file(const fs::path& path, const fs::path& root, Files& seen) {
+// `copies`: that are made of the file's elements.
+void check_file(const fs::path& path, const fs::path& root, Files& seen, double copies = 1.0) {
   check_regular_file(path.string(), largest_file);
   const auto [file, fresh] = seen.try_emplace(path.lexically_normal().string());
   if (!fresh) return;  // MuJoCo refuses one that includes itself
@@ -116,12 +122,19 @@ void check_file(const fs::path& path, const fs::path& root, Files& seen) {
       if (const auto found = tag.attributes.find(key); found != tag.attributes.end()) folders.push_back(root / found->second);
     }
   }
+  std::vector<double> replicated{copies};  // by the elements that are open
   for (const Tag& tag : tags) {
+    if (tag.name == "replicate" && !tag.begins && replicated.size() > 1) replicated.pop_back();
+    if (!tag.begins) continue;
     check_size(path.string(), tag, "has the cells", product_of(tag, "nrow") * product_of(tag, "ncol"), most_cells);
     check_size(path.string(), tag, "has the cells", product_of(tag, "width") * product_of(tag, "height"), most_cells);
-    check_size(path.string(), tag, "has the count", product_of(tag, "count"), most_copies);
+    const double count = replicated.back() * product_of(tag, "count");
+    check_size(path.string(), tag, "has the count", count, most_copies);
+    if (tag.name == "replicate" && !tag.ends) replicated.push_back(count);
     check_size(path.string(), tag, "has the memory", product_of(tag, "memory"), most_memory);
     for (const auto& [key, value] : tag.attributes) {
+      if (key.starts_with("nuser") || key == "nkey")
+        check_size(path.string(), tag, ("has the " + key).c_str(), product_of(tag, key), most_values);
       const bool names_file = key.starts_with("file");  // of a cube's sides too
       const std::size_t entity = value.find('&');
       if ((names_file || key.ends_with("dir")) && entity != std::string::npos && value.find(';', entity) != std::string::npos)
@@ -131,8 +144,8 @@ void check_file(const fs::path& path, const fs::path& root, Files& seen) {
       for (const fs::path& folder : folders) {
         std::error_code error;
         if (!fs::exists(folder / value, error)) continue;
-        if (tag.name == "include") {
-          check_file(folder / value, root, seen);
+        if (tag.name == "include" || tag.name == "model") {
+          check_file(folder / value, root, seen, replicated.back());
         } else {
           check_regular_file((folder / value).string(), largest_file);
         }
@@ -160,7 +173,7 @@ std::string placed_message(const std::string& path, std::string message) {
   const std::string attribute = word_after("attribute: '") + word_after("attribute '");
   if (line == std::string::npos || element.empty() == name.empty()) return message;
   const auto is_meant = [&](const Tag& tag) {
-    if (!element.empty()) return tag.name == element && (attribute.empty() || tag.attributes.contains(attribute));
+    if (!element.empty()) return tag.begins && tag.name == element && (attribute.empty() || tag.attributes.contains(attribute));
     const auto named = tag.attributes.find("name");
     return named != tag.attributes.end() && named->second == name;
   };

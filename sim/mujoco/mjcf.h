@@ -7,7 +7,8 @@ namespace slipbench {
 
 // Throws InputError where the file, or one that it includes or names (meshes, textures, fields of heights), is no regular file or
 // larger than 100 MB, and where a declaration takes memory out of all measure: a field of heights or a texture of more than 10^8
-// cells, a `count` of more than 10^6, `memory` of more than 4 GB. What cannot be found or is not XML is MuJoCo's to refuse.
+// cells, a `count` of more than 10^6, nested ones multiplied, `memory` of more than 4 GB, `nkey` or an `nuser` of more than 10^6. What cannot be
+// found or is not XML is MuJoCo's to refuse.
 void check_mjcf(const std::string& path);
 
 // A message of MuJoCo about the file, with the places that it may mean, "FILE:LINE", instead of its line 0: of what is included it counts no lines.

@@ -138,9 +138,9 @@ SceneFile SceneFile::from_text(std::string text, std::string name) {
 }
 
 void SceneFile::apply(const Override& change) {
-  constexpr std::size_t longest = 200;  // of a value, in messages
-  const std::string shown = change.value.size() > longest ? change.value.substr(0, longest) + "..." : change.value;
-  const std::string source = change.option + " " + change.path + "=" + shown;
+  constexpr std::size_t longest = 200;  // in messages
+  const std::string given = change.path + "=" + change.value;
+  const std::string source = change.option + " " + given.substr(0, longest) + (given.size() > longest ? "..." : "");
   const YamlNode value = parse_yaml(change.value, source, false);
   std::vector<std::string> parts = split_path(change.path, value.origin);
   const bool sweeps = parts.front() == "sweep";

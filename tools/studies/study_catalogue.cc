@@ -143,7 +143,7 @@ const Reproduction& find_reproduction(const std::string& name) {
   if (found != all.end()) return *found;
   std::vector<std::string> names;
   for (const Reproduction& candidate : all) names.push_back(candidate.name);
-  throw InputError(fmt::format("unknown reproduction '{}'{}", name, allowed_names(name, names)));
+  throw InputError(fmt::format("unknown reproduction {}{}", quote(name), allowed_names(name, names)));
 }
 
 Json result_json(const std::string& name, const Result& result) {

@@ -70,7 +70,8 @@ std::vector<std::string> repeat_set(const std::vector<std::string>& words) {
 void refuse_unknown_command(const std::vector<std::string>& words, const std::vector<std::string>& names) {
   const auto word = std::ranges::find_if(words, [](const std::string& a) { return !a.starts_with('-'); });
   if (word == words.end() || std::ranges::find(names, *word) != names.end()) return;
-  throw InputError(fmt::format("unknown command '{}'{} commands: {}", *word, suggestion(*word, names), fmt::join(names, ", ")));
+  throw InputError(
+      fmt::format("unknown command {}{} commands: {}", quote(*word), suggestion(*word, names), fmt::join(names, ", ")));
 }
 
 }  // namespace
@@ -197,10 +198,10 @@ InputError Arguments::unexpected(const std::string& word) const {
   }
   if (names.empty())
     return InputError(
-        fmt::format("unknown option '{}' before '{}'; the options of a command stand behind its name", word, name_));
+        fmt::format("unknown option {} before '{}'; the options of a command stand behind its name", quote(word), name_));
   const std::string name = word.substr(0, word.find('='));
   return InputError(
-      fmt::format("{}unknown option '{}'{} options: {}", prefix, name, suggestion(name, names), fmt::join(names, ", ")));
+      fmt::format("{}unknown option {}{} options: {}", prefix, quote(name), suggestion(name, names), fmt::join(names, ", ")));
 }
 
 std::uint64_t Arguments::whole_number(const std::string& usage, const std::string& text, std::uint64_t min,
@@ -227,7 +228,7 @@ double Arguments::positive_quantity(const std::string& usage, const std::string&
 }
 
 void Arguments::refuse(const std::string& usage, const std::string& text, const std::string& allowed) const {
-  throw InputError(fmt::format("{}: {} is '{}'{}", name_, first_name(usage), text, allowed));
+  throw InputError(fmt::format("{}: {} is {}{}", name_, first_name(usage), quote(text), allowed));
 }
 
 Request parse_command_line(const Commands& commands, const std::vector<std::string>& words) {

@@ -75,7 +75,7 @@ auto parse_name(const Table& table, const std::string& name, const char* what) {
   for (const auto& [known, value] : table) {
     if (name == known) return value;
   }
-  throw InputError(fmt::format("unknown {} '{}'{}", what, name, allowed_names(name, words_of(table))));
+  throw InputError(fmt::format("unknown {} {}{}", what, quote(name), allowed_names(name, words_of(table))));
 }
 
 // What is exported is what was written, or nothing.
@@ -361,7 +361,7 @@ void check_export_options(const ExportOptions& options) {
   }
   const std::vector<std::string> splits{"train", "valid", "test"};
   if (!options.split.empty() && std::ranges::find(splits, options.split) == splits.end()) {
-    throw InputError(fmt::format("unknown split '{}'{}", options.split, allowed_names(options.split, splits)));
+    throw InputError(fmt::format("unknown split {}{}", quote(options.split), allowed_names(options.split, splits)));
   }
 }
 

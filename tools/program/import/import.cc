@@ -117,7 +117,7 @@ const ImportFormat& import_format(const std::string& name) {
   const auto found =
       std::ranges::find(import_catalogue, name, [](const ImportFormat& format) { return std::string(format.name); });
   if (found == import_catalogue.end())
-    throw InputError(fmt::format("unknown format '{}'{}", name, allowed_names(name, import_format_names())));
+    throw InputError(fmt::format("unknown format {}{}", quote(name), allowed_names(name, import_format_names())));
   return *found;
 }
 

@@ -120,7 +120,7 @@ std::vector<std::string> chosen_sensors(const DatasetReader& reader, std::size_t
   if (asked.empty()) return names;
   for (const std::string& name : asked) {
     if (std::ranges::find(names, name) == names.end()) {
-      throw InputError(fmt::format("trial {}: unknown sensor '{}'{}", trial, name, allowed_names(name, names)));
+      throw InputError(fmt::format("trial {}: unknown sensor {}{}", trial, quote(name), allowed_names(name, names)));
     }
   }
   std::erase_if(names, [&](const std::string& name) { return std::ranges::find(asked, name) == asked.end(); });
@@ -166,7 +166,7 @@ SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial) {
 
 SlipRule parse_slip_rule(const std::string& name) {
   if (const std::optional<SlipRule> rule = hd::value_of(rules, name)) return *rule;
-  throw InputError(fmt::format("unknown slip rule '{}'{}", name, allowed_names(name, slip_rule_names())));
+  throw InputError(fmt::format("unknown slip rule {}{}", quote(name), allowed_names(name, slip_rule_names())));
 }
 
 std::vector<std::string> slip_rule_names() { return hd::names_of(rules); }

@@ -293,7 +293,7 @@ std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, c
     std::vector<std::string> names = item_names(items);
     names.insert(names.end(), others.begin(), others.end());
     throw InputError(
-        fmt::format("describe: unknown name '{}'{} `slipbench list` shows all names", name, suggestion(name, names)));
+        fmt::format("describe: unknown name {}{} `slipbench list` shows all names", quote(name), suggestion(name, names)));
   }
   return found;
 }
@@ -301,7 +301,7 @@ std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, c
 CatalogueKind find_kind(const std::string& plural) {
   const auto* const found = std::ranges::find(kinds, plural, &CatalogueKind::plural);
   if (found == kinds.end()) {
-    throw InputError(fmt::format("list: unknown catalogue '{}'{}", plural, allowed_names(plural, kind_names())));
+    throw InputError(fmt::format("list: unknown catalogue {}{}", quote(plural), allowed_names(plural, kind_names())));
   }
   return *found;
 }

@@ -71,6 +71,17 @@ TEST_F(RefusedFiles, WhatAModelNamesAndDeclaresIsChecked) {
                        "model.xml:2: <hfield> has the cells");
   expect_model_refusal("<worldbody><replicate count=\"1000000000\"><geom size=\"1\"/></replicate></worldbody>\n",
                        "model.xml:2: <replicate> has the count");
+  // A thousand of a thousand are allowed, and not a thousand of those. What ends or is empty copies nothing.
+  expect_model_refusal(
+      "<worldbody><replicate count=\"1000\"/><replicate count=\"1000\"></replicate>\n<replicate count=\"1000\">"
+      "<replicate count=\"1000\">\n<replicate count=\"2\"><geom size=\"1\"/></replicate></replicate></replicate></worldbody>\n",
+      "model.xml:4: <replicate> has the count 2000000");
+  std::ofstream(folder_ / "copied.xml") << "<mujoco>\n<replicate count=\"1001\"><geom size=\"1\"/></replicate>\n</mujoco>\n";
+  std::ofstream(folder_ / "large.xml") << "<mujoco><size nkey=\"1000001\"/></mujoco>\n";
+  expect_model_refusal("<worldbody><replicate count=\"1000\"><include file=\"copied.xml\"/></replicate></worldbody>\n",
+                       "copied.xml:2: <replicate> has the count 1001000");
+  expect_model_refusal("<asset><model name=\"m\" file=\"large.xml\"/></asset>\n", "large.xml:1: <size> has the nkey");
+  expect_model_refusal("<size nuser_body=\"2000000000\"/>\n", "model.xml:2: <size> has the nuser_body");
   expect_model_refusal("<size memory=\"100G\"/>\n", "model.xml:2: <size> has the memory");
   // What is XML for MuJoCo, and seldom written.
   expect_model_refusal("<!x <!-- ><size\vmemory\f=\f\"100G\"/>\n", "model.xml:2: <size> has the memory");

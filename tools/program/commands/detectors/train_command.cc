@@ -43,7 +43,7 @@ double alarms_a_minute(const std::string& text) {
 // One of `names`.
 std::string checked_labels(const std::string& given, const std::string& recipe, const std::vector<std::string>& names) {
   if (std::ranges::find(names, given) != names.end()) return given;
-  throw InputError(fmt::format("train: --labels is '{}' with the recipe {}{}", given, recipe, allowed_names(given, names)));
+  throw InputError(fmt::format("train: --labels is {} with the recipe {}{}", quote(given), recipe, allowed_names(given, names)));
 }
 
 // What a training says as it goes on. A step's time is that since the report before.

@@ -162,8 +162,7 @@ int report_interrupted(const SweepSummary& summary) {
 void IsolationOptions::declare(Arguments& arguments) {
   arguments.flag("--isolate", isolate,
                  "Simulate in processes of their own, so that a plugin that ends one, or never returns, fails its trial alone");
-  arguments.flag("--no-isolate", together,
-                 "Simulate in threads (the default, but for a scene that says plugin)");
+  arguments.flag("--no-isolate", together, "Simulate in threads (the default, but for a scene that says plugin)");
   arguments.quantity("--trial-limit TIME", limits.time, "A trial that takes longer has failed; implies --isolate",
                      Quantity::time);
   arguments.number("--trial-memory MB", limits.memory, "A trial that takes more than so many MB has failed; implies --isolate",
