@@ -98,7 +98,13 @@ def main(program, kills, seed):
             if held < shown:
                 lost += 1
                 print(f"attempt {attempt} ({way}): {shown} trials were counted as finished, {held} are readable")
-            subprocess.run([program, "sweep", scene, "-o", out, "--quiet", "--resume"], check=True, timeout=SECONDS, capture_output=True)
+            resume = [program, "sweep", scene, "-o", out, "--quiet", "--resume"]
+            if way == "term":  # a --resume that is ended keeps what there was
+                with subprocess.Popen(resume, stderr=subprocess.DEVNULL) as ended:
+                    time.sleep(draw.uniform(0.0, 0.5 * duration))
+                    ended.send_signal(signal.SIGTERM)
+                    assert ended.wait(timeout=SECONDS) in (0, 130, -signal.SIGTERM), ended.returncode
+            subprocess.run(resume, check=True, timeout=SECONDS, capture_output=True)
             if digest(out) != digest(whole):
                 lost += 1
                 print(f"attempt {attempt} ({way}, {held} trials were left): --resume gave other bytes")
