@@ -24,7 +24,7 @@ LARGE = (1 << 9, 1 << 10, 1 << 12, 1 << 15)  # bytes, of an allocation that fail
 KINDS = {"write": (errno.ENOSPC, errno.EIO, errno.EINTR, 0), "sync": (errno.EIO, errno.ENOSPC, errno.EINTR), "rename": (errno.EIO, errno.ENOSPC),
          "open": (errno.ENOSPC, errno.EIO, errno.EMFILE), "memory": (errno.ENOMEM,)}
 SURVIVED = (errno.EINTR, 0)
-# libtorch ends a process that is out of memory; OpenVINO crashes or waits for ever in threads of its own; Python tells it with a traceback while it
+# libtorch ends a process that is out of memory; OpenVINO crashes or waits for ever, FFTW's planner aborts; Python tells it with a traceback while it
 # imports, and h5py as another error.
 ENDED_BY_OTHERS = ("recipe", "benchmark", "export parquet", "export mcap", "export lerobot")
 
