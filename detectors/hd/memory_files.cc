@@ -260,8 +260,7 @@ std::string shipped_memories(const std::string& name) {
 
 std::string memories_folder(const std::string& name) {
   std::error_code error;
-  const bool ships = name == default_memories || name == slip_memories;
-  return ships && !std::filesystem::exists(name, error) ? shipped_memories(name) : name;
+  return name == default_memories && !std::filesystem::exists(name, error) ? shipped_memories(name) : name;
 }
 
 void check_folder_target(const std::string& folder, const std::vector<std::string>& own_names) {

@@ -58,15 +58,13 @@ void save(const std::string& folder, const SavedModel& saved);
 
 // The one that a scene gets when it names none.
 inline constexpr const char* default_memories = "cl_gst_hd";
-// The one that is taught by scenes/learn in place of the paper's protocol.
-inline constexpr const char* slip_memories = "slip_gst_hd";
 
 // Folder of the shipped classifier `name`, found from the place of the running program (share/slipbench/memories/hd beside its bin).
 // Throws InputError when there is no such folder: where it was looked for.
 std::string shipped_memories(const std::string& name);
 
 // Folder of the classifier `name` on a command line: that folder where there is one, else the shipped one where it is
-// one of these two, else `name` as it is.
+// default_memories, else `name` as it is.
 std::string memories_folder(const std::string& name);
 
 // A folder of text files that appears whole.

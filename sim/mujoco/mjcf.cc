@@ -29,6 +29,7 @@ constexpr std::uintmax_t largest_file = 100'000'000;  // bytes
 constexpr double most_cells = 1e8;
 constexpr double most_copies = 1e6;  // of nested ones together
 constexpr double most_values = 1e6;  // that each body, joint or the like has
+constexpr double most_keys = 1e4;    // MuJoCo's time grows by their square
 constexpr double most_memory = 4e9;  // bytes
 
 struct Tag {
@@ -106,21 +107,38 @@ void check_size(const std::string& file, const Tag& tag, const char* what, doubl
                    std::to_string(found) + "; allowed: at most " + std::to_string(most));
 }
 
-using Files = std::map<std::string, std::vector<Tag>>;
+// What has been looked at.
+struct Looked {
+  std::map<std::string, std::vector<Tag>> files;
+  std::map<std::string, double> copies;    // that are made of each file's elements
+  std::map<std::string, fs::path> models;  // that <attach> may name
+};
 
-// `copies`: that are made of the file's elements.
-void check_file(const fs::path& path, const fs::path& root, Files& seen, double copies = 1.0) {
+// `root`: the folder that the model's own folders are in.
+void check_file(const fs::path& path, const fs::path& root, Looked& looked, double copies = 1.0) {
   check_regular_file(path.string(), largest_file);
-  const auto [file, fresh] = seen.try_emplace(path.lexically_normal().string());
-  if (!fresh) return;  // MuJoCo refuses one that includes itself
+  const std::string file = path.lexically_normal().string();
+  if (copies <= looked.copies[file]) return;  // MuJoCo refuses one that includes itself
+  looked.copies[file] = copies;
   std::ifstream stream(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  const std::vector<Tag>& tags = file->second = tags_of(text);
+  const std::vector<Tag> tags = tags_of(text);
+  looked.files[file] = tags;
   std::vector<fs::path> folders{root, path.parent_path()};
   for (const Tag& tag : tags) {
     for (const char* key : {"assetdir", "meshdir", "texturedir"}) {
       if (const auto found = tag.attributes.find(key); found != tag.attributes.end()) folders.push_back(root / found->second);
     }
+  }
+  const auto for_each_file = [&folders](const std::string& name, const auto& action) {
+    for (const fs::path& folder : folders) {
+      std::error_code error;
+      if (fs::exists(folder / name, error)) action(folder / name);
+    }
+  };
+  for (const Tag& tag : tags) {
+    if (tag.name != "model" || !tag.attributes.contains("name") || !tag.attributes.contains("file")) continue;
+    for_each_file(tag.attributes.at("file"), [&](const fs::path& found) { looked.models[tag.attributes.at("name")] = found; });
   }
   std::vector<double> replicated{copies};  // by the elements that are open
   for (const Tag& tag : tags) {
@@ -128,28 +146,32 @@ void check_file(const fs::path& path, const fs::path& root, Files& seen, double 
     if (!tag.begins) continue;
     check_size(path.string(), tag, "has the cells", product_of(tag, "nrow") * product_of(tag, "ncol"), most_cells);
     check_size(path.string(), tag, "has the cells", product_of(tag, "width") * product_of(tag, "height"), most_cells);
-    const double count = replicated.back() * product_of(tag, "count");
+    const double count = replicated.back() * std::max(1.0, product_of(tag, "count"));
     check_size(path.string(), tag, "has the count", count, most_copies);
     if (tag.name == "replicate" && !tag.ends) replicated.push_back(count);
     check_size(path.string(), tag, "has the memory", product_of(tag, "memory"), most_memory);
+    check_size(path.string(), tag, "has the nkey", product_of(tag, "nkey"), most_keys);
     for (const auto& [key, value] : tag.attributes) {
-      if (key.starts_with("nuser") || key == "nkey")
-        check_size(path.string(), tag, ("has the " + key).c_str(), product_of(tag, key), most_values);
+      if (key.starts_with("nuser")) check_size(path.string(), tag, ("has the " + key).c_str(), product_of(tag, key), most_values);
+      if (tag.name == "attach" && key == "model" && looked.models.contains(value)) {
+        const fs::path model = looked.models.at(value);
+        check_file(model, model.parent_path(), looked, replicated.back());
+      }
       const bool names_file = key.starts_with("file");  // of a cube's sides too
       const std::size_t entity = value.find('&');
       if ((names_file || key.ends_with("dir")) && entity != std::string::npos && value.find(';', entity) != std::string::npos)
         throw InputError(fmt::format("{}:{}: {} is {}; allowed: a name without entities", path.string(), tag.line, printable(key),
                                      quote(value)));
       if (!names_file) continue;
-      for (const fs::path& folder : folders) {
-        std::error_code error;
-        if (!fs::exists(folder / value, error)) continue;
-        if (tag.name == "include" || tag.name == "model") {
-          check_file(folder / value, root, seen, replicated.back());
+      for_each_file(value, [&](const fs::path& found) {
+        if (tag.name == "include") {
+          check_file(found, root, looked, replicated.back());
+        } else if (tag.name == "model") {
+          check_file(found, found.parent_path(), looked);
         } else {
-          check_regular_file((folder / value).string(), largest_file);
+          check_regular_file(found.string(), largest_file);
         }
-      }
+      });
     }
   }
 }
@@ -157,8 +179,8 @@ void check_file(const fs::path& path, const fs::path& root, Files& seen, double 
 }  // namespace
 
 void check_mjcf(const std::string& path) {
-  Files seen;
-  check_file(path, fs::path(path).parent_path(), seen);
+  Looked looked;
+  check_file(path, fs::path(path).parent_path(), looked);
 }
 
 std::string placed_message(const std::string& path, std::string message) {
@@ -177,10 +199,10 @@ std::string placed_message(const std::string& path, std::string message) {
     const auto named = tag.attributes.find("name");
     return named != tag.attributes.end() && named->second == name;
   };
-  Files files;
-  check_file(path, fs::path(path).parent_path(), files);
+  Looked looked;
+  check_file(path, fs::path(path).parent_path(), looked);
   std::string places;
-  for (const auto& [file, tags] : files) {
+  for (const auto& [file, tags] : looked.files) {
     for (const Tag& tag : tags) {
       if (is_meant(tag)) places += (places.empty() ? ", " : " or ") + file + ":" + std::to_string(tag.line);
     }

@@ -7,7 +7,7 @@ namespace slipbench {
 
 // Throws InputError where the file, or one that it includes or names (meshes, textures, fields of heights), is no regular file or
 // larger than 100 MB, and where a declaration takes memory out of all measure: a field of heights or a texture of more than 10^8
-// cells, a `count` of more than 10^6, nested ones multiplied, `memory` of more than 4 GB, `nkey` or an `nuser` of more than 10^6. What cannot be
+// cells, a `count` of more than 10^6, nested ones multiplied, `memory` of more than 4 GB, an `nuser` of more than 10^6, an `nkey` of more than 10^4. What cannot be
 // found or is not XML is MuJoCo's to refuse.
 void check_mjcf(const std::string& path);
 

@@ -42,7 +42,8 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 void depend_on(pid_t maker) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != maker) ::_exit(1);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
+  // Of the last two: what reads from the terminal or sets it fails, and does not wait for ever.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
 }
 
 sigset_t end_of_child() {
@@ -125,6 +126,7 @@ void IsolatedWorker::keep_working(int channel, const std::function<std::string(s
       if (count < 0 && errno != EINTR) ::_exit(1);
       if (count > 0) done += static_cast<std::size_t>(count);
     }
+    std::fflush(nullptr);  // what a library has printed
     if (::send(channel, &message, sizeof message, MSG_NOSIGNAL) < 0) break;
     if (!folder_.empty() && ::chdir(folder_.c_str()) != 0) break;
     if (memory > 0 && own_bytes() > full) break;  // what work has kept would be missed by the next

@@ -190,7 +190,7 @@ Command* Arguments::read_values() const {
 InputError Arguments::unexpected(const std::string& word) const {
   const std::string prefix = name_.empty() ? "" : name_ + ": ";
   if (!word.starts_with('-')) {
-    return InputError(fmt::format("{}unexpected argument '{}'; see slipbench {} --help", prefix, word, name_));
+    return InputError(fmt::format("{}unexpected argument {}; see slipbench {} --help", prefix, quote(word), name_));
   }
   std::vector<std::string> names;
   for (const CLI::Option* option : std::as_const(*app_).get_options()) {

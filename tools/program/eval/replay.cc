@@ -93,8 +93,7 @@ std::pair<std::string, std::vector<Override>> type_of(const std::string& text) {
   if (text.ends_with(".onnx")) return {"network", {{"detector.model", yaml_word(text)}}};
   std::error_code error;
   if (text == hd::default_memories) return {"gst_hd", {}};
-  const std::string folder = hd::memories_folder(text);
-  if (std::filesystem::is_directory(folder, error)) return {"gst_hd", {{"detector.memories", yaml_word(folder)}}};
+  if (std::filesystem::is_directory(text, error)) return {"gst_hd", {{"detector.memories", yaml_word(text)}}};
   throw InputError("eval: no detector " + quote(text) + allowed);
 }
 

@@ -455,7 +455,7 @@ void RunningSweep::check(const Catalogues& catalogues) {
              {},
              summary_.shard};
   // Here, since there are no threads and no dataset is open.
-  if (options_.isolate) share_with_children();
+  if (options_.isolate && trials_.size() == 1) share_with_children();
   for (std::size_t i = 0; options_.isolate && i < workforce_.threads; ++i) {
     apart_.emplace_back(
         [simulate = simulation(work(), options_)](std::size_t trial) { return Packed::bytes_of(simulate(trial)); },

@@ -77,10 +77,29 @@ TEST_F(RefusedFiles, WhatAModelNamesAndDeclaresIsChecked) {
       "<replicate count=\"1000\">\n<replicate count=\"2\"><geom size=\"1\"/></replicate></replicate></replicate></worldbody>\n",
       "model.xml:4: <replicate> has the count 2000000");
   std::ofstream(folder_ / "copied.xml") << "<mujoco>\n<replicate count=\"1001\"><geom size=\"1\"/></replicate>\n</mujoco>\n";
-  std::ofstream(folder_ / "large.xml") << "<mujoco><size nkey=\"1000001\"/></mujoco>\n";
+  std::ofstream(folder_ / "large.xml") << "<mujoco><size nkey=\"10001\"/></mujoco>\n";
   expect_model_refusal("<worldbody><replicate count=\"1000\"><include file=\"copied.xml\"/></replicate></worldbody>\n",
                        "copied.xml:2: <replicate> has the count 1001000");
   expect_model_refusal("<asset><model name=\"m\" file=\"large.xml\"/></asset>\n", "large.xml:1: <size> has the nkey");
+  // Elements that copy nothing hide none; a model is copied where it is attached, a file in the place where most of it are.
+  expect_model_refusal(
+      "<worldbody><replicate count=\"0\"><replicate count=\"1000001\"><geom size=\"1\"/></replicate></replicate></worldbody>\n",
+      "model.xml:2: <replicate> has the count 1000001");
+  expect_model_refusal(
+      "<asset><model name=\"m\" file=\"copied.xml\"/></asset>\n<worldbody><replicate count=\"1000\"><attach model=\"m\"/>"
+      "</replicate></worldbody>\n",
+      "copied.xml:2: <replicate> has the count 1001000");
+  std::ofstream(folder_ / "again.xml") << "<mujoco><include file=\"copied.xml\"/></mujoco>\n";
+  expect_model_refusal(
+      "<asset><model name=\"m\" file=\"again.xml\"/></asset>\n<worldbody><replicate count=\"1000\"><include file=\"copied.xml\"/>"
+      "</replicate></worldbody>\n",
+      "copied.xml:2: <replicate> has the count 1001000");
+  std::filesystem::create_directories(folder_ / "robot/assets");
+  ASSERT_EQ(mkfifo((folder_ / "robot/assets/mesh.stl").c_str(), 0600), 0);
+  std::ofstream(folder_ / "robot/robot.xml")
+      << "<mujoco><compiler meshdir=\"assets\"/><asset><mesh file=\"mesh.stl\"/></asset></mujoco>\n";
+  expect_model_refusal("<asset><model name=\"m\" file=\"robot/robot.xml\"/></asset>\n",
+                       "robot/assets/mesh.stl: is a pipe, no file");
   expect_model_refusal("<size nuser_body=\"2000000000\"/>\n", "model.xml:2: <size> has the nuser_body");
   expect_model_refusal("<size memory=\"100G\"/>\n", "model.xml:2: <size> has the memory");
   // What is XML for MuJoCo, and seldom written.

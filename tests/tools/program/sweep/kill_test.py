@@ -54,6 +54,11 @@ def counted(terminal):
     return max([int(done) for done in re.findall(rb"(\d+)/90 ", text)], default=0)
 
 
+def is_dataset(path):
+    # A file that begins with zeros was killed before it began.
+    return os.path.exists(path) and os.path.getsize(path) > 0 and open(path, "rb").read(8) != bytes(8)
+
+
 def readable_trials(path):
     result = subprocess.run([sys.executable, "-c", READ_ALL, path], capture_output=True, text=True, timeout=SECONDS)
     assert result.returncode == 0, f"{path}: {result.stderr}"
@@ -90,11 +95,8 @@ def main(program, kills, seed):
             status = sweep.wait(timeout=SECONDS)
             if way == "full":
                 assert status == 2, f"attempt {attempt}: a full disk ended the sweep with {status}"
-            held = 0
-            for left in (out, out + ".partial", os.path.join(folder, "out.partial.h5")):
-                # A file that begins with zeros was killed before it began.
-                if os.path.exists(left) and open(left, "rb").read(8) != bytes(8) and os.path.getsize(left) > 0:
-                    held = max(held, readable_trials(left))
+            places = (out, out + ".partial", os.path.join(folder, "out.partial.h5"))
+            held = max((readable_trials(path) for path in places if is_dataset(path)), default=0)
             if held < shown:
                 lost += 1
                 print(f"attempt {attempt} ({way}): {shown} trials were counted as finished, {held} are readable")
@@ -104,6 +106,10 @@ def main(program, kills, seed):
                     time.sleep(draw.uniform(0.0, 0.5 * duration))
                     ended.send_signal(signal.SIGTERM)
                     assert ended.wait(timeout=SECONDS) in (0, 130, -signal.SIGTERM), ended.returncode
+                kept = max((readable_trials(path) for path in places if is_dataset(path)), default=0)
+                if kept < held:
+                    lost += 1
+                    print(f"attempt {attempt}: {held} trials were left, and {kept} by a --resume that was ended")
             subprocess.run(resume, check=True, timeout=SECONDS, capture_output=True)
             if digest(out) != digest(whole):
                 lost += 1

@@ -76,14 +76,14 @@ Prints step,class,d1,d2,d3 as CSV: class 1 non-slip, 2 incipient, 3 gross, and t
 on whose window is full. VECTORS.csv has the columns n (step), L0 to L8 (levels, 0 to 20) and ctx (context, 0 to 3); others are left alone.
 
 DIR holds AM.hex, CIM.hex, CM.hex, IM.hex and model.txt. Without model.txt, as the published memories are, --encoder must be given and
-ties go to one; with it, --encoder and --ties replace what it says. cl_gst_hd and slip_gst_hd, where no folder has that name, are the classifiers
-that ship with the program.
+ties go to one; with it, --encoder and --ties replace what it says. cl_gst_hd, where no folder has that name, is the classifier
+that ships with the program.
 
 Examples:
   slipbench hd replay vectors.csv --memories published --encoder published_core --ties one
   slipbench hd replay vectors.csv --memories published --encoder paper --ties zero --engine reference)");
   arguments.text("VECTORS", vectors, "Quantised input (CSV)").required();
-  arguments.text("--memories DIR", memories, "Folder of the classifier, or cl_gst_hd, slip_gst_hd").required();
+  arguments.text("--memories DIR", memories, "Folder of the classifier, or cl_gst_hd").required();
   arguments.word("--encoder NAME", compat, "Whose bundle: {}", hd::compat_words);
   arguments.word("--ties NAME", ties, "A bundle that sums to zero becomes {}", hd::ties_words);
   arguments.text("--engine NAME", engine, fmt::format("{} (default: kernel)", fmt::join(hd_engine_names(), " or ")));
