@@ -105,17 +105,25 @@ class FirstBadRow {
  public:
   // A column of `time.size()` rows; `what` names it.
   void look(std::span<const float> column, std::span<const double> time, const std::string& what) {
-    if (Eigen::Map<const Eigen::ArrayXf>(column.data(), static_cast<Eigen::Index>(column.size())).allFinite()) return;
+    unsigned any = 0;  // not in find_if(), which looks at one value after the other
+    for (const float value : column) any |= std::isfinite(value) ? 0U : 1U;
+    if (any == 0) return;
     const auto bad = std::ranges::find_if(column, [](float value) { return !std::isfinite(value); });
     note(static_cast<std::size_t>(bad - column.begin()) / (column.size() / time.size()), time, what);
   }
 
   // The margins of units, which count only while they touch.
   void look_at_margins(const LabelRecord& labels, std::span<const double> time, const std::string& what) {
-    for (std::size_t i = 0; i < labels.margin.size(); ++i) {
-      const bool touches = labels.unit_state[i] != static_cast<std::uint8_t>(UnitState::detached);
-      if (touches && !std::isfinite(labels.margin[i])) return note(i / labels.units(), time, what);
-    }
+    const auto is_bad = [&labels](std::size_t i) {
+      const unsigned touches = labels.unit_state[i] != static_cast<std::uint8_t>(UnitState::detached) ? 1U : 0U;
+      return touches & (std::isfinite(labels.margin[i]) ? 0U : 1U);
+    };
+    unsigned any = 0;
+    for (std::size_t i = 0; i < labels.margin.size(); ++i) any |= is_bad(i);
+    if (any == 0) return;
+    std::size_t first = 0;
+    while (is_bad(first) == 0) ++first;
+    note(first / labels.units(), time, what);
   }
 
   void refuse_if_any() const {
