@@ -509,7 +509,7 @@ std::size_t DynamicSimulation::stride(std::size_t pad) const {
   const State& s = *state_;
   return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->stride() : s.pads[s.sensors[pad].index].stride;
 }
-const ContactFrame& DynamicSimulation::contact(std::size_t pad) const {
+const ContactFrame& DynamicSimulation::contact_part(std::size_t pad, FramePart part) const {
   const State& s = *state_;
   return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->contact() : State::truth_of(s.pads[s.sensors[pad].index]);
 }

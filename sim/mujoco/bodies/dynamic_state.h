@@ -257,11 +257,12 @@ struct DynamicSimulation::State {
   };
   [[nodiscard]] StuckPads stuck_pads(bool touching_only) const;
   void check_limit(double time);
-  [[nodiscard]] static const ContactFrame& truth_of(const Pad& pad) {
-    return pad.pillars ? pad.pillars->frame() : pad.instance->truth();
+  [[nodiscard]] static const ContactFrame& truth_of(const Pad& pad, FramePart part) {
+    return pad.pillars ? pad.pillars->frame() : pad.instance->truth(part);
   }
   [[nodiscard]] bool touching() const {
-    return std::ranges::any_of(pads, [](const Pad& pad) { return truth_of(pad).state != PadState::no_contact; });
+    return std::ranges::any_of(pads,
+                               [](const Pad& pad) { return truth_of(pad, FramePart::states).state != PadState::no_contact; });
   }
   void read_bodies();
   // Brings poses and velocities from the step's start to its end. Forces and contacts stay those of the step.

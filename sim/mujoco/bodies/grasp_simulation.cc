@@ -283,8 +283,16 @@ std::size_t GraspSimulation::ticks(std::size_t pad) const { return state_->simul
 double GraspSimulation::time_step(std::size_t pad) const { return state_->simulation->time_step(pad); }
 std::size_t GraspSimulation::stride(std::size_t pad) const { return state_->simulation->stride(pad); }
 std::span<const std::size_t> GraspSimulation::stepped() const { return state_->simulation->stepped(); }
-const ContactFrame& GraspSimulation::contact(std::size_t pad) const { return state_->simulation->contact(pad); }
-const std::vector<NamedBody>& GraspSimulation::bodies() const { return state_->bodies; }
+const ContactFrame& GraspSimulation::contact_part(std::size_t pad, FramePart part) const {
+  return state_->simulation->contact_part(pad, part);
+}
+void GraspSimulation::leave_slip_angle() { state_->simulation->leave_slip_angle(); }
+const std::vector<NamedBody>& GraspSimulation::bodies() const {
+  State& s = *state_;
+  const std::vector<NamedBody>& moved = s.simulation->bodies();
+  for (std::size_t i = 0; i < s.shown.size(); ++i) s.bodies[i + 1].state = moved[s.shown[i]].state;
+  return s.bodies;
+}
 bool GraspSimulation::rotating() const { return state_->motion->turns(); }
 Gripper& GraspSimulation::gripper() { return state_->gripper; }
 Guided* GraspSimulation::arm() { return state_->guided; }

@@ -261,7 +261,8 @@ Recorder::Recorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> 
 
 void Recorder::record(std::span<const Tick> ticks, const ControlLoop& loop) {
   for (const Tick& tick : ticks) {
-    const ContactFrame& truth = simulation_.contact(tick.pad);
+    const FramePart part = tick.sample == nullptr ? FramePart::states : FramePart::all;
+    const ContactFrame& truth = simulation_.contact_part(tick.pad, part);
     if (!truth.events.empty()) write_events(tick.pad, truth.events);
     if (tick.sample == nullptr) continue;
     const std::size_t row = rows_[tick.pad]++;
@@ -518,7 +519,7 @@ void Judge::finish(std::span<const std::unique_ptr<Sensor>> sensors) {
     Eigen::Index column = 0;
     for (UnitOutcome& unit : result_.units[pad]) {
       unit.slip_distance = static_cast<float>(last.slip_distance(column));
-      unit.load = static_cast<float>(last.contact_force(2, column));
+      unit.load = static_cast<float>(last.contact_force(2, column)) + 0.0F;  // a zero without the sign of a turn
       unit.margin = static_cast<float>(last.margin(column));
       sensor.labels.onset_time.push_back(unit.onset_time);
       sensor.labels.micro_onset_time.push_back(unit.micro_onset_time);
