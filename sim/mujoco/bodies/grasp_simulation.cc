@@ -150,8 +150,8 @@ struct GraspSimulation::State {
       bodies.push_back(simulation->bodies()[i]);
       shown.push_back(i);
     }
-    box_body = static_cast<std::size_t>(std::ranges::find(bodies, box_name, &NamedBody::name) - bodies.begin());
-    bodies[box_body].size = values(grasp.box_size);
+    box = mj_name2id(m, mjOBJ_BODY, box_name);
+    std::ranges::find(bodies, box_name, &NamedBody::name)->size = values(grasp.box_size);
     if (grip.choice("second_pad") == "silicone") {
       const std::vector<double>& face = grip.vector("pad_size");
       std::ranges::find(bodies, second_pad_name, &NamedBody::name)->size = {face[0], face[1], 0.0};
@@ -185,7 +185,8 @@ struct GraspSimulation::State {
   Eigen::Vector3d finger_weight;   // N
   std::vector<NamedBody> bodies;   // the arm, then those of the simulation
   std::vector<std::size_t> shown;  // which
-  std::size_t box_body = 0, tick = 0;
+  int box;                         // MuJoCo's body
+  std::size_t tick = 0;
   double ideal = 0.0, start_height = 0.0;
   GraspTruth truth;
   bool lifting = false;
@@ -244,9 +245,10 @@ void GraspSimulation::State::drive(double time) {
 }
 
 void GraspSimulation::State::observe(double time) {
-  for (std::size_t i = 0; i < shown.size(); ++i) bodies[i + 1].state = simulation->bodies()[shown[i]].state;
   const Pose& arm = bodies.front().state.pose;
-  const Pose& held = bodies[box_body].state.pose;
+  const mjData* d = simulation->data();
+  const Pose held{Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d->xmat + 9 * box),
+                  Eigen::Vector3d::Map(d->xpos + 3 * box)};
   truth.time = time;
   for (std::size_t k = 0; k < 2; ++k) {
     const Finger& finger = fingers[k];
