@@ -111,6 +111,7 @@ Skin make_skin(const SkinFigures& figures, const std::string& sensor) {
     first += own;
   }
   skin.layout.element_truth = true;
+  skin.layout.unit_truth = false;
   return skin;
 }
 

@@ -15,7 +15,7 @@ namespace {
 class Noise final : public ElectronicsStage {
  public:
   Noise(const Parameters& parameters, const SignalModel& model, RandomStream stream)
-      : memory_(2 * model.sources + 1), source_(model.source), stream_(stream) {
+      : memory_(2 * model.sources + 1), draws_(2 * model.sources), source_(model.source), stream_(stream) {
     for (const double sd : model.noise_sd) sd_.push_back(parameters.number("scale") * sd);
 
     const double w_h = 2.0 * std::numbers::pi * parameters.number("corner") / model.rate;
@@ -38,16 +38,16 @@ class Noise final : public ElectronicsStage {
   void apply(std::span<float> values, double /*time*/) override {
     for (std::size_t v = 0; v < sd_.size(); ++v) values[v] = static_cast<float>(values[v] + sd_[v] * memory_[2 * source_[v]]);
     stream_.seek(static_cast<std::uint64_t>(pairs_drawn()));
-    for (std::size_t s = 0; s + 1 < memory_.size(); s += 2) {
+    stream_.normal(draws_);
+    for (std::size_t s = 0; s < draws_.size(); s += 2) {
       double& x = memory_[s];
       double& u = memory_[s + 1];
-      const double z1 = stream_.normal();
-      const double z2 = stream_.normal();
+      const double z1 = draws_[s], z2 = draws_[s + 1];
       const double x_next = xx_ * x + xu_ * u + gx_ * z1;
       u = -xu_ * x + uu_ * u + gux_ * z1 + gu_ * z2;
       x = x_next;
-      pairs_drawn() += 1.0;
     }
+    pairs_drawn() += 0.5 * static_cast<double>(draws_.size());
   }
 
   [[nodiscard]] std::span<double> memory() override { return memory_; }
@@ -58,6 +58,7 @@ class Noise final : public ElectronicsStage {
   double xx_, xu_, uu_;              // F
   double gx_, gux_, gu_;             // G, lower triangle
   std::vector<double> memory_;       // x and u of each source, then how many pairs the stream has drawn
+  std::vector<double> draws_;        // of one call
   std::vector<std::size_t> source_;  // [V]
   std::vector<double> sd_;           // [V] in the value's unit
   RandomStream stream_;

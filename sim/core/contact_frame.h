@@ -65,4 +65,8 @@ struct ContactFrame {
   Eigen::Array3d stage_position = Eigen::Array3d::Constant(std::numeric_limits<double>::quiet_NaN());
 };
 
+// How much of a frame is right when it is handed out: time, pad states, stuck fraction and events; with what sensors read, namely force, displacement and
+// what each element does; or all.
+enum class FramePart : std::uint8_t { states, felt, all };
+
 }  // namespace slipbench

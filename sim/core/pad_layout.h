@@ -36,6 +36,8 @@ struct PadLayout {
   std::vector<UnitRange> units;
   // Whether frames also tell what each element does (ContactFrame::element_depth), for a sensor that reads between its units.
   bool element_truth = false;
+  // Whether the sensor reads forces and displacements of its units.
+  bool unit_truth = true;
   // How high a unit stands over its base: pressed in farther, the device is no field of springs [m]; infinite: nobody knows.
   double unit_height = std::numeric_limits<double>::infinity();
 };

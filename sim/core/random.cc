@@ -2,6 +2,7 @@
 
 #include <Random123/philox.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -85,6 +86,15 @@ void philox(std::uint64_t first, std::uint64_t stream, std::array<std::uint32_t,
   philox_by_one(first, stream, key, blocks, words);
 }
 
+double uniform_of(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
+
+// Box and Muller's pair from two draws of uniform().
+std::array<double, 2> normal_pair(double first, double second) {
+  const double radius = std::sqrt(-2.0 * std::log(1.0 - first));  // 1 - u is in (0, 1]: the logarithm is finite
+  const double angle = 2.0 * std::numbers::pi * second;
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
 }  // namespace
 
 RandomStream::RandomStream(std::uint64_t seed, std::uint64_t trial, std::string_view name) {
@@ -110,7 +120,7 @@ std::uint64_t RandomStream::next() {
   return block_[static_cast<std::size_t>(used_++)];
 }
 
-double RandomStream::uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
+double RandomStream::uniform() { return uniform_of(next()); }
 
 double RandomStream::uniform(double min, double max) {
   if (!(min <= max) || !std::isfinite(max - min)) throw std::logic_error("RandomStream::uniform: no such interval");
@@ -126,11 +136,11 @@ double RandomStream::normal() {
     has_spare_ = false;
     return spare_normal_;
   }
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));  // 1 - u is in (0, 1]: the logarithm is finite
-  const double angle = 2.0 * std::numbers::pi * uniform();
-  spare_normal_ = radius * std::sin(angle);
+  const double first = uniform();
+  const auto [now, next] = normal_pair(first, uniform());
+  spare_normal_ = next;
   has_spare_ = true;
-  return radius * std::cos(angle);
+  return now;
 }
 
 std::uint64_t RandomStream::integer(std::uint64_t bound) {
@@ -146,6 +156,18 @@ void RandomStream::bits(std::span<std::uint64_t> draws) {
   if (used_ != 2 || draws.size() % 2 != 0) throw std::logic_error("RandomStream::bits: draws come in pairs");
   philox(counter_, stream_, key_, draws.size() / 2, draws.data());
   counter_ += draws.size() / 2;
+}
+
+void RandomStream::normal(std::span<double> draws) {
+  std::array<std::uint64_t, 64> words;
+  while (!draws.empty()) {
+    const std::span<std::uint64_t> drawn = std::span(words).first(std::min(words.size(), draws.size()));
+    bits(drawn);
+    for (std::size_t i = 0; i < drawn.size(); i += 2) {
+      std::ranges::copy(normal_pair(uniform_of(drawn[i]), uniform_of(drawn[i + 1])), &draws[i]);
+    }
+    draws = draws.subspan(drawn.size());
+  }
 }
 
 void RandomStream::seek(std::uint64_t pairs) {

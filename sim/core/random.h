@@ -25,6 +25,8 @@ class RandomStream {
   // The next draws of uniform(), as the 64 random bits that each is made of: (draw >> 11) 2^-53. Many at once are cheaper. After an even
   // number of draws, and of an even number.
   void bits(std::span<std::uint64_t> draws);
+  // The next draws of normal(), of an even number after an even number.
+  void normal(std::span<double> draws);
 
   // Goes to the draws after the first `pairs` pairs of normal(), or of uniform(), of a stream that has drawn nothing else.
   void seek(std::uint64_t pairs);

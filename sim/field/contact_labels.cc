@@ -30,7 +30,7 @@ enum Column : std::size_t {
 
 }  // namespace
 
-ContactLabels::ContactLabels(const PadLayout& layout) : units_(layout.units) {
+ContactLabels::ContactLabels(const PadLayout& layout) : units_(layout.units), reads_units_(layout.unit_truth) {
   const auto n = static_cast<Eigen::Index>(units_.size());
   unit_of_element_.resize(layout.elements.size());
   undeformed_.resize(3, n);
@@ -60,19 +60,51 @@ ContactLabels::ContactLabels(const PadLayout& layout) : units_(layout.units) {
 
 const ContactFrame& ContactLabels::update(std::span<Field> fields, double time, double dt) {
   judge(fields, time, dt);
+  fill(fields, FramePart::all);
   settle(fields, dt);
   return frame_;
 }
 
-const ContactFrame& ContactLabels::judge(std::span<Field> fields, double time, double dt) {
+void ContactLabels::judge(std::span<Field> fields, double time, double dt) {
   frame_.time = time;
-  label_units(fields, dt);
-  if (frame_.element_depth.size() > 0) label_elements(fields);
+  rate_ = 1.0 / dt;
+  slip_rate_ = 0.0;
+  filled_ = FramePart::states;
+  elements_ = {};
+  for (const Field& field : fields) {
+    elements_.touching += static_cast<std::uint32_t>(field.touching());
+    elements_.slipping += static_cast<std::uint32_t>(field.slipping());
+  }
   if (single_ && fields.size() == 1) {
     unit_rules::judge_pad_of_elements(frame_, elements_);
   } else {
+    count_units(fields);
     unit_rules::judge_pad(frame_, elements_);
   }
+  // In a sparse field zeros of what lets go keep the sign that they are turned to.
+  if (keeps_angle_ && (elements_.slipping > 0 || fields.front().sparse())) fill(fields, FramePart::all);
+}
+
+void ContactLabels::count_units(std::span<Field> fields) {
+  counts_.assign(units_.size(), {});
+  for (const Field& field : fields) {
+    for_each_in(field.active(), [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) counts_[unit_of_element_[i]].add(field.state(i));
+    });
+  }
+  std::ranges::transform(counts_, frame_.unit_state.begin(), unit_rules::unit_state);
+}
+
+const ContactFrame& ContactLabels::fill(std::span<Field> fields, FramePart part) {
+  if (filled_ >= part) return frame_;
+  filled_ = keeps_angle_ ? FramePart::all : part;  // whoever reads the angle reads all at each sample
+  label_units(fields, filled_);
+  if (frame_.element_depth.size() > 0) label_elements(fields);
+  if (filled_ == FramePart::all || reads_units_) {
+    shaken_ = shaking_ != 0.0;
+    if (shaken_) frame_.force.row(2) += shaking_;
+  }
+  if (filled_ != FramePart::all) return frame_;
   const bool one_plane = fields.size() == 1 && fields.front().on_plane();
   slip_rate_ = unit_rules::fit_slip_motion(frame_, undeformed_, one_plane ? contact_plane_ : unit_rules::ContactPlane{});
   return frame_;
@@ -90,34 +122,44 @@ void ContactLabels::settle(std::span<const Field> fields, double dt) {
   unit_rules::report_unit_events(changes_, before, frame_.time, dt, frame_.events);
 }
 
-void ContactLabels::label_units(std::span<Field> fields, double dt) {
-  const double rate = 1.0 / dt;
+void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
+  const bool all = part == FramePart::all;
   if (single_ && fields.size() == 1 && fields.front().level()) {
-    const Field& field = fields.front();
-    elements_ = {static_cast<std::uint32_t>(field.touching()), static_cast<std::uint32_t>(field.slipping())};
     contact_plane_.face(Eigen::Vector3d::UnitZ());
-    field.label_level(rate, frame_);
+    fields.front().label_level(rate_, part, frame_);
     return;
   }
-  elements_ = {};
-  seen_.resize(fields.size());
+  for (std::vector<std::uint64_t>& seen : seen_) seen.resize(fields.size());
   for (std::size_t k = 0; k < fields.size(); ++k) {
     Field& field = fields[k];
     // All of a field that is another, or that has not stepped.
-    viewed_ = field.view_from_pad(field.steps() > seen_[k] ? seen_[k] : 0);
-    seen_[k] = field.steps();
-    elements_.touching += static_cast<std::uint32_t>(field.touching());
-    elements_.slipping += static_cast<std::uint32_t>(field.slipping());
+    const std::uint64_t seen = seen_[all ? 1 : 0][k];
+    viewed_ = field.active_since(field.steps() > seen ? seen : 0);
+    seen_[0][k] = field.steps();
+    if (all) seen_[1][k] = field.steps();
+    if (all || reads_units_) field.view_from_pad(viewed_);
   }
+  if (!all && !reads_units_) return;
   const bool one_field = fields.size() == 1;
   const kernel::UnitColumns units = one_field && single_ ? elements_as_units(fields.front()) : sum_fields(fields);
   const std::size_t count = units_.size();
   const Field& front = fields.front();
+  if (shaken_ && front.sparse()) frame_.force.row(2).setZero();  // of the units that touch nothing too
+  if (!all) {
+    for_each_in(one_field && single_ ? viewed_ : front.all(),
+                [&](std::size_t first, std::size_t end) { kernel::label_felt(units, first, std::min(end, count), frame_); });
+    return;
+  }
+  if (one_field && single_) {
+    const double* const mode = front.column(kernel::mode);
+    for_each_in(viewed_, [&](std::size_t first, std::size_t end) {
+      for (std::size_t u = first; u < end; ++u) frame_.unit_state[u] = static_cast<UnitState>(static_cast<int>(mode[u]));
+    });
+  }
   // Where each unit has a normal of its own. Other pads than skins are turned run by run, whose zeros may have another sign.
   const bool apiece = front.sparse() || (front.has_skin() && !front.on_plane());
   if (one_field && single_ && apiece) {
-    if (shaken_) frame_.force.row(2).setZero();  // of the units that touch nothing too
-    kernel::label_groups(units, front.pad_in_surface().rotation.transpose(), rate, viewed_, count, frame_);
+    kernel::label_groups(units, front.pad_in_surface().rotation.transpose(), rate_, viewed_, count, frame_);
     return;
   }
   const auto most_loaded = [&](std::size_t u) { return one_field ? &fields.front() : most_loaded_[u]; };
@@ -132,7 +174,7 @@ void ContactLabels::label_units(std::span<Field> fields, double dt) {
     end = one_field && field.on_plane() ? count : end + 1;
     while (end < count && (apart(end) || (most_loaded(end) == &field && normal(end) == met))) ++end;
     contact_plane_.face(field.pad_in_surface().rotation.transpose() * met);
-    kernel::label_units(units, contact_plane_.turn(), rate, field.effect_cone(), first, end, frame_);
+    kernel::label_units(units, contact_plane_.turn(), rate_, field.effect_cone(), first, end, frame_);
   }
 }
 
@@ -142,7 +184,7 @@ void ContactLabels::label_elements(std::span<const Field> fields) {
                                      frame_.element_shear.col(2).data()};
   const bool sparse = fields.size() == 1 && fields.front().sparse();
   if (sparse) {
-    for_each_viewed([&](std::size_t first, std::size_t end) {
+    for_each_in(viewed_, [&](std::size_t first, std::size_t end) {
       for (double* const column : {depth, shear[0], shear[1], shear[2]}) std::fill(column + first, column + end, 0.0);
     });
   } else {
@@ -152,34 +194,24 @@ void ContactLabels::label_elements(std::span<const Field> fields) {
   for (const Field& field : fields) field.add_elements(sparse ? viewed_ : field.all(), depth, shear);
 }
 
-// Calls visit(first, end) for the elements of each group that the last field's view has worked out, or once for all.
+// Calls visit(first, end) for the elements of each group, or once for all.
 template <class Visit>
-void ContactLabels::for_each_viewed(Visit&& visit) const {
-  if (viewed_.first == nullptr) return visit(std::size_t{0}, unit_of_element_.size());
-  for (std::size_t k = 0; k < viewed_.count; ++k) {
-    visit(viewed_[k], std::min(unit_of_element_.size(), viewed_[k] + kernel::lanes));
+void ContactLabels::for_each_in(const kernel::Groups& groups, Visit&& visit) const {
+  if (groups.first == nullptr) return visit(std::size_t{0}, unit_of_element_.size());
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    visit(groups[k], std::min(unit_of_element_.size(), groups[k] + kernel::lanes));
   }
 }
 
 // Units of one element on one surface are what their elements are.
 kernel::UnitColumns ContactLabels::elements_as_units(const Field& field) {
-  const double* const mode = field.column(kernel::mode);
-  for_each_viewed([&](std::size_t first, std::size_t end) {
-    for (std::size_t u = first; u < end; ++u) frame_.unit_state[u] = static_cast<UnitState>(static_cast<int>(mode[u]));
-  });
   const auto vector = [&](kernel::Column x) {
     const auto component = [&](std::size_t k) { return field.column(static_cast<kernel::Column>(x + k)); };
     return std::array{component(0), component(1), component(2)};
   };
-  return {vector(kernel::pad_force_x),
-          vector(kernel::deflection_x),
-          vector(kernel::pad_slip_x),
-          vector(kernel::force_x),
-          vector(kernel::normal_x),
-          field.column(kernel::path),
-          field.column(kernel::limit),
-          mode,
-          shares_.data()};
+  return {vector(kernel::pad_force_x), vector(kernel::deflection_x), vector(kernel::pad_slip_x),
+          vector(kernel::force_x),     vector(kernel::normal_x),     field.column(kernel::path),
+          field.column(kernel::limit), field.column(kernel::mode),   shares_.data()};
 }
 
 // Sums units of several elements, or on several surfaces.
@@ -207,11 +239,6 @@ kernel::UnitColumns ContactLabels::sum_fields(std::span<Field> fields) {
       }
     }
   }
-  for (std::size_t u = 0; u < units_.size(); ++u) {
-    const unit_rules::Count elements{static_cast<std::uint32_t>(column(unit::touching)[u]),
-                                     static_cast<std::uint32_t>(column(unit::slipping)[u])};
-    frame_.unit_state[u] = unit_rules::unit_state(elements);
-  }
   const auto vector = [&](std::size_t x) { return std::array<const double*, 3>{column(x), column(x + 1), column(x + 2)}; };
   return {vector(unit::force),      vector(unit::deflection), vector(unit::slip),
           vector(unit::tangential), vector(unit::normal),     column(unit::path),
@@ -222,7 +249,7 @@ kernel::UnitColumns ContactLabels::sum_fields(std::span<Field> fields) {
 // nothing touches any more, and then the last unit's stands for all (label_units).
 void ContactLabels::sum_viewed(Field& field) {
   std::size_t next = 0;  // unit that has not been summed
-  for_each_viewed([&](std::size_t first, std::size_t end) {
+  for_each_in(viewed_, [&](std::size_t first, std::size_t end) {
     const std::size_t last = unit_of_element_[end - 1] + std::size_t{1};
     next = std::max(next, std::size_t{unit_of_element_[first]});
     if (next < last) sum_elements(field, next, last, sums_);

@@ -449,12 +449,6 @@ bool Field::level() const {
          !effects_.cone && count_ >= kernel::lanes;
 }
 
-kernel::Groups Field::view_from_pad(std::uint64_t since) {
-  const kernel::Groups groups = active_set_ ? active_set_->active_since(since, contacts_, columns_) : all();
-  kernel::view_from_pad(columns_, pose_.rotation.transpose(), transmitted_, groups);
-  return groups;
-}
-
 Wrench Field::wrench_on_surface() const {
   Wrench total{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (std::size_t i = 0; i < count_; ++i) {

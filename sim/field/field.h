@@ -95,15 +95,23 @@ class Field {
   [[nodiscard]] Eigen::Vector3d normal(std::size_t i) const { return vector(normal_x, i); }
   [[nodiscard]] Eigen::Vector3d contact_point(std::size_t i) const { return vector(contact_x, i); }
 
-  // Works out the three below, and where the elements meet the surface, for all elements that may have touched in a step after the first
-  // `since`, and returns their groups, which hold until the next call. Of all others nothing has changed since then but the gap. A reader that
-  // looks after every step passes the steps() of its last look; any number of readers may look, as often as they want.
-  kernel::Groups view_from_pad(std::uint64_t since = 0);
+  // The groups that may touch, and those that may have touched in a step after the first `since`, brought up to date: of all others nothing has
+  // changed since then but the gap. These hold until the next call. A reader passes the steps() of its last look; any number of readers may look, as
+  // often as they want.
+  [[nodiscard]] kernel::Groups active() const { return active_set_ ? active_set_->active() : all(); }
+  kernel::Groups active_since(std::uint64_t since) {
+    return active_set_ ? active_set_->active_since(since, contacts_, columns_) : all();
+  }
+  // Works out the three below for those groups, or all.
+  void view_from_pad(const kernel::Groups& groups) {
+    kernel::view_from_pad(columns_, pose_.rotation.transpose(), transmitted_, groups);
+  }
+  void view_from_pad() { view_from_pad(active_since(0)); }
   // Whether label_level() may stand for that: a plane whose normal is the pad's Z to the bit, the circular cone, no elastic skin.
   [[nodiscard]] bool level() const;
-  // Fills a frame of units of one element with all that kernel::label_units() does, and their states. `rate`: 1/step [1/s].
-  void label_level(double rate, ContactFrame& frame) const {
-    kernel::label_level_elements(columns_, pose_.rotation.transpose(), transmitted_, rate, count_, frame);
+  // Fills a frame of units of one element with `part` of what kernel::label_units() does, and all of it with their states. `rate`: 1/step [1/s].
+  void label_level(double rate, FramePart part, ContactFrame& frame) const {
+    kernel::label_level_elements(columns_, pose_.rotation.transpose(), transmitted_, rate, count_, part, frame);
   }
   // How many steps the field has taken; what load_state() brings back does not take them back. Only a sparse field counts.
   [[nodiscard]] std::uint64_t steps() const { return active_set_ ? active_set_->steps() : 0; }
@@ -200,8 +208,6 @@ class Field {
       for (std::size_t i = first; i < end; ++i) visit(i);
     }
   }
-  // The groups that may touch.
-  [[nodiscard]] kernel::Groups active() const { return active_set_ ? active_set_->active() : all(); }
   void place_tips();
   [[nodiscard]] bool share_face(std::size_t i) const;
   void keep_energy(std::size_t i);

@@ -162,6 +162,8 @@ struct UnitColumns {
   const double* share;     // 1/elements of the unit
 };
 
+// Fills force and displacement of a frame, from `first` to before `end` of its units or in the groups: all that is FramePart::felt of units.
+void label_felt(const UnitColumns& units, std::size_t first, std::size_t end, ContactFrame& frame);
 // Fills the columns from `first` to before `end` of `frame` (contact_frame.h) with what its units are given in: all but their states.
 // `turn`: into the contact plane, null where that is the pad's own; `rate`: 1/step [1/s]; `cone`: in place of the circular one, or null.
 void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double rate, const ConeEffect* cone, std::size_t first,
@@ -169,9 +171,9 @@ void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double r
 // The same of groups of units of one element, each of which meets a normal of its own. `to_pad`: rotation of the surface in the pad.
 void label_groups(const UnitColumns& units, const Eigen::Matrix3d& to_pad, double rate, const Groups& groups, std::size_t count,
                   ContactFrame& frame);
-// The same of `count` >= lanes units of one element each that meet a plane whose normal is the pad's Z to the bit, without a view_from_pad() before,
-// and their states. `transmitted`: as there.
+// The same, or what of it is felt, of `count` >= lanes units of one element each that meet a plane whose normal is the pad's Z to the bit, without a
+// view_from_pad() before, and their states. `transmitted`: as there.
 void label_level_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, Column transmitted, double rate,
-                          std::size_t count, ContactFrame& frame);
+                          std::size_t count, FramePart part, ContactFrame& frame);
 
 }  // namespace slipbench::kernel

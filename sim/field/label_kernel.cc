@@ -210,9 +210,25 @@ SLIPBENCH_DISPATCHED void label_groups(const UnitColumns& c, const Eigen::Matrix
   }
 }
 
+SLIPBENCH_DISPATCHED void label_felt(const UnitColumns& c, std::size_t first, std::size_t end, ContactFrame& frame) {
+  for (std::size_t u = first; u + lanes <= end; u += lanes) {
+    const auto at = [u](const double* column) SLIPBENCH_INLINE_BODY { return lanes_at(column + u); };
+    const Labels labels = labels_at(frame, u);
+    const Lanes share = at(c.share);
+    put_vectors(labels.force, at(c.force[0]), at(c.force[1]), at(c.force[2]));
+    put_vectors(labels.displacement, share * at(c.deflection[0]), share * at(c.deflection[1]), share * at(c.deflection[2]));
+  }
+  for (std::size_t u = end - (end - first) % lanes; u < end; ++u) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      frame.force.data()[3 * u + k] = c.force[k][u];
+      frame.displacement.data()[3 * u + k] = c.share[u] * c.deflection[k][u];
+    }
+  }
+}
+
 // What view_from_pad() and label_units() make of level elements, to the bit: without the products with zeros and ones, and nothing in between.
 SLIPBENCH_DISPATCHED void label_level_elements(const Columns& c, const Eigen::Matrix3d& to_pad, Column transmitted, double rate,
-                                               std::size_t count, ContactFrame& frame) {
+                                               std::size_t count, FramePart part, ContactFrame& frame) {
   const Lanes none{};
   const auto positive = [&none](const Lanes& values) SLIPBENCH_INLINE_BODY { return (values < 0.0 ? none : values) + none; };
   const Rotation r = entries_of(to_pad);
@@ -222,13 +238,15 @@ SLIPBENCH_DISPATCHED void label_level_elements(const Columns& c, const Eigen::Ma
     const auto along_x = [&](const Lanes& x, const Lanes& y) SLIPBENCH_INLINE_BODY { return r.r00 * x + r.r01 * y + none; };
     const auto along_y = [&](const Lanes& x, const Lanes& y) SLIPBENCH_INLINE_BODY { return r.r10 * x + r.r11 * y + none; };
     const auto at = [&c, i](std::size_t column) SLIPBENCH_INLINE_BODY { return lanes_at(c[column] + i); };
-    const Lanes f_n = positive(at(f_normal)), depth = positive(-at(gap)), moving = at(mode);
+    const Lanes f_n = positive(at(f_normal)), depth = positive(-at(gap));
     const Lanes fx = none - at(transmitted), fy = none - at(transmitted + 1U);
     const Lanes force_x_of_pad = along_x(fx, fy), force_y_of_pad = along_y(fx, fy);
     put_vectors(labels.force, force_x_of_pad, force_y_of_pad, f_n);
-    put_vectors(labels.contact_force, force_x_of_pad, force_y_of_pad, f_n);
     const Lanes dx = none - (at(contact_x) - at(anchor_x)), dy = none - (at(contact_y) - at(anchor_y));
     put_vectors(labels.displacement, along_x(dx, dy), along_y(dx, dy), depth);
+    if (part != FramePart::all) continue;
+    put_vectors(labels.contact_force, force_x_of_pad, force_y_of_pad, f_n);
+    const Lanes moving = at(mode);
     put_vectors(labels.slip_velocity, rate * along_x(at(slip_x), at(slip_y)), rate * along_y(at(slip_x), at(slip_y)));
     put_lanes(labels.slip_distance, at(path));
     put_lanes(labels.margin, margin_of(at(force_x) * at(force_x) + at(force_y) * at(force_y), at(limit), moving));

@@ -38,6 +38,10 @@ class Simulation {
   [[nodiscard]] virtual std::span<const std::size_t> stepped() const = 0;
   // Truth at the pad's latest tick.
   [[nodiscard]] virtual const ContactFrame& contact(std::size_t pad) const = 0;
+  // The same frame, of which no more need be right than `part`: what nobody reads need not be worked out.
+  [[nodiscard]] virtual const ContactFrame& contact_part(std::size_t pad, FramePart /*part*/) const { return contact(pad); }
+  // From here on nobody reads labels at every tick, so that the slip's angle need not be added up.
+  virtual void leave_slip_angle() {}
   // All recorded bodies at that instant.
   [[nodiscard]] virtual const std::vector<NamedBody>& bodies() const = 0;
   // Whether the scene's motion turns the pads that ride on it.

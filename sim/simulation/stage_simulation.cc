@@ -94,7 +94,13 @@ std::size_t StageSimulation::ticks(std::size_t pad) const { return state_->clock
 double StageSimulation::time_step(std::size_t pad) const { return state_->clocks.time_step(pad); }
 std::size_t StageSimulation::stride(std::size_t pad) const { return state_->clocks.stride(pad); }
 std::span<const std::size_t> StageSimulation::stepped() const { return state_->clocks.stepped(); }
-const ContactFrame& StageSimulation::contact(std::size_t pad) const { return state_->pads[pad].labels.frame(); }
+const ContactFrame& StageSimulation::contact_part(std::size_t pad, FramePart part) const {
+  State::Pad& read = state_->pads[pad];
+  return read.labels.fill({&read.field, 1}, part);
+}
+void StageSimulation::leave_slip_angle() {
+  for (State::Pad& pad : state_->pads) pad.labels.leave_slip_angle();
+}
 const std::vector<NamedBody>& StageSimulation::bodies() const { return state_->bodies; }
 bool StageSimulation::rotating() const { return state_->motion->turns(); }
 
@@ -108,8 +114,9 @@ void StageSimulation::step() {
     const double dt = s.clocks.time_step(i);
     pad.field.step(pad_in_surface, dt);
     if (!pad.field.on_plane()) refuse_too_deep(pad.field, s.half_thickness, time);
-    pad.labels.update({&pad.field, 1}, time, dt);
     pad.labels.ride(stage.pose.position.array(), pad.motors ? pad.motors->force(stage, pad.field.touching() > 0, dt) : 0.0);
+    pad.labels.judge({&pad.field, 1}, time, dt);
+    pad.labels.settle({&pad.field, 1}, dt);
   }
 }
 

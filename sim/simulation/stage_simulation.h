@@ -34,7 +34,9 @@ class StageSimulation final : public Simulation {
   [[nodiscard]] std::size_t stride(std::size_t pad) const override;
   void step() override;
   [[nodiscard]] std::span<const std::size_t> stepped() const override;
-  [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
+  [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override { return contact_part(pad, FramePart::all); }
+  [[nodiscard]] const ContactFrame& contact_part(std::size_t pad, FramePart part) const override;
+  void leave_slip_angle() override;
   // "pad" (one: all sensors ride on the same stage) and "surface".
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
   [[nodiscard]] bool rotating() const override;

@@ -222,7 +222,10 @@ void DynamicSimulation::State::check_limit(double time) {
   const bool more = touching > touching_before;
   touching_before = touching;
   if (!more) return;
-  if (free_bodies) call_mujoco([this] { FreeBodies::factor(m(), d()); });
+  if (free_bodies) {
+    read_bodies();  // what follows rounds centres of mass otherwise
+    call_mujoco([this] { FreeBodies::factor(m(), d()); });
+  }
   const StuckPads stuck = stuck_pads(true);
   if (dt <= limit_slack * longest_right_step(vibration_bound(m(), d(), stuck.bodies, stuck.tangents))) return;
   const double longest = limit_slack * longest_right_step(fastest_vibration(m(), d(), stuck.bodies, stuck.tangents));
@@ -261,21 +264,25 @@ void DynamicSimulation::State::prescribe(double time) {
   mju_copy3(d()->qvel + stage_dof + 3, spin.data());
 }
 
-// mj_step of a grasp: of passive and applied forces alone.
+// mj_step of a grasp: of the pads' forces and of applied ones alone.
 void DynamicSimulation::State::step_free() {
-  call_mujoco([this] {
-    mj_checkPos(m(), d());
-    mj_checkVel(m(), d());
-    free_bodies->place(m(), d());
-    mj_passive(m(), d());
-  });
-  const auto force = [this](mjtNum* values) { return Eigen::Map<Eigen::VectorXd>(values, m()->nv); };
-  force(d()->qfrc_smooth) = force(d()->qfrc_passive) - force(d()->qfrc_bias) + force(d()->qfrc_applied);
+  // Whether MuJoCo might find one of them bad.
+  const auto suspect = [](const mjtNum* values, mjtSize count) {
+    return !(Eigen::Map<const Eigen::VectorXd>(values, count).squaredNorm() <= mjMAXVAL * mjMAXVAL);
+  };
+  if (suspect(d()->qpos, m()->nq)) call_mujoco([this] { mj_checkPos(m(), d()); });
+  if (suspect(d()->qvel, m()->nv)) call_mujoco([this] { mj_checkVel(m(), d()); });
+  free_bodies->place(m(), d());
+  const auto all = [this](mjtNum* values) { return Eigen::Map<Eigen::VectorXd>(values, m()->nv); };
+  all(d()->qfrc_passive).setZero();
+  for (const Pad& pad : pads) pad.instance->add_force(m(), d());
+  all(d()->qfrc_smooth) = all(d()->qfrc_passive) - all(d()->qfrc_bias) + all(d()->qfrc_applied);
   averages ? average() : free_bodies->accelerate(d());
-  call_mujoco([this] {
-    mj_checkAcc(m(), d());
-    mj_Euler(m(), d());
-  });
+  if (suspect(d()->qacc, m()->nv)) call_mujoco([this] { mj_checkAcc(m(), d()); });
+  all(d()->qvel) += dt * all(d()->qacc);
+  mj_integratePos(m(), d()->qpos, d()->qvel, dt);
+  d()->time += dt;
+  for (const Pad& pad : pads) pad.instance->commit(m(), d());
 }
 
 // The accelerations by average_acceleration.h.
@@ -334,6 +341,7 @@ void DynamicSimulation::State::advance(std::size_t from) {
 }
 
 void DynamicSimulation::State::read_bodies() {
+  if (!std::exchange(to_read, false)) return;
   for (std::size_t i = 0; i < recorded.size(); ++i) {
     const auto [type, id] = recorded[i];
     mjtNum velocity[6];
@@ -509,9 +517,15 @@ std::size_t DynamicSimulation::stride(std::size_t pad) const {
   const State& s = *state_;
   return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->stride() : s.pads[s.sensors[pad].index].stride;
 }
-const ContactFrame& DynamicSimulation::contact(std::size_t pad) const {
+const ContactFrame& DynamicSimulation::contact_part(std::size_t pad, FramePart part) const {
   const State& s = *state_;
-  return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->contact() : State::truth_of(s.pads[s.sensors[pad].index]);
+  return s.sensors[pad].follows ? s.followers[s.sensors[pad].index]->contact()
+                                : State::truth_of(s.pads[s.sensors[pad].index], part);
+}
+void DynamicSimulation::leave_slip_angle() {
+  for (const State::Pad& pad : state_->pads) {
+    if (pad.instance != nullptr) pad.instance->leave_slip_angle();
+  }
 }
 double DynamicSimulation::normal_force(std::size_t carrying) const {
   const State::Pad& pad = state_->pads[carrying];
@@ -540,7 +554,10 @@ double DynamicSimulation::contact_normal_force(const std::string& body, const st
 }
 std::span<const std::size_t> DynamicSimulation::stepped() const { return state_->stepped; }
 bool DynamicSimulation::at_tick() const { return state_->at_tick; }
-const std::vector<NamedBody>& DynamicSimulation::bodies() const { return state_->bodies; }
+const std::vector<NamedBody>& DynamicSimulation::bodies() const {
+  state_->read_bodies();
+  return state_->bodies;
+}
 bool DynamicSimulation::rotating() const { return state_->motion && state_->motion->turns(); }
 const mjModel* DynamicSimulation::model() const { return state_->m(); }
 mjData* DynamicSimulation::data() const { return state_->d(); }
@@ -564,7 +581,7 @@ void DynamicSimulation::State::take_tick() {
   } else {
     after = Eigen::Map<Eigen::VectorXd>(d()->qvel, m()->nv);
   }
-  read_bodies();
+  to_read = true;
   check_limit(time);
   if (!articulated || leads) watch_step(time, leads ? after : before);
   for (const auto& follower : followers) follower->look(time);

@@ -182,7 +182,9 @@ class DynamicSimulation final : public Simulation {
   [[nodiscard]] std::size_t stride(std::size_t pad) const override;
   void step() override;
   [[nodiscard]] std::span<const std::size_t> stepped() const override;
-  [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override;
+  [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override { return contact_part(pad, FramePart::all); }
+  [[nodiscard]] const ContactFrame& contact_part(std::size_t pad, FramePart part) const override;
+  void leave_slip_angle() override;
   // "pad" where sensors ride on the stage, the pad of every sensor with a site under the sensor's name, the scene's own bodies, and
   // those of the model that have a free joint or that its custom text "slipbench.record" names, with spaces between them.
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;

@@ -177,6 +177,7 @@ struct DynamicSimulation::State {
   std::vector<Control> controls;
   std::vector<Recorded> recorded;
   std::vector<NamedBody> bodies;
+  bool to_read = false;  // bodies are those of an earlier tick
   int stage_joint = -1, stage_qpos = -1, stage_dof = -1;
   double dt = 0.0;
   std::size_t ticks = 0, tick = 0;
@@ -257,13 +258,14 @@ struct DynamicSimulation::State {
   };
   [[nodiscard]] StuckPads stuck_pads(bool touching_only) const;
   void check_limit(double time);
-  [[nodiscard]] static const ContactFrame& truth_of(const Pad& pad) {
-    return pad.pillars ? pad.pillars->frame() : pad.instance->truth();
+  [[nodiscard]] static const ContactFrame& truth_of(const Pad& pad, FramePart part) {
+    return pad.pillars ? pad.pillars->frame() : pad.instance->truth(part);
   }
   [[nodiscard]] bool touching() const {
-    return std::ranges::any_of(pads, [](const Pad& pad) { return truth_of(pad).state != PadState::no_contact; });
+    return std::ranges::any_of(pads,
+                               [](const Pad& pad) { return truth_of(pad, FramePart::states).state != PadState::no_contact; });
   }
-  void read_bodies();
+  void read_bodies();  // where they are not those of the tick yet
   // Brings poses and velocities from the step's start to its end. Forces and contacts stay those of the step.
   void follow() {
     call_mujoco([this] {

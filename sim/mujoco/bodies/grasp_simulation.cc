@@ -150,8 +150,8 @@ struct GraspSimulation::State {
       bodies.push_back(simulation->bodies()[i]);
       shown.push_back(i);
     }
-    box_body = static_cast<std::size_t>(std::ranges::find(bodies, box_name, &NamedBody::name) - bodies.begin());
-    bodies[box_body].size = values(grasp.box_size);
+    box = mj_name2id(m, mjOBJ_BODY, box_name);
+    std::ranges::find(bodies, box_name, &NamedBody::name)->size = values(grasp.box_size);
     if (grip.choice("second_pad") == "silicone") {
       const std::vector<double>& face = grip.vector("pad_size");
       std::ranges::find(bodies, second_pad_name, &NamedBody::name)->size = {face[0], face[1], 0.0};
@@ -185,7 +185,8 @@ struct GraspSimulation::State {
   Eigen::Vector3d finger_weight;   // N
   std::vector<NamedBody> bodies;   // the arm, then those of the simulation
   std::vector<std::size_t> shown;  // which
-  std::size_t box_body = 0, tick = 0;
+  int box;                         // MuJoCo's body
+  std::size_t tick = 0;
   double ideal = 0.0, start_height = 0.0;
   GraspTruth truth;
   bool lifting = false;
@@ -244,9 +245,10 @@ void GraspSimulation::State::drive(double time) {
 }
 
 void GraspSimulation::State::observe(double time) {
-  for (std::size_t i = 0; i < shown.size(); ++i) bodies[i + 1].state = simulation->bodies()[shown[i]].state;
   const Pose& arm = bodies.front().state.pose;
-  const Pose& held = bodies[box_body].state.pose;
+  const mjData* d = simulation->data();
+  const Pose held{Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d->xmat + 9 * box),
+                  Eigen::Vector3d::Map(d->xpos + 3 * box)};
   truth.time = time;
   for (std::size_t k = 0; k < 2; ++k) {
     const Finger& finger = fingers[k];
@@ -283,8 +285,16 @@ std::size_t GraspSimulation::ticks(std::size_t pad) const { return state_->simul
 double GraspSimulation::time_step(std::size_t pad) const { return state_->simulation->time_step(pad); }
 std::size_t GraspSimulation::stride(std::size_t pad) const { return state_->simulation->stride(pad); }
 std::span<const std::size_t> GraspSimulation::stepped() const { return state_->simulation->stepped(); }
-const ContactFrame& GraspSimulation::contact(std::size_t pad) const { return state_->simulation->contact(pad); }
-const std::vector<NamedBody>& GraspSimulation::bodies() const { return state_->bodies; }
+const ContactFrame& GraspSimulation::contact_part(std::size_t pad, FramePart part) const {
+  return state_->simulation->contact_part(pad, part);
+}
+void GraspSimulation::leave_slip_angle() { state_->simulation->leave_slip_angle(); }
+const std::vector<NamedBody>& GraspSimulation::bodies() const {
+  State& s = *state_;
+  const std::vector<NamedBody>& moved = s.simulation->bodies();
+  for (std::size_t i = 0; i < s.shown.size(); ++i) s.bodies[i + 1].state = moved[s.shown[i]].state;
+  return s.bodies;
+}
 bool GraspSimulation::rotating() const { return state_->motion->turns(); }
 Gripper& GraspSimulation::gripper() { return state_->gripper; }
 Guided* GraspSimulation::arm() { return state_->guided; }

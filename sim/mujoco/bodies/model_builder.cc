@@ -279,7 +279,9 @@ class Builder {
     std::array<char, 1024> error{};
     const auto size = static_cast<int>(error.size());
     SpecPointer spec;
-    if (scene_.model.empty()) {
+    if (scene_.model.empty() && extension_text.empty()) {
+      spec.reset(mj_makeSpec());  // MuJoCo works out its whole schema for each text
+    } else if (scene_.model.empty()) {
       spec.reset(mj_parseXMLString(fmt::format("<mujoco>{}</mujoco>", extension_text).c_str(), nullptr, error.data(), size));
     } else {
       try {

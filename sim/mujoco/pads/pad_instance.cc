@@ -350,6 +350,7 @@ void PadInstance::judge(const Parts& state) {
   if (judged_) return;
   labels_.set_slip_angle(state.header[slip_angle]);
   labels_.judge(fields_, time_, dt_ > 0.0 ? dt_ : step_);  // where no time has passed nothing has slipped
+  if (!keeps_state_) labels_.fill(fields_, FramePart::all);
   judged_ = true;
 }
 

@@ -192,7 +192,8 @@ class PadInstance {
 
   // The contact as committed last: at the time of the state before the step. Events are those of that step. Kept for pads that a
   // sensor of the model refers to; for others only after watch(), to be called before the first step, since it could not be read.
-  [[nodiscard]] const ContactFrame& truth() const { return labels_.frame(); }
+  [[nodiscard]] const ContactFrame& truth(FramePart part) { return labels_.fill(fields_, part); }
+  void leave_slip_angle() { labels_.leave_slip_angle(); }
   void watch() { watched_ = true; }
   // Leaves the fields' state out of plugin_state from here on, which a large pad spends a quarter of its time on. For the only user of an mjData,
   // who steps it straight on from its beginning, explicitly and by an integrator of one stage: mj_setState, mj_copyData and resets then do not

@@ -46,7 +46,7 @@ TEST(RandomStream, EveryPartOfTheKeyMatters) {
   EXPECT_EQ(first.size(), keys);
 }
 
-TEST(RandomStream, ManyBitsAtOnceAreThoseOfOneDrawAfterTheOther) {
+TEST(RandomStream, ManyAtOnceAreThoseOfOneDrawAfterTheOther) {
   for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{0xFFFFFFFA}}) {  // the counter's lower half runs over
     RandomStream together(7, 3, "bits"), one(7, 3, "bits");
     together.seek(first);
@@ -56,6 +56,9 @@ TEST(RandomStream, ManyBitsAtOnceAreThoseOfOneDrawAfterTheOther) {
       together.bits(bits);
       for (const std::uint64_t draw : bits) EXPECT_EQ(static_cast<double>(draw >> 11) * 0x1p-53, one.uniform());
     }
+    std::vector<double> normal(80);
+    together.normal(normal);
+    for (const double draw : normal) EXPECT_EQ(draw, one.normal());
     EXPECT_EQ(together.uniform(), one.uniform());
     std::vector<std::uint64_t> bits(2);
     EXPECT_THROW(together.bits(bits), std::logic_error) << "in the middle of a pair";

@@ -51,7 +51,7 @@ class Oracle final : public Detector {
   Oracle(double latency, const Simulation& simulation, std::size_t pad) : latency_(latency), simulation_(simulation), pad_(pad) {}
 
   const SlipEstimate& update(const SensorFrame& frame) override {
-    const ContactFrame& truth = simulation_.contact(pad_);
+    const ContactFrame& truth = simulation_.contact_part(pad_, FramePart::states);
     return estimate_ = {frame.time, latency_, truth.state, truth.stuck_fraction};
   }
 

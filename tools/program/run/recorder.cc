@@ -105,17 +105,25 @@ class FirstBadRow {
  public:
   // A column of `time.size()` rows; `what` names it.
   void look(std::span<const float> column, std::span<const double> time, const std::string& what) {
-    if (Eigen::Map<const Eigen::ArrayXf>(column.data(), static_cast<Eigen::Index>(column.size())).allFinite()) return;
+    unsigned any = 0;  // not in find_if(), which looks at one value after the other
+    for (const float value : column) any |= std::isfinite(value) ? 0U : 1U;
+    if (any == 0) return;
     const auto bad = std::ranges::find_if(column, [](float value) { return !std::isfinite(value); });
     note(static_cast<std::size_t>(bad - column.begin()) / (column.size() / time.size()), time, what);
   }
 
   // The margins of units, which count only while they touch.
   void look_at_margins(const LabelRecord& labels, std::span<const double> time, const std::string& what) {
-    for (std::size_t i = 0; i < labels.margin.size(); ++i) {
-      const bool touches = labels.unit_state[i] != static_cast<std::uint8_t>(UnitState::detached);
-      if (touches && !std::isfinite(labels.margin[i])) return note(i / labels.units(), time, what);
-    }
+    const auto is_bad = [&labels](std::size_t i) {
+      const unsigned touches = labels.unit_state[i] != static_cast<std::uint8_t>(UnitState::detached) ? 1U : 0U;
+      return touches & (std::isfinite(labels.margin[i]) ? 0U : 1U);
+    };
+    unsigned any = 0;
+    for (std::size_t i = 0; i < labels.margin.size(); ++i) any |= is_bad(i);
+    if (any == 0) return;
+    std::size_t first = 0;
+    while (is_bad(first) == 0) ++first;
+    note(first / labels.units(), time, what);
   }
 
   void refuse_if_any() const {
@@ -253,7 +261,8 @@ Recorder::Recorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> 
 
 void Recorder::record(std::span<const Tick> ticks, const ControlLoop& loop) {
   for (const Tick& tick : ticks) {
-    const ContactFrame& truth = simulation_.contact(tick.pad);
+    const FramePart part = tick.sample == nullptr ? FramePart::states : FramePart::all;
+    const ContactFrame& truth = simulation_.contact_part(tick.pad, part);
     if (!truth.events.empty()) write_events(tick.pad, truth.events);
     if (tick.sample == nullptr) continue;
     const std::size_t row = rows_[tick.pad]++;
@@ -510,7 +519,7 @@ void Judge::finish(std::span<const std::unique_ptr<Sensor>> sensors) {
     Eigen::Index column = 0;
     for (UnitOutcome& unit : result_.units[pad]) {
       unit.slip_distance = static_cast<float>(last.slip_distance(column));
-      unit.load = static_cast<float>(last.contact_force(2, column));
+      unit.load = static_cast<float>(last.contact_force(2, column)) + 0.0F;  // a zero without the sign of a turn
       unit.margin = static_cast<float>(last.margin(column));
       sensor.labels.onset_time.push_back(unit.onset_time);
       sensor.labels.micro_onset_time.push_back(unit.micro_onset_time);

@@ -172,7 +172,11 @@ TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double
       sampler_(scene_, sensors_, *simulation_),
       judge_(scene_, *simulation_, box(), result_),
       interrupt_(interrupt) {
-  if (recording == Recording::full) recorder_.emplace(scene_, sensors_, *simulation_, box(), sampler_, max_bytes, result_.record);
+  if (recording == Recording::full) {
+    recorder_.emplace(scene_, sensors_, *simulation_, box(), sampler_, max_bytes, result_.record);
+  } else {
+    simulation_->leave_slip_angle();
+  }
   loop_ = make_loop(scene_, sensors_, *simulation_, trial, controller);
 }
 
@@ -180,7 +184,8 @@ TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double
 [[gnu::always_inline]] inline std::span<const Tick> TrialRun::advance() {
   if (steps_++ % steps_between_looks == 0) {
     end_if(interrupt_);
-    share_so_far->store(simulation_->contact(0).time / scene_.duration, std::memory_order_relaxed);
+    const double time = simulation_->contact_part(0, FramePart::states).time;
+    share_so_far->store(time / scene_.duration, std::memory_order_relaxed);
   }
   simulation_->step();
   const std::span<const Tick> ticks = sampler_.measure();

@@ -67,7 +67,8 @@ class Sampler {
   std::span<const Tick> measure() {
     std::size_t ticks = 0;
     for (const std::size_t pad : simulation_.stepped()) {
-      const ContactFrame& truth = simulation_.contact(pad);
+      const FramePart part = pads_[pad].reads() ? FramePart::felt : FramePart::states;
+      const ContactFrame& truth = simulation_.contact_part(pad, part);
       ticks_[ticks++] = {pad, truth.time, pads_[pad].measure(truth)};
     }
     remaining_ -= ticks;
@@ -86,7 +87,8 @@ class Sampler {
     std::size_t tick = 0;                 // the next one
     const SensorFrame* latest = nullptr;  // the sensor's own
 
-    // The sample that the next tick completes; null: none.
+    // Whether the sensor is read at the next tick, and the sample that this completes; null: none.
+    [[nodiscard]] bool reads() const { return sampling.reads_at(tick); }
     const SensorFrame* measure(const ContactFrame& truth) {
       const std::size_t now = tick++;
       if (!sampling.reads_at(now)) return nullptr;
@@ -290,7 +292,7 @@ class Judge {
   // Once every instant, after the loop has acted: the ticks at it.
   void observe(std::span<const Tick> ticks, const ControlLoop& loop) {
     for (const Tick& tick : ticks) {
-      const ContactFrame& truth = simulation_.contact(tick.pad);
+      const ContactFrame& truth = simulation_.contact_part(tick.pad, FramePart::states);
       const bool detected = loop.has_detector() && tick.pad == loop.pad();
       if (watches_ && tick.pad == 0) watch(truth, loop);
       if (!truth.events.empty()) note_events(tick.pad, truth, detected);
