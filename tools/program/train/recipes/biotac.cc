@@ -150,7 +150,22 @@ std::vector<Recipe> biotac_recipes() {
   spreads.training = {
       .steps = 2400, .batch = 32, .clip = 30, .optimiser = Optimiser::adam, .learning_rate = 3e-3, .label_smoothing = 0.1};
   spreads.training.validate_every = 150;
-  return {cnn, gcn, lstm, conv_lstm, spreads};
+
+  Recipe slip = slip_recipe(
+      "biotac_slip",
+      "Each electrode against its own mean of 0.64 s, through filters across electrodes and in time and a GRU at 50 Hz",
+      "biotac_sp", 100.0, {{"electrodes", {}}});
+  const std::size_t rows = slip.input.window = 64;
+  slip.input.stride = 2;  // half the memory: a frame is all of its rows
+  slip.input.centre = true;
+  slip.scaling = Scaling::common;
+  slip.network = {rows * electrodes,
+                  {Reshape{{rows, electrodes}}, Linear{12}, Permute{{1, 0}}, Linear{8}, Relu{}, Flatten{}, Linear{48}, Relu{},
+                   Gru{48}, Linear{2}}};
+  slip.training.steps = 1500;
+  slip.training.clip = 75;
+  slip.training.onset_frames = 10;
+  return {cnn, gcn, lstm, conv_lstm, spreads, slip};
 }
 
 }  // namespace slipbench::train

@@ -26,23 +26,6 @@ Recipe grasp_gru() {
   return grasp;
 }
 
-// No paper's: slip while a part slips, 100 times a second.
-Recipe slip_recipe(const char* name, const char* summary, const char* sensor, double rate,
-                   const std::vector<network::ChannelPick>& channels) {
-  Recipe slip = begun_recipe(
-      name, summary, "none published: for scenes/learn, where device, load, friction and the way differ from trial to trial",
-      sensor, rate, channels);
-  slip.assumed = "all of it; on a stage frames that stick again after a slip teach nothing; Adam at 3e-3";
-  slip.input.window = slip.input.stride = static_cast<std::size_t>(std::lround(rate / 100.0));
-  slip.scaling = Scaling::standard;
-  slip.labels = LabelRule::tightened;
-  slip.training = {
-      .steps = 3000, .batch = 64, .clip = 150, .optimiser = Optimiser::adam, .learning_rate = 3e-3, .final_rate = 0.02};
-  slip.training.validate_every = 150;
-  slip.training.onset_frames = 20;
-  return slip;
-}
-
 Recipe slip_gru() {
   Recipe slip = slip_recipe(
       "slip_gru", "Forces of units, their ratio and rates, each unit by the same weights, pooled, through a GRU at 100 Hz",
@@ -247,6 +230,22 @@ Recipe begun_recipe(const std::string& name, const std::string& summary, const s
   one.input.rate = rate;
   one.input.channels = channels;
   return one;
+}
+
+Recipe slip_recipe(const std::string& name, const std::string& summary, const std::string& sensor, double rate,
+                   const std::vector<network::ChannelPick>& channels) {
+  Recipe slip = begun_recipe(
+      name, summary, "none published: for scenes/learn, where device, load, friction and the way differ from trial to trial",
+      sensor, rate, channels);
+  slip.assumed = "all of it; on a stage frames that stick again after a slip teach nothing; Adam at 3e-3";
+  slip.input.window = slip.input.stride = static_cast<std::size_t>(std::lround(rate / 100.0));
+  slip.scaling = Scaling::standard;
+  slip.labels = LabelRule::tightened;
+  slip.training = {
+      .steps = 3000, .batch = 64, .clip = 150, .optimiser = Optimiser::adam, .learning_rate = 3e-3, .final_rate = 0.02};
+  slip.training.validate_every = 150;
+  slip.training.onset_frames = 20;
+  return slip;
 }
 
 void append(Layers& layers, const Layers& more) { layers.insert(layers.end(), more.begin(), more.end()); }

@@ -42,6 +42,9 @@ std::string layers_text(const Layers& layers);
 // A recipe that says who it is and what it eats: `channels` of a sensor at `rate` [Hz].
 Recipe begun_recipe(const std::string& name, const std::string& summary, const std::string& source, const std::string& sensor,
                     double rate, const std::vector<network::ChannelPick>& channels);
+// A recipe that is no paper's, for scenes/learn: slip while a part slips, 100 times a second.
+Recipe slip_recipe(const std::string& name, const std::string& summary, const std::string& sensor, double rate,
+                   const std::vector<network::ChannelPick>& channels);
 // `more` behind `layers`.
 void append(Layers& layers, const Layers& more);
 
