@@ -111,7 +111,7 @@ Skin make_skin(const SkinFigures& figures, const std::string& sensor) {
     first += own;
   }
   skin.layout.element_truth = true;
-  skin.layout.unit_truth = false;
+  skin.layout.unit_truth = UnitTruth::none;
   return skin;
 }
 

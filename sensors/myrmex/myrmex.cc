@@ -21,6 +21,7 @@ PadLayout make_layout(const Parameters& parameters) {
   const double stiffness = parameters.number("modulus") * pitch * pitch / parameters.number("thickness");
   const double right = 0.5 * static_cast<double>(columns - 1), top = 0.5 * static_cast<double>(rows - 1);
   PadLayout layout;
+  layout.unit_truth = UnitTruth::force;
   layout.unit_height = parameters.number("thickness");
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t column = 0; column < columns; ++column) {

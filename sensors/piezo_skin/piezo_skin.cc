@@ -40,6 +40,7 @@ PadLayout make_layout(const Parameters& parameters) {
   const double radius = parameters.number("radius"), curvature = 1.0 / parameters.number("tip_radius");
   const double golden_angle = std::numbers::pi * (3.0 - std::sqrt(5.0));
   PadLayout layout;
+  layout.unit_truth = UnitTruth::force;
   for (std::size_t i = 0; i < count; ++i) {
     const double place = static_cast<double>(i), share = (place + 0.5) / static_cast<double>(count);
     const double r = radius * std::sqrt(share);

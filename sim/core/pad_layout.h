@@ -30,14 +30,16 @@ struct UnitRange {
   std::size_t count = 1;
 };
 
+// What a sensor reads of its units: nothing, their forces, or displacements too.
+enum class UnitTruth : unsigned char { none, force, all };
+
 // The pad: elements grouped into units, in the sensor's own order.
 struct PadLayout {
   std::vector<Element> elements;
   std::vector<UnitRange> units;
   // Whether frames also tell what each element does (ContactFrame::element_depth), for a sensor that reads between its units.
   bool element_truth = false;
-  // Whether the sensor reads forces and displacements of its units.
-  bool unit_truth = true;
+  UnitTruth unit_truth = UnitTruth::all;
   // How high a unit stands over its base: pressed in farther, the device is no field of springs [m]; infinite: nobody knows.
   double unit_height = std::numeric_limits<double>::infinity();
 };

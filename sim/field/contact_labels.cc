@@ -30,7 +30,7 @@ enum Column : std::size_t {
 
 }  // namespace
 
-ContactLabels::ContactLabels(const PadLayout& layout) : units_(layout.units), reads_units_(layout.unit_truth) {
+ContactLabels::ContactLabels(const PadLayout& layout) : units_(layout.units), felt_(static_cast<std::size_t>(layout.unit_truth)) {
   const auto n = static_cast<Eigen::Index>(units_.size());
   unit_of_element_.resize(layout.elements.size());
   undeformed_.resize(3, n);
@@ -78,7 +78,9 @@ void ContactLabels::judge(std::span<Field> fields, double time, double dt) {
   if (single_ && fields.size() == 1) {
     unit_rules::judge_pad_of_elements(frame_, elements_);
   } else {
-    count_units(fields);
+    // Whoever does not need the angle steps the fields straight on: without an event the counts are those of the step before.
+    const bool changed = std::ranges::any_of(fields, [](const Field& field) { return !field.events().empty(); });
+    if (keeps_angle_ || changed || counts_.empty()) count_units(fields);
     unit_rules::judge_pad(frame_, elements_);
   }
   // In a sparse field zeros of what lets go keep the sign that they are turned to.
@@ -100,7 +102,7 @@ const ContactFrame& ContactLabels::fill(std::span<Field> fields, FramePart part)
   filled_ = keeps_angle_ ? FramePart::all : part;  // whoever reads the angle reads all at each sample
   label_units(fields, filled_);
   if (frame_.element_depth.size() > 0) label_elements(fields);
-  if (filled_ == FramePart::all || reads_units_) {
+  if (filled_ == FramePart::all || felt_ > 0) {
     shaken_ = shaking_ != 0.0;
     if (shaken_) frame_.force.row(2) += shaking_;
   }
@@ -125,10 +127,11 @@ void ContactLabels::settle(std::span<const Field> fields, double dt) {
 void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
   const bool all = part == FramePart::all;
   if (single_ && fields.size() == 1 && fields.front().level()) {
-    contact_plane_.face(Eigen::Vector3d::UnitZ());
+    if (all) contact_plane_.face(Eigen::Vector3d::UnitZ());
     fields.front().label_level(rate_, part, frame_);
     return;
   }
+  const std::size_t vectors = all ? 3 : felt_;
   for (std::vector<std::uint64_t>& seen : seen_) seen.resize(fields.size());
   for (std::size_t k = 0; k < fields.size(); ++k) {
     Field& field = fields[k];
@@ -137,17 +140,20 @@ void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
     viewed_ = field.active_since(field.steps() > seen ? seen : 0);
     seen_[0][k] = field.steps();
     if (all) seen_[1][k] = field.steps();
-    if (all || reads_units_) field.view_from_pad(viewed_);
+    if (vectors > 0) field.view_from_pad(viewed_, vectors);
   }
-  if (!all && !reads_units_) return;
+  if (vectors == 0) return;
   const bool one_field = fields.size() == 1;
+  if (!all && !(one_field && single_)) {
+    feel(fields, vectors);
+    return;
+  }
   const kernel::UnitColumns units = one_field && single_ ? elements_as_units(fields.front()) : sum_fields(fields);
   const std::size_t count = units_.size();
   const Field& front = fields.front();
   if (shaken_ && front.sparse()) frame_.force.row(2).setZero();  // of the units that touch nothing too
   if (!all) {
-    for_each_in(one_field && single_ ? viewed_ : front.all(),
-                [&](std::size_t first, std::size_t end) { kernel::label_felt(units, first, std::min(end, count), frame_); });
+    for_each_in(viewed_, [&](std::size_t first, std::size_t end) { kernel::label_felt(units, first, end, vectors > 1, frame_); });
     return;
   }
   if (one_field && single_) {
@@ -175,6 +181,27 @@ void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
     while (end < count && (apart(end) || (most_loaded(end) == &field && normal(end) == met))) ++end;
     contact_plane_.face(field.pad_in_surface().rotation.transpose() * met);
     kernel::label_units(units, contact_plane_.turn(), rate_, field.effect_cone(), first, end, frame_);
+  }
+}
+
+// Force and displacement of units of several elements, or on several surfaces, to the bit as sum_fields() has them.
+void ContactLabels::feel(std::span<const Field> fields, std::size_t vectors) {
+  for (std::size_t u = 0; u < units_.size(); ++u) {
+    const auto sum = [&](std::size_t c) {
+      double total = 0.0;
+      for (const Field& field : fields) {
+        const double* const values = field.column(static_cast<kernel::Column>(c)) + units_[u].first;
+        double of_unit = values[0];
+        for (std::size_t i = 1; i < units_[u].count; ++i) of_unit += values[i];
+        total = fields.size() == 1 ? of_unit : total + of_unit;
+      }
+      return total;
+    };
+    const auto column = static_cast<Eigen::Index>(u);
+    for (std::size_t k = 0; k < 3; ++k) {
+      frame_.force(static_cast<Eigen::Index>(k), column) = sum(kernel::pad_force_x + k);
+      if (vectors > 1) frame_.displacement(static_cast<Eigen::Index>(k), column) = shares_[u] * sum(kernel::deflection_x + k);
+    }
   }
 }
 

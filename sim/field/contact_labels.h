@@ -44,6 +44,7 @@ class ContactLabels {
  private:
   void count_units(std::span<Field> fields);
   void label_units(std::span<Field> fields, FramePart part);
+  void feel(std::span<const Field> fields, std::size_t vectors);
   void label_elements(std::span<const Field> fields);
   kernel::UnitColumns elements_as_units(const Field& field);
   template <class Visit>
@@ -57,7 +58,7 @@ class ContactLabels {
   std::vector<double> shares_;  // 1/elements of the unit
   std::vector<std::uint32_t> unit_of_element_;
   bool single_ = false;                    // every unit is one element
-  bool reads_units_;                       // what units feel is read
+  std::size_t felt_;                       // of force and displacement, how many are read
   bool keeps_angle_ = true;                // leave_slip_angle() has not been called
   double shaking_ = 0.0, rate_ = 0.0;      // N, ride(); 1/s, of the step judged last
   bool shaken_ = false;                    // all forces have been added to

@@ -102,11 +102,11 @@ class Field {
   kernel::Groups active_since(std::uint64_t since) {
     return active_set_ ? active_set_->active_since(since, contacts_, columns_) : all();
   }
-  // Works out the three below for those groups, or all.
-  void view_from_pad(const kernel::Groups& groups) {
-    kernel::view_from_pad(columns_, pose_.rotation.transpose(), transmitted_, groups);
+  // Works out the three below for those groups, or the first `vectors` of them; or for all.
+  void view_from_pad(const kernel::Groups& groups, std::size_t vectors) {
+    kernel::view_from_pad(columns_, pose_.rotation.transpose(), transmitted_, groups, vectors);
   }
-  void view_from_pad() { view_from_pad(active_since(0)); }
+  void view_from_pad() { view_from_pad(active_since(0), 3); }
   // Whether label_level() may stand for that: a plane whose normal is the pad's Z to the bit, the circular cone, no elastic skin.
   [[nodiscard]] bool level() const;
   // Fills a frame of units of one element with `part` of what kernel::label_units() does, and all of it with their states. `rate`: 1/step [1/s].

@@ -229,21 +229,24 @@ SLIPBENCH_DISPATCHED void load_tips(const Columns& c, std::size_t count) {
 
 namespace {
 
+template <int vectors>
 SLIPBENCH_INLINE void view_element(const Columns& c, const double* tx, const double* ty, const double* tz, const Rotation& r,
                                    std::size_t i) {
   const double nx = c[normal_x][i], ny = c[normal_y][i], nz = c[normal_z][i];
   const double f_n = 0.5 * (c[f_normal][i] + std::abs(c[f_normal][i]));
-  const double indentation = 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
   const double fx = f_n * nx - tx[i], fy = f_n * ny - ty[i], fz = f_n * nz - tz[i];
-  const double dx = indentation * nx - (c[contact_x][i] - c[anchor_x][i]);
-  const double dy = indentation * ny - (c[contact_y][i] - c[anchor_y][i]);
-  const double dz = indentation * nz - (c[contact_z][i] - c[anchor_z][i]);
   c[pad_force_x][i] = r.r00 * fx + r.r01 * fy + r.r02 * fz;
   c[pad_force_y][i] = r.r10 * fx + r.r11 * fy + r.r12 * fz;
   c[pad_force_z][i] = r.r20 * fx + r.r21 * fy + r.r22 * fz;
+  if constexpr (vectors == 1) return;
+  const double indentation = 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
+  const double dx = indentation * nx - (c[contact_x][i] - c[anchor_x][i]);
+  const double dy = indentation * ny - (c[contact_y][i] - c[anchor_y][i]);
+  const double dz = indentation * nz - (c[contact_z][i] - c[anchor_z][i]);
   c[deflection_x][i] = r.r00 * dx + r.r01 * dy + r.r02 * dz;
   c[deflection_y][i] = r.r10 * dx + r.r11 * dy + r.r12 * dz;
   c[deflection_z][i] = r.r20 * dx + r.r21 * dy + r.r22 * dz;
+  if constexpr (vectors == 2) return;
   c[pad_slip_x][i] = r.r00 * c[slip_x][i] + r.r01 * c[slip_y][i] + r.r02 * c[slip_z][i];
   c[pad_slip_y][i] = r.r10 * c[slip_x][i] + r.r11 * c[slip_y][i] + r.r12 * c[slip_z][i];
   c[pad_slip_z][i] = r.r20 * c[slip_x][i] + r.r21 * c[slip_y][i] + r.r22 * c[slip_z][i];
@@ -251,11 +254,17 @@ SLIPBENCH_INLINE void view_element(const Columns& c, const double* tx, const dou
 
 }  // namespace
 
-SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& to_pad, Column transmitted,
-                                        const Groups& groups) {
+SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& to_pad, Column transmitted, const Groups& groups,
+                                        std::size_t vectors) {
   const double *const tx = c[transmitted], *const ty = c[transmitted + 1], *const tz = c[transmitted + 2];
   const Rotation r = entries_of(to_pad);
-  for_each_entry(groups, [&](std::size_t i) SLIPBENCH_INLINE_BODY { view_element(c, tx, ty, tz, r, i); });
+  if (vectors == 1) {
+    for_each_entry(groups, [&](std::size_t i) SLIPBENCH_INLINE_BODY { view_element<1>(c, tx, ty, tz, r, i); });
+  } else if (vectors == 2) {
+    for_each_entry(groups, [&](std::size_t i) SLIPBENCH_INLINE_BODY { view_element<2>(c, tx, ty, tz, r, i); });
+  } else {
+    for_each_entry(groups, [&](std::size_t i) SLIPBENCH_INLINE_BODY { view_element<3>(c, tx, ty, tz, r, i); });
+  }
 }
 
 SLIPBENCH_DISPATCHED void add_elements(const Columns& c, const Eigen::Matrix3d& to_pad, const Groups& groups, double* depth,

@@ -101,9 +101,10 @@ void slide_on_plane(const Columns& columns, const Pose& pose, std::size_t count)
 // Pass 2 up to where tips with mass take over: normal force and mu_s f_n.
 void load_tips(const Columns& columns, std::size_t count);
 
-// After the passes: forces, deflections and slip as the pad sees them. `to_pad`: rotation of the surface in the pad. `transmitted`: the tangential
-// force that the pad feels.
-void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, Column transmitted, const Groups& groups);
+// After the passes: forces, deflections and slip as the pad sees them, or the first `vectors` of these. `to_pad`: rotation of the surface in the pad.
+// `transmitted`: the tangential force that the pad feels.
+void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, Column transmitted, const Groups& groups,
+                   std::size_t vectors);
 
 // Field::add_elements(). `to_pad`: rotation of the surface in the pad; `count`: of all elements.
 void add_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, const Groups& groups, double* depth,
@@ -162,8 +163,8 @@ struct UnitColumns {
   const double* share;     // 1/elements of the unit
 };
 
-// Fills force and displacement of a frame, from `first` to before `end` of its units or in the groups: all that is FramePart::felt of units.
-void label_felt(const UnitColumns& units, std::size_t first, std::size_t end, ContactFrame& frame);
+// Fills the columns force of a frame, and displacement, from `first` to before `end` of its units: what is FramePart::felt.
+void label_felt(const UnitColumns& units, std::size_t first, std::size_t end, bool displacement, ContactFrame& frame);
 // Fills the columns from `first` to before `end` of `frame` (contact_frame.h) with what its units are given in: all but their states.
 // `turn`: into the contact plane, null where that is the pad's own; `rate`: 1/step [1/s]; `cone`: in place of the circular one, or null.
 void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double rate, const ConeEffect* cone, std::size_t first,

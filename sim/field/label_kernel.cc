@@ -210,18 +210,20 @@ SLIPBENCH_DISPATCHED void label_groups(const UnitColumns& c, const Eigen::Matrix
   }
 }
 
-SLIPBENCH_DISPATCHED void label_felt(const UnitColumns& c, std::size_t first, std::size_t end, ContactFrame& frame) {
+SLIPBENCH_DISPATCHED void label_felt(const UnitColumns& c, std::size_t first, std::size_t end, bool displacement,
+                                     ContactFrame& frame) {
   for (std::size_t u = first; u + lanes <= end; u += lanes) {
     const auto at = [u](const double* column) SLIPBENCH_INLINE_BODY { return lanes_at(column + u); };
     const Labels labels = labels_at(frame, u);
-    const Lanes share = at(c.share);
     put_vectors(labels.force, at(c.force[0]), at(c.force[1]), at(c.force[2]));
+    if (!displacement) continue;
+    const Lanes share = at(c.share);
     put_vectors(labels.displacement, share * at(c.deflection[0]), share * at(c.deflection[1]), share * at(c.deflection[2]));
   }
   for (std::size_t u = end - (end - first) % lanes; u < end; ++u) {
     for (std::size_t k = 0; k < 3; ++k) {
       frame.force.data()[3 * u + k] = c.force[k][u];
-      frame.displacement.data()[3 * u + k] = c.share[u] * c.deflection[k][u];
+      if (displacement) frame.displacement.data()[3 * u + k] = c.share[u] * c.deflection[k][u];
     }
   }
 }

@@ -165,10 +165,14 @@ Matrix6d seen_from(const Pose& frame, const Matrix6d& inertia) {
   const Matrix3d& q = frame.rotation;
   const Matrix3d p = cross_matrix(frame.position);
   const Matrix3d a = q * inertia.topLeftCorner<3, 3>() * q.transpose();
-  const Matrix3d b = q * inertia.topRightCorner<3, 3>() * q.transpose();
   const Matrix3d d = q * inertia.bottomRightCorner<3, 3>() * q.transpose();
-  const Matrix3d ap = a * p, pb = p * b;
+  const Matrix3d ap = a * p;
   Matrix6d result;
+  if (inertia.topRightCorner<3, 3>().isZero(0.0)) {  // a finger's
+    result << a, -ap, -ap.transpose(), d - p * ap;
+    return result;
+  }
+  const Matrix3d b = q * inertia.topRightCorner<3, 3>() * q.transpose(), pb = p * b;
   result << a, b - ap, (b - ap).transpose(), d + pb + pb.transpose() - p * ap;
   return result;
 }

@@ -424,7 +424,7 @@ void PadInstance::check_site(const mjModel* model, bool placed) {
 }
 
 void PadInstance::add_force(const mjModel* model, mjData* data) {
-  refuse_what_cannot_work(model);
+  if (!keeps_state_) refuse_what_cannot_work(model);
   const Parts state = parts(model, data);
   computed_at_ = data->time;
   rested_ = rests(model, data, state, data->time);
@@ -575,7 +575,7 @@ void PadInstance::write_sensors(const mjModel* model, mjData* data) {
 }
 
 void PadInstance::commit(const mjModel* model, mjData* data) {
-  refuse_what_cannot_work(model);
+  if (!keeps_state_) refuse_what_cannot_work(model);
   const Parts state = parts(model, data);
   if (rests(model, data, state, computed_at_)) {
     rest(data, state, computed_at_);

@@ -140,7 +140,7 @@ struct TrialEncoder::State {
   std::vector<std::uint8_t> deflate_chunk(const std::uint8_t* bytes, std::size_t size, std::size_t element) {
     const std::uint8_t* source = bytes;
     if (element > 1) {
-      shuffled.resize(size);
+      shuffled.resize(std::max(shuffled.size(), size));  // what is cut off would be cleared when it is needed again
       if (element == 8) {
         shuffle<8>(bytes, size, shuffled.data());
       } else {
@@ -148,7 +148,7 @@ struct TrialEncoder::State {
       }
       source = shuffled.data();
     }
-    deflated.resize(libdeflate_zlib_compress_bound(compressor.get(), size));
+    deflated.resize(std::max(deflated.size(), libdeflate_zlib_compress_bound(compressor.get(), size)));
     const std::size_t length = libdeflate_zlib_compress(compressor.get(), source, size, deflated.data(), deflated.size());
     return {deflated.begin(), deflated.begin() + static_cast<std::ptrdiff_t>(length)};
   }

@@ -171,7 +171,7 @@ struct EncodedTrial {
 // Encodes trials. One object a thread: it holds the compressor and its buffers.
 class TrialEncoder {
  public:
-  static constexpr int deflate_level = 4;              // README.md has the measurements
+  static constexpr int deflate_level = 1;              // README.md has the measurements
   static constexpr std::size_t chunk_bytes = 1 << 20;  // largest chunk before compression
 
   TrialEncoder();

@@ -28,7 +28,7 @@ using hdf5::write_attribute;
 constexpr const char* mark = "exported_by";  // root attribute by which such a file is known
 constexpr const char* mark_text = "slipbench robomimic";
 
-constexpr unsigned deflate_level = 4;  // as datasets have it
+constexpr unsigned deflate_level = 4;
 
 // robomimic's number for environments of the gym kind: the nearest to a recording that no environment can continue.
 constexpr int gym_environment = 2;
