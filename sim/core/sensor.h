@@ -23,8 +23,9 @@ class Sensor {
   [[nodiscard]] virtual std::size_t scans() const { return 1; }
   // What a sample holds.
   [[nodiscard]] virtual const std::vector<Channel>& channels() const = 0;
-  // Reads of the contact what FramePart::felt names; the rest may be of an earlier tick. Called rate() scans() times a second, in order of time, from the trial's beginning on. Of the scans() calls of a
-  // sample the last completes it: its frame is the sample. Before, the frame holds what has been read so far.
+  // Reads of the contact what FramePart::felt names; the rest may be of an earlier tick. Called rate() scans() times a second, in order of time,
+  // from the trial's beginning on. Of the scans() calls of a sample the last completes it: its frame is the sample. Before, the frame holds what
+  // has been read so far.
   virtual const SensorFrame& measure(const ContactFrame& truth) = 0;
   // All that the sensor carries from one sample to the next, to be saved and overwritten by whoever keeps a bench's state. The spans stay
   // where they are as long as the sensor lives. Empty: it has no memory.
