@@ -79,7 +79,8 @@ class Held {
   // Units of both pads in that state.
   [[nodiscard]] std::ptrdiff_t units(UnitState state) const {
     std::ptrdiff_t count = 0;
-    for (int pad : {0, 1}) count += std::ranges::count(pad_of(model.get(), data.get(), pad)->truth().unit_state, state);
+    for (int pad : {0, 1})
+      count += std::ranges::count(pad_of(model.get(), data.get(), pad)->truth(FramePart::all).unit_state, state);
     return count;
   }
   // What the pads carry of the weight.

@@ -95,7 +95,7 @@ void expect_torque(const std::string& pad, double k_t, double lever) {
     ASSERT_NEAR(torque, exact, 1e-3 * exact + 1e-9) << "at " << t << " s";
     peak = std::max(peak, torque);
     exact_peak = std::max(exact_peak, exact);
-    for (const ContactEvent& event : pad_of(model.get(), data.get(), 0)->truth().events) {
+    for (const ContactEvent& event : pad_of(model.get(), data.get(), 0)->truth(FramePart::all).events) {
       if (event.kind == EventKind::slip && std::isnan(onset[event.unit])) onset[event.unit] = event.time;
     }
   }
@@ -148,7 +148,7 @@ TEST(PluginMotion, HundredTouchDownsLeaveNoForceBehind) {
     EXPECT_EQ(data->qfrc_passive[0], 0.0);
     EXPECT_EQ(data->qfrc_passive[1], 0.0);
     EXPECT_EQ(data->qfrc_passive[2], 0.0);
-    const ContactFrame& truth = pad_of(model.get(), data.get(), 0)->truth();
+    const ContactFrame& truth = pad_of(model.get(), data.get(), 0)->truth(FramePart::all);
     EXPECT_EQ(truth.state, PadState::no_contact);
     EXPECT_TRUE((truth.force == 0.0).all());
   }

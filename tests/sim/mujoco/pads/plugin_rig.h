@@ -121,9 +121,10 @@ inline std::string figure(double value) {
 
 // Force [N] in the world on what the pad touches, from its truth.
 inline Eigen::Vector3d force_of_pad(const mjModel* model, const mjData* data, int instance) {
-  const PadInstance& pad = *pad_of(model, data, instance);
+  PadInstance& pad = *pad_of(model, data, instance);
   const int site = pad.config().site;
-  return -(pose_of(data->site_xpos + 3 * site, data->site_xmat + 9 * site).rotation * pad.truth().force.rowwise().sum().matrix());
+  return -(pose_of(data->site_xpos + 3 * site, data->site_xmat + 9 * site).rotation *
+           pad.truth(FramePart::all).force.rowwise().sum().matrix());
 }
 
 // A grip that is closed, loaded and watched.

@@ -116,7 +116,7 @@ TEST_P(PluginState, RunStaysBusy) {
     step(m(), d(), tick);
     bool slips = false;
     for (int pad : {0, 1}) {
-      for (const UnitState state : pad_of(m(), d(), pad)->truth().unit_state) {
+      for (const UnitState state : pad_of(m(), d(), pad)->truth(FramePart::all).unit_state) {
         stick += state == UnitState::stick ? 1 : 0;
         detached += state == UnitState::detached ? 1 : 0;
         slip += state == UnitState::slip || state == UnitState::partial ? 1 : 0;
@@ -298,7 +298,7 @@ TEST(PluginSensor, TakesTheSamplesThatTheSensorAloneWouldTake) {
   const Model model = load(grip_xml({.dt = 5e-4, .left = config("sensor", sensor) + config("seed", "5"), .truth = false}));
   const Data data = data_of(model);
   const PadConfig& config = pad_of(model.get(), data.get(), 0)->config();
-  ContactFrame air = pad_of(model.get(), data.get(), 0)->truth();
+  ContactFrame air = pad_of(model.get(), data.get(), 0)->truth(FramePart::all);
   std::vector<float> held;
   for (int round : {0, 1}) {  // the second one after a reset
     const std::unique_ptr<Sensor> sensor_alone = make_sensor(config.sensor, 5, 0);
