@@ -1,5 +1,6 @@
 // Libraries of a user's own as the command line meets them: the line of the scene, the exit status, the trial that crashed.
 #include <cstdlib>
+#include <map>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -14,10 +15,11 @@ const std::string pressed_scene = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stag
 const std::string own_detector = "detector={type: plugin, library: " SLIPBENCH_TEST_PLUGINS "/";
 
 // One trial of a second, in which the pad is pressed.
-ChildResult run_own(const std::string& library, const std::string& wrong = "", const std::string& more = "") {
+ChildResult run_own(const std::string& library, const std::string& wrong = "", const std::string& more = "",
+                    const std::string& where = "--isolate") {
   ::setenv("SLIPBENCH_WRONG", wrong.c_str(), 1);
   ChildResult result = run_program_file({"run", pressed_scene, "--set", "duration=1 s", "--set", "motion.start=0.5 s", "--set",
-                                         own_detector + library + ".so" + more + "}", "--json"});
+                                         own_detector + library + ".so" + more + "}", "--json", where});
   ::unsetenv("SLIPBENCH_WRONG");
   return result;
 }
@@ -57,11 +59,14 @@ TEST(PluginProgram, NamesWhatCrashed) {
 
 // Wherever it is called, and with whatever status: nobody takes what has not come to its end for finished.
 TEST(PluginProgram, ExitInALibraryIsNoSuccess) {
-  for (const std::string in : {"1", "2", "3", "4"}) {
-    const ChildResult result = run_own("wrong", "crash=8,in=" + in);
-    EXPECT_EQ(result.status, 2) << in;
-    EXPECT_EQ(result.out, "") << in;
-    EXPECT_THAT(result.err, AllOf(HasSubstr("wrong.so'"), HasSubstr("exit()"))) << in;
+  const std::map<std::string, std::string> messages{{"--isolate", "ended its process"}, {"--no-isolate", "exit()"}};
+  for (const auto& [where, message] : messages) {
+    for (const std::string in : {"1", "2", "3", "4"}) {
+      const ChildResult result = run_own("wrong", "crash=8,in=" + in, "", where);
+      EXPECT_EQ(result.status, 2) << in;
+      EXPECT_EQ(result.out, "") << in;
+      EXPECT_THAT(result.err, AllOf(HasSubstr("wrong.so'"), HasSubstr(message))) << in;
+    }
   }
 }
 
