@@ -46,7 +46,7 @@ const std::vector<Subject>& subjects() {
        {{"friction", at({{"friction.scale", "0.39"}, {"friction.kinetic", "0.875"}})},
         {"effects of friction", at({{"effects", "[]"}})},
         {"load and tilt", at({{"motion.compression", "0.49 mm"}, {"motion.tilt.0", "0 deg"}, {"motion.tilt.1", "0 deg"}})},
-        {"start, stop, acceleration", at({{"motion.start", "1.65 s"},
+        {"start, stop, acceleration", at({{"motion.start", "1.75 s"},
                                           {"motion.stop", "0.95 s"},
                                           {"motion.acceleration", "0.2 m/s2"},
                                           {"motion.angular_acceleration", "1000 deg/s2"}})},

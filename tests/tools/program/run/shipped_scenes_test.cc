@@ -195,6 +195,24 @@ TEST(ShippedScenes, LearnPapillarrayNeverSlidesInAThird) {
   EXPECT_EQ(rests, 8u);
 }
 
+// No draw may start a motion that still presses, which is an error: not even the longest way at the least speed and acceleration, by the trapezoid's
+// law stroke/v + v/a. Trials come within a thousandth of these extremes.
+TEST(ShippedScenes, LearntStagesPressBeforeTheyMove) {
+  for (const char* name : {"learn/papillarray.yaml", "learn/piezo_skin.yaml", "learn/biotac_stage.yaml"}) {
+    const TrialPlan plan(shipped(name), catalogues(), 0, 1);
+    double stroke = 0.0, speed = 1.0, acceleration = 1e3, start = 1e3;
+    for (std::size_t i = 0; i < plan.size(); i += 3) {
+      const Scene scene = plan.trial(i).scene;
+      const Parameters& motion = scene.motion.parameters;
+      stroke = std::max(stroke, motion.number("gap") + motion.number("compression"));
+      speed = std::min(speed, motion.number("approach_speed"));
+      acceleration = std::min(acceleration, motion.number("acceleration"));
+      start = std::min(start, motion.number("start"));
+    }
+    EXPECT_LE(stroke / speed + speed / acceleration, start) << name;
+  }
+}
+
 const ControlScene& control_of(const Scene& scene, const std::string& actuator) {
   return *std::ranges::find(scene.controls, actuator, &ControlScene::actuator);
 }
