@@ -36,14 +36,14 @@ SLIPBENCH_INLINE void for_each_entry(const Groups& groups, const Body& body) {
 }
 
 template <bool kPlane, bool kExtended>
-SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
-  const Trial t = trial_of<kPlane, kExtended>(c, i);
-  take_over<kPlane, kPlane && kExtended>(c, i, t, map_onto_circle<kPlane, kExtended>(c, i, t));
+SLIPBENCH_INLINE void map_group(const Columns& c, std::size_t i) {
+  const auto t = trial_of<Lanes, kPlane, kExtended>(c, i);
+  take_over<Lanes, kPlane, kPlane && kExtended>(c, i, t, map_onto_circle<Lanes, kPlane, kExtended>(c, i, t));
 }
 
 template <bool kPlane, bool kExtended>
 SLIPBENCH_INLINE void map_all(const Columns& c, const Groups& groups) {
-  for_each_entry(groups, [&c](std::size_t i) SLIPBENCH_INLINE_BODY { map_element<kPlane, kExtended>(c, i); });
+  for (std::size_t k = 0; k < groups.count; ++k) map_group<kPlane, kExtended>(c, groups[k]);
 }
 
 SLIPBENCH_DISPATCHED void map_on_plane(const Columns& c, const Groups& groups) { map_all<true, false>(c, groups); }
@@ -53,31 +53,29 @@ SLIPBENCH_DISPATCHED void map_on_curve_extended(const Columns& c, const Groups& 
 
 template <bool kPlane>
 SLIPBENCH_INLINE void find_all_trials(const Columns& c, std::size_t count) {
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) {
-    const Trial t = trial_of<kPlane, true>(c, i);
-    c[trial][i] = std::sqrt(t.tx * t.tx + t.ty * t.ty + (kPlane ? 0.0 : t.tz * t.tz));
-    c[slide][i] = c[mu_kinetic][i] * t.f_n;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const auto t = trial_of<Lanes, kPlane, true>(c, i);
+    put(c, trial, i, size_of<Lanes, kPlane>(t));
+    put(c, slide, i, at(c, mu_kinetic, i) * t.f_n);
   }
 }
 
 SLIPBENCH_DISPATCHED void find_trials_on_plane(const Columns& c, std::size_t count) { find_all_trials<true>(c, count); }
 SLIPBENCH_DISPATCHED void find_trials_on_curve(const Columns& c, std::size_t count) { find_all_trials<false>(c, count); }
 
-SLIPBENCH_INLINE void locate_element(const Columns& c, const Pose& pose, std::size_t i) {
+SLIPBENCH_INLINE void locate_group(const Columns& c, const Pose& pose, std::size_t i) {
   const Eigen::Matrix3d& r = pose.rotation;
   const Eigen::Vector3d& p = pose.position;
-  const double x = c[tip_x][i], y = c[tip_y][i], z = c[tip_z][i];
-  c[contact_x][i] = r(0, 0) * x + r(0, 1) * y + r(0, 2) * z + p.x();
-  c[contact_y][i] = r(1, 0) * x + r(1, 1) * y + r(1, 2) * z + p.y();
-  c[gap][i] = r(2, 0) * x + r(2, 1) * y + r(2, 2) * z + p.z();
+  const Lanes x = at(c, tip_x, i), y = at(c, tip_y, i), z = at(c, tip_z, i);
+  put(c, contact_x, i, r(0, 0) * x + r(0, 1) * y + r(0, 2) * z + p.x());
+  put(c, contact_y, i, r(1, 0) * x + r(1, 1) * y + r(1, 2) * z + p.y());
+  put(c, gap, i, r(2, 0) * x + r(2, 1) * y + r(2, 2) * z + p.z());
 }
 
 }  // namespace
 
 SLIPBENCH_DISPATCHED void plane_gap(const Columns& c, const Pose& pose, std::size_t count) {
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) locate_element(c, pose, i);
+  for (std::size_t i = 0; i < count; i += lanes) locate_group(c, pose, i);
 }
 
 SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::size_t count) {
@@ -211,10 +209,9 @@ SLIPBENCH_DISPATCHED bool any_touches(const Columns& c, bool memory, std::size_t
 }
 
 SLIPBENCH_DISPATCHED void slide_on_plane(const Columns& c, const Pose& pose, std::size_t count) {
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) {
-    locate_element(c, pose, i);
-    map_element<true, false>(c, i);
+  for (std::size_t i = 0; i < count; i += lanes) {
+    locate_group(c, pose, i);
+    map_group<true, false>(c, i);
   }
 }
 

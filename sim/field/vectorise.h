@@ -42,6 +42,7 @@ SLIPBENCH_INLINE Lanes root(const Lanes& values) {
   for (std::size_t lane = 0; lane < lanes; ++lane) roots[lane] = std::sqrt(values[lane]);
   return roots;
 }
+SLIPBENCH_INLINE double root(double value) { return std::sqrt(value); }
 
 // The entries of a rotation, for loops that are to find them in registers.
 struct Rotation {
