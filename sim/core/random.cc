@@ -88,12 +88,9 @@ void philox(std::uint64_t first, std::uint64_t stream, std::array<std::uint32_t,
 
 double uniform_of(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
 
-// Box and Muller's pair from two draws of uniform().
-std::array<double, 2> normal_pair(double first, double second) {
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - first));  // 1 - u is in (0, 1]: the logarithm is finite
-  const double angle = 2.0 * std::numbers::pi * second;
-  return {radius * std::cos(angle), radius * std::sin(angle)};
-}
+// Box and Muller's pair is the point on a circle of this radius, squared, and angle, from a draw of uniform() each.
+double squared_radius_of(double draw) { return -2.0 * std::log(1.0 - draw); }  // 1 - u is in (0, 1]: the logarithm is finite
+double angle_of(double draw) { return 2.0 * std::numbers::pi * draw; }
 
 }  // namespace
 
@@ -136,11 +133,10 @@ double RandomStream::normal() {
     has_spare_ = false;
     return spare_normal_;
   }
-  const double first = uniform();
-  const auto [now, next] = normal_pair(first, uniform());
-  spare_normal_ = next;
+  const double radius = std::sqrt(squared_radius_of(uniform())), angle = angle_of(uniform());
+  spare_normal_ = radius * std::sin(angle);
   has_spare_ = true;
-  return now;
+  return radius * std::cos(angle);
 }
 
 std::uint64_t RandomStream::integer(std::uint64_t bound) {
@@ -160,11 +156,21 @@ void RandomStream::bits(std::span<std::uint64_t> draws) {
 
 void RandomStream::normal(std::span<double> draws) {
   std::array<std::uint64_t, 64> words;
+  std::array<double, 64> circle;
   while (!draws.empty()) {
     const std::span<std::uint64_t> drawn = std::span(words).first(std::min(words.size(), draws.size()));
     bits(drawn);
+    // Apart, so that no root waits for its logarithm.
     for (std::size_t i = 0; i < drawn.size(); i += 2) {
-      std::ranges::copy(normal_pair(uniform_of(drawn[i]), uniform_of(drawn[i + 1])), &draws[i]);
+      draws[i] = squared_radius_of(uniform_of(drawn[i]));
+      const double angle = angle_of(uniform_of(drawn[i + 1]));
+      circle[i] = std::cos(angle);
+      circle[i + 1] = std::sin(angle);
+    }
+    for (std::size_t i = 0; i < drawn.size(); i += 2) {
+      const double radius = std::sqrt(draws[i]);
+      draws[i] = radius * circle[i];
+      draws[i + 1] = radius * circle[i + 1];
     }
     draws = draws.subspan(drawn.size());
   }
