@@ -251,10 +251,10 @@ SLIPBENCH_INLINE void view_element(const Columns& c, const double* tx, const dou
 
 }  // namespace
 
-SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& to_pad, Column transmitted, const Groups& groups,
-                                        std::size_t vectors) {
+SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& rotation, Column transmitted,
+                                        const Groups& groups, std::size_t vectors) {
   const double *const tx = c[transmitted], *const ty = c[transmitted + 1], *const tz = c[transmitted + 2];
-  const Rotation r = entries_of(to_pad);
+  const Rotation r = entries_back(rotation);
   if (vectors == 1) {
     for_each_entry(groups, [&](std::size_t i) SLIPBENCH_INLINE_BODY { view_element<1>(c, tx, ty, tz, r, i); });
   } else if (vectors == 2) {

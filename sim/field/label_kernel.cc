@@ -162,8 +162,9 @@ SLIPBENCH_INLINE Labels labels_at(ContactFrame& frame, std::size_t u) {
           frame.slip_velocity.data() + 2 * u, frame.slip_distance.data() + u,     frame.margin.data() + u};
 }
 
-SLIPBENCH_INLINE Lanes margin_of(const Lanes& tangential_squared, const Lanes& limit, const Lanes& touching) {
-  const Lanes none{}, gauge = root(tangential_squared) / limit, left = limit == 0.0 ? none : 1.0 - gauge;
+template <class Real>
+SLIPBENCH_INLINE Real margin_of(const Real& tangential_squared, const Real& limit, const Real& touching) {
+  const Real none{}, gauge = root(tangential_squared) / limit, left = limit == 0.0 ? none : 1.0 - gauge;
   return touching == 0.0 ? none + std::numeric_limits<double>::quiet_NaN() : left;
 }
 
@@ -228,33 +229,47 @@ SLIPBENCH_DISPATCHED void label_felt(const UnitColumns& c, std::size_t first, st
   }
 }
 
+namespace {
+
+SLIPBENCH_INLINE void put_states(UnitState* to, const Lanes& modes) {
+  const auto states = __builtin_convertvector(__builtin_convertvector(modes, Ints), Bytes);
+  std::memcpy(to, &states, sizeof states);
+}
+SLIPBENCH_INLINE void put_states(UnitState* to, double mode) { *to = static_cast<UnitState>(static_cast<int>(mode)); }
+
 // What view_from_pad() and label_units() make of level elements, to the bit: without the products with zeros and ones, and nothing in between.
-SLIPBENCH_DISPATCHED void label_level_elements(const Columns& c, const Eigen::Matrix3d& to_pad, Column transmitted, double rate,
+template <class Real>
+SLIPBENCH_INLINE void label_level_at(const Columns& c, const Rotation& r, Column transmitted, double rate, std::size_t i,
+                                     FramePart part, ContactFrame& frame) {
+  const Real none{};
+  const Labels labels = labels_at(frame, i);
+  const auto along_x = [&](const Real& x, const Real& y) SLIPBENCH_INLINE_BODY { return r.r00 * x + r.r01 * y + none; };
+  const auto along_y = [&](const Real& x, const Real& y) SLIPBENCH_INLINE_BODY { return r.r10 * x + r.r11 * y + none; };
+  const auto at = [&c, i](std::size_t column) SLIPBENCH_INLINE_BODY { return vector_at<Real>(c[column] + i); };
+  const Real f_n = positive<Real>(at(f_normal)), depth = positive<Real>(-at(gap));
+  const Real fx = none - at(transmitted), fy = none - at(transmitted + 1U);
+  const Real force_x_of_pad = along_x(fx, fy), force_y_of_pad = along_y(fx, fy);
+  put_vectors(labels.force, force_x_of_pad, force_y_of_pad, f_n);
+  const Real dx = none - (at(contact_x) - at(anchor_x)), dy = none - (at(contact_y) - at(anchor_y));
+  put_vectors(labels.displacement, along_x(dx, dy), along_y(dx, dy), depth);
+  if (part != FramePart::all) return;
+  put_vectors(labels.contact_force, force_x_of_pad, force_y_of_pad, f_n);
+  const Real moving = at(mode), sx = at(slip_x), sy = at(slip_y);
+  put_vectors(labels.slip_velocity, rate * along_x(sx, sy), rate * along_y(sx, sy));
+  put_vector(labels.slip_distance, at(path));
+  put_vector(labels.margin, margin_of<Real>(at(force_x) * at(force_x) + at(force_y) * at(force_y), at(limit), moving));
+  put_states(frame.unit_state.data() + i, moving);
+}
+
+}  // namespace
+
+// The last ones each by itself: lanes that begin where none were written wait for what was written before them.
+SLIPBENCH_DISPATCHED void label_level_elements(const Columns& c, const Eigen::Matrix3d& rotation, Column transmitted, double rate,
                                                std::size_t count, FramePart part, ContactFrame& frame) {
-  const Lanes none{};
-  const auto positive = [&none](const Lanes& values) SLIPBENCH_INLINE_BODY { return (values < 0.0 ? none : values) + none; };
-  const Rotation r = entries_of(to_pad);
-  for (std::size_t next = 0; next < count; next += lanes) {
-    const std::size_t i = std::min(next, count - lanes);  // the last group begins before its turn, so as to be whole
-    const Labels labels = labels_at(frame, i);
-    const auto along_x = [&](const Lanes& x, const Lanes& y) SLIPBENCH_INLINE_BODY { return r.r00 * x + r.r01 * y + none; };
-    const auto along_y = [&](const Lanes& x, const Lanes& y) SLIPBENCH_INLINE_BODY { return r.r10 * x + r.r11 * y + none; };
-    const auto at = [&c, i](std::size_t column) SLIPBENCH_INLINE_BODY { return lanes_at(c[column] + i); };
-    const Lanes f_n = positive(at(f_normal)), depth = positive(-at(gap));
-    const Lanes fx = none - at(transmitted), fy = none - at(transmitted + 1U);
-    const Lanes force_x_of_pad = along_x(fx, fy), force_y_of_pad = along_y(fx, fy);
-    put_vectors(labels.force, force_x_of_pad, force_y_of_pad, f_n);
-    const Lanes dx = none - (at(contact_x) - at(anchor_x)), dy = none - (at(contact_y) - at(anchor_y));
-    put_vectors(labels.displacement, along_x(dx, dy), along_y(dx, dy), depth);
-    if (part != FramePart::all) continue;
-    put_vectors(labels.contact_force, force_x_of_pad, force_y_of_pad, f_n);
-    const Lanes moving = at(mode);
-    put_vectors(labels.slip_velocity, rate * along_x(at(slip_x), at(slip_y)), rate * along_y(at(slip_x), at(slip_y)));
-    put_lanes(labels.slip_distance, at(path));
-    put_lanes(labels.margin, margin_of(at(force_x) * at(force_x) + at(force_y) * at(force_y), at(limit), moving));
-    const auto states = __builtin_convertvector(__builtin_convertvector(moving, Ints), Bytes);
-    std::memcpy(frame.unit_state.data() + i, &states, sizeof states);
-  }
+  const Rotation r = entries_back(rotation);
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes) label_level_at<Lanes>(c, r, transmitted, rate, i, part, frame);
+  for (; i < count; ++i) label_level_at<double>(c, r, transmitted, rate, i, part, frame);
 }
 
 void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double rate, const ConeEffect* cone, std::size_t first,

@@ -23,13 +23,6 @@ SLIPBENCH_INLINE Real entry(const Columns& c, Column column, std::size_t i) {
 template <class Real>
 using Flag = decltype(Real{} < Real{});
 
-// max(0, x), exactly, and never -0.
-template <class Real>
-SLIPBENCH_INLINE Real positive(const Real& x) {
-  const Real none{};
-  return (x < none ? none : x) + none;
-}
-
 // Of an element while its anchor stays. Vectors are tangential.
 template <class Real>
 struct TrialOf {

@@ -37,6 +37,17 @@ SLIPBENCH_INLINE void put_vectors(double* to, const Lanes& x, const Lanes& y) {
   put_lanes(to + lanes, __builtin_shufflevector(x, y, 2, 6, 3, 7));
 }
 
+// Of one element.
+SLIPBENCH_INLINE void put_vectors(double* to, double x, double y, double z) { to[0] = x, to[1] = y, to[2] = z; }
+SLIPBENCH_INLINE void put_vectors(double* to, double x, double y) { to[0] = x, to[1] = y; }
+
+// max(0, x), exactly, and never -0.
+template <class Real>
+SLIPBENCH_INLINE Real positive(const Real& x) {
+  const Real none{};
+  return (x < none ? none : x) + none;
+}
+
 SLIPBENCH_INLINE Lanes root(const Lanes& values) {
   Lanes roots;
   for (std::size_t lane = 0; lane < lanes; ++lane) roots[lane] = std::sqrt(values[lane]);
@@ -51,6 +62,11 @@ struct Rotation {
 
 SLIPBENCH_INLINE Rotation entries_of(const Eigen::Matrix3d& r) {
   return {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)};
+}
+
+// Those of its transpose.
+SLIPBENCH_INLINE Rotation entries_back(const Eigen::Matrix3d& r) {
+  return {r(0, 0), r(1, 0), r(2, 0), r(0, 1), r(1, 1), r(2, 1), r(0, 2), r(1, 2), r(2, 2)};
 }
 
 }  // namespace slipbench::kernel
