@@ -156,7 +156,7 @@ void RandomStream::bits(std::span<std::uint64_t> draws) {
 
 void RandomStream::normal(std::span<double> draws) {
   std::array<std::uint64_t, 64> words;
-  std::array<double, 64> circle;
+  std::array<double, 32> cosines, sines;  // by themselves: read as a pair they wait for being written one by one
   while (!draws.empty()) {
     const std::span<std::uint64_t> drawn = std::span(words).first(std::min(words.size(), draws.size()));
     bits(drawn);
@@ -164,13 +164,13 @@ void RandomStream::normal(std::span<double> draws) {
     for (std::size_t i = 0; i < drawn.size(); i += 2) {
       draws[i] = squared_radius_of(uniform_of(drawn[i]));
       const double angle = angle_of(uniform_of(drawn[i + 1]));
-      circle[i] = std::cos(angle);
-      circle[i + 1] = std::sin(angle);
+      cosines[i / 2] = std::cos(angle);
+      sines[i / 2] = std::sin(angle);
     }
     for (std::size_t i = 0; i < drawn.size(); i += 2) {
       const double radius = std::sqrt(draws[i]);
-      draws[i] = radius * circle[i];
-      draws[i + 1] = radius * circle[i + 1];
+      draws[i] = radius * cosines[i / 2];
+      draws[i + 1] = radius * sines[i / 2];
     }
     draws = draws.subspan(drawn.size());
   }
