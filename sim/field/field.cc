@@ -396,6 +396,7 @@ double Field::sliding_share(std::size_t i) const {
 }
 
 void Field::count_states(const kernel::Groups& groups) {
+  ++changes_;
   touching_ = slipping_ = 0;
   for_each_element(groups, [this](std::size_t i) {
     touching_ += state(i) != ElementState::detached ? 1 : 0;

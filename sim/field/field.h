@@ -80,6 +80,8 @@ class Field {
   // The state before the last step.
   [[nodiscard]] ElementState state_before(std::size_t i) const { return state_in(columns_[mode_before][i]); }
   [[nodiscard]] std::span<const ElementEvent> events() const { return events_; }
+  // Grows whenever element states may have become others than they were.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
 
   // Of element i, in the surface frame S: normal force [N], penetration [m], path slipped since the start [m]. Where it met the surface (normal,
   // contact_point), and the gap of what does not touch, may be of an earlier step in a sparse field: view_from_pad() brings all up to date.
@@ -253,6 +255,7 @@ class Field {
   bool one_axis_ = false;     // its elements all point one way
   double step_ = 0.0;         // s, the last one in stages
   std::size_t touching_ = 0, slipping_ = 0;
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace slipbench
