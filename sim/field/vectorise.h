@@ -19,6 +19,7 @@ static_assert(lanes == quad);
 using Ints __attribute__((vector_size(lanes * sizeof(int)))) = int;
 using Bytes __attribute__((vector_size(lanes))) = unsigned char;
 using slipbench::any;
+SLIPBENCH_INLINE bool any(bool one) { return one; }
 
 SLIPBENCH_INLINE Lanes lanes_at(const double* from) { return vector_at<Lanes>(from); }
 SLIPBENCH_INLINE void put_lanes(double* to, const Lanes& values) { put_vector(to, values); }
