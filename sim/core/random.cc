@@ -3,6 +3,7 @@
 #include <Random123/philox.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -88,11 +89,47 @@ void philox(std::uint64_t first, std::uint64_t stream, std::array<std::uint32_t,
 
 double uniform_of(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
 
-// Box and Muller's pair from two draws of uniform().
-std::array<double, 2> normal_pair(double first, double second) {
-  const double radius = std::sqrt(-2.0 * std::log(1.0 - first));  // 1 - u is in (0, 1]: the logarithm is finite
-  const double angle = 2.0 * std::numbers::pi * second;
-  return {radius * std::cos(angle), radius * std::sin(angle)};
+// Box and Muller's pair is the point on a circle of this radius, squared, and angle, from a draw of uniform() each.
+double squared_radius_of(double draw) { return -2.0 * std::log(1.0 - draw); }  // 1 - u is in (0, 1]: the logarithm is finite
+double angle_of(double draw) { return 2.0 * std::numbers::pi * draw; }
+
+// Draws of normal() that are worked out at once, and the pairs that they are.
+constexpr std::size_t most_drawn = 64, most_pairs = most_drawn / 2;
+
+constexpr double above(std::uint64_t upper_half) { return std::bit_cast<double>((upper_half + 1) << 32); }
+
+// Cosine and sine of angles in [0, 2 pi), to the bit as musl (and FreeBSD's msun) works them out: the angle less n quarter turns in two parts, and
+// a polynomial of each. Angles that are nearly whole quarter turns, where that takes more parts, are left to musl.
+SLIPBENCH_DISPATCHED void put_on_circle(const double* angles, std::size_t count, double* cosines, double* sines) {
+  using Bits = decltype(Quad{} < Quad{});
+  constexpr double quarter = 0x1.921fb544p+0, rest_of_quarter = 0x1.0b4611a626331p-34;
+  for (std::size_t i = 0; i < count; i += quad) {
+    const Quad none{}, one = none + 1.0, angle = vector_at<Quad>(angles + i);
+    Quad n = none;
+    for (const std::uint64_t bound : {0x3FE921FBU, 0x4002D97CU, 0x400F6A7AU, 0x4015FDBCU})
+      n += angle >= above(bound) ? one : none;
+    const Quad z = angle - n * quarter, tail = n * rest_of_quarter, x = z - tail, y = (z - x) - tail;
+    const Quad x2 = x * x, x4 = x2 * x2, x3 = x2 * x;
+    const Quad r = 0x1.111111110f8a6p-7 + x2 * (-0x1.a01a019c161d5p-13 + x2 * 0x1.71de357b1fe7dp-19) +
+                   x2 * x4 * (-0x1.ae5e68a2b9cebp-26 + x2 * 0x1.5d93a5acfd57cp-33);
+    constexpr double s1 = -0x1.5555555555549p-3;
+    const Quad sine = n == none ? x + x3 * (s1 + x2 * r) : x - ((x2 * (0.5 * y - x3 * r) - y) - x3 * s1);
+    const Quad q = x2 * (0x1.555555555554cp-5 + x2 * (-0x1.6c16c16c15177p-10 + x2 * 0x1.a01a019cb159p-16)) +
+                   x4 * x4 * (-0x1.27e4f809c52adp-22 + x2 * (0x1.1ee9ebdb4b1c4p-29 + x2 * -0x1.8fae9be8838d4p-37));
+    const Quad half = 0.5 * x2, w = one - half, cosine = w + (((one - w) - half) + (x2 * q - x * y));
+    const auto odd = (n == 1.0) | (n == 3.0);
+    const Quad of_x = odd ? sine : cosine, of_y = odd ? cosine : sine;
+    put_vector(cosines + i, (n == 1.0) | (n == 2.0) ? -of_x : of_x);
+    put_vector(sines + i, (n == 2.0) | (n == 3.0) ? -of_y : of_y);
+    const Bits upper = vector_at<Bits>(angles + i) >> 32;
+    const Bits left =
+        (upper < 0x3E46A09E) | (upper == 0x3FF921FB) | (upper == 0x400921FB) | (upper == 0x4012D97C) | (upper == 0x401921FB);
+    if (!any(left)) continue;
+    for (std::size_t k = i; k < i + quad; ++k) {
+      cosines[k] = std::cos(angles[k]);
+      sines[k] = std::sin(angles[k]);
+    }
+  }
 }
 
 }  // namespace
@@ -136,11 +173,10 @@ double RandomStream::normal() {
     has_spare_ = false;
     return spare_normal_;
   }
-  const double first = uniform();
-  const auto [now, next] = normal_pair(first, uniform());
-  spare_normal_ = next;
+  const double radius = std::sqrt(squared_radius_of(uniform())), angle = angle_of(uniform());
+  spare_normal_ = radius * std::sin(angle);
   has_spare_ = true;
-  return now;
+  return radius * std::cos(angle);
 }
 
 std::uint64_t RandomStream::integer(std::uint64_t bound) {
@@ -159,12 +195,23 @@ void RandomStream::bits(std::span<std::uint64_t> draws) {
 }
 
 void RandomStream::normal(std::span<double> draws) {
-  std::array<std::uint64_t, 64> words;
+  std::array<std::uint64_t, most_drawn> words;
+  std::array<double, most_pairs> angles, cosines, sines;
+  angles.fill(1.0);
   while (!draws.empty()) {
     const std::span<std::uint64_t> drawn = std::span(words).first(std::min(words.size(), draws.size()));
+    const std::size_t pairs = drawn.size() / 2;
     bits(drawn);
-    for (std::size_t i = 0; i < drawn.size(); i += 2) {
-      std::ranges::copy(normal_pair(uniform_of(drawn[i]), uniform_of(drawn[i + 1])), &draws[i]);
+    // Apart, so that no root waits for its logarithm.
+    for (std::size_t k = 0; k < pairs; ++k) {
+      draws[2 * k] = squared_radius_of(uniform_of(drawn[2 * k]));
+      angles[k] = angle_of(uniform_of(drawn[2 * k + 1]));
+    }
+    put_on_circle(angles.data(), (pairs + quad - 1) / quad * quad, cosines.data(), sines.data());
+    for (std::size_t k = 0; k < pairs; ++k) {
+      const double radius = std::sqrt(draws[2 * k]);
+      draws[2 * k] = radius * cosines[k];
+      draws[2 * k + 1] = radius * sines[k];
     }
     draws = draws.subspan(drawn.size());
   }

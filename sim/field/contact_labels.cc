@@ -78,9 +78,10 @@ void ContactLabels::judge(std::span<Field> fields, double time, double dt) {
   if (single_ && fields.size() == 1) {
     unit_rules::judge_pad_of_elements(frame_, elements_);
   } else {
-    // Whoever does not need the angle steps the fields straight on: without an event the counts are those of the step before.
-    const bool changed = std::ranges::any_of(fields, [](const Field& field) { return !field.events().empty(); });
-    if (keeps_angle_ || changed || counts_.empty()) count_units(fields);
+    std::uint64_t changes = 0;
+    for (const Field& field : fields) changes += field.changes();
+    if (counts_.empty() || changes != counted_) count_units(fields);
+    counted_ = changes;
     unit_rules::judge_pad(frame_, elements_);
   }
   // In a sparse field zeros of what lets go keep the sign that they are turned to.

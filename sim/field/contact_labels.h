@@ -68,7 +68,8 @@ class ContactLabels {
   std::vector<const Field*> most_loaded_;  // [N] of several fields: the one with the greatest normal force on the unit
   Eigen::Array3Xd undeformed_;             // [3,N] m, mean of a unit's undeformed tips in P
   std::vector<unit_rules::Count>
-      counts_;  // [N] of the step judged last, where units are of several elements or on several surfaces
+      counts_;                 // [N] of the step judged last, where units are of several elements or on several surfaces
+  std::uint64_t counted_ = 0;  // changes() of all fields then
   std::array<std::vector<std::uint64_t>, 2> seen_;  // of each field: its steps() when what is felt, and all, were read last
   kernel::Groups viewed_{};                         // what has been read of the last field in this step
   std::vector<unit_rules::UnitEvent> changes_;

@@ -163,7 +163,8 @@ void Field::load_state(std::span<const double> state) {
 }
 
 void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
-  pose_ = pad_in_surface;
+  pose_.rotation = pad_in_surface.rotation;  // apart: as a whole it waits for the position to be written
+  pose_.position = pad_in_surface.position;
   events_.clear();
   for (const std::size_t k : {0U, 1U, 2U}) {
     std::swap(columns_[contact_x + k], columns_[contact_before_x + k]);
@@ -395,6 +396,7 @@ double Field::sliding_share(std::size_t i) const {
 }
 
 void Field::count_states(const kernel::Groups& groups) {
+  ++changes_;
   touching_ = slipping_ = 0;
   for_each_element(groups, [this](std::size_t i) {
     touching_ += state(i) != ElementState::detached ? 1 : 0;

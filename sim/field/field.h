@@ -80,6 +80,8 @@ class Field {
   // The state before the last step.
   [[nodiscard]] ElementState state_before(std::size_t i) const { return state_in(columns_[mode_before][i]); }
   [[nodiscard]] std::span<const ElementEvent> events() const { return events_; }
+  // Grows whenever element states may have become others than they were.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
 
   // Of element i, in the surface frame S: normal force [N], penetration [m], path slipped since the start [m]. Where it met the surface (normal,
   // contact_point), and the gap of what does not touch, may be of an earlier step in a sparse field: view_from_pad() brings all up to date.
@@ -104,14 +106,14 @@ class Field {
   }
   // Works out the three below for those groups, or the first `vectors` of them; or for all.
   void view_from_pad(const kernel::Groups& groups, std::size_t vectors) {
-    kernel::view_from_pad(columns_, pose_.rotation.transpose(), transmitted_, groups, vectors);
+    kernel::view_from_pad(columns_, pose_.rotation, transmitted_, groups, vectors);
   }
   void view_from_pad() { view_from_pad(active_since(0), 3); }
   // Whether label_level() may stand for that: a plane whose normal is the pad's Z to the bit, the circular cone, no elastic skin.
   [[nodiscard]] bool level() const;
   // Fills a frame of units of one element with `part` of what kernel::label_units() does, and all of it with their states. `rate`: 1/step [1/s].
   void label_level(double rate, FramePart part, ContactFrame& frame) const {
-    kernel::label_level_elements(columns_, pose_.rotation.transpose(), transmitted_, rate, count_, part, frame);
+    kernel::label_level_elements(columns_, pose_.rotation, transmitted_, rate, count_, part, frame);
   }
   // How many steps the field has taken; what load_state() brings back does not take them back. Only a sparse field counts.
   [[nodiscard]] std::uint64_t steps() const { return active_set_ ? active_set_->steps() : 0; }
@@ -253,6 +255,7 @@ class Field {
   bool one_axis_ = false;     // its elements all point one way
   double step_ = 0.0;         // s, the last one in stages
   std::size_t touching_ = 0, slipping_ = 0;
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace slipbench

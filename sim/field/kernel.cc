@@ -20,30 +20,15 @@ SLIPBENCH_INLINE Lanes turned(const Eigen::Matrix3d& r, int row, const Lanes& x,
   return row < 2 ? r(row, 0) * x + r(row, 1) * y + r(row, 2) * z : r(row, 0) * x + (r(row, 1) * y + r(row, 2) * z);
 }
 
-// Calls body(i) for each entry i of the groups, as vector code.
-template <class Body>
-SLIPBENCH_INLINE void for_each_entry(const Groups& groups, const Body& body) {
-  if (groups.first == nullptr) {
-    SLIPBENCH_VECTORISE
-    for (std::size_t i = 0; i < groups.count * lanes; ++i) body(i);
-    return;
-  }
-  for (std::size_t k = 0; k < groups.count; ++k) {
-    const std::size_t first = groups.first[k];
-    SLIPBENCH_VECTORISE
-    for (std::size_t i = first; i < first + lanes; ++i) body(i);
-  }
-}
-
 template <bool kPlane, bool kExtended>
-SLIPBENCH_INLINE void map_element(const Columns& c, std::size_t i) {
-  const Trial t = trial_of<kPlane, kExtended>(c, i);
-  take_over<kPlane, kPlane && kExtended>(c, i, t, map_onto_circle<kPlane, kExtended>(c, i, t));
+SLIPBENCH_INLINE void map_group(const Columns& c, std::size_t i) {
+  const auto t = trial_of<Lanes, kPlane, kExtended>(c, i);
+  take_over<Lanes, kPlane, kPlane && kExtended>(c, i, t, map_onto_circle<Lanes, kPlane, kExtended>(c, i, t));
 }
 
 template <bool kPlane, bool kExtended>
 SLIPBENCH_INLINE void map_all(const Columns& c, const Groups& groups) {
-  for_each_entry(groups, [&c](std::size_t i) SLIPBENCH_INLINE_BODY { map_element<kPlane, kExtended>(c, i); });
+  for (std::size_t k = 0; k < groups.count; ++k) map_group<kPlane, kExtended>(c, groups[k]);
 }
 
 SLIPBENCH_DISPATCHED void map_on_plane(const Columns& c, const Groups& groups) { map_all<true, false>(c, groups); }
@@ -53,31 +38,29 @@ SLIPBENCH_DISPATCHED void map_on_curve_extended(const Columns& c, const Groups& 
 
 template <bool kPlane>
 SLIPBENCH_INLINE void find_all_trials(const Columns& c, std::size_t count) {
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) {
-    const Trial t = trial_of<kPlane, true>(c, i);
-    c[trial][i] = std::sqrt(t.tx * t.tx + t.ty * t.ty + (kPlane ? 0.0 : t.tz * t.tz));
-    c[slide][i] = c[mu_kinetic][i] * t.f_n;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const auto t = trial_of<Lanes, kPlane, true>(c, i);
+    put(c, trial, i, size_of<Lanes, kPlane>(t));
+    put(c, slide, i, at(c, mu_kinetic, i) * t.f_n);
   }
 }
 
 SLIPBENCH_DISPATCHED void find_trials_on_plane(const Columns& c, std::size_t count) { find_all_trials<true>(c, count); }
 SLIPBENCH_DISPATCHED void find_trials_on_curve(const Columns& c, std::size_t count) { find_all_trials<false>(c, count); }
 
-SLIPBENCH_INLINE void locate_element(const Columns& c, const Pose& pose, std::size_t i) {
+SLIPBENCH_INLINE void locate_group(const Columns& c, const Pose& pose, std::size_t i) {
   const Eigen::Matrix3d& r = pose.rotation;
   const Eigen::Vector3d& p = pose.position;
-  const double x = c[tip_x][i], y = c[tip_y][i], z = c[tip_z][i];
-  c[contact_x][i] = r(0, 0) * x + r(0, 1) * y + r(0, 2) * z + p.x();
-  c[contact_y][i] = r(1, 0) * x + r(1, 1) * y + r(1, 2) * z + p.y();
-  c[gap][i] = r(2, 0) * x + r(2, 1) * y + r(2, 2) * z + p.z();
+  const Lanes x = at(c, tip_x, i), y = at(c, tip_y, i), z = at(c, tip_z, i);
+  put(c, contact_x, i, r(0, 0) * x + r(0, 1) * y + r(0, 2) * z + p.x());
+  put(c, contact_y, i, r(1, 0) * x + r(1, 1) * y + r(1, 2) * z + p.y());
+  put(c, gap, i, r(2, 0) * x + r(2, 1) * y + r(2, 2) * z + p.z());
 }
 
 }  // namespace
 
 SLIPBENCH_DISPATCHED void plane_gap(const Columns& c, const Pose& pose, std::size_t count) {
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) locate_element(c, pose, i);
+  for (std::size_t i = 0; i < count; i += lanes) locate_group(c, pose, i);
 }
 
 SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::size_t count) {
@@ -211,10 +194,9 @@ SLIPBENCH_DISPATCHED bool any_touches(const Columns& c, bool memory, std::size_t
 }
 
 SLIPBENCH_DISPATCHED void slide_on_plane(const Columns& c, const Pose& pose, std::size_t count) {
-  SLIPBENCH_VECTORISE
-  for (std::size_t i = 0; i < count; ++i) {
-    locate_element(c, pose, i);
-    map_element<true, false>(c, i);
+  for (std::size_t i = 0; i < count; i += lanes) {
+    locate_group(c, pose, i);
+    map_group<true, false>(c, i);
   }
 }
 
@@ -229,41 +211,31 @@ SLIPBENCH_DISPATCHED void load_tips(const Columns& c, std::size_t count) {
 
 namespace {
 
-template <int vectors>
-SLIPBENCH_INLINE void view_element(const Columns& c, const double* tx, const double* ty, const double* tz, const Rotation& r,
-                                   std::size_t i) {
-  const double nx = c[normal_x][i], ny = c[normal_y][i], nz = c[normal_z][i];
-  const double f_n = 0.5 * (c[f_normal][i] + std::abs(c[f_normal][i]));
-  const double fx = f_n * nx - tx[i], fy = f_n * ny - ty[i], fz = f_n * nz - tz[i];
-  c[pad_force_x][i] = r.r00 * fx + r.r01 * fy + r.r02 * fz;
-  c[pad_force_y][i] = r.r10 * fx + r.r11 * fy + r.r12 * fz;
-  c[pad_force_z][i] = r.r20 * fx + r.r21 * fy + r.r22 * fz;
-  if constexpr (vectors == 1) return;
-  const double indentation = 0.5 * (std::abs(c[gap][i]) - c[gap][i]);
-  const double dx = indentation * nx - (c[contact_x][i] - c[anchor_x][i]);
-  const double dy = indentation * ny - (c[contact_y][i] - c[anchor_y][i]);
-  const double dz = indentation * nz - (c[contact_z][i] - c[anchor_z][i]);
-  c[deflection_x][i] = r.r00 * dx + r.r01 * dy + r.r02 * dz;
-  c[deflection_y][i] = r.r10 * dx + r.r11 * dy + r.r12 * dz;
-  c[deflection_z][i] = r.r20 * dx + r.r21 * dy + r.r22 * dz;
-  if constexpr (vectors == 2) return;
-  c[pad_slip_x][i] = r.r00 * c[slip_x][i] + r.r01 * c[slip_y][i] + r.r02 * c[slip_z][i];
-  c[pad_slip_y][i] = r.r10 * c[slip_x][i] + r.r11 * c[slip_y][i] + r.r12 * c[slip_z][i];
-  c[pad_slip_z][i] = r.r20 * c[slip_x][i] + r.r21 * c[slip_y][i] + r.r22 * c[slip_z][i];
+// A vector of columns as the pad sees it.
+SLIPBENCH_INLINE void put_turned(const Columns& c, Column column, std::size_t i, const Rotation& r, const Lanes& x,
+                                 const Lanes& y, const Lanes& z) {
+  put(c, column, i, r.r00 * x + r.r01 * y + r.r02 * z);
+  put(c, static_cast<Column>(column + 1), i, r.r10 * x + r.r11 * y + r.r12 * z);
+  put(c, static_cast<Column>(column + 2), i, r.r20 * x + r.r21 * y + r.r22 * z);
 }
 
 }  // namespace
 
-SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& to_pad, Column transmitted, const Groups& groups,
-                                        std::size_t vectors) {
+SLIPBENCH_DISPATCHED void view_from_pad(const Columns& c, const Eigen::Matrix3d& rotation, Column transmitted,
+                                        const Groups& groups, std::size_t vectors) {
   const double *const tx = c[transmitted], *const ty = c[transmitted + 1], *const tz = c[transmitted + 2];
-  const Rotation r = entries_of(to_pad);
-  if (vectors == 1) {
-    for_each_entry(groups, [&](std::size_t i) SLIPBENCH_INLINE_BODY { view_element<1>(c, tx, ty, tz, r, i); });
-  } else if (vectors == 2) {
-    for_each_entry(groups, [&](std::size_t i) SLIPBENCH_INLINE_BODY { view_element<2>(c, tx, ty, tz, r, i); });
-  } else {
-    for_each_entry(groups, [&](std::size_t i) SLIPBENCH_INLINE_BODY { view_element<3>(c, tx, ty, tz, r, i); });
+  const Rotation r = entries_back(rotation);
+  for (std::size_t k = 0; k < groups.count; ++k) {
+    const std::size_t i = groups[k];
+    const Lanes nx = at(c, normal_x, i), ny = at(c, normal_y, i), nz = at(c, normal_z, i), f_n = positive(at(c, f_normal, i));
+    put_turned(c, pad_force_x, i, r, f_n * nx - lanes_at(tx + i), f_n * ny - lanes_at(ty + i), f_n * nz - lanes_at(tz + i));
+    if (vectors == 1) continue;
+    const Lanes indentation = positive<Lanes>(-at(c, gap, i));
+    put_turned(c, deflection_x, i, r, indentation * nx - (at(c, contact_x, i) - at(c, anchor_x, i)),
+               indentation * ny - (at(c, contact_y, i) - at(c, anchor_y, i)),
+               indentation * nz - (at(c, contact_z, i) - at(c, anchor_z, i)));
+    if (vectors == 2) continue;
+    put_turned(c, pad_slip_x, i, r, at(c, slip_x, i), at(c, slip_y, i), at(c, slip_z, i));
   }
 }
 

@@ -101,9 +101,9 @@ void slide_on_plane(const Columns& columns, const Pose& pose, std::size_t count)
 // Pass 2 up to where tips with mass take over: normal force and mu_s f_n.
 void load_tips(const Columns& columns, std::size_t count);
 
-// After the passes: forces, deflections and slip as the pad sees them, or the first `vectors` of these. `to_pad`: rotation of the surface in the pad.
+// After the passes: forces, deflections and slip as the pad sees them, or the first `vectors` of these. `rotation`: of the pad in the surface.
 // `transmitted`: the tangential force that the pad feels.
-void view_from_pad(const Columns& columns, const Eigen::Matrix3d& to_pad, Column transmitted, const Groups& groups,
+void view_from_pad(const Columns& columns, const Eigen::Matrix3d& rotation, Column transmitted, const Groups& groups,
                    std::size_t vectors);
 
 // Field::add_elements(). `to_pad`: rotation of the surface in the pad; `count`: of all elements.
@@ -173,8 +173,8 @@ void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double r
 void label_groups(const UnitColumns& units, const Eigen::Matrix3d& to_pad, double rate, const Groups& groups, std::size_t count,
                   ContactFrame& frame);
 // The same, or what of it is felt, of `count` >= lanes units of one element each that meet a plane whose normal is the pad's Z to the bit, without a
-// view_from_pad() before, and their states. `transmitted`: as there.
-void label_level_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, Column transmitted, double rate,
+// view_from_pad() before, and their states. `rotation`, `transmitted`: as there.
+void label_level_elements(const Columns& columns, const Eigen::Matrix3d& rotation, Column transmitted, double rate,
                           std::size_t count, FramePart part, ContactFrame& frame);
 
 }  // namespace slipbench::kernel

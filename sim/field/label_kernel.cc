@@ -131,11 +131,12 @@ SLIPBENCH_DISPATCHED UnitSum sum_unit(const UnitSum::Summed& columns, std::size_
 namespace {
 
 // The turn of unit_rules::ContactPlane, entry by entry in the order in which it is worked out there: entry 10 is 01.
+template <class Real>
 struct Turn {
-  Lanes r00, r01, r02, r11, r12, r20, r21, r22;
+  Real r00, r01, r02, r11, r12, r20, r21, r22;
 
-  SLIPBENCH_INLINE Turn(const Lanes& nx, const Lanes& ny, const Lanes& nz) {
-    const Lanes none{}, one = none + 1.0, mz = nz + 1.0;
+  SLIPBENCH_INLINE Turn(const Real& nx, const Real& ny, const Real& nz) {
+    const Real none{}, one = none + 1.0, mz = nz + 1.0;
     r00 = one - nx * nx / mz;
     r01 = none - nx * ny / mz;
     r02 = none - nx * mz / mz;
@@ -144,12 +145,12 @@ struct Turn {
     r20 = r02 + 2.0 * nx;
     r21 = r12 + 2.0 * ny;
     r22 = one - mz * mz / mz + 2.0 * nz;
-    const Mask opposite = (nx == 0.0) & (ny == 0.0) & (nz == -1.0);
+    const auto opposite = (nx == 0.0) & (ny == 0.0) & (nz == -1.0);
     if (!any(opposite)) return;
     r00 = opposite ? one : r00;
     r11 = opposite ? -one : r11;
     r22 = opposite ? -one : r22;
-    for (Lanes* entry : {&r01, &r02, &r12, &r20, &r21}) *entry = opposite ? none : *entry;
+    for (Real* entry : {&r01, &r02, &r12, &r20, &r21}) *entry = opposite ? none : *entry;
   }
 };
 
@@ -162,27 +163,30 @@ SLIPBENCH_INLINE Labels labels_at(ContactFrame& frame, std::size_t u) {
           frame.slip_velocity.data() + 2 * u, frame.slip_distance.data() + u,     frame.margin.data() + u};
 }
 
-SLIPBENCH_INLINE Lanes margin_of(const Lanes& tangential_squared, const Lanes& limit, const Lanes& touching) {
-  const Lanes none{}, gauge = root(tangential_squared) / limit, left = limit == 0.0 ? none : 1.0 - gauge;
+template <class Real>
+SLIPBENCH_INLINE Real margin_of(const Real& tangential_squared, const Real& limit, const Real& touching) {
+  const Real none{}, gauge = root(tangential_squared) / limit, left = limit == 0.0 ? none : 1.0 - gauge;
   return touching == 0.0 ? none + std::numeric_limits<double>::quiet_NaN() : left;
 }
 
-SLIPBENCH_INLINE void label_group(const UnitColumns& c, const Rotation& to, double rate, std::size_t first,
-                                  const Labels& labels) {
-  const auto at = [first](const std::array<const double*, 3>& vector, std::size_t k) { return lanes_at(vector[k] + first); };
-  const Lanes sx = at(c.normal, 0), sy = at(c.normal, 1), sz = at(c.normal, 2);
-  const Turn r(to.r00 * sx + to.r01 * sy + to.r02 * sz, to.r10 * sx + to.r11 * sy + to.r12 * sz,
-               to.r20 * sx + to.r21 * sy + to.r22 * sz);
-  const Lanes fx = at(c.force, 0), fy = at(c.force, 1), fz = at(c.force, 2);
+template <class Real>
+SLIPBENCH_INLINE void label_at(const UnitColumns& c, const Rotation& to, double rate, std::size_t u, ContactFrame& frame) {
+  const Labels labels = labels_at(frame, u);
+  const auto at = [u](const auto& vector, std::size_t k) SLIPBENCH_INLINE_BODY { return vector_at<Real>(vector[k] + u); };
+  const Real sx = at(c.normal, 0), sy = at(c.normal, 1), sz = at(c.normal, 2);
+  const Turn<Real> r(to.r00 * sx + to.r01 * sy + to.r02 * sz, to.r10 * sx + to.r11 * sy + to.r12 * sz,
+                     to.r20 * sx + to.r21 * sy + to.r22 * sz);
+  const Real fx = at(c.force, 0), fy = at(c.force, 1), fz = at(c.force, 2);
   put_vectors(labels.force, fx, fy, fz);
   put_vectors(labels.contact_force, r.r00 * fx + r.r01 * fy + r.r02 * fz, r.r01 * fx + r.r11 * fy + r.r12 * fz,
               r.r20 * fx + (r.r21 * fy + r.r22 * fz));
   put_vectors(labels.displacement, at(c.deflection, 0), at(c.deflection, 1), at(c.deflection, 2));
-  const Lanes vx = at(c.slip, 0), vy = at(c.slip, 1), vz = at(c.slip, 2);
+  const Real vx = at(c.slip, 0), vy = at(c.slip, 1), vz = at(c.slip, 2);
   put_vectors(labels.slip_velocity, rate * (r.r00 * vx + r.r01 * vy + r.r02 * vz), rate * (r.r01 * vx + r.r11 * vy + r.r12 * vz));
-  put_lanes(labels.slip_distance, lanes_at(c.path + first));
-  const Lanes tx = at(c.tangential, 0), ty = at(c.tangential, 1), tz = at(c.tangential, 2);
-  put_lanes(labels.margin, margin_of(tx * tx + ty * ty + tz * tz, lanes_at(c.limit + first), lanes_at(c.touching + first)));
+  put_vector(labels.slip_distance, vector_at<Real>(c.path + u));
+  const Real tx = at(c.tangential, 0), ty = at(c.tangential, 1), tz = at(c.tangential, 2);
+  put_vector(labels.margin,
+             margin_of<Real>(tx * tx + ty * ty + tz * tz, vector_at<Real>(c.limit + u), vector_at<Real>(c.touching + u)));
 }
 
 }  // namespace
@@ -193,20 +197,10 @@ SLIPBENCH_DISPATCHED void label_groups(const UnitColumns& c, const Eigen::Matrix
   for (std::size_t k = 0; k < groups.count; ++k) {
     const std::size_t first = groups[k];
     if (first + lanes <= count) {
-      label_group(c, to, rate, first, labels_at(frame, first));
-      continue;
+      label_at<Lanes>(c, to, rate, first, frame);
+    } else {  // the last group is not whole: the columns are, the frame is not
+      for (std::size_t u = first; u < count; ++u) label_at<double>(c, to, rate, u, frame);
     }
-    // The last group is not whole: the columns are, the frame is not.
-    double vectors[3][3 * lanes], velocity[2 * lanes], distance[lanes], margin[lanes];
-    label_group(c, to, rate, first, {vectors[0], vectors[1], vectors[2], velocity, distance, margin});
-    const Labels own = labels_at(frame, first);
-    const std::size_t units = count - first;
-    std::copy_n(vectors[0], 3 * units, own.force);
-    std::copy_n(vectors[1], 3 * units, own.contact_force);
-    std::copy_n(vectors[2], 3 * units, own.displacement);
-    std::copy_n(velocity, 2 * units, own.slip_velocity);
-    std::copy_n(distance, units, own.slip_distance);
-    std::copy_n(margin, units, own.margin);
   }
 }
 
@@ -228,33 +222,47 @@ SLIPBENCH_DISPATCHED void label_felt(const UnitColumns& c, std::size_t first, st
   }
 }
 
+namespace {
+
+SLIPBENCH_INLINE void put_states(UnitState* to, const Lanes& modes) {
+  const auto states = __builtin_convertvector(__builtin_convertvector(modes, Ints), Bytes);
+  std::memcpy(to, &states, sizeof states);
+}
+SLIPBENCH_INLINE void put_states(UnitState* to, double mode) { *to = static_cast<UnitState>(static_cast<int>(mode)); }
+
 // What view_from_pad() and label_units() make of level elements, to the bit: without the products with zeros and ones, and nothing in between.
-SLIPBENCH_DISPATCHED void label_level_elements(const Columns& c, const Eigen::Matrix3d& to_pad, Column transmitted, double rate,
+template <class Real>
+SLIPBENCH_INLINE void label_level_at(const Columns& c, const Rotation& r, Column transmitted, double rate, std::size_t i,
+                                     FramePart part, ContactFrame& frame) {
+  const Real none{};
+  const Labels labels = labels_at(frame, i);
+  const auto along_x = [&](const Real& x, const Real& y) SLIPBENCH_INLINE_BODY { return r.r00 * x + r.r01 * y + none; };
+  const auto along_y = [&](const Real& x, const Real& y) SLIPBENCH_INLINE_BODY { return r.r10 * x + r.r11 * y + none; };
+  const auto at = [&c, i](std::size_t column) SLIPBENCH_INLINE_BODY { return vector_at<Real>(c[column] + i); };
+  const Real f_n = positive<Real>(at(f_normal)), depth = positive<Real>(-at(gap));
+  const Real fx = none - at(transmitted), fy = none - at(transmitted + 1U);
+  const Real force_x_of_pad = along_x(fx, fy), force_y_of_pad = along_y(fx, fy);
+  put_vectors(labels.force, force_x_of_pad, force_y_of_pad, f_n);
+  const Real dx = none - (at(contact_x) - at(anchor_x)), dy = none - (at(contact_y) - at(anchor_y));
+  put_vectors(labels.displacement, along_x(dx, dy), along_y(dx, dy), depth);
+  if (part != FramePart::all) return;
+  put_vectors(labels.contact_force, force_x_of_pad, force_y_of_pad, f_n);
+  const Real moving = at(mode), sx = at(slip_x), sy = at(slip_y);
+  put_vectors(labels.slip_velocity, rate * along_x(sx, sy), rate * along_y(sx, sy));
+  put_vector(labels.slip_distance, at(path));
+  put_vector(labels.margin, margin_of<Real>(at(force_x) * at(force_x) + at(force_y) * at(force_y), at(limit), moving));
+  put_states(frame.unit_state.data() + i, moving);
+}
+
+}  // namespace
+
+// The last ones each by itself: lanes that begin where none were written wait for what was written before them.
+SLIPBENCH_DISPATCHED void label_level_elements(const Columns& c, const Eigen::Matrix3d& rotation, Column transmitted, double rate,
                                                std::size_t count, FramePart part, ContactFrame& frame) {
-  const Lanes none{};
-  const auto positive = [&none](const Lanes& values) SLIPBENCH_INLINE_BODY { return (values < 0.0 ? none : values) + none; };
-  const Rotation r = entries_of(to_pad);
-  for (std::size_t next = 0; next < count; next += lanes) {
-    const std::size_t i = std::min(next, count - lanes);  // the last group begins before its turn, so as to be whole
-    const Labels labels = labels_at(frame, i);
-    const auto along_x = [&](const Lanes& x, const Lanes& y) SLIPBENCH_INLINE_BODY { return r.r00 * x + r.r01 * y + none; };
-    const auto along_y = [&](const Lanes& x, const Lanes& y) SLIPBENCH_INLINE_BODY { return r.r10 * x + r.r11 * y + none; };
-    const auto at = [&c, i](std::size_t column) SLIPBENCH_INLINE_BODY { return lanes_at(c[column] + i); };
-    const Lanes f_n = positive(at(f_normal)), depth = positive(-at(gap));
-    const Lanes fx = none - at(transmitted), fy = none - at(transmitted + 1U);
-    const Lanes force_x_of_pad = along_x(fx, fy), force_y_of_pad = along_y(fx, fy);
-    put_vectors(labels.force, force_x_of_pad, force_y_of_pad, f_n);
-    const Lanes dx = none - (at(contact_x) - at(anchor_x)), dy = none - (at(contact_y) - at(anchor_y));
-    put_vectors(labels.displacement, along_x(dx, dy), along_y(dx, dy), depth);
-    if (part != FramePart::all) continue;
-    put_vectors(labels.contact_force, force_x_of_pad, force_y_of_pad, f_n);
-    const Lanes moving = at(mode);
-    put_vectors(labels.slip_velocity, rate * along_x(at(slip_x), at(slip_y)), rate * along_y(at(slip_x), at(slip_y)));
-    put_lanes(labels.slip_distance, at(path));
-    put_lanes(labels.margin, margin_of(at(force_x) * at(force_x) + at(force_y) * at(force_y), at(limit), moving));
-    const auto states = __builtin_convertvector(__builtin_convertvector(moving, Ints), Bytes);
-    std::memcpy(frame.unit_state.data() + i, &states, sizeof states);
-  }
+  const Rotation r = entries_back(rotation);
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes) label_level_at<Lanes>(c, r, transmitted, rate, i, part, frame);
+  for (; i < count; ++i) label_level_at<double>(c, r, transmitted, rate, i, part, frame);
 }
 
 void label_units(const UnitColumns& units, const Eigen::Matrix3d* turn, double rate, const ConeEffect* cone, std::size_t first,

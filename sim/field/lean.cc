@@ -124,7 +124,7 @@ kernel::Mapped map_onto(const Lean& lean, const RateEffect* rate, double dt, con
   c[kernel::slide][i] = limit_stick;
   double slip = 0.0;
   Eigen::Vector3d along(0.0, 0.0, 0.0);
-  if (size > kernel::slips_beyond<true>(c, i, limit_stick, element.mu_slide * force.normal)) {
+  if (size > kernel::slips_beyond<double, true>(c, i, limit_stick, element.mu_slide * force.normal)) {
     along = force.tangential / size;
     const double trailed = element.stretch.norm() - (vector(kernel::contact_x) - vector(kernel::place_x)).norm();
     slip = leaning_slip(lean, element, along, trailed, dt, rate);
@@ -154,7 +154,8 @@ kernel::Mapped map_onto(const ConeEffect& cone, RateEffect* rate, double dt, con
   double limit_slide = c[kernel::mu_kinetic][i] * trial.f_n;
   if (rate != nullptr) limit_slide = strengthened(cone, *rate, dt, i, t, n, c[kernel::k_tangential][i], limit_slide);
   const double limit_stick = c[kernel::mu_static][i] * trial.f_n;
-  const auto mapped = cone.project(t.data(), n.data(), kernel::slips_beyond<true>(c, i, limit_stick, limit_slide), limit_slide);
+  const auto mapped =
+      cone.project(t.data(), n.data(), kernel::slips_beyond<double, true>(c, i, limit_stick, limit_slide), limit_slide);
   const Eigen::Vector3d force(mapped.fx, mapped.fy, mapped.fz);
   Eigen::Vector3d slip(0.0, 0.0, 0.0);
   if (mapped.slides) slip = (t - force) * c[kernel::compliance][i];

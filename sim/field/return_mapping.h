@@ -9,47 +9,58 @@
 
 #include <Eigen/Core>
 
-#include "sim/core/vectorise.h"
 #include "sim/field/effect.h"
 #include "sim/field/kernel.h"
+#include "sim/field/vectorise.h"
 
 namespace slipbench::kernel {
 
-// Of an element while its anchor stays. Vectors are tangential.
-struct Trial {
-  double raw, f_n;    // normal force: negative while apart, and 0 then [N]
-  double ux, uy, uz;  // stretch [m]
-  double hx, hy, hz;  // history of the rheology [N]
-  double tx, ty, tz;  // force k u + h [N]
-};
+// An element's entry of a column, or those of several elements from it on. `Real`: double, or Lanes.
+template <class Real>
+SLIPBENCH_INLINE Real entry(const Columns& c, Column column, std::size_t i) {
+  return vector_at<Real>(c[column] + i);
+}
+template <class Real>
+using Flag = decltype(Real{} < Real{});
 
-template <bool kPlane, bool kExtended>
-SLIPBENCH_INLINE Trial trial_of(const Columns& c, std::size_t i) {
-  Trial t{};
-  t.raw = raw_normal_force(c[gap][i], c[k_normal][i], kExtended ? c[h_normal][i] : 0.0);
-  t.f_n = 0.5 * (t.raw + std::abs(t.raw));  // max(0, raw), exactly; a select here would be threaded into jumps
-  const double k = c[k_tangential][i];
-  t.ux = c[contact_x][i] - c[anchor_x][i];
-  t.uy = c[contact_y][i] - c[anchor_y][i];
+// Of an element while its anchor stays. Vectors are tangential.
+template <class Real>
+struct TrialOf {
+  Real raw, f_n;    // normal force: negative while apart, and 0 then [N]
+  Real ux, uy, uz;  // stretch [m]
+  Real hx, hy, hz;  // history of the rheology [N]
+  Real tx, ty, tz;  // force k u + h [N]
+};
+using Trial = TrialOf<double>;
+
+template <class Real, bool kPlane, bool kExtended>
+SLIPBENCH_INLINE TrialOf<Real> trial_of(const Columns& c, std::size_t i) {
+  const auto at = [&c, i](Column column) SLIPBENCH_INLINE_BODY { return entry<Real>(c, column, i); };
+  TrialOf<Real> t{};
+  t.raw = raw_normal_force<Real>(at(gap), at(k_normal), kExtended ? at(h_normal) : Real{});
+  t.f_n = positive(t.raw);
+  const Real k = at(k_tangential), nx = at(normal_x), ny = at(normal_y), nz = at(normal_z);
+  t.ux = at(contact_x) - at(anchor_x);
+  t.uy = at(contact_y) - at(anchor_y);
   if constexpr (!kPlane) {
-    t.uz = c[contact_z][i] - c[anchor_z][i];
-    const double along = t.ux * c[normal_x][i] + t.uy * c[normal_y][i] + t.uz * c[normal_z][i];
-    t.ux -= along * c[normal_x][i];
-    t.uy -= along * c[normal_y][i];
-    t.uz -= along * c[normal_z][i];
+    t.uz = at(contact_z) - at(anchor_z);
+    const Real along = t.ux * nx + t.uy * ny + t.uz * nz;
+    t.ux -= along * nx;
+    t.uy -= along * ny;
+    t.uz -= along * nz;
   }
   t.tx = k * t.ux;
   t.ty = k * t.uy;
-  t.tz = kPlane ? 0.0 : k * t.uz;
+  if constexpr (!kPlane) t.tz = k * t.uz;
   if constexpr (kExtended) {
-    t.hx = c[h_x][i];
-    t.hy = c[h_y][i];
+    t.hx = at(h_x);
+    t.hy = at(h_y);
     if constexpr (!kPlane) {  // the history was made in an earlier tangent plane
-      t.hz = c[h_z][i];
-      const double along = t.hx * c[normal_x][i] + t.hy * c[normal_y][i] + t.hz * c[normal_z][i];
-      t.hx -= along * c[normal_x][i];
-      t.hy -= along * c[normal_y][i];
-      t.hz -= along * c[normal_z][i];
+      t.hz = at(h_z);
+      const Real along = t.hx * nx + t.hy * ny + t.hz * nz;
+      t.hx -= along * nx;
+      t.hy -= along * ny;
+      t.hz -= along * nz;
       t.tz += t.hz;
     }
     t.tx += t.hx;
@@ -59,83 +70,86 @@ SLIPBENCH_INLINE Trial trial_of(const Columns& c, std::size_t i) {
 }
 
 // What a cone makes of a trial: the element after the step.
-struct Mapped {
-  double raw;         // normal force, negative while apart [N]
-  double fx, fy, fz;  // tangential force [N]
-  double sx, sy, sz;  // slip, by which the stretch is shorter [m]
-  double path;        // its length [m]
-  bool slides;
+template <class Real>
+struct MappedOf {
+  Real raw;         // normal force, negative while apart [N]
+  Real fx, fy, fz;  // tangential force [N]
+  Real sx, sy, sz;  // slip, by which the stretch is shorter [m]
+  Real path;        // its length [m]
+  Flag<Real> slides;
 };
+using Mapped = MappedOf<double>;
+
+template <class Real, bool kPlane>
+SLIPBENCH_INLINE Real size_of(const TrialOf<Real>& t) {
+  const Real squared = t.tx * t.tx + t.ty * t.ty;
+  return root(kPlane ? squared : squared + t.tz * t.tz);
+}
 
 // The size of a trial force [N] beyond which element i slips: `stick` mu_s f_n, or, once it has begun, `slide` mu_k f_n. By a rate law mu_k may be
 // the larger one, and slip is no slip while it is shorter than what counts.
-template <bool kExtended>
-SLIPBENCH_INLINE double slips_beyond(const Columns& c, std::size_t i, double stick, double slide) {
-  const double onset = kExtended && slide > stick ? slide : stick;
-  return (c[mode_before][i] == 2.0 ? slide : onset) + c[k_tangential][i] * shortest_slip;
+template <class Real, bool kExtended>
+SLIPBENCH_INLINE Real slips_beyond(const Columns& c, std::size_t i, const Real& stick, const Real& slide) {
+  const Real onset = kExtended ? (slide > stick ? slide : stick) : stick;
+  return (entry<Real>(c, mode_before, i) == 2.0 ? slide : onset) + entry<Real>(c, k_tangential, i) * shortest_slip;
 }
 
 // Coulomb's circular cone, also for what does not touch.
-template <bool kPlane, bool kExtended>
-SLIPBENCH_INLINE Mapped map_onto_circle(const Columns& c, std::size_t i, const Trial& t) {
-  const double softness = c[compliance][i];
-  const bool touches = t.f_n > 0.0;
-  const double limit_slide = c[mu_kinetic][i] * t.f_n;
-  const double size = std::sqrt(t.tx * t.tx + t.ty * t.ty + (kPlane ? 0.0 : t.tz * t.tz));
-  const bool slides = touches & (size > slips_beyond<kExtended>(c, i, c[mu_static][i] * t.f_n, limit_slide));
-  const double ratio = limit_slide / size;
-  const double scale = slides ? ratio : 1.0;
-  const double loss = (size - limit_slide) * softness;
-  // With u = (f - h) / k the anchor lies at c - u; the slip of this step is what the stretch lost.
-  const double lost = slides ? (1.0 - scale) * softness : 0.0;
+template <class Real, bool kPlane, bool kExtended>
+SLIPBENCH_INLINE MappedOf<Real> map_onto_circle(const Columns& c, std::size_t i, const TrialOf<Real>& t) {
+  const Real none{}, one = none + 1.0, softness = entry<Real>(c, compliance, i);
+  const Flag<Real> touches = t.f_n > none;
+  const Real limit_stick = entry<Real>(c, mu_static, i) * t.f_n, limit_slide = entry<Real>(c, mu_kinetic, i) * t.f_n;
+  const Real size = size_of<Real, kPlane>(t);
+  const Flag<Real> slides = touches & (size > slips_beyond<Real, kExtended>(c, i, limit_stick, limit_slide));
+  const Real ratio = limit_slide / size, scale = slides ? ratio : one;
+  const Real loss = (size - limit_slide) * softness;
+  // With u = (f - h) / k the anchor lies at c - u; the slip of this step is what the stretch lost: nothing of one that sticks.
+  const Real lost = (one - scale) * softness;
+  const Real fx = scale * t.tx, fy = scale * t.ty, fz = scale * t.tz;
   // Of what does not touch every zero has the same sign, whatever it has come from: it is part of the state.
-  return {t.raw,
-          touches ? scale * t.tx : 0.0,
-          touches ? scale * t.ty : 0.0,
-          touches ? scale * t.tz : 0.0,
-          lost * t.tx,
-          lost * t.ty,
-          kPlane ? 0.0 : lost * t.tz,
-          slides ? loss : 0.0,
+  return {t.raw,       touches ? fx : none, touches ? fy : none,         touches ? fz : none,
+          lost * t.tx, lost * t.ty,         kPlane ? none : lost * t.tz, slides ? loss : none,
           slides};
 }
 
 // Takes over what the cone has made of the trial. `kKeepsAnchor`: on a plane an anchor that sticks stays to the bit, which c - (c - a) does up to
 // rounding only.
-template <bool kPlane, bool kKeepsAnchor>
-SLIPBENCH_INLINE void take_over(const Columns& c, std::size_t i, const Trial& t, const Mapped& m) {
-  const bool touches = t.f_n > 0.0;
-  const double vx = touches ? t.ux - m.sx : 0.0;
-  const double vy = touches ? t.uy - m.sy : 0.0;
-  const bool stays = kKeepsAnchor && touches && !m.slides;
-  c[f_normal][i] = m.raw;
-  c[slip_x][i] = m.sx;
-  c[slip_y][i] = m.sy;
-  c[anchor_x][i] = stays ? c[anchor_x][i] : c[contact_x][i] - vx;
-  c[anchor_y][i] = stays ? c[anchor_y][i] : c[contact_y][i] - vy;
-  c[force_x][i] = m.fx;
-  c[force_y][i] = m.fy;
+template <class Real, bool kPlane, bool kKeepsAnchor>
+SLIPBENCH_INLINE void take_over(const Columns& c, std::size_t i, const TrialOf<Real>& t, const MappedOf<Real>& m) {
+  const Real none{}, one = none + 1.0;
+  const Flag<Real> touches = t.f_n > none, stays = touches != m.slides;
+  const auto set = [&c, i](Column column, const Real& value) SLIPBENCH_INLINE_BODY { put_vector(c[column] + i, value); };
+  const auto move_anchor = [&](Column anchor, Column contact, const Real& stretch, const Real& slip) SLIPBENCH_INLINE_BODY {
+    const Real left = stretch - slip, moved = entry<Real>(c, contact, i) - (touches ? left : none);
+    set(anchor, kKeepsAnchor ? (stays ? entry<Real>(c, anchor, i) : moved) : moved);
+  };
+  set(f_normal, m.raw);
+  set(slip_x, m.sx);
+  set(slip_y, m.sy);
+  move_anchor(anchor_x, contact_x, t.ux, m.sx);
+  move_anchor(anchor_y, contact_y, t.uy, m.sy);
+  set(force_x, m.fx);
+  set(force_y, m.fy);
   if constexpr (!kPlane) {
-    const double vz = touches ? t.uz - m.sz : 0.0;
-    c[slip_z][i] = m.sz;
-    c[anchor_z][i] = c[contact_z][i] - vz;
-    c[force_z][i] = m.fz;
+    set(slip_z, m.sz);
+    move_anchor(anchor_z, contact_z, t.uz, m.sz);
+    set(force_z, m.fz);
   }
-  c[limit][i] = c[mu_static][i] * (0.5 * (m.raw + std::abs(m.raw)));
-  c[path][i] += m.path;
-  const double moving = m.slides ? 2.0 : 1.0;
-  c[mode][i] = touches ? moving : 0.0;
+  set(limit, entry<Real>(c, mu_static, i) * positive(m.raw));
+  set(path, entry<Real>(c, path, i) + m.path);
+  set(mode, (touches ? one : none) + (m.slides ? one : none));
 }
 
 // Maps `count` elements one after the other onto a cone `map_onto(i, trial)` of those that touch. `plane`, `extended`: as for map().
 template <class Cone>
 void map_each(const Columns& c, bool plane, bool extended, std::size_t count, const Cone& map_onto) {
   for (std::size_t i = 0; i < count; ++i) {
-    const Trial trial = extended ? trial_of<false, true>(c, i) : trial_of<false, false>(c, i);
+    const Trial trial = extended ? trial_of<double, false, true>(c, i) : trial_of<double, false, false>(c, i);
     Mapped mapped{};
     mapped.raw = trial.raw;
     if (trial.f_n > 0.0) mapped = map_onto(i, trial);
-    plane ? take_over<true, true>(c, i, trial, mapped) : take_over<false, false>(c, i, trial, mapped);
+    plane ? take_over<double, true, true>(c, i, trial, mapped) : take_over<double, false, false>(c, i, trial, mapped);
   }
 }
 

@@ -19,6 +19,7 @@ static_assert(lanes == quad);
 using Ints __attribute__((vector_size(lanes * sizeof(int)))) = int;
 using Bytes __attribute__((vector_size(lanes))) = unsigned char;
 using slipbench::any;
+SLIPBENCH_INLINE bool any(bool one) { return one; }
 
 SLIPBENCH_INLINE Lanes lanes_at(const double* from) { return vector_at<Lanes>(from); }
 SLIPBENCH_INLINE void put_lanes(double* to, const Lanes& values) { put_vector(to, values); }
@@ -37,11 +38,23 @@ SLIPBENCH_INLINE void put_vectors(double* to, const Lanes& x, const Lanes& y) {
   put_lanes(to + lanes, __builtin_shufflevector(x, y, 2, 6, 3, 7));
 }
 
+// Of one element.
+SLIPBENCH_INLINE void put_vectors(double* to, double x, double y, double z) { to[0] = x, to[1] = y, to[2] = z; }
+SLIPBENCH_INLINE void put_vectors(double* to, double x, double y) { to[0] = x, to[1] = y; }
+
+// max(0, x), exactly, and never -0.
+template <class Real>
+SLIPBENCH_INLINE Real positive(const Real& x) {
+  const Real none{};
+  return (x < none ? none : x) + none;
+}
+
 SLIPBENCH_INLINE Lanes root(const Lanes& values) {
   Lanes roots;
   for (std::size_t lane = 0; lane < lanes; ++lane) roots[lane] = std::sqrt(values[lane]);
   return roots;
 }
+SLIPBENCH_INLINE double root(double value) { return std::sqrt(value); }
 
 // The entries of a rotation, for loops that are to find them in registers.
 struct Rotation {
@@ -50,6 +63,11 @@ struct Rotation {
 
 SLIPBENCH_INLINE Rotation entries_of(const Eigen::Matrix3d& r) {
   return {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)};
+}
+
+// Those of its transpose.
+SLIPBENCH_INLINE Rotation entries_back(const Eigen::Matrix3d& r) {
+  return {r(0, 0), r(1, 0), r(2, 0), r(0, 1), r(1, 1), r(2, 1), r(0, 2), r(1, 2), r(2, 2)};
 }
 
 }  // namespace slipbench::kernel

@@ -1,6 +1,7 @@
 #include "sim/simulation/stage_simulation.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -30,6 +31,14 @@ struct HalfThickness {
   double operator()(const DistanceGrid&) const { return std::numeric_limits<double>::infinity(); }  // it knows of no thickness
 };
 
+bool same_bits(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  std::uint64_t differ = 0;
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    differ |= std::bit_cast<std::uint64_t>(a.data()[i]) ^ std::bit_cast<std::uint64_t>(b.data()[i]);
+  }
+  return differ == 0;
+}
+
 // An element of a pad deeper than that would come out on the far side without having let go.
 void refuse_too_deep(const Field& field, double half_thickness, double time) {
   constexpr double margin = 0.9;  // of the half thickness: a step must not lead over the rest of it
@@ -58,6 +67,7 @@ struct StageSimulation::State {
   std::vector<Pad> pads;
   PadClocks clocks;
   std::vector<NamedBody> bodies;
+  Pose pad_in_surface;  // of the last step
 };
 
 StageSimulation::StageSimulation(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
@@ -83,6 +93,7 @@ StageSimulation::StageSimulation(const Scene& scene, std::span<const PadLayout* 
     s.pads.push_back({std::move(field), std::move(labels), {}});
     if (motors) s.pads.back().motors.emplace(*motors, RandomStream(scene.seed, trial, "motors"));
   }
+  s.pad_in_surface = s.world_in_surface * s.motion->pad_at(0.0).pose;
   s.bodies = {{"pad", s.motion->pad_at(0.0)}, {"surface", {surface.pose, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
 }
 
@@ -107,12 +118,17 @@ bool StageSimulation::rotating() const { return state_->motion->turns(); }
 void StageSimulation::step() {
   State& s = *state_;
   const double time = s.clocks.advance();
-  const BodyState& stage = s.bodies.front().state = s.motion->pad_at(time);
-  const Pose pad_in_surface = s.world_in_surface * stage.pose;
+  const BodyState stage = s.motion->pad_at(time);
+  BodyState& last = s.bodies.front().state;
+  if (!same_bits(stage.pose.rotation, last.pose.rotation)) {
+    s.pad_in_surface.rotation = s.world_in_surface.rotation * stage.pose.rotation;
+  }
+  s.pad_in_surface.position = s.world_in_surface * stage.pose.position;
+  last = stage;
   for (const std::size_t i : s.clocks.stepped()) {
     State::Pad& pad = s.pads[i];
     const double dt = s.clocks.time_step(i);
-    pad.field.step(pad_in_surface, dt);
+    pad.field.step(s.pad_in_surface, dt);
     if (!pad.field.on_plane()) refuse_too_deep(pad.field, s.half_thickness, time);
     pad.labels.ride(stage.pose.position.array(), pad.motors ? pad.motors->force(stage, pad.field.touching() > 0, dt) : 0.0);
     pad.labels.judge({&pad.field, 1}, time, dt);

@@ -171,11 +171,11 @@ void ContentDigest::begin(const std::string& key, std::string_view type, const s
   hash_.update(head.data(), head.size());
 }
 
-void ContentDigest::add_numbers(const std::string& key, std::string_view type, const std::vector<std::size_t>& extents,
-                                const void* bytes, std::size_t size) {
+const Digest& ContentDigest::add_numbers(const std::string& key, std::string_view type, const std::vector<std::size_t>& extents,
+                                         const void* bytes, std::size_t size) {
   begin(key, type, extents);
   hash_.update(bytes, size);
-  entries_[key] = hash_.finish();
+  return entries_[key] = hash_.finish();
 }
 
 void ContentDigest::add_texts(const std::string& key, const std::vector<std::size_t>& extents,

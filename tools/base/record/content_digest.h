@@ -33,9 +33,9 @@ Digest stored_file_digest(const hdf5::Place& root, const std::vector<std::pair<s
 class ContentDigest {
  public:
   // One array or attribute of numbers: `type` as numpy writes it ("<f8"), values little-endian in C order. An attribute's key is
-  // its object's path, "@" and its name. Keys differ.
-  void add_numbers(const std::string& key, std::string_view type, const std::vector<std::size_t>& extents, const void* bytes,
-                   std::size_t size);
+  // its object's path, "@" and its name. Keys differ. Returns the entry's own digest.
+  const Digest& add_numbers(const std::string& key, std::string_view type, const std::vector<std::size_t>& extents,
+                            const void* bytes, std::size_t size);
   // One of texts. A single one has no extents.
   void add_texts(const std::string& key, const std::vector<std::size_t>& extents, const std::vector<std::string>& texts);
   void add_text(const std::string& key, const std::string& text) { add_texts(key, {}, {text}); }

@@ -7,6 +7,8 @@
 #include <bit>
 #include <cstring>
 #include <fstream>
+#include <initializer_list>
+#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -85,18 +87,21 @@ void add_attribute(ContentDigest& digest, const EncodedAttribute& attribute) {
   std::visit(Adder{digest, attribute.path + "@" + attribute.name}, attribute.value);
 }
 
-void add_array(ContentDigest& digest, const std::string& path, ElementType type, const Extents& shape, const void* values,
-               std::size_t bytes, const std::string& unit, std::string_view codes) {
-  digest.add_numbers(path, numpy_name(type), shape, values, bytes);
+// Returns that of the values.
+const Digest& add_array(ContentDigest& digest, const std::string& path, ElementType type, const Extents& shape,
+                        const void* values, std::size_t bytes, const std::string& unit, std::string_view codes) {
+  const Digest& of_values = digest.add_numbers(path, numpy_name(type), shape, values, bytes);
   digest.add_text(path + "@unit", unit);
   if (!codes.empty()) digest.add_text(path + "@codes", std::string(codes));
+  return of_values;
 }
 
-// The same entries that content_digest.cc finds in the file.
-Digest digest_of(const std::vector<ArrayView>& arrays, const std::vector<EncodedAttribute>& attributes) {
+// The same entries that content_digest.cc finds in the file. Calls see(array, digest of its values).
+template <class See>
+Digest digest_of(const std::vector<ArrayView>& arrays, const std::vector<EncodedAttribute>& attributes, const See& see) {
   ContentDigest digest;
   for (const ArrayView& view : arrays)
-    add_array(digest, view.path, view.type, view.shape, view.bytes, view.size_bytes(), view.unit, view.codes);
+    see(view, add_array(digest, view.path, view.type, view.shape, view.bytes, view.size_bytes(), view.unit, view.codes));
   for (const EncodedAttribute& attribute : attributes) add_attribute(digest, attribute);
   return digest.finish();
 }
@@ -136,7 +141,25 @@ struct TrialEncoder::State {
   std::vector<std::uint8_t> padded;
   std::vector<std::uint8_t> shuffled;
   std::vector<std::uint8_t> deflated;
+  // What the small arrays of the last trial became, by path: time and bodies at rest are the same in each trial.
+  static constexpr std::size_t most_kept = chunk_bytes / 4;
+  struct Kept {
+    Digest digest;
+    std::vector<std::vector<std::uint8_t>> chunks;
+  };
+  std::map<std::string, Kept> kept;
 
+  // Whether no byte of a plane tells of another one, as of mantissas under noise: deflating a sample of it gains nothing.
+  bool is_noise(const std::uint8_t* plane, std::size_t size) {
+    constexpr std::size_t pieces = 4;
+    constexpr std::size_t piece = 512;
+    if (size < 8 * pieces * piece) return false;
+    std::array<std::uint8_t, pieces * piece> sample, smaller;
+    for (std::size_t k = 0; k < pieces; ++k) std::memcpy(&sample[k * piece], plane + k * size / pieces, piece);
+    return libdeflate_deflate_compress(compressor.get(), sample.data(), sample.size(), smaller.data(), smaller.size()) == 0;
+  }
+
+  // A zlib stream. Planes of noise come first, as they are: a compressor would look for patterns in vain, and long.
   std::vector<std::uint8_t> deflate_chunk(const std::uint8_t* bytes, std::size_t size, std::size_t element) {
     const std::uint8_t* source = bytes;
     if (element > 1) {
@@ -148,18 +171,38 @@ struct TrialEncoder::State {
       }
       source = shuffled.data();
     }
-    deflated.resize(std::max(deflated.size(), libdeflate_zlib_compress_bound(compressor.get(), size)));
-    const std::size_t length = libdeflate_zlib_compress(compressor.get(), source, size, deflated.data(), deflated.size());
-    return {deflated.begin(), deflated.begin() + static_cast<std::ptrdiff_t>(length)};
+    const std::size_t plane = size / element;
+    std::size_t stored = 0;
+    while (stored + plane < size && is_noise(source + stored, plane)) stored += plane;
+    deflated.resize(std::max(deflated.size(), size + size / 1024 + libdeflate_deflate_compress_bound(compressor.get(), size)));
+    std::uint8_t* out = deflated.data();
+    const auto put = [&out](std::size_t value, std::initializer_list<int> shifts) {
+      for (const int shift : shifts) *out++ = static_cast<std::uint8_t>(value >> shift);
+    };
+    put(0x7801, {8, 0});
+    for (std::size_t first = 0; first < stored;) {
+      const std::size_t block = std::min<std::size_t>(stored - first, 0xFFFF);
+      put(block << 8 | ~block << 24, {0, 8, 16, 24, 32});  // a stored block that is not the last, its length twice
+      out = std::copy_n(source + first, block, out);
+      first += block;
+    }
+    out += libdeflate_deflate_compress(compressor.get(), source + stored, size - stored, out,
+                                       static_cast<std::size_t>(deflated.data() + deflated.size() - out));
+    put(libdeflate_adler32(1, source, size), {24, 16, 8, 0});
+    return {deflated.data(), out};
   }
 
-  EncodedArray encode_array(const ArrayView& view) {
+  EncodedArray encode_array(const ArrayView& view, const Digest& digest) {
     EncodedArray array{view.path, view.unit, std::string(view.codes), view.type, view.shape, 0, {}};
     const std::size_t rows = view.shape[0];
     const std::size_t row_bytes = view.row_bytes();
     if (rows == 0 || row_bytes == 0) return array;
     const std::size_t parts = std::max<std::size_t>(1, (view.size_bytes() + chunk_bytes - 1) / chunk_bytes);
     array.chunk_rows = (rows + parts - 1) / parts;
+    if (const auto same = kept.find(view.path); same != kept.end() && same->second.digest == digest) {
+      array.chunks = same->second.chunks;
+      return array;
+    }
     for (std::size_t first = 0; first < rows; first += array.chunk_rows) {
       end_if_interrupted();
       const std::uint8_t* bytes = view.bytes + first * row_bytes;
@@ -172,6 +215,7 @@ struct TrialEncoder::State {
       }
       array.chunks.push_back(deflate_chunk(bytes, whole, size_of(view.type)));
     }
+    if (view.size_bytes() <= most_kept) kept[view.path] = {digest, array.chunks};
     return array;
   }
 };
@@ -208,9 +252,9 @@ EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
   trial.attributes = attributes_of(record);
   // A record that was read has its sensors in another order, and is to give the same bytes.
   std::ranges::stable_sort(trial.attributes, {}, &EncodedAttribute::path);
-  const std::vector<ArrayView> arrays = arrays_of(record);
-  for (const ArrayView& view : arrays) trial.arrays.push_back(state_->encode_array(view));
-  trial.digest = digest_of(arrays, trial.attributes);
+  trial.digest = digest_of(arrays_of(record), trial.attributes, [&](const ArrayView& view, const Digest& digest) {
+    trial.arrays.push_back(state_->encode_array(view, digest));
+  });
   trial.attributes.push_back({"", trial_sha256_name, hexadecimal(trial.digest)});
   return trial;
 }
@@ -252,7 +296,9 @@ std::string truth_sha256(const LabelRecord& labels) {
   return hexadecimal(sha.finish());
 }
 
-Digest trial_digest(const TrialRecord& record) { return digest_of(arrays_of(record), attributes_of(record)); }
+Digest trial_digest(const TrialRecord& record) {
+  return digest_of(arrays_of(record), attributes_of(record), [](const ArrayView&, const Digest&) {});
+}
 
 std::string content_digest(const std::vector<Digest>& digests) {
   Sha256 hash;

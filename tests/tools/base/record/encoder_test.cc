@@ -7,6 +7,7 @@
 #include <zlib.h>
 
 #include "sim/core/process/interrupted.h"
+#include "sim/core/random.h"
 #include "tests/tools/base/record/test_records.h"
 
 namespace slipbench::testing {
@@ -41,6 +42,30 @@ TEST(TrialEncoder, PutsASmallArrayInOneChunk) {
   EXPECT_EQ(force.chunk_rows, 50U);
   ASSERT_EQ(force.chunks.size(), 1U);
   EXPECT_EQ(decoded(force.chunks[0], 100), record.sensors[0].channels[0].values);
+}
+
+TEST(TrialEncoder, StoresBytesOfNoiseAsTheyAre) {
+  // From 1 to 2 the lower two bytes of a float are noise and the third has seven random bits.
+  constexpr std::size_t rows = 20'000, count = 2 * rows;
+  TrialRecord record = make_record(0, rows);
+  std::vector<float>& force = record.sensors[0].channels[0].values;
+  RandomStream stream(1, 0, "noise");
+  for (float& value : force) value = static_cast<float>(stream.uniform(1.0, 1.999));
+  const std::vector<std::uint8_t> chunk = array_of(TrialEncoder().encode(record), "sensors/pad/force").chunks.at(0);
+  EXPECT_EQ(decoded(chunk, count), force);
+  // RFC 1951: a block that is not the last and is stored, its length, and that length inverted.
+  EXPECT_EQ(std::vector(chunk.begin() + 2, chunk.begin() + 7), (std::vector<std::uint8_t>{0, 0xFF, 0xFF, 0, 0}));
+  EXPECT_LT(chunk.size(), count * (8 + 8 + 7 + 1) / 8);
+}
+
+TEST(TrialEncoder, GivesTheBytesOfATrialWhateverCameBefore) {
+  TrialRecord moved = make_record(0, 50);
+  moved.bodies[0].velocity.back() += 1.0F;
+  TrialEncoder encoder;
+  for (const TrialRecord& record : {make_record(0, 50), make_record(1, 50), moved, make_record(0, 60), make_record(0, 50)}) {
+    const EncodedTrial trial = encoder.encode(record), alone = TrialEncoder().encode(record);
+    for (std::size_t i = 0; i < alone.arrays.size(); ++i) EXPECT_EQ(trial.arrays[i].chunks, alone.arrays[i].chunks);
+  }
 }
 
 // Compressing a large record takes seconds.
