@@ -28,28 +28,35 @@ ChannelPlace displacement_of(const FrameSource& source) {
 
 class HdDetector final : public Detector {
  public:
-  HdDetector(Classify classify, double rate, const FrameSource& source)
-      : classify_(std::move(classify)), displacement_(displacement_of(source)), stride_(stride_of(rate, source)) {}
+  HdDetector(Classify classify, double rate, const network::Alarm& alarm, const FrameSource& source)
+      : classify_(std::move(classify)), displacement_(displacement_of(source)), stride_(stride_of(rate, source)), gate_(alarm) {}
 
   const SlipEstimate& update(const SensorFrame& frame) override {
     if (frames_++ % stride_ != 0) return estimate_;
     const Classified classified = classify_(frame.values.subspan(displacement_.first, 3 * pillar_count));
-    estimate_ = {frame.time, classified.latency, classified.state};
+    estimate_ = {frame.time, classified.latency, said(classified.state)};
     return estimate_;
   }
 
  private:
+  PadState said(PadState state) {
+    if (state == PadState::no_contact) return state;
+    if (slips(state)) slip_ = state;
+    return gate_.push(slips(state)) ? slip_ : PadState::non_slip;
+  }
+
   Classify classify_;
   ChannelPlace displacement_;
   std::size_t stride_;
+  network::AlarmGate gate_;
+  PadState slip_ = PadState::gross;  // the last class of slip
   std::size_t frames_ = 0;
   SlipEstimate estimate_;
 };
 
-// `path` is the default or a folder.
 SavedModel load_memories(const std::string& path) {
   try {
-    return load(path == default_memories ? shipped_memories(path) : path, Model{});
+    return load(path == default_memories ? shipped_memories(path) : memories_folder(path), Model{});
   } catch (const InputError& error) {
     throw SceneValueError("detector.memories", error.what());
   }
@@ -80,7 +87,8 @@ std::size_t stride_of(double rate, const FrameSource& source) {
 
 std::vector<ParameterSpec> detector_parameters() {
   return {
-      path_spec("memories", default_memories, "Folder of the trained classifier: AM.hex, CIM.hex, CM.hex, IM.hex and model.txt.",
+      path_spec("memories", default_memories,
+                "Folder of the trained classifier: AM.hex, CIM.hex, CM.hex, IM.hex and model.txt; learn_gst_hd ships, too.",
                 "the folder that ships with the program"),
       number_spec("rate", Quantity::frequency, "100 Hz", positive,
                   "Frames a second that are classified, every k-th of the sensor's; the sensor's rate must be a multiple.",
@@ -104,8 +112,8 @@ SavedModel detector_model(const Parameters& parameters) {
   return saved;
 }
 
-std::unique_ptr<Detector> make_detector(Classify classify, double rate, const FrameSource& source) {
-  return std::make_unique<HdDetector>(std::move(classify), rate, source);
+std::unique_ptr<Detector> make_detector(Classify classify, double rate, const network::Alarm& alarm, const FrameSource& source) {
+  return std::make_unique<HdDetector>(std::move(classify), rate, alarm, source);
 }
 
 }  // namespace hd
@@ -118,7 +126,7 @@ std::unique_ptr<Detector> make_gst_hd(const Parameters& parameters, const FrameS
   const auto classify = [engine, quantiser = saved.quantiser](std::span<const float> displacement) {
     return hd::Classified{engine->update(hd::quantise(displacement, quantiser)).state, 0.0};
   };
-  return hd::make_detector(classify, parameters.number("rate"), source);
+  return hd::make_detector(classify, parameters.number("rate"), saved.alarm, source);
 }
 
 }  // namespace
@@ -129,6 +137,7 @@ DetectorKind gst_hd_detector() {
        .summary = "Hyperdimensional classifier of the PapillArray's displacements, in software and without latency.",
        .law = "level of a pillar: |(d_x, d_y)| / |d| in 21 steps; GST_t = prod_k rho^k GS_{t-k} over N frames\n"
               "class: the prototype nearest to GST_t once bound with the context, which is the compression of the centre pillar\n"
+              "slip is said after `on` frames in a row that slip, as model.txt says: after the first where it says nothing\n"
               "no contact: only the first N - 1 frames; later a pad that touches nothing gets one of the other three classes",
        .source =
            "Ultra-Fast Lightweight Incipient Slip Detection Using Hyperdimensional Computing With the PapillArray Tactile Sensor, section III",

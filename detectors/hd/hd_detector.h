@@ -34,8 +34,9 @@ std::size_t stride_of(double rate, const FrameSource& source);
 // Takes every k-th frame, the first one included, with k = stride_of(rate, source); the frames between leave the estimate as it is.
 // (The paper downsamples 1000 Hz recordings to 100 Hz and does not say how; its hardware reads the sensor at 100 Hz, which is this.)
 // The state is no_contact until the engine has seen its window. From then on it is the nearest of three classes, also while nothing
-// touches: the classifier has no class for that, and sees nine displacements of zero.
+// touches: the classifier has no class for that, and sees nine displacements of zero. `alarm` says how many frames in a row have to be
+// slip until that is said: non_slip before, and the last class of slip as long as an alarm outlasts it.
 // Throws SceneValueError where stride_of() does and where the source is no PapillArray.
-std::unique_ptr<Detector> make_detector(Classify classify, double rate, const FrameSource& source);
+std::unique_ptr<Detector> make_detector(Classify classify, double rate, const network::Alarm& alarm, const FrameSource& source);
 
 }  // namespace slipbench::hd

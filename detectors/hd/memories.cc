@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "sim/core/error.h"
-#include "sim/core/random.h"
 
 namespace slipbench::hd {
 namespace {
@@ -81,15 +80,14 @@ Hypervector from_hex(std::string_view text, std::size_t dimension) {
   return vector;
 }
 
-namespace {
-
-// The numbers 0 to count - 1 in a random order (Fisher-Yates).
 std::vector<std::size_t> shuffled(std::size_t count, RandomStream random) {
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
   for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[random.integer(i)]);
   return order;
 }
+
+namespace {
 
 // A random vector with floor(D/2) ones.
 Hypervector balanced(std::size_t dimension, RandomStream random) {
@@ -165,14 +163,19 @@ void Prototypes::add(const Hypervector& query, std::uint8_t context, PadState st
   std::vector<std::int64_t>& sums = sums_[class_of(state)];
   const Hypervector encoded = model_.context_driven ? bind(query, context_.at(context)) : query;
   assert(encoded.dimension() == model_.dimension);
-  for (std::size_t i = 0; i < model_.dimension; ++i) sums[i] += encoded.bit(i) ? times : -times;
+  std::uint64_t word = 0;
+  for (std::size_t i = 0; i < model_.dimension; ++i, word >>= 1) {
+    if (i % 64 == 0) word = encoded.words()[i / 64];
+    sums[i] += (word & 1) != 0 ? times : -times;
+  }
 }
 
 std::vector<Hypervector> Prototypes::bundle() const {
   std::vector<Hypervector> memory;
   for (const std::vector<std::int64_t>& sums : sums_) {
     Hypervector& prototype = memory.emplace_back(model_.dimension);
-    for (std::size_t i = 0; i < sums.size(); ++i) prototype.set(i, sums[i] > 0 || (sums[i] == 0 && model_.ties == Ties::one));
+    const std::int64_t above = model_.ties == Ties::one ? -1 : 0;
+    for (std::size_t i = 0; i < sums.size(); ++i) prototype.words()[i / 64] |= std::uint64_t{sums[i] > above} << (i % 64);
   }
   return memory;
 }

@@ -30,6 +30,8 @@ constexpr std::size_t published_item_rows = 14;
 constexpr std::uintmax_t largest_file = 1'000'000;
 
 constexpr std::array version_words{Word<int>{"1", 1}};
+constexpr std::array<std::pair<const char*, std::size_t network::Alarm::*>, 3> alarm_keys{
+    {{"on", &network::Alarm::on}, {"off", &network::Alarm::off}, {"least", &network::Alarm::least}}};
 constexpr std::array flag_words{Word<bool>{"false", false}, Word<bool>{"true", true}};
 
 std::string at(const fs::path& file, std::size_t line) { return file.string() + ":" + std::to_string(line) + ": "; }
@@ -91,6 +93,8 @@ class DescriptionReader {
     line_count_ = lines.size();
   }
 
+  [[nodiscard]] bool has(const std::string& key) const { return entries_.contains(key); }
+
   // The text of a key.
   const std::string& text(const std::string& key) { return entry(key).text; }
 
@@ -151,6 +155,9 @@ SavedModel read_description(const fs::path& file) {
   saved.model.ties = reader.word("ties", ties_words);
   saved.model.compat = reader.word("compat", compat_words);
   saved.quantiser = reader.word("quantiser", quantiser_words);
+  for (const auto& [key, frames] : alarm_keys) {
+    if (reader.has(key)) saved.alarm.*frames = reader.number(key);
+  }
   saved.trained = reader.text("trained");
   reader.finish();
   try {
@@ -172,6 +179,9 @@ std::string description_of(const SavedModel& saved) {
   line("ties", name_of(ties_words, model.ties));
   line("compat", name_of(compat_words, model.compat));
   line("quantiser", name_of(quantiser_words, saved.quantiser));
+  for (const auto& [key, frames] : alarm_keys) {
+    if (saved.alarm.*frames != 1) line(key, std::to_string(saved.alarm.*frames));
+  }
   line("trained", saved.trained);
   return text;
 }
@@ -260,7 +270,8 @@ std::string shipped_memories(const std::string& name) {
 
 std::string memories_folder(const std::string& name) {
   std::error_code error;
-  return name == default_memories && !std::filesystem::exists(name, error) ? shipped_memories(name) : name;
+  const fs::path shipped = fs::path(own_path(SLIPBENCH_HD_MEMORIES)) / fs::path(name).filename();
+  return !name.empty() && !fs::exists(name, error) && fs::is_directory(shipped, error) ? shipped.string() : name;
 }
 
 void check_folder_target(const std::string& folder, const std::vector<std::string>& own_names) {

@@ -11,6 +11,7 @@
 //   ties: one                          (zero)
 //   compat: paper                      (published_core)
 //   quantiser: fixed_point             (exact, unrounded)
+//   on: 5                              (frames in a row that begin an alarm; likewise off, that end it, and least, that it lasts; not there: 1)
 //   trained: hexapod.h5, draw 3        (anything, to the end of the line)
 #pragma once
 
@@ -21,6 +22,7 @@
 #include "detectors/hd/features.h"
 #include "detectors/hd/memories.h"
 #include "detectors/hd/model.h"
+#include "detectors/network/description.h"
 #include "sim/core/error.h"
 
 namespace slipbench::hd {
@@ -31,6 +33,7 @@ struct SavedModel {
   Quantiser quantiser = Quantiser::fixed_point;
   std::string trained;  // from what, for people
   Memories memories;
+  network::Alarm alarm{};  // when the detector says slip
 };
 
 // A folder without model.txt, where nothing else says which model its memories belong to.
@@ -63,8 +66,8 @@ inline constexpr const char* default_memories = "cl_gst_hd";
 // Throws InputError when there is no such folder: where it was looked for.
 std::string shipped_memories(const std::string& name);
 
-// Folder of the classifier `name` on a command line: that folder where there is one, else the shipped one where it is
-// default_memories, else `name` as it is.
+// Folder of the classifier `name`, a path: that folder where there is one, else the shipped one of its last part where there is one, else
+// `name` as it is.
 std::string memories_folder(const std::string& name);
 
 // A folder of text files that appears whole.

@@ -80,8 +80,7 @@ void check_clock(const Parameters& parameters, Unrolling unrolling, const FrameS
                                               format_quantity(least, Quantity::frequency));
 }
 
-std::shared_ptr<RtlEngine> make_engine(const Parameters& parameters, const FrameSource& source) {
-  const SavedModel saved = detector_model(parameters);
+std::shared_ptr<RtlEngine> make_engine(const SavedModel& saved, const Parameters& parameters, const FrameSource& source) {
   if (saved.quantiser != Quantiser::fixed_point) {
     throw SceneValueError("detector.quantiser",
                           name_of(quantiser_words, saved.quantiser) + " is not what the core computes; allowed: fixed_point");
@@ -128,13 +127,14 @@ void check_waveform_trial(const Parameters& parameters, std::uint64_t trials) {
 }
 
 std::unique_ptr<Detector> make_gst_hd_rtl(const Parameters& parameters, const FrameSource& source) {
-  const std::shared_ptr<hd::RtlEngine> engine = hd::make_engine(parameters, source);
+  const hd::SavedModel saved = hd::detector_model(parameters);
+  const std::shared_ptr<hd::RtlEngine> engine = hd::make_engine(saved, parameters, source);
   const double period = parameters.choice("latency") == "true" ? 1.0 / parameters.number("clock") : 0.0;
   const auto classify = [engine, period](std::span<const float> displacement) {
     const PadState state = engine->update(hd::to_fixed(displacement)).state;
     return hd::Classified{state, engine->cycles() * period};
   };
-  return hd::make_detector(classify, parameters.number("rate"), source);
+  return hd::make_detector(classify, parameters.number("rate"), saved.alarm, source);
 }
 
 }  // namespace

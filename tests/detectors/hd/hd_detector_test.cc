@@ -41,7 +41,7 @@ TEST(HdDetector, TakesEveryKthFrame) {
     seen.push_back(displacement[3 * centre_pillar + 2]);
     return {static_cast<PadState>(seen.size()), 1e-3 * static_cast<double>(seen.size())};
   };
-  const auto detector = make_detector(classify, 100.0, papillarray);
+  const auto detector = make_detector(classify, 100.0, {}, papillarray);
   for (std::size_t i = 0; i < 29; ++i) {
     const Values values = pressed(static_cast<double>(i));
     const SlipEstimate& estimate = detector->update({1e-3 * static_cast<double>(i), values});
@@ -50,6 +50,19 @@ TEST(HdDetector, TakesEveryKthFrame) {
     EXPECT_EQ(estimate.latency, 1e-3 * static_cast<double>(1 + i / 10)) << i;
   }
   EXPECT_EQ(seen, (std::vector{0.0F, 10.0F, 20.0F}));
+}
+
+// Slip is said from the second of two frames in a row that slip, of the class of the latest, until three in a row do not.
+TEST(HdDetector, SaysSlipByItsAlarm) {
+  constexpr PadState none = PadState::no_contact, hold = PadState::non_slip, part = PadState::incipient, all = PadState::gross;
+  const std::vector<PadState> called{none, part, hold, part, all, hold, hold, part, hold, hold, hold, all};
+  const std::vector<PadState> expected{none, hold, hold, hold, all, all, all, part, part, part, hold, hold};
+  std::size_t next = 0;
+  const auto classify = [&](std::span<const float>) { return Classified{called[next++], 0.0}; };
+  const auto detector = make_detector(classify, 1000.0, {2, 3, 1}, papillarray);
+  for (std::size_t i = 0; i < called.size(); ++i) {
+    EXPECT_EQ(detector->update({1e-3 * static_cast<double>(i), pressed(0.0)}).state, expected[i]) << i;
+  }
 }
 
 // The window of 15 frames at 100 Hz is full with the frame at 140 ms.
@@ -78,7 +91,8 @@ TEST(HdDetector, ReadsTheFolderAndWhatTheSceneSaysDifferently) {
 }
 
 std::string refusal_at(double rate, const FrameSource& source) {
-  return refusal_of<SceneValueError>([&] { make_detector([](std::span<const float>) { return Classified{}; }, rate, source); });
+  return refusal_of<SceneValueError>(
+      [&] { make_detector([](std::span<const float>) { return Classified{}; }, rate, {}, source); });
 }
 
 TEST(HdDetector, RefusesARateThatDoesNotDivideTheSensors) {

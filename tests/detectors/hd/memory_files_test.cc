@@ -199,8 +199,20 @@ TEST_F(MemoryFiles, PublishedMemoriesNeedAModelFromElsewhere) {
   }
 }
 
-TEST_F(MemoryFiles, ACommandLineKnowsTheShippedClassifierByName) {
+// What was chosen stands in model.txt, and nothing does where every frame is for itself.
+TEST_F(MemoryFiles, KeepTheOperatingPoint) {
+  save(folder_, saved_);
+  const std::size_t without = lines("model.txt").size();
+  saved_.alarm = {5, 1, 3};
+  save(folder_, saved_);
+  EXPECT_EQ(lines("model.txt").size(), without + 2);
+  const network::Alarm alarm = load(folder_).alarm;
+  EXPECT_THAT((std::array{alarm.on, alarm.off, alarm.least}), ElementsAre(5U, 1U, 3U));
+}
+
+TEST_F(MemoryFiles, AreKnownByNameWhereTheyShip) {
   EXPECT_EQ(memories_folder(default_memories), shipped_memories(default_memories));
+  EXPECT_EQ(memories_folder("scenes/learn_gst_hd"), shipped_memories("learn_gst_hd"));  // as a scene in that folder says it
   EXPECT_EQ(memories_folder("any/other"), "any/other");
   // A folder of that name is meant where there is one.
   const std::filesystem::path before = std::filesystem::current_path();

@@ -69,6 +69,24 @@ TEST_P(RtlDetector, SaysWhatTheSoftwareSaysAfterTheCoresCycles) {
 INSTANTIATE_TEST_SUITE_P(Unrollings, RtlDetector, testing::Values("fastest", "middle", "smallest"),
                          [](const auto& info) { return info.param; });
 
+// The memory that learnt from scenes/learn, whose model.txt has an operating point.
+TEST(RtlDetector, SaysWhatTheSoftwareSaysByItsAlarm) {
+  Parameters software = defaults_of(gst_hd_detector().about.parameters), hardware = published_parameters();
+  for (Parameters* parameters : {&software, &hardware}) parameters->set("memories", std::string("learn_gst_hd"));
+  const auto expected = gst_hd_detector().create(software, papillarray);
+  const auto actual = gst_hd_rtl_detector().create(hardware, papillarray);
+  std::size_t slipping = 0;
+  for (std::size_t i = 0; i < 4000; ++i) {
+    const auto values = frame_at(i);
+    const SensorFrame frame{1e-3 * static_cast<double>(i), values};
+    const PadState state = actual->update(frame).state;
+    ASSERT_EQ(state, expected->update(frame).state) << "frame " << i;
+    slipping += slips(state) ? 1U : 0U;
+  }
+  EXPECT_GT(slipping, 0U);
+  EXPECT_LT(slipping, 4000U);
+}
+
 TEST(RtlDetector, LatencyCanBeLeftOut) {
   Parameters parameters = published_parameters();
   parameters.set("latency", std::string("zero"));

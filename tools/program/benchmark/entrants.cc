@@ -170,6 +170,7 @@ std::vector<Entrant> shipped_entrants() {
     const bool asks_for_a_file = std::ranges::find(of_a_file, entry.name) != of_a_file.end();
     if (!asks_for_a_file && entry.name != oracle_type && entry.name != control_type) add(entry.name, entry.name, "");
   }
+  add("learn_gst_hd", "gst_hd, learn_gst_hd", "");
   if (network::engine_available()) {
     for (const ShippedNetwork& network : shipped_networks) add(project_file(network.path), network.name, network.threshold);
   }

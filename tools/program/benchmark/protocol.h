@@ -42,8 +42,8 @@ struct Held {
   double time = std::numeric_limits<double>::quiet_NaN();
 };
 
-// A network that learns as a part of the protocol, from a scene that shares no seed with those held out. The memories of gst_hd that ship have
-// learnt from learn_papillarray.yaml.
+// A network that learns as a part of the protocol, from a scene that shares no seed with those held out. The memory cl_gst_hd of gst_hd has learnt from
+// learn_papillarray.yaml.
 struct Lesson {
   std::string recipe;  // of train::recipes(), with its own number of steps
   std::string sensor;  // type

@@ -92,8 +92,8 @@ std::pair<std::string, std::vector<Override>> type_of(const std::string& text) {
   if (std::ranges::find(names, text) != names.end()) return {text, {}};
   if (text.ends_with(".onnx")) return {"network", {{"detector.model", yaml_word(text)}}};
   std::error_code error;
-  if (text == hd::default_memories) return {"gst_hd", {}};
-  if (std::filesystem::is_directory(text, error)) return {"gst_hd", {{"detector.memories", yaml_word(text)}}};
+  if (std::filesystem::is_directory(hd::memories_folder(text), error))
+    return {"gst_hd", {{"detector.memories", yaml_word(text)}}};
   throw InputError("eval: no detector " + quote(text) + allowed);
 }
 

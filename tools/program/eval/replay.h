@@ -44,7 +44,8 @@ Replayed replay(std::unique_ptr<Detector> detector, std::span<const SensorRecord
 
 // Which detector a command line means.
 
-// `text`: a detector's name from the catalogue; else FILE.onnx, a network; else a folder of memories that `slipbench train` wrote, or cl_gst_hd,
+// `text`: a detector's name from the catalogue; else FILE.onnx, a network; else a folder of memories that `slipbench train` wrote, or the
+// name of one that ships,
 // for gst_hd. `parameters`: its parameters by name, as a scene writes them; paths are from the working folder. The same reader and messages as
 // a scene's (sim/scene): unknown names with the nearest known one. Throws InputError.
 DetectorScene chosen_detector(const std::string& text, const std::vector<Override>& parameters);

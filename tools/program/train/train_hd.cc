@@ -10,6 +10,7 @@
 #include "detectors/hd/engine.h"
 #include "detectors/hd/memories.h"
 #include "sim/core/error.h"
+#include "sim/core/random.h"
 #include "tools/base/workers/ordered_workers.h"
 
 namespace slipbench {
@@ -45,6 +46,7 @@ Evaluation judge(const Classifier& classifier, std::span<const Sequence> sequenc
   Evaluation evaluation;
   std::vector<double> time;
   std::vector<PadState> called;
+  train::SlipSeries said;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& sample = samples[i];
     if (judged(i)) {
@@ -53,12 +55,19 @@ Evaluation judge(const Classifier& classifier, std::span<const Sequence> sequenc
       if (sample.moving != 0) count(evaluation.moving, sample.label, state);
       time.push_back(sequences[sample.sequence].time[sample.row]);
       called.push_back(state);
+      const bool slipped = !said.truth.empty() && said.truth.back() != 0;
+      said.truth.push_back(slips(sample.label) ? 1 : slipped ? train::masked : 0);
+      said.probability.push_back(slips(state) ? 1.0 : 0.0);
     }
     const bool last = i + 1 == samples.size() || samples[i + 1].sequence != sample.sequence;
     if (!last) continue;
-    if (with_delays && !time.empty()) evaluation.delays.add(time, called, sequences[sample.sequence].onset);
+    if (with_delays && !time.empty()) {
+      evaluation.delays.add(time, called, sequences[sample.sequence].onset);
+      evaluation.said.push_back(said);
+    }
     time.clear();
     called.clear();
+    said = {};
   }
   return evaluation;
 }
@@ -174,29 +183,37 @@ std::vector<Sample> encode(const hd::Model& model, const hd::Memories& memories,
 }
 
 std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& memories, std::span<const Sample> samples,
-                                 std::span<const std::uint32_t> times, std::size_t epochs) {
-  hd::Prototypes prototypes(model, memories);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (times[i] > 0) prototypes.add(samples[i].query, samples[i].context, samples[i].label, times[i]);
-  }
-  hd::Memories trained = memories;
-  trained.associative = prototypes.bundle();
-  Classifier classifier(model, trained);
-  bool learns = true;
-  for (std::size_t epoch = 0; epoch < epochs && learns; ++epoch) {
-    learns = false;
+                                 std::span<const std::uint32_t> times, std::size_t epochs, std::uint64_t seed) {
+  hd::Prototypes sums(model, memories), mean(model, memories);
+  if (epochs == 0) {
     for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (times[i] > 0) sums.add(samples[i].query, samples[i].context, samples[i].label, times[i]);
+    }
+    return sums.bundle();
+  }
+  const std::size_t margin = model.dimension / 16;
+  std::vector<hd::Hypervector> prototypes = sums.bundle();
+  auto left = static_cast<std::int64_t>(epochs * samples.size());  // so many times what is added next is in the mean
+  for (std::size_t epoch = 0; epoch < epochs; ++epoch) {
+    for (const std::size_t i : hd::shuffled(samples.size(), RandomStream(seed, epoch, "hd epochs"))) {
       const Sample& sample = samples[i];
-      const PadState called = times[i] > 0 ? classifier.classify(sample) : sample.label;
-      if (called == sample.label) continue;
-      learns = true;
-      prototypes.add(sample.query, sample.context, sample.label, times[i]);
-      prototypes.add(sample.query, sample.context, called, -std::int64_t{times[i]});
-      trained.associative = prototypes.bundle();
-      classifier = Classifier(model, trained);
+      const std::int64_t learnt = times[i], in_mean = learnt * left--;
+      if (learnt == 0) continue;
+      const auto encoded = model.context_driven ? hd::bind(sample.query, memories.context[sample.context]) : sample.query;
+      const auto distance = [&](PadState state) { return hd::hamming(encoded, prototypes[static_cast<std::size_t>(state) - 1]); };
+      PadState other = sample.label == PadState::non_slip ? PadState::incipient : PadState::non_slip;
+      for (const PadState state : {PadState::incipient, PadState::gross}) {
+        if (state != sample.label && distance(state) <= distance(other)) other = state;
+      }
+      if (distance(sample.label) + margin < distance(other)) continue;
+      for (const auto& [state, sign] : {std::pair{sample.label, 1}, {other, -1}}) {
+        sums.add(sample.query, sample.context, state, sign * learnt);
+        mean.add(sample.query, sample.context, state, sign * in_mean);
+      }
+      prototypes = sums.bundle();
     }
   }
-  return trained.associative;
+  return mean.bundle();
 }
 
 Classifier::Classifier(const hd::Model& model, const hd::Memories& memories) {
@@ -237,7 +254,7 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
     std::vector<std::uint32_t> times;
     for (std::size_t i = 0; i < samples.size(); ++i) times.push_back(draw.times[whole ? samples[i].sequence : i]);
     hd::Memories trained = memories;
-    trained.associative = fit(model, memories, samples, times, epochs);
+    trained.associative = fit(model, memories, samples, times, epochs, seed);
     return with_sizes(judge(
                           Classifier(model, trained), sequences, samples, [&](std::size_t i) { return times[i] == 0; }, whole),
                       draw);
@@ -259,7 +276,12 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
 HdSummary train_hd(const HdTraining& options) {
   hd::check_save_target(options.output);
   hd::SavedModel saved{options.model, options.quantiser, {}, hd::generate(options.model, options.seed)};
-  const TrainingData data = read_sequences(options.dataset, options.sequences);
+  TrainingData data = read_sequences(options.dataset, options.sequences);
+  for (const std::string& dataset : options.with) {
+    TrainingData more = read_sequences(dataset, options.sequences);
+    data.command += " and " + more.command;
+    std::ranges::move(more.sequences, std::back_inserter(data.sequences));
+  }
   const std::vector<Sample> samples = encode_dataset(options.dataset, saved, data.sequences, options.jobs);
   check_classes(options.dataset, options.sequences.labels, samples);
   HdSummary summary;
@@ -271,7 +293,9 @@ HdSummary train_hd(const HdTraining& options) {
         cross_validate(saved.model, saved.memories, data.sequences, samples, split, options.epochs, options.seed, options.jobs);
   }
   const std::vector<std::uint32_t> once(samples.size(), 1);
-  saved.memories.associative = fit(saved.model, saved.memories, samples, once, options.epochs);
+  saved.memories.associative = fit(saved.model, saved.memories, samples, once, options.epochs, options.seed);
+  if (options.point) saved.alarm = train::best_point(summary.by_sequence[0].said, 1.0 / detector_rate, options.alarms).alarm;
+  summary.alarm = saved.alarm;
   summary.trained = saved.trained =
       fmt::format("{}; labels {}, seed {}, all {} sequences{}", data.command, slip_rule_name(options.sequences.labels),
                   options.seed, data.sequences.size(), options.epochs > 0 ? fmt::format(", {} epochs", options.epochs) : "");
@@ -321,10 +345,12 @@ Json draws_json(std::span<const Evaluation> draws) {
 
 Json train_json(const HdSummary& summary, const HdTraining& options) {
   return {{"dataset", options.dataset},
+          {"with", options.with},
           {"memories", options.output},
           {"model", model_json(options.model, options.quantiser)},
           {"labels", slip_rule_name(options.sequences.labels)},
           {"epochs", options.epochs},
+          {"alarm", {{"on", summary.alarm.on}, {"off", summary.alarm.off}, {"least", summary.alarm.least}}},
           {"seed", options.seed},
           {"sequences", summary.sequences},
           {"frames", summary.samples},

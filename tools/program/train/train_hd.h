@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "tools/base/record/json.h"
 #include "tools/base/statistics/confusion.h"
 #include "tools/base/statistics/descriptive.h"
+#include "tools/program/train/network/validation.h"
 #include "tools/program/train/sequences.h"
 
 namespace slipbench {
@@ -36,11 +38,14 @@ struct Sample {
 std::vector<Sample> encode(const hd::Model& model, const hd::Memories& memories, hd::Quantiser quantiser,
                            std::span<const Sequence> sequences, std::size_t jobs);
 
-// The prototypes after a single pass over samples, each taken `times` times, and `epochs` over its mistakes. A class without a sample
-// gets ties throughout. In an epoch the samples are judged one after the other; one called wrongly is added to its own class and taken
-// from the one it was called, as often as it is learnt, and judges with the next (after Imani et al., AdaptHD, IEEE BioCAS 2019).
+// The prototypes of samples, each taken `times` times. Without `epochs` they are the majorities of a single pass, the paper's; a class
+// without a sample gets ties throughout. With them the sums begin at 0. In an epoch all samples are judged one after the other, in an order
+// drawn by RandomStream(seed, epoch, "hd epochs"). One that is not nearer to its own class than to any other by more than a sixteenth of
+// the bits is added to its own and taken from the nearest other, as often as it is learnt, and the prototypes are cut to signs anew (after
+// Imani et al., QuantHD, IEEE TCAD 2019). So the classes' sums are 0 together, and prototypes stay apart. What comes out are the signs of the
+// mean of the sums over all that was judged (an averaged perceptron).
 std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& memories, std::span<const Sample> samples,
-                                 std::span<const std::uint32_t> times, std::size_t epochs);
+                                 std::span<const std::uint32_t> times, std::size_t epochs, std::uint64_t seed);
 
 // What a sample is called: the nearest of the prototypes, the higher class where two are equally near (eq. 5).
 class Classifier {
@@ -56,12 +61,13 @@ class Classifier {
 
 // One test.
 struct Evaluation {
-  std::size_t training = 0;  // items trained on, repeats counted: sequences, or frames where the split is by frame
-  std::size_t distinct = 0;  // how many of them differ
-  std::size_t tested = 0;    // items tested
-  Confusion all{};           // every sample
-  Confusion moving{};        // those while the pad moves
-  Delays delays;             // empty where the split is by frame
+  std::size_t training = 0;             // items trained on, repeats counted: sequences, or frames where the split is by frame
+  std::size_t distinct = 0;             // how many of them differ
+  std::size_t tested = 0;               // items tested
+  Confusion all{};                      // every sample
+  Confusion moving{};                   // those while the pad moves
+  Delays delays;                        // empty where the split is by frame, as are
+  std::vector<train::SlipSeries> said;  // of each sequence what was said; masked: no slip, after one
 };
 
 enum class Split { by_sequence, by_frame };
@@ -74,13 +80,16 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
 
 struct HdTraining {
   std::string dataset;
+  std::vector<std::string> with;  // more datasets, such as of grasps
   SequenceOptions sequences;
   hd::Model model;
   hd::Quantiser quantiser = hd::Quantiser::fixed_point;
-  std::size_t epochs = 0;  // over the mistakes, after the paper's single pass
-  std::uint64_t seed = 1;  // of item memories and draws
-  std::size_t jobs = 0;    // threads; 0: as many as the machine has
-  std::string output;      // folder of the memories
+  std::size_t epochs = 0;        // 0: the paper's single pass
+  bool point = false;            // whether draw 0 chooses how many frames in a row make an alarm, with
+  std::optional<double> alarms;  // at most so many false ones a minute; else with the greatest score
+  std::uint64_t seed = 1;        // of item memories and draws
+  std::size_t jobs = 0;          // threads; 0: as many as the machine has
+  std::string output;            // folder of the memories
 };
 
 struct HdSummary {
@@ -88,6 +97,7 @@ struct HdSummary {
   std::size_t samples = 0;
   std::vector<Evaluation> by_sequence;  // one a draw
   std::vector<Evaluation> by_frame;
+  network::Alarm alarm;
   std::string sensor;   // of the first trial
   std::string trained;  // what model.txt says of the training
 };

@@ -210,7 +210,12 @@ TEST(CommandLine, TrainTakesARecipe) {
   EXPECT_EQ(plain.training->recipe.training.steps, train::find_recipe("piezo_fft_gru").training.steps);
   EXPECT_DOUBLE_EQ(plain.training->held_out, 0.2);
   EXPECT_EQ(plain.training->alarms, 1.0);
-  EXPECT_FALSE(parsed<TrainCommand>({"train", "a.h5", "-o", "m", "--recipe", "gst_hd"}).training.has_value());
+  const TrainCommand& hd =
+      parsed<TrainCommand>({"train", "a.h5", "-o", "m", "--recipe", "gst_hd", "--with", "b.h5", "--alarms", "30/h"});
+  EXPECT_FALSE(hd.training.has_value());
+  EXPECT_THAT(hd.options.with, ElementsAre("b.h5"));
+  EXPECT_TRUE(hd.options.point);
+  EXPECT_EQ(hd.options.alarms, 0.5);
 }
 
 TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
@@ -232,7 +237,7 @@ TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
                 HasSubstr("train: --alarms is '" + std::string(rate) + "'; allowed: a number from 0 on and its unit, as 1/min"));
   }
   EXPECT_THAT(refused({"--recipe", "myrmex_net1", "--alarms", "1/min"}), HasSubstr("myrmex_net1 draws frames of them"));
-  EXPECT_THAT(refused({"--alarms", "1/min"}), HasSubstr("train: --alarms is of networks"));
+  EXPECT_THAT(refused({"--alarms", "1/min", "--score"}), HasSubstr("--score and --alarms are two choices"));
   EXPECT_THAT(refused({"--recipe", "slip_gru", "--alarms", "1/min", "--score"}),
               HasSubstr("--score and --alarms are two choices"));
   EXPECT_THAT(refused({"--steps", "3"}), HasSubstr("train: --steps is of networks"));

@@ -15,7 +15,10 @@ using ::slipbench::testing::SmallDatasetTest;
 
 TEST(ChosenDetector, IsANameAFileOrAFolder) {
   EXPECT_EQ(chosen_detector("force_ratio", {{"ratio", "0.3"}}).parameters.number("ratio"), 0.3);
-  EXPECT_EQ(chosen_detector("cl_gst_hd", {}).type, "gst_hd");
+  for (const char* shipped : {"cl_gst_hd", "learn_gst_hd"}) {
+    EXPECT_EQ(chosen_detector(shipped, {}).type, "gst_hd");
+    EXPECT_EQ(chosen_detector(shipped, {}).parameters.path("memories"), shipped);
+  }
   const DetectorScene folder = chosen_detector(SLIPBENCH_SOURCE_DIR "/tests", {{"rate", "50 Hz"}});
   EXPECT_EQ(folder.type, "gst_hd");
   EXPECT_EQ(folder.parameters.path("memories"), SLIPBENCH_SOURCE_DIR "/tests");

@@ -102,8 +102,8 @@ Feeds the recorded samples of every trial to the detector, as the loop does, and
 accuracy, delay from the true first slip, early, missed, false alarms a minute of true stick, each with an interval of 95 % by trial; then by
 material or object, by speed and by the dataset's masks. The same samples give the same classes as in the loop.
 
-DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that `slipbench train` wrote (gst_hd); cl_gst_hd is the
-classifier that ships with the program. Trials of this dataset that a network was trained on are left out.
+DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that `slipbench train` wrote (gst_hd); cl_gst_hd and
+learn_gst_hd are those that ship with the program. Trials of this dataset that a network was trained on are left out.
 
 Labels: strict (a unit slips when all of it does), micro (when a part of it does), paper (the rule of the sensor's paper), latched (micro, and what
 has slipped stays so until contact is lost), masked (micro, without the frames that stick again after a slip), has_slipped (of a PapillArray: a pillar whose tip was fast stays so until it loses contact).

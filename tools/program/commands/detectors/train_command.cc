@@ -75,8 +75,9 @@ void TrainCommand::declare(Arguments& arguments) {
 Without --recipe, and with --recipe gst_hd, trains the hyperdimensional slip detector of a PapillArray in a single pass. Six
 draws are made first, by sequence and, to compare, by frame: within each compression and speed as many sequences are drawn with
 replacement as there are; those never drawn are the test. Draw 0 is for choosing options, the other five make the figures. Then all
-sequences train the classifier that is saved. With --epochs frames that are called wrongly are learnt again: every epoch judges all frames
-learnt, adds those called wrongly to their class and takes them from the one they were called. The paper has none.
+sequences train the classifier that is saved. With --epochs mistakes teach in place of that single pass: every epoch judges all frames in a
+drawn order, adds those called wrongly, or rightly by a small margin, to their class and takes them from the nearest other. The paper has
+none. With --score or --alarms draw 0 chooses how many frames in a row begin and end an alarm.
 
 Encoders: shdc (pillars of one frame), sthdc (over a window), gsthdc (with graphs, over a window). --context is gsthdc's default only.
 Bundles: paper starts afresh with every frame, published_core keeps the counts of the pillars over a window, as the gripper's core does.
@@ -111,24 +112,27 @@ Examples:
   arguments.number("--steps N", steps_, "Network: steps of training (default: the recipe's)", 1, 10'000'000);
   arguments.number("--turned N", turned_,
                    "Network of a Myrmex: copies of each trial with its images turned, 0 to 11 (default: 0)", 0, 11);
-  arguments.text("--alarms RATE", alarms_, "Network: false alarms that are borne, of validation trials (default: 1/min)");
-  arguments.flag("--score", score_,
-                 "Network: in place of --alarms, the operating point of the greatest score of open recordings");
-  arguments.lines("--with FILE", with_, "Network: one more dataset, such as of grasps beside a stage; may be repeated");
+  arguments.text("--alarms RATE", alarms_,
+                 "False alarms that are borne, of trials that did not teach (default: 1/min; of gst_hd none is chosen)");
+  arguments.flag("--score", score_, "In place of --alarms, the operating point of the greatest score of open recordings");
+  arguments.lines("--with FILE", with_, "One more dataset, such as of grasps beside a stage; may be repeated");
   arguments.flag("--resume", resume_, "Network: go on where a killed training left OUTPUT.checkpoint-0");
   arguments.word("--encoder NAME", encoding_, "gst_hd: {} (default: gsthdc)", encoder_words);
   arguments.flag("--context", context_, "gst_hd: bind with the context of the centre pillar's compression (default with gsthdc)");
   arguments.flag("--no-context", no_context_, "gst_hd: do not (default with shdc and sthdc)");
   arguments.number("--dimension D", dimension_, "gst_hd: bits of a hypervector, 8 to 65535 (default: 1000)", 8, 65535);
   arguments.number("--window N", window_, "gst_hd: frames at 100 Hz, 1 to 1000 (default: 15)", 1, 1000);
-  arguments.number("--epochs N", epochs_, "gst_hd: passes over the mistakes after the paper's one, 0 to 1000 (default: 0)", 0,
-                   1000);
+  arguments.number("--epochs N", epochs_, "gst_hd: passes over the mistakes in place of the paper's one, 0 to 1000 (default: 0)",
+                   0, 1000);
   arguments.word("--compat NAME", compat_, "gst_hd: whose bundle: {} (default: paper)", hd::compat_words);
   arguments.word("--ties RULE", ties_, "gst_hd: what an even bundle gives: {} (default: one)", hd::ties_words);
   arguments.word("--quantiser NAME", quantiser_, "gst_hd: how displacements become levels: {} (default: fixed_point)",
                  hd::quantiser_words);
   arguments.jobs(jobs_, "gst_hd: worker threads, 1 to 1024 (default: one a hardware thread)");
-  arguments.then([this] { recipe_.empty() || recipe_ == hd_recipe ? read_hd() : read_network(); });
+  arguments.then([this] {
+    if (score_ && !alarms_.empty()) throw InputError("train: --score and --alarms are two choices; allowed: one of them");
+    recipe_.empty() || recipe_ == hd_recipe ? read_hd() : read_network();
+  });
 }
 
 void TrainCommand::read_hd() {
@@ -136,9 +140,6 @@ void TrainCommand::read_hd() {
                                     {held_out_.has_value(), "--held-out"},
                                     {steps_.has_value(), "--steps"},
                                     {turned_.has_value(), "--turned"},
-                                    {!alarms_.empty(), "--alarms"},
-                                    {score_, "--score"},
-                                    {!with_.empty(), "--with"},
                                     {resume_, "--resume"}}) {
     if (given) throw InputError(fmt::format("train: {} is of networks; allowed: it with another --recipe than gst_hd", name));
   }
@@ -152,6 +153,9 @@ void TrainCommand::read_hd() {
   model.ties = ties_.value_or(model.ties);
   options.quantiser = quantiser_.value_or(options.quantiser);
   options.epochs = epochs_.value_or(options.epochs);
+  options.with = with_;
+  options.point = score_ || !alarms_.empty();
+  if (!alarms_.empty()) options.alarms = alarms_a_minute(alarms_);
   options.jobs = jobs_.value_or(options.jobs);
   model.context_driven = context_ || (model.encoding == hd::Encoding::graph_spatial_temporal && !no_context_);
 }
@@ -175,7 +179,6 @@ void TrainCommand::read_network() {
                                  recipe.input.sensor));
   if (!labels_.empty())
     recipe.labels = *hd::value_of(train::label_words, checked_labels(labels_, recipe_, hd::names_of(train::label_words)));
-  if (score_ && !alarms_.empty()) throw InputError("train: --score and --alarms are two choices; allowed: one of them");
   if ((score_ || !alarms_.empty()) && recipe.at_most > 0)
     throw InputError(fmt::format("train: {} counts what whole recordings say, and {} draws frames of them; allowed: none of it",
                                  score_ ? "--score" : "--alarms", recipe_));
