@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <string>
 
 #include "controllers/controller_kinds.h"
 #include "controllers/grip.h"

@@ -1,7 +1,5 @@
 // Slip from how unequally the markers of a gel move under the object: two published rules.
-#include <cmath>
 #include <map>
-#include <vector>
 
 #include <Eigen/Core>
 

@@ -1,9 +1,6 @@
 #include "detectors/detector_kinds.h"
 
 #include <algorithm>
-#include <limits>
-#include <span>
-#include <vector>
 
 #include "detectors/channel.h"
 

@@ -1,10 +1,8 @@
 #include "sensors/biotac_sp/biotac_sp.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
-#include <span>
 #include <utility>
 
 #include "sensors/biotac_sp/skin.h"

@@ -1,10 +1,8 @@
 #include "sim/core/parameters.h"
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <iterator>
-#include <stdexcept>
 
 #include "sim/core/error.h"
 

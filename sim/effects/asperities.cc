@@ -1,8 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdint>
-#include <vector>
 
 #include "sim/core/error.h"
 #include "sim/effects/effect_catalogue.h"

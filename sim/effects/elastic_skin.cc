@@ -1,5 +1,3 @@
-#include <span>
-#include <vector>
 
 #include "sim/core/error.h"
 #include "sim/effects/effect_catalogue.h"

@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <cmath>
 #include <numbers>
-#include <vector>
 
 #include "sim/core/error.h"
 #include "sim/effects/effect_catalogue.h"

@@ -1,7 +1,6 @@
 #include "sim/effects/effect_catalogue.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 
 #include "sim/core/error.h"

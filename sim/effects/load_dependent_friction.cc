@@ -1,5 +1,4 @@
 #include <cmath>
-#include <vector>
 
 #include "sim/effects/effect_catalogue.h"
 

@@ -1,11 +1,9 @@
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <memory>
 #include <numbers>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "sim/core/error.h"
 #include "sim/effects/effect_catalogue.h"

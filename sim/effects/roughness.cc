@@ -2,9 +2,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
-#include <cstdint>
 #include <numbers>
-#include <vector>
 
 #include <unsupported/Eigen/FFT>
 

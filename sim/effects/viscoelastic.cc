@@ -1,6 +1,5 @@
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include "sim/effects/effect_catalogue.h"
 

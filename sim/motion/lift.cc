@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/core/parameters.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {

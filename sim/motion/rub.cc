@@ -1,16 +1,13 @@
 #include "sim/motion/motion.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
-#include "sim/core/random.h"
 
 namespace slipbench {
 namespace rub {

@@ -1,11 +1,7 @@
 #include "sim/motion/motion.h"
 
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
-
-#include "sim/core/random.h"
 
 namespace slipbench {
 namespace {

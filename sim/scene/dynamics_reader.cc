@@ -1,10 +1,7 @@
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
-#include <string_view>
 
-#include "sim/core/error.h"
 #include "sim/scene/scene_values.h"
 #include "sim/scene/section_readers.h"
 

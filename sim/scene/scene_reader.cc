@@ -1,11 +1,8 @@
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <string_view>
 
-#include "sim/core/error.h"
 #include "sim/scene/scene_values.h"
 #include "sim/scene/section_readers.h"
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <set>
-#include <stdexcept>
 
 #include "tests/controllers/rig.h"
 #include "tests/expect.h"

@@ -1,6 +1,5 @@
 
 #include <filesystem>
-#include <string>
 
 #include "tests/controllers/rig.h"
 #include "tests/expect.h"

@@ -1,6 +1,5 @@
 // Algorithms 2 and 3 of the nib pad's paper, step by step: what is commanded for what is felt.
 #include <limits>
-#include <vector>
 
 #include "tests/controllers/rig.h"
 #include "tests/expect.h"

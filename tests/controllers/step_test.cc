@@ -1,9 +1,5 @@
 // The controllers that step by counts: constant_force, hold_preset, step_on_slip.
 
-#include <algorithm>
-#include <utility>
-#include <vector>
-
 #include "tests/controllers/rig.h"
 #include "tests/expect.h"
 

@@ -1,11 +1,8 @@
 #include "detectors/detector_kinds.h"
 
-#include <array>
 #include <cmath>
-#include <vector>
 
 #include "tests/detectors/frames.h"
-#include "tests/expect.h"
 
 namespace slipbench {
 namespace {

@@ -1,16 +1,12 @@
 #include "detectors/detector_kinds.h"
 
-#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <random>
-#include <string>
-#include <vector>
 
 #include <unistd.h>
 
 #include "tests/detectors/frames.h"
-#include "tests/expect.h"
 
 namespace slipbench {
 namespace {

@@ -1,11 +1,7 @@
 #include "detectors/detector_kinds.h"
 
 #include <utility>
-#include <vector>
 
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
 #include "tests/detectors/frames.h"
 
 namespace slipbench::shear_rate_test {

@@ -1,10 +1,8 @@
 #include "detectors/detector_kinds.h"
 
 #include <cmath>
-#include <string>
 
 #include "tests/detectors/frames.h"
-#include "tests/expect.h"
 
 namespace slipbench::stuck_fraction_test {
 namespace {

@@ -1,7 +1,6 @@
 // Oracle 7: sliding along d on an elliptic cone with mu_1 along the grain and mu_2 across it. Maximum dissipation gives
 //   f = -f_n (mu_1^2 d_1, mu_2^2 d_2)/sqrt(mu_1^2 d_1^2 + mu_2^2 d_2^2):
 // the force lies on the ellipse and slip is normal to it, so the force is not opposite to the slide unless d is an axis.
-#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>

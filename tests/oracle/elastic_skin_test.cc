@@ -12,10 +12,8 @@
 // The theory itself takes the slip as opposed to the load everywhere, which for nu = 1/2 it is not: as the grid is refined T stays .2 % of mu N
 // off.
 #include <array>
-#include <cmath>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,5 @@
 // Oracles 5 and 9: tips with mass against the closed forms of a driven and of a free oscillator with Coulomb friction.
-#include <cmath>
-#include <functional>
 #include <numbers>
-#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,6 @@
 //   step u_0 at t = 0:          f = k u_0 ((1 - g) + g exp(-t/tau))                        relaxation
 //   ramp u = v t:               f = k v ((1 - g) t + g tau (1 - exp(-t/tau)))
 //   slip at constant f_t = F from t_1 (creep under load): the tip creeps over the surface no more; see the slide test
-#include <cmath>
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,6 @@
 // inside c:  k_t s;  outside: mu k_n delta_0 (1 - r^2/a^2). With x = c^2/a^2 the sum over the disc is
 //   T = pi a^2 [k_t s x + mu k_n delta_0 (1 - x)^2/2],  k_t s = mu k_n delta_0 (1 - x),  mu N = pi a^2 mu k_n delta_0/2
 //   T/(mu N) = 2 x (1 - x) + (1 - x)^2 = 1 - x^2,  so  c/a = (1 - T/(mu N))^(1/4).
-#include <cmath>
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,6 @@
 // A pad that is driven over a free box, which rests on another pad: slow and fast, to and fro; and a box between fingers of
 // another mass.
-#include <algorithm>
-#include <cmath>
-#include <string>
 
-#include "tests/expect.h"
 #include "tests/stability/hard_case.h"
 
 namespace slipbench::hard {

@@ -5,18 +5,12 @@
 // - carries its weight at rest, and the push that it is held against,
 // - comes to an answer that converges as the step shrinks, to that of a closed form or of the finest run of explicit pads under implicitfast,
 // or is refused before the first step.
-#include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <numbers>
-#include <string>
 #include <tuple>
-#include <utility>
-#include <vector>
 
-#include "tests/expect.h"
 #include "tests/stability/hard_case.h"
 
 namespace slipbench::hard {

@@ -1,11 +1,6 @@
 // Blows, grazing touches, falls, edges and corners, spin and shaking: each askew.
-#include <cmath>
 #include <numbers>
-#include <string>
 #include <tuple>
-#include <vector>
-
-#include <gtest/gtest.h>
 
 #include "tests/stability/hard_case.h"
 

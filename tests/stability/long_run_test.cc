@@ -1,12 +1,6 @@
 // Long runs: 10,000 cycles of stick and slip, 1,000 touch-downs. None drifts. (Ten minutes of hold: tests/sim/mujoco.)
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
-#include <string>
-#include <vector>
-
-#include <gtest/gtest.h>
 
 #include "sim/mujoco/articulated/articulated_stage.h"
 #include "tests/oracle/effect_field.h"

@@ -1,10 +1,6 @@
 // A box of 5 g to 5 kg on a pad of 0.1 to 100 times the real stiffness, with mu 0.01 to 2 and steps of 0.1 to 2 ms.
-#include <algorithm>
-#include <cmath>
-#include <string>
 #include <tuple>
 
-#include "tests/expect.h"
 #include "tests/stability/hard_case.h"
 
 namespace slipbench::hard {

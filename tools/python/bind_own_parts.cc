@@ -5,12 +5,8 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <tuple>
-#include <utility>
-#include <vector>
 
-#include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>

@@ -6,11 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -19,7 +15,6 @@
 
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
-#include "sim/scene/parser.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -83,29 +78,20 @@ struct PythonForks {
 class SharedInterrupt {
  public:
   SharedInterrupt() {
-    const std::lock_guard lock(mutex());
-    if (users()++ == 0) guard().emplace();
+    const std::lock_guard lock(mutex_);
+    if (users_++ == 0) guard_.emplace();
   }
   SharedInterrupt(const SharedInterrupt&) = delete;
   SharedInterrupt& operator=(const SharedInterrupt&) = delete;
   ~SharedInterrupt() {
-    const std::lock_guard lock(mutex());
-    if (--users() == 0) guard().reset();
+    const std::lock_guard lock(mutex_);
+    if (--users_ == 0) guard_.reset();
   }
 
  private:
-  static std::mutex& mutex() {
-    static std::mutex one;
-    return one;
-  }
-  static std::size_t& users() {
-    static std::size_t count = 0;
-    return count;
-  }
-  static std::optional<InterruptGuard>& guard() {
-    static std::optional<InterruptGuard> one;
-    return one;
-  }
+  inline static std::mutex mutex_;
+  inline static std::size_t users_ = 0;
+  inline static std::optional<InterruptGuard> guard_;
 };
 
 // Ends trials of other threads.

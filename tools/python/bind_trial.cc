@@ -1,10 +1,7 @@
 // A trial's record as numpy sees it: views of the record's own memory, which lives as long as any of them.
 #include <memory>
 #include <optional>
-#include <string>
-#include <vector>
 
-#include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -34,32 +31,19 @@ nb::object view(const Held& record, std::vector<T>& values, std::vector<std::siz
   return nb::cast(nb::ndarray<nb::numpy, const T>(values.data(), shape.size(), shape.data(), capsule));
 }
 
+// By the names of a dataset, but for the events' and the unit behind that of a time.
 nb::dict labels_of(const Held& record, LabelRecord& labels) {
-  const std::size_t units = labels.units();
   nb::dict all;
-  all["unit_state"] = view(record, labels.unit_state, {units});
-  all["slip_velocity"] = view(record, labels.slip_velocity, {units, 2});
-  all["slip_distance"] = view(record, labels.slip_distance, {units});
-  all["margin"] = view(record, labels.margin, {units});
-  all["force"] = view(record, labels.force, {units, 3});
-  all["state"] = view(record, labels.state);
-  all["state_micro"] = view(record, labels.state_micro);
-  all["state_paper"] = view(record, labels.state_paper);
-  all["stuck_fraction"] = view(record, labels.stuck_fraction);
-  all["slip_direction"] = view(record, labels.slip_direction);
-  all["slip_centre"] = view(record, labels.slip_centre, {2});
-  all["slip_angle"] = view(record, labels.slip_angle);
+  for_each_label(labels, labels.units(), [&](const char* name, const char*, const Extents& tail, auto& values) {
+    all[name] = view(record, values, tail);
+  });
   all["event_time"] = view(record, labels.event_time);
   all["event_unit"] = view(record, labels.event_unit);
   all["event_kind"] = view(record, labels.event_kind);
-  all["unit_positions"] = view(record, labels.unit_positions, {2});
-  all["unit_heights"] = view(record, labels.unit_heights);
-  all["k_normal"] = view(record, labels.k_normal);
-  all["k_tangential"] = view(record, labels.k_tangential);
-  all["mu_static"] = view(record, labels.mu_static);
-  all["mu_kinetic"] = view(record, labels.mu_kinetic);
-  all["onset_time"] = view(record, labels.onset_time);
-  all["micro_onset_time"] = view(record, labels.micro_onset_time);
+  for_each_unit_attribute(labels, [&](std::string name, const Extents& tail, std::vector<double>& values) {
+    if (name.ends_with("_s")) name.resize(name.size() - 2);
+    all[name.c_str()] = view(record, values, tail);
+  });
   return all;
 }
 

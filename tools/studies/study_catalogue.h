@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tools/base/page/page.h"
+#include "tools/program/cli/command.h"
 
 namespace slipbench::reproduce {
 
@@ -120,5 +121,18 @@ Result piezo_table4(const ReproduceOptions& options);
 Result piezo_delay(const ReproduceOptions& options);
 Result piezo_slip_against_hold(const ReproduceOptions& options);
 Result realism_table(const ReproduceOptions& options);
+
+// `reproduce`: a paper's table beside ours.
+
+class ReproduceCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::string name;     // PAPER/TABLE; empty: list what there is
+  std::string output;   // HTML file to write, and JSON beside it; empty: none
+  bool resume = false;  // go on with the networks that lie beside `output`
+  ReproduceOptions options;
+};
 
 }  // namespace slipbench::reproduce

@@ -2,9 +2,6 @@
 #include "detectors/nib/features.h"
 
 #include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
 
 #include "tests/detectors/nib/nib_frames.h"
 #include "tests/expect.h"

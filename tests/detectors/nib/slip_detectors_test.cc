@@ -1,7 +1,6 @@
 // Algorithm 1, replayed by hand, and the detector around it; no slip, linear, rotational: what the features say, and the state that is made of it.
 #include "detectors/nib/slip_detectors.h"
 
-#include <array>
 #include <memory>
 #include <string>
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <string>
 #include <tuple>
 
 #include "detectors/hd/hd_detector.h"

@@ -1,7 +1,5 @@
 // When each electrode is read: the round of 28 slots, two a cycle, held, in a log of 10 cycles a row.
 
-#include <array>
-
 #include "tests/expect.h"
 #include "tests/sensors/biotac_sp/rig.h"
 

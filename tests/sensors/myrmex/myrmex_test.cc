@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-#include <vector>
 
 #include "tests/expect.h"
 #include "tests/sensors/myrmex/rig.h"

@@ -1,6 +1,5 @@
 // The nib pad's geometry, its capacitances by closed form, and what its clusters tell apart.
 #include <array>
-#include <cmath>
 #include <set>
 
 #include "sensors/nib_pad/nib_pad.h"

@@ -1,6 +1,5 @@
 // The multiplexed scan: which value is read when, how si is averaged, and what a sensor carries from one reading to the next.
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
 #include <gtest/gtest.h>

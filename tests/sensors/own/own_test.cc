@@ -1,7 +1,6 @@
 // Sensors of one's own inside whole trials: a library, and the PapillArray told in three ways.
 #include <cmath>
 #include <fstream>
-#include <string>
 #include <vector>
 
 #include "sensors/own/own_sensor.h"

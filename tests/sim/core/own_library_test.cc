@@ -3,10 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
-#include <string>
 #include <thread>
-
-#include <gtest/gtest.h>
 
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"

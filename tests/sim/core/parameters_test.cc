@@ -1,8 +1,6 @@
 #include "sim/core/parameters.h"
 
-#include <limits>
 #include <stdexcept>
-#include <string>
 
 #include "tests/expect.h"
 

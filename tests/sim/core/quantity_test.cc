@@ -4,7 +4,6 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 
 #include "sim/core/random.h"
 #include "tests/expect.h"

@@ -1,7 +1,6 @@
 // Impulses on slipping elements: how many, how they ring, how strong, and when there are none.
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 #include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"

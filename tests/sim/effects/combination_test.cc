@@ -1,7 +1,6 @@
 // Effects that meet in one field, and what the catalogue promises of all of them.
 #include <cmath>
 #include <set>
-#include <string>
 
 #include <gtest/gtest.h>
 

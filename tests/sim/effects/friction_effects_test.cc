@@ -1,9 +1,7 @@
 // Stribeck, load dependence and ageing against their laws; how friction effects combine.
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
-#include <vector>
 
 #include <gtest/gtest.h>
 

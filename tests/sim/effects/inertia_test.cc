@@ -1,13 +1,9 @@
 // Tips with mass in a field: what labels and sensors get, and what they cannot be joined with. The law itself: tests/oracle/inertia_test.cc.
-#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
-#include <vector>
 
 #include <Eigen/Geometry>
 
-#include "sim/effects/effect_catalogue.h"
 #include "sim/field/contact_labels.h"
 #include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"

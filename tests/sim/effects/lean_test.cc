@@ -1,12 +1,9 @@
 // Columns that lean: V = k_n (d - q^2/2L)^2/2 + k_t q^2/2 + k_s max(0, q - q_b)^2/2, forces its derivatives.
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <string>
 #include <tuple>
 
-#include "sim/effects/effect_catalogue.h"
 #include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"
 #include "tests/sim/field/random_case.h"

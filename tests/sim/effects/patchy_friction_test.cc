@@ -1,7 +1,6 @@
 // The friction map of patchy_friction.
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "tests/expect.h"
 #include "tests/oracle/pads.h"

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <vector>
 
 #include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"

@@ -1,10 +1,8 @@
 // Ridges: what a slide over them makes of the normal force.
-#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
 // Effects that depend on the place are met where the tip is.
 #include <cmath>
-#include <vector>
 
 #include <gtest/gtest.h>
 

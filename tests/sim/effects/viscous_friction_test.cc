@@ -1,10 +1,8 @@
 // The rate law of the slipping tip: mu_k g(w), g(w) = 1 + gain log10(1 + w/v0) = 1 + c ln y with c = gain/ln 10, y = 1 + w/v0.
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <utility>
-#include <vector>
 
 #include <gtest/gtest.h>
 

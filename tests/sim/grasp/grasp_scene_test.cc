@@ -1,6 +1,5 @@
 // What a scene says of a grasp: protocols, scatter, and what is refused.
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include "sim/grasp/grasp.h"

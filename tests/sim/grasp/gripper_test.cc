@@ -1,6 +1,5 @@
 // The drive of the gripper against closed forms: when it is read and written, how long its ways take, where it stops.
 #include <cmath>
-#include <string>
 #include <utility>
 #include <vector>
 

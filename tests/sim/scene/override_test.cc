@@ -1,7 +1,6 @@
 // Values given on the command line.
 
 #include <map>
-#include <string>
 #include <vector>
 
 #include "sim/scene/parser.h"

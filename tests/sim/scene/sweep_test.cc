@@ -4,7 +4,6 @@
 #include <map>
 #include <numbers>
 #include <set>
-#include <string>
 
 #include "sim/scene/parser.h"
 #include "tests/expect.h"

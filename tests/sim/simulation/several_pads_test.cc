@@ -1,7 +1,6 @@
 // Pads on one stage do not feel each other: each has the history that it has alone, to the bit.
 #include <cmath>
 #include <cstring>
-#include <vector>
 
 #include <gtest/gtest.h>
 

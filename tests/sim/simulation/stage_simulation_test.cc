@@ -1,6 +1,4 @@
 // The bench: time steps, what it refuses, and that pads, motion and surface come together as the scene says.
-#include <string>
-#include <vector>
 
 #include "sim/scene/catalogues.h"
 #include "tests/expect.h"

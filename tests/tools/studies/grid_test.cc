@@ -7,7 +7,6 @@
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
-#include "tools/studies/reproduce_command.h"
 
 namespace slipbench::reproduce::grid_test {
 namespace {

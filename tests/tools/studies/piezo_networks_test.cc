@@ -1,12 +1,14 @@
 // Examples and figures of the networks' tables, of plain values.
 #include "tools/studies/piezo_fft_gru/piezo_networks.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/core/random.h"
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/program/train/recipes/recipe.h"
+#include "tools/studies/study_catalogue.h"
 
 namespace slipbench::reproduce::piezo_networks_test {
 namespace {
@@ -153,6 +155,215 @@ TEST(NetworkTables, RefuseWhatMakesNoFolds) {
     EXPECT_THAT(refusal_of([&] { find_reproduction(std::string("piezo-fft-gru/") + name).run(options); }), HasSubstr("gru_32"))
         << name;
   }
+}
+
+using slipbench::testing::make_record;
+using ::testing::FloatNear;
+
+// 400 samples of a skin at 10 kHz, three frames. With a slip it is in contact, and slips from sample 250 on.
+TrialRecord skin_record(std::size_t trial, bool slips, const std::string& params) {
+  TrialRecord record = make_record(trial, 400);
+  SensorRecord& sensor = record.sensors[0];
+  sensor.type = "piezo_skin";
+  sensor.rate = 10e3;
+  sensor.channel_names = {"signal"};
+  sensor.channels = {{"signal", "1", {1}, slipbench::testing::ramp(400, 5.0F)}};
+  for (std::size_t i = 0; i < 400; ++i) sensor.time[i] = 1e-4 * static_cast<double>(i);
+  for (auto* states : {&sensor.labels.state, &sensor.labels.state_micro, &sensor.labels.state_paper})
+    states->assign(400, slips ? 1 : 0);
+  if (slips) std::fill(sensor.labels.state_micro.begin() + 250, sensor.labels.state_micro.end(), std::uint8_t{3});
+  if (slips) std::fill(sensor.labels.state_paper.begin() + 350, sensor.labels.state_paper.end(), std::uint8_t{3});
+  std::ranges::fill(sensor.labels.micro_onset_time, slips ? 0.025 : std::nan(""));
+  record.params = params;
+  return record;
+}
+
+class PiezoRecordings : public slipbench::testing::FolderTest {};
+
+TEST_F(PiezoRecordings, SayWhatWasSwept) {
+  slipbench::testing::write_dataset(
+      path("a.h5"), {"1", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"},
+      {skin_record(0, true,
+                   R"({"motion.vibration": 0.5, "friction.static": 0.9, "motion.speed": 0.01, "effects": ["asperities"]})"),
+       skin_record(1, false, R"({"motion.vibration": 4.0})")});
+  const std::vector<PiezoRecording> recordings = read_recordings(path("a.h5"), {published_spectra(), signal_at_100_hz()});
+  ASSERT_THAT(recordings, SizeIs(2));
+  EXPECT_EQ(recordings[0].level, 0.5);
+  EXPECT_EQ(recordings[0].tip, R"(friction.static=0.9 effects=["asperities"])");
+  EXPECT_FALSE(recordings[0].motors_only);
+  ASSERT_THAT(recordings[0].inputs, SizeIs(2));
+  const PiezoFrames &spectra = recordings[0].inputs[0], &signal = recordings[0].inputs[1];
+  EXPECT_THAT(spectra.truth, ElementsAre(0, 1, 1));  // frames end with samples 199, 299, 399
+  EXPECT_THAT(spectra.paper, ElementsAre(0, 0, 1));
+  EXPECT_THAT(spectra.features, SizeIs(3 * 12));
+  EXPECT_THAT(spectra.by(train::LabelRule::paper).label, ElementsAre(0, 0, 1));
+  EXPECT_THAT(signal.truth, ElementsAre(0, 0, 0, 1));  // samples 0, 100, 200, 300
+  EXPECT_THAT(signal.features, SizeIs(4));
+  EXPECT_THAT(recordings[0].time, ElementsAre(DoubleNear(0.0199, 1e-9), DoubleNear(0.0299, 1e-9), DoubleNear(0.0399, 1e-9)));
+  EXPECT_THAT(recordings[0].contact, ElementsAre(1, 1, 1));
+  EXPECT_NEAR(recordings[0].slip_time, 0.025, 1e-9);
+  EXPECT_NEAR(recordings[0].label_time, 0.035, 1e-9);
+  EXPECT_EQ(recordings[1].level, 4.0);
+  EXPECT_EQ(recordings[1].tip, "");
+  EXPECT_TRUE(recordings[1].motors_only);
+  EXPECT_THAT(recordings[1].inputs[0].truth, ElementsAre(0, 0, 0));
+  EXPECT_THAT(recordings[1].contact, ElementsAre(0, 0, 0));
+  EXPECT_TRUE(std::isnan(recordings[1].slip_time) && std::isnan(recordings[1].label_time));
+}
+
+// The bench moves by 3 mm/s along the surface and 1 mm/s along the normal; from 0.03 s on a motor of 20 mm/s that moves nothing runs, too.
+TEST_F(PiezoRecordings, SayWhichMotorsRun) {
+  TrialRecord record = skin_record(0, true, R"({"motion.idle_speed": 0.02, "motion.idle_start": 0.03})");
+  record.bodies = {{"pad", std::vector<float>(400 * 7), std::vector<float>(400 * 6)}};
+  record.body_time = record.sensors[0].time;
+  for (std::size_t i = 0; i < 400; ++i) {
+    record.bodies[0].velocity[6 * i] = -3e-3F;
+    record.bodies[0].velocity[6 * i + 2] = 1e-3F;
+  }
+  EXPECT_THAT(make_recording(record, {published_spectra()}).motors,
+              ElementsAre(FloatNear(4e-3F, 1e-8F), FloatNear(4e-3F, 1e-8F), FloatNear(24e-3F, 1e-8F)));
+}
+
+// At 0.89 s the tip stands still: it is pressed on by then (0.6 mm at 0.7 mm/s), and slides from 0.9 s on or later. What runs is another motor.
+TEST_F(PiezoRecordings, OtherMotorsRunOnlyWhereTheyAreAskedFor) {
+  ReproduceOptions options;
+  options.seed = 1;
+  const auto running = [&](Motors motors) {
+    std::size_t count = 0;
+    for (const PiezoRecording& one : run_recordings({2.0}, 30, {signal_at_100_hz()}, options, motors)) {
+      if (one.motors_only) continue;
+      const auto frame = std::ranges::lower_bound(one.time, 0.89) - one.time.begin() - 1;
+      if (one.motors.at(static_cast<std::size_t>(frame)) > 0.0F) ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(running(Motors::of_the_tip), 0U);
+  EXPECT_GT(running(Motors::others_too), 0U);
+}
+
+TEST_F(PiezoRecordings, SurviveTheirBytes) {
+  const std::vector<network::Input> inputs{published_spectra(), spectra_of(0.0, 5000.0)};
+  const PiezoRecording first = make_recording(skin_record(0, true, R"({"effects": 3})"), inputs);
+  EXPECT_TRUE(std::isnan(first.level));
+  Packed bytes(Packed::bytes_of(first, make_recording(skin_record(1, false, "{}"), inputs)));
+  const std::array back{bytes.take<PiezoRecording>(), bytes.take<PiezoRecording>()};
+  EXPECT_TRUE(bytes.at_end());
+  EXPECT_TRUE(std::isnan(back[0].level));
+  EXPECT_EQ(back[0].tip, "effects=3");
+  ASSERT_THAT(back[0].inputs, SizeIs(2));
+  EXPECT_THAT(back[0].inputs[1].features, SizeIs(3 * 101));  // 0 to 5 kHz by 50 Hz
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(back[0].inputs[k].features, first.inputs[k].features);
+    EXPECT_EQ(back[0].inputs[k].truth, first.inputs[k].truth);
+    EXPECT_EQ(back[0].inputs[k].paper, first.inputs[k].paper);
+  }
+  EXPECT_EQ(back[0].slip_time, first.slip_time);
+  EXPECT_EQ(back[0].label_time, first.label_time);
+  EXPECT_EQ(back[0].time, first.time);
+  EXPECT_EQ(back[0].contact, first.contact);
+  EXPECT_EQ(back[0].motors, first.motors);
+  EXPECT_FALSE(back[0].motors_only);
+  EXPECT_TRUE(back[1].motors_only);
+}
+
+TEST_F(PiezoRecordings, OfOtherSensorsAreRefused) {
+  EXPECT_THAT(refusal_of([] { make_recording(make_record(2, 400), {published_spectra()}); }),
+              HasSubstr("trial 2: has no piezo_skin"));
+}
+
+// The curve of slip against hold from end to end, with few recordings.
+
+TEST(SlipAgainstHold, PrintsACurveWhosePartsAddUp) {
+  ReproduceOptions options;
+  options.trials = 4;
+  options.jobs = 2;
+  const Result result = find_reproduction("piezo-fft-gru/slip_against_hold").run(options);
+  ASSERT_THAT(result.tables, SizeIs(5));
+  for (const ResultTable& table : result.tables) {
+    for (const auto& row : table.rows) EXPECT_EQ(row.size(), table.head.size()) << table.title;
+  }
+  ASSERT_THAT(result.charts, SizeIs(1));
+  for (const ResultCurve& curve : result.charts[0].curves) EXPECT_EQ(curve.points.size(), result.charts[0].places.size());
+
+  const Json& levels = result.figures.at("curve").at("paper");
+  ASSERT_THAT(levels, SizeIs(6));
+  for (const auto& [level, areas] : levels.items()) {
+    const Json &all = areas.at("pooled"), &contact = areas.at("contact"), &air = areas.at("air");
+    // Slip is in each of the three, and a hold is in contact or in the air: the pooled area is the mean of both by their frames.
+    EXPECT_EQ(all.at("slip_frames"), contact.at("slip_frames"));
+    const double n = contact.at("hold_frames").get<double>(), m = air.at("hold_frames").get<double>();
+    EXPECT_EQ(all.at("hold_frames").get<double>(), n + m);
+    EXPECT_NEAR(all.at("auc").get<double>(), (n * contact.at("auc").get<double>() + m * air.at("auc").get<double>()) / (n + m),
+                1e-12);
+  }
+  for (const char* causes : {"hold_causes", "slip_causes"}) {
+    double frames = 0.0, share = 0.0, missing = 0.0, missing_hann = 0.0;
+    for (const auto& [name, cause] : result.figures.at(causes).items()) {
+      frames += cause.at("frames").get<double>();
+      share += cause.at("share").get<double>();
+      missing += cause.at("paper").at("share_of_missing").get<double>();
+      missing_hann += cause.at("hann").at("share_of_missing").get<double>();
+    }
+    const char* counted = std::string(causes) == "hold_causes" ? "hold_frames" : "slip_frames";
+    EXPECT_EQ(frames, levels.at("0").at("contact").at(counted).get<double>()) << causes;
+    EXPECT_NEAR(share, 1.0, 1e-9) << causes;
+    EXPECT_NEAR(missing, 1.0, 1e-9) << causes;
+    EXPECT_NEAR(missing_hann, 1.0, 1e-9) << causes;
+  }
+}
+
+TEST(SlipAgainstHold, NeedsTwoRecordingsOfEachKindAndAsManyOfBoth) {
+  ReproduceOptions options;
+  for (const std::size_t trials : {2U, 5U}) {  // of five, four would be run
+    options.trials = trials;
+    EXPECT_THAT(refusal_of([&] { find_reproduction("piezo-fft-gru/slip_against_hold").run(options); }),
+                EndsWith("allowed: even numbers, 4 or more"))
+        << trials;
+  }
+}
+
+const double nan = std::nan("");
+const std::vector<double> time{0.01, 0.02, 0.03, 0.04, 0.05, 0.06};  // s
+using Calls = std::vector<std::uint8_t>;
+
+TEST(AlarmDelay, IsOfTheAlarmThatIsOnOrTheNext) {
+  EXPECT_NEAR(alarm_delay(time, Calls{1, 0, 0, 0, 1, 1}, 0.025), 0.025, 1e-12) << "the one of 0.01 is over";
+  EXPECT_NEAR(alarm_delay(time, Calls{0, 1, 1, 1, 0, 1}, 0.042), -0.022, 1e-12) << "on since 0.02";
+  EXPECT_NEAR(alarm_delay(time, Calls{1, 1, 1, 1, 0, 1}, 0.042), -0.032, 1e-12) << "on since the first frame";
+  EXPECT_NEAR(alarm_delay(time, Calls{0, 0, 0, 1, 0, 0}, 0.04), 0.0, 1e-12);
+  EXPECT_NEAR(alarm_delay(time, Calls{0, 1, 0, 0, 0, 0}, 0.001), 0.019, 1e-12) << "no frame is complete yet";
+  EXPECT_TRUE(std::isnan(alarm_delay(time, Calls{1, 1, 0, 0, 0, 0}, 0.03)));
+  EXPECT_TRUE(std::isnan(alarm_delay(time, Calls{0, 0, 0, 0, 0, 0}, 0.03)));
+}
+
+TEST(Alarms, AreCountedByBothRules) {
+  Alarms alarms;
+  alarms.add(time, Calls{1, 0, 0, 0, 1, 1}, 0.025);  // early by its first alarm, 25 ms by the next
+  alarms.add(time, Calls{0, 0, 0, 1, 1, 1}, 0.025);  // 15 ms by both
+  alarms.add(time, Calls{0, 0, 0, 0, 0, 0}, 0.025);  // missed, silent
+  alarms.add(time, Calls{0, 0, 1, 0, 0, 0}, nan);    // a false alarm
+  EXPECT_EQ(alarms.first.early, 1U);
+  EXPECT_EQ(alarms.first.missed, 1U);
+  EXPECT_EQ(alarms.first.false_alarms, 1U);
+  EXPECT_EQ(alarms.first.slipping, 3U);
+  EXPECT_EQ(alarms.silent, 1U);
+  EXPECT_THAT(alarms.first.delay, ElementsAre(DoubleNear(0.015, 1e-12)));
+  EXPECT_THAT(alarms.near, ElementsAre(DoubleNear(0.025, 1e-12), DoubleNear(0.015, 1e-12)));
+}
+
+// Of 0 to 10 ms the 10 % quantile is 1 ms and the 90 % one 9 ms; the variance of n = 11 whole numbers is n (n + 1)/12 = 11.
+TEST(DelaySpread, IsInClosedForm) {
+  std::vector<double> times;
+  for (int k = 10; k >= 0; --k) times.push_back(1e-3 * k);
+  const DelaySpread spread = delay_spread(times);
+  EXPECT_NEAR(spread.mean, 5e-3, 1e-12);
+  EXPECT_NEAR(spread.sd, 1e-3 * std::sqrt(11.0), 1e-12);
+  EXPECT_NEAR(spread.median, 5e-3, 1e-12);
+  EXPECT_NEAR(spread.p10, 1e-3, 1e-12);
+  EXPECT_NEAR(spread.p90, 9e-3, 1e-12);
+  EXPECT_NEAR(spread.greatest, 10e-3, 1e-12);
+  EXPECT_EQ(cell(spread), "5 (1 to 9)");
+  EXPECT_EQ(cell(delay_spread({})), "-");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
+#include <map>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -39,6 +39,36 @@ double lower_bound(std::size_t k, std::size_t n, double outside) {
     (upper_tail(count, all, middle) < outside ? low : high) = middle;
   }
 }
+
+// For each of `values` the share of `others` below it, equal ones counting half. `others` in ascending order.
+std::vector<double> shares_below(std::span<const double> values, const std::vector<double>& others) {
+  std::vector<double> shares;
+  shares.reserve(values.size());
+  for (const double value : values) {
+    const auto [first, last] = std::equal_range(others.begin(), others.end(), value);
+    const auto below = static_cast<double>(first - others.begin()), equal = static_cast<double>(last - first);
+    shares.push_back((below + 0.5 * equal) / static_cast<double>(others.size()));
+  }
+  return shares;
+}
+
+std::vector<double> sorted(std::span<const double> values) {
+  if (values.empty() || std::ranges::any_of(values, [](double value) { return std::isnan(value); })) {
+    throw std::invalid_argument("auc: a class without values, or with one that is no number");
+  }
+  std::vector<double> result(values.begin(), values.end());
+  std::ranges::sort(result);
+  return result;
+}
+
+// What the values of a group are above or below what is expected of that many: of its positives against all negatives, and the other way.
+struct Group {
+  double positives = 0.0, negatives = 0.0;
+  bool has_positives = false, has_negatives = false;
+};
+
+// n/(n - 1) for the bias of a variance about its own mean; of one group nothing is known, and it adds nothing.
+double unbiased(std::size_t groups) { return groups < 2 ? 0.0 : static_cast<double>(groups) / static_cast<double>(groups - 1); }
 
 }  // namespace
 
@@ -119,6 +149,103 @@ std::size_t least_successes(std::size_t n, double rate, double confidence) {
     }
   }
   return from;
+}
+
+Auc auc(std::span<const double> positives, std::span<const std::size_t> positive_group, std::span<const double> negatives,
+        std::span<const std::size_t> negative_group) {
+  if (positive_group.size() != positives.size() || negative_group.size() != negatives.size()) {
+    throw std::invalid_argument("auc: not one group for each value");
+  }
+  constexpr double quantile = 1.959963984540054;  // of the normal distribution, 97.5 %
+  const std::vector<double> above = shares_below(positives, sorted(negatives)),
+                            below = shares_below(negatives, sorted(positives));
+  Auc result{mean_sd(above).mean, {}, positives.size(), negatives.size()};
+  std::map<std::size_t, Group> groups;
+  for (std::size_t i = 0; i < above.size(); ++i) {
+    Group& group = groups[positive_group[i]];
+    group.positives += above[i] - result.value;
+    group.has_positives = true;
+  }
+  for (std::size_t i = 0; i < below.size(); ++i) {
+    Group& group = groups[negative_group[i]];
+    group.negatives += 1.0 - below[i] - result.value;
+    group.has_negatives = true;
+  }
+  std::size_t with_positives = 0, with_negatives = 0;
+  double of_positives = 0.0, of_negatives = 0.0, of_both = 0.0;
+  for (const auto& [number, group] : groups) {
+    with_positives += group.has_positives ? 1 : 0;
+    with_negatives += group.has_negatives ? 1 : 0;
+    of_positives += group.positives * group.positives;
+    of_negatives += group.negatives * group.negatives;
+    of_both += group.positives * group.negatives;
+  }
+  if (result.value == 0.0 || result.value == 1.0) {
+    const std::size_t pairs = std::min(with_positives, with_negatives);
+    result.interval = clopper_pearson(result.value == 1.0 ? pairs : 0, pairs);
+    return result;
+  }
+  const auto m = static_cast<double>(positives.size()), n = static_cast<double>(negatives.size());
+  const double variance = unbiased(with_positives) * of_positives / (m * m) + unbiased(with_negatives) * of_negatives / (n * n) +
+                          2.0 * unbiased(groups.size()) * of_both / (m * n);
+  const double reach = quantile * std::sqrt(std::max(0.0, variance));
+  result.interval = {std::max(0.0, result.value - reach), std::min(1.0, result.value + reach)};
+  return result;
+}
+
+Auc auc(std::span<const double> positives, std::span<const double> negatives) {
+  std::vector<std::size_t> alone(positives.size() + negatives.size());
+  std::iota(alone.begin(), alone.end(), std::size_t{0});
+  const std::span<const std::size_t> all(alone);
+  return auc(positives, all.first(positives.size()), negatives, all.last(negatives.size()));
+}
+
+std::vector<RocPoint> roc_curve(std::span<const double> positives, std::span<const double> negatives, std::size_t most) {
+  if (positives.empty() || negatives.empty()) throw std::invalid_argument("a receiver operating curve needs both classes");
+  if (most < 2) throw std::invalid_argument("a receiver operating curve has two ends");
+  std::vector<std::pair<double, bool>> values;
+  for (const double value : positives) values.emplace_back(value, true);
+  for (const double value : negatives) values.emplace_back(value, false);
+  if (std::ranges::any_of(values, [](const auto& value) { return std::isnan(value.first); })) {
+    throw std::invalid_argument("a receiver operating curve needs numbers");
+  }
+  std::ranges::sort(values, [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<RocPoint> points{{.threshold = std::numeric_limits<double>::infinity()}};
+  std::size_t right = 0, wrong = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    ++(values[i].second ? right : wrong);
+    if (i + 1 < values.size() && values[i + 1].first == values[i].first) continue;
+    points.push_back({values[i].first, static_cast<double>(wrong) / static_cast<double>(negatives.size()),
+                      static_cast<double>(right) / static_cast<double>(positives.size())});
+  }
+  if (points.size() <= most) return points;
+  std::vector<RocPoint> kept;
+  for (std::size_t k = 0; k < most; ++k) kept.push_back(points[k * (points.size() - 1) / (most - 1)]);
+  return kept;
+}
+
+std::vector<CalibrationBin> calibration(std::span<const double> positives, std::span<const double> negatives, std::size_t parts) {
+  if (parts == 0) throw std::invalid_argument("a calibration needs a part");
+  const auto n = static_cast<double>(parts);
+  std::vector<CalibrationBin> bins(parts);
+  const auto add = [&](double value, double positive) {
+    if (!(value >= 0.0 && value <= 1.0)) throw std::invalid_argument("a probability is not within 0 and 1");
+    CalibrationBin& bin = bins[std::min(static_cast<std::size_t>(value * n), parts - 1)];
+    ++bin.count;
+    bin.mean += value;
+    bin.share += positive;
+  };
+  for (const double value : positives) add(value, 1.0);
+  for (const double value : negatives) add(value, 0.0);
+  for (std::size_t k = 0; k < parts; ++k) {
+    CalibrationBin& bin = bins[k];
+    bin.low = static_cast<double>(k) / n;
+    bin.high = static_cast<double>(k + 1) / n;
+    bin.mean /= static_cast<double>(bin.count);
+    bin.share /= static_cast<double>(bin.count);
+  }
+  std::erase_if(bins, [](const CalibrationBin& bin) { return bin.count == 0; });
+  return bins;
 }
 
 }  // namespace slipbench

@@ -1,18 +1,7 @@
 // A scene fitted to recordings: `slipbench calibrate`.
 #pragma once
 
-#include <atomic>
-#include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "sim/scene/catalogues.h"
-#include "sim/scene/parser.h"
 #include "tools/base/page/page.h"
-#include "tools/base/record/json.h"
 #include "tools/program/calibrate/search.h"
 
 namespace slipbench {

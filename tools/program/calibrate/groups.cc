@@ -10,7 +10,6 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
-#include "sim/core/quantity.h"
 #include "tools/base/workers/ordered_workers.h"
 
 namespace slipbench::calibrate {

@@ -1,11 +1,10 @@
-#include "tools/program/calibrate/model.h"
+#include "tools/program/calibrate/search.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

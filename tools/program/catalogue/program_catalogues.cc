@@ -2,16 +2,14 @@
 
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <stdexcept>
-#include <utility>
 
 #include "detectors/detector_kinds.h"
 #include "detectors/flip.h"
 #include "detectors/hd/hd_detector.h"
+#include "detectors/hd/words.h"
 #include "detectors/nib/slip_detectors.h"
 #include "rtl/verilated/rtl_engine.h"
-#include "sim/core/error.h"
 #include "tools/program/catalogue/registry.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
@@ -280,11 +278,7 @@ std::unique_ptr<Detector> make_oracle(const Parameters& parameters, const Simula
   return std::make_unique<Oracle>(parameters.number("latency"), simulation, pad);
 }
 
-std::vector<std::string> hd_engine_names() {
-  std::vector<std::string> names;
-  for (const EngineKind& kind : engine_catalogue) names.emplace_back(kind.name);
-  return names;
-}
+std::vector<std::string> hd_engine_names() { return hd::names_of(engine_catalogue); }
 
 std::unique_ptr<hd::Engine> make_hd_engine(std::string_view name, const hd::Model& model, const hd::Memories& memories) {
   for (const EngineKind& kind : engine_catalogue) {
@@ -317,8 +311,7 @@ std::unique_ptr<Controller> make_controller(const Named& controller, const GripS
   }
   if (const std::optional<ControllerMaker> make = registered_controllers().find(controller.name))
     return (*make)(controller.parameters, source);
-  std::vector<std::string> names;
-  for (const Entry& entry : controller_entries()) names.push_back(entry.name);
+  const std::vector<std::string> names = hd::names_of(controller_entries());
   throw InputError("controller: unknown type " + quote(controller.name) + allowed_names(controller.name, names));
 }
 

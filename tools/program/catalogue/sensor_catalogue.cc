@@ -1,8 +1,5 @@
 #include "tools/program/catalogue/sensor_catalogue.h"
 
-#include <vector>
-
-#include "sim/core/error.h"
 #include "sim/simulation/stage_setup.h"
 #include "tools/program/catalogue/registry.h"
 

@@ -323,16 +323,11 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
   const TrialPlan plan(file, catalogues, options.trials, seed);
   const ExpectScene expect = plan.trial(0).scene.expect;
   const std::vector<Named>& expectations = expect.expectations;
-  SceneCheck check{.scene_path = options.scene_path,
-                   .seed = seed,
-                   .confidence = expect.confidence,
-                   .control = expect.control,
-                   .expectations = {},
-                   .detectors = {},
-                   .failures = {},
-                   .replayed = {},
-                   .files = {},
-                   .warnings = {}};
+  SceneCheck check;
+  check.scene_path = options.scene_path;
+  check.seed = seed;
+  check.confidence = expect.confidence;
+  check.control = expect.control;
   if (expectations.empty()) return check;
   check_reliabilities(plan, expect);
 

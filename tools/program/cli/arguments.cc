@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <stdexcept>
-#include <utility>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

@@ -5,7 +5,6 @@
 
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -16,11 +15,9 @@
 #include <cxxabi.h>
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"
 #include "sim/core/process/plugin_library.h"
-#include "tools/base/record/json.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/doctor/doctor.h"

@@ -7,16 +7,11 @@
 #pragma once
 
 #include <atomic>
-#include <cstddef>
-#include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
-#include "sim/scene/scene.h"
 #include "tools/base/page/page.h"
 #include "tools/program/cost/errors.h"
 

@@ -1,22 +1,30 @@
 #include "tools/program/cost/kept_setting.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
+#include <set>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/quantity.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {
@@ -150,6 +158,343 @@ std::string line_of(const Json& entry) {
                      trials == 1 ? "one trial" : fmt::format("{} trials", trials));
 }
 
+constexpr std::size_t most_divisors = 1000;  // of the sampling time, tried for the longest step
+constexpr std::size_t most_common = 100;     // of the shortest sampling time, tried for one that divides all
+constexpr double most_steps = 1e8;           // of a trial, what a scene may have
+constexpr std::size_t most_checked = 64;     // trials in which a step must be stable
+
+constexpr double tight_tolerance = 1e-6;  // of elastic_skin, at the longest step
+constexpr std::size_t tight_cost = 2;     // as `cost` shows it for scenes/soft_skin/sphere.yaml
+
+const Override no_wish{"accuracy", "none"};
+
+// So many of `size` trials, spread evenly from the first to the last.
+std::vector<std::size_t> spread_trials(std::size_t size, std::size_t most) {
+  const std::size_t count = std::min(size, most);
+  std::vector<std::size_t> trials;
+  for (std::size_t k = 0; k < count; ++k) trials.push_back(count == 1 ? 0 : k * (size - 1) / (count - 1));
+  return trials;
+}
+
+Measure measure_named(const std::string& name) {
+  const auto found = std::ranges::find(measure_table(), name, &MeasureInfo::name);
+  if (found == measure_table().end()) throw std::logic_error("no measure is called " + name);
+  return found->measure;
+}
+
+// To four digits.
+std::string rounded_time(const std::string& text) {
+  const std::string rounded = fmt::format("{:.3e}", parse_quantity(text, Quantity::time));
+  return format_quantity(parse_quantity(rounded, Quantity::time), Quantity::time);
+}
+
+struct Wish {
+  Measure measure;
+  double limit;
+};
+
+// Whether pads' springs are implicit, the whole number of steps in the scene's sampling time, and whether a soft skin is solved tightly.
+struct Cut {
+  bool implicit = false;
+  std::size_t steps = 1;
+  bool tight = false;
+
+  [[nodiscard]] std::size_t cost() const { return (implicit ? implicit_cost : tight ? tight_cost : 1) * steps; }
+};
+
+class Search {
+ public:
+  explicit Search(const PlannedTrials& planned)
+      : wished_(planned.plan), asked_(planned.asked), trials_(spread_trials(asked_, most_probed)) {
+    const auto [scene, drawn] = wished_.trial(0);
+    if (!scene.accuracy) return;
+    for (const AccuracyScene::Wish& wish : scene.accuracy->wishes) wishes_.push_back({measure_named(wish.measure), wish.limit});
+    const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
+    has_choice_ = scene.dynamic() && !scene.grasp && scene.fidelity == "field" && skin == scene.effects.end();
+    if (skin == scene.effects.end()) return;
+    skin_ = static_cast<std::size_t>(skin - scene.effects.begin());
+    // A sweep's tolerance, or that of effects which it sets as a whole, is the sweep's to say.
+    const std::string ours = tolerance_path() + ".";
+    if (std::ranges::any_of(drawn, [&](const auto& swept) { return ours.starts_with(swept.first + "."); })) skin_.reset();
+  }
+
+  // Empty where nothing is wished for.
+  [[nodiscard]] std::optional<FoundSetting> find() {
+    if (wishes_.empty()) return std::nullopt;
+    try {
+      return look();
+    } catch (const SceneValueError& error) {
+      throw InputError(wished_.where(0, error.path()) + ": " + error.what());
+    }
+  }
+
+ private:
+  FoundSetting look() {
+    FoundSetting found;
+    found.trials = trials_;
+    const std::size_t longest = longest_step();
+    if (read_closed_forms()) {
+      found.reference = "closed form";
+      if (try_cuts(candidates(finest_reference * longest), Recording::outcome, exact_, found)) return found;
+      refuse_unmet(found);
+    }
+    find_reference(longest, found);
+    // The step next to the reference's is in, and its errors are known to be small enough.
+    if (!try_cuts(candidates(reference_steps_), Recording::full, reference_, found)) refuse_unmet(found);
+    return found;
+  }
+
+  [[nodiscard]] double step_of(const Cut& cut) const { return sampling_time_ / static_cast<double>(cut.steps); }
+
+  [[nodiscard]] std::string tolerance_path() const { return fmt::format("effects.{}.elastic_skin.tolerance", *skin_); }
+
+  // What the steps of a slipping skin leave undone adds up over them. Never more than the scene's own.
+  [[nodiscard]] double tolerance_of(const Cut& cut) const {
+    constexpr double least = 1e-10;  // that the parameter may be
+    const double own = wished_.trial(0).scene.effects[*skin_].parameters.number("tolerance");
+    return std::min(own,
+                    std::max(least, tight_tolerance * static_cast<double>(explicit_steps_) / static_cast<double>(cut.steps)));
+  }
+
+  // What says the setting instead of the wish. The step reads back as the same double.
+  [[nodiscard]] std::vector<Override> overrides_of(const Cut& cut) const {
+    std::vector<Override> overrides{no_wish, {"time_step", format_quantity(step_of(cut), Quantity::time)}};
+    if (cut.implicit) overrides.push_back({"field_solver", "implicit"});
+    if (cut.tight) {
+      overrides.push_back({tolerance_path(), format_number(tolerance_of(cut))});
+    }
+    return overrides;
+  }
+
+  // The scene of a trial with these overrides.
+  [[nodiscard]] Scene scene_of(const Cut& cut, std::size_t trial) const {
+    Scene scene = wished_.trial(trial).scene;
+    scene.accuracy.reset();
+    scene.time_step = step_of(cut);
+    if (has_choice_) scene.field_solver = cut.implicit ? FieldSolver::implicit_springs : FieldSolver::explicit_springs;
+    if (cut.tight) scene.effects[*skin_].parameters.set("tolerance", tolerance_of(cut));
+    return scene;
+  }
+
+  [[noreturn]] void refuse(const std::string& path, const std::string& why) const {
+    throw InputError(wished_.where(0, path) + ": " + path + ": " + why);
+  }
+
+  // The longest time that divides all that sensors with pads of their own leave between readings.
+  void find_sampling_time() {
+    std::set<double> rates;
+    for (const std::size_t trial : spread_trials(asked_, most_checked)) {
+      const Scene scene = wished_.trial(trial).scene;
+      for (const SensorScene& sensor : scene.sensors) {
+        if (!sensor.follows.empty()) continue;
+        const std::unique_ptr<Sensor> made = make_sensor(sensor, scene.seed, trial);
+        rates.insert(made->rate() * static_cast<double>(made->scans()));
+      }
+    }
+    constexpr double rounding = 1e-9;
+    const double fastest = *rates.rbegin();
+    for (std::size_t divisor = 1; divisor <= most_common; ++divisor) {
+      const double common = static_cast<double>(divisor) * fastest;
+      const bool divides_all = std::ranges::all_of(rates, [&](double rate) {
+        const double ratio = common / rate;
+        return std::abs(ratio - std::round(ratio)) <= rounding * ratio;
+      });
+      if (!divides_all) continue;
+      sampling_time_ = 1.0 / common;
+      return;
+    }
+    refuse("accuracy", "the sensors' sampling times have no common step; allowed: rates that have one, or no wish");
+  }
+
+  // Why a trial cannot begin with the setting; empty: it can.
+  [[nodiscard]] std::optional<SceneValueError> refusal_of(const Cut& cut, std::size_t trial) const {
+    try {
+      check_trial(scene_of(cut, trial), trial);
+      return std::nullopt;
+    } catch (const SceneValueError& error) {
+      return error;
+    }
+  }
+
+  // The fewest steps in the sampling time that are stable in all trials looked at; 0: none are, and `last_refusal_` says why.
+  std::size_t fewest_steps(bool implicit) {
+    std::size_t steps = 1;
+    // What is stable with a step is so with a shorter one: trials seen before are not looked at again.
+    for (const std::size_t trial : spread_trials(asked_, most_checked)) {
+      while (std::optional<SceneValueError> refusal = refusal_of({implicit, steps}, trial)) {
+        last_refusal_ = std::move(refusal);
+        const bool of_step = last_refusal_->path() == "time_step" || last_refusal_->path() == "duration";
+        if (!of_step || ++steps > most_divisors) return 0;
+      }
+    }
+    return steps;
+  }
+
+  // Finds from where on settings are tried; returns the steps of the longest one of the kind that references are of.
+  std::size_t longest_step() {
+    find_sampling_time();
+    explicit_steps_ = fewest_steps(false);
+    if (explicit_steps_ == 0 && !has_choice_) throw SceneValueError(*last_refusal_);
+    if (has_choice_) implicit_steps_ = fewest_steps(true);
+    if (explicit_steps_ == 0 && implicit_steps_ == 0) throw SceneValueError(*last_refusal_);
+    return explicit_steps_ > 0 ? explicit_steps_ : implicit_steps_;
+  }
+
+  // In the order in which they are tried, with steps longer than the one of so many.
+  [[nodiscard]] std::vector<Cut> candidates(std::size_t below) const {
+    std::vector<Cut> cuts;
+    for (const auto& [implicit, fewest] : {std::pair{false, explicit_steps_}, std::pair{true, implicit_steps_}}) {
+      for (std::size_t steps = fewest; steps > 0 && steps < below; steps *= 2) {
+        cuts.push_back({implicit, steps});
+        if (skin_) cuts.push_back({implicit, steps, true});
+      }
+    }
+    std::ranges::stable_sort(cuts, {}, &Cut::cost);
+    return cuts;
+  }
+
+  // Whether all that is wished for has a closed form in all trials.
+  bool read_closed_forms() {
+    const bool onsets = std::ranges::all_of(
+        wishes_, [](const Wish& wish) { return wish.measure == Measure::onset || wish.measure == Measure::micro_onset; });
+    for (std::size_t k = 0; onsets && k < trials_.size(); ++k) {
+      const std::optional<ClosedForm> exact = closed_form(wished_.trial(trials_[k]).scene, trials_[k]);
+      if (!exact) break;
+      exact_.push_back(*exact);
+    }
+    return exact_.size() == trials_.size();
+  }
+
+  // Whether the errors are within `share` of the wish.
+  [[nodiscard]] bool meets(const Errors& errors, double share) const {
+    return std::ranges::all_of(wishes_, [&](const Wish& wish) {
+      const std::optional<MeasureError>& error = at(errors, wish.measure);
+      return !error || (!error->different && error->worst <= share * wish.limit);
+    });
+  }
+
+  void refuse_what_never_happens(const Errors& errors) const {
+    for (const Wish& wish : wishes_) {
+      if (at(errors, wish.measure)) continue;
+      const MeasureInfo& info = info_of(wish.measure);
+      refuse(fmt::format("accuracy.{}", info.name),
+             fmt::format("nothing of the kind is in the trials looked at ({}); allowed: a wish for what happens, or none",
+                         fmt::join(trials_, ", ")));
+    }
+  }
+
+  // `references`: what a run of each trial is compared with.
+  template <class Reference>
+  bool try_cuts(const std::vector<Cut>& cuts, Recording recording, const std::vector<Reference>& references,
+                FoundSetting& found) {
+    for (const Cut& cut : cuts) {
+      SettingLook look{overrides_of(cut), {}, {}, true};
+      for (std::size_t k = 0; k < trials_.size() && look.met; ++k) {
+        try {
+          const Scene scene = scene_of(cut, trials_[k]);
+          keep_worst(look.errors, compare(scene, run_trial(scene, trials_[k], recording), references[k]));
+          look.met = meets(look.errors, margin);
+        } catch (const InputError& error) {
+          look.failure = fmt::format("trial {}: {}", trials_[k], error.what());
+          look.met = false;
+        }
+      }
+      if (look.met) refuse_what_never_happens(look.errors);
+      found.looks.push_back(std::move(look));
+      if (!found.looks.back().met) continue;
+      found.overrides = found.looks.back().overrides;
+      return true;
+    }
+    return false;
+  }
+
+  // Whether a scene may not be cut as finely.
+  [[nodiscard]] bool too_many(std::size_t steps) const {
+    return wished_.trial(0).scene.duration / sampling_time_ * static_cast<double>(steps) > most_steps;
+  }
+
+  [[nodiscard]] std::vector<TrialResult> run_all(const Cut& cut) const {
+    std::vector<TrialResult> results;
+    for (const std::size_t trial : trials_) {
+      try {
+        results.push_back(run_trial(scene_of(cut, trial), trial, Recording::full));
+      } catch (const InputError& error) {
+        refuse("accuracy", fmt::format("trial {} with {}: {}", trial, setting_text(overrides_of(cut)), error.what()));
+      }
+    }
+    return results;
+  }
+
+  // Halves the step until two runs are close enough.
+  void find_reference(std::size_t longest, FoundSetting& found) {
+    const bool implicit = explicit_steps_ == 0;
+    Cut cut{implicit, 4 * longest, skin_.has_value()};
+    reference_ = run_all(cut);
+    while (true) {
+      cut.steps *= 2;
+      std::vector<TrialResult> results = run_all(cut);
+      Errors errors;
+      for (std::size_t k = 0; k < trials_.size(); ++k) {
+        keep_worst(errors, compare(scene_of(cut, trials_[k]), reference_[k], results[k]));
+      }
+      refuse_what_never_happens(errors);
+      reference_ = std::move(results);
+      found.reference_overrides = overrides_of(cut);
+      found.reference = setting_text(found.reference_overrides);
+      found.reference_errors = errors;
+      reference_steps_ = cut.steps;
+      if (meets(errors, reference_share)) return;
+      if (cut.steps >= finest_reference * longest || too_many(2 * cut.steps)) refuse_unsettled(errors, found.reference);
+    }
+  }
+
+  // Where even the finest runs do not agree.
+  [[noreturn]] void refuse_unsettled(const Errors& errors, const std::string& reference) const {
+    for (const Wish& wish : wishes_) {
+      const MeasureError& error = at(errors, wish.measure).value();
+      if (!error.different && error.worst <= reference_share * wish.limit) continue;
+      refuse(
+          fmt::format("accuracy.{}", info_of(wish.measure).name),
+          fmt::format(
+              "{} cannot be shown: the run with {} is still {} from that with twice the step{}, and has to be no farther than a tenth of the wish; allowed: from {} on, or no wish",
+              error_text(wish.measure, wish.limit), reference, error_text(wish.measure, error.worst),
+              error.different ? ", and something happens in one of them alone" : "",
+              error_text(wish.measure, error.worst / reference_share)));
+    }
+    throw std::logic_error("a reference that is good enough was refused");
+  }
+
+  // Where no setting is right enough: says of the first wish that the finest one misses how far off that is.
+  [[noreturn]] void refuse_unmet(const FoundSetting& found) const {
+    const SettingLook& last = found.looks.back();
+    if (!last.failure.empty())
+      refuse("accuracy", fmt::format("no setting meets it; with {}: {}", setting_text(last.overrides), last.failure));
+    for (const Wish& wish : wishes_) {
+      const std::optional<MeasureError>& error = at(last.errors, wish.measure);
+      if (!error || (!error->different && error->worst <= margin * wish.limit)) continue;
+      refuse(fmt::format("accuracy.{}", info_of(wish.measure).name),
+             fmt::format("{} cannot be met: with {} it is {}{}, and has to be half of the wish; allowed: from {} on, or no wish",
+                         error_text(wish.measure, wish.limit), setting_text(last.overrides),
+                         error_text(wish.measure, error->worst), error->different ? ", and a unit slips in one run alone" : "",
+                         error_text(wish.measure, error->worst / margin)));
+    }
+    throw std::logic_error("a setting that meets the wish was refused");
+  }
+
+  const TrialPlan& wished_;  // as the scene stands
+  std::size_t asked_;        // the first so many trials are to run
+  std::vector<std::size_t> trials_;
+  std::vector<Wish> wishes_;
+  bool has_choice_ = false;          // of the solver
+  std::optional<std::size_t> skin_;  // which of the scene's effects is elastic_skin
+  double sampling_time_ = 0.0;
+  std::size_t explicit_steps_ = 0, implicit_steps_ = 0;  // fewest in the sampling time; 0: there is no such setting
+  std::optional<SceneValueError> last_refusal_;
+  std::vector<ClosedForm> exact_;       // by trial looked at
+  std::vector<TrialResult> reference_;  // likewise
+  std::size_t reference_steps_ = 0;
+};
+
 }  // namespace
 
 std::optional<KeptSetting> setting_for(const SweepOptions& sweep, const Catalogues& catalogues,
@@ -180,6 +525,23 @@ std::optional<KeptSetting> setting_for(const SweepOptions& sweep, const Catalogu
   kept.push_back(entry_of(subject, scene, found));
   write_text_file(path, Json{{"slipbench_accuracy", schema}, {"settings", kept}}.dump(1) + "\n");
   return KeptSetting{found.overrides, path, line_of(kept.back())};
+}
+
+std::optional<FoundSetting> find_setting(const PlannedTrials& planned) { return Search(planned).find(); }
+
+std::string setting_text(const std::vector<Override>& overrides) {
+  std::string text;
+  for (const Override& change : overrides) {
+    if (change.path == no_wish.path) continue;
+    const std::string value = change.path == "time_step" ? rounded_time(change.value) : change.value;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", change.path, value);
+  }
+  return text;
+}
+
+std::string error_text(Measure measure, double value) {
+  const MeasureInfo& info = info_of(measure);
+  return fmt::format("{:.3g} {}", info.factor * value, info.unit);
 }
 
 }  // namespace slipbench

@@ -1,11 +1,8 @@
 // The setting that a scene's wish for accuracy takes, kept beside the scene so that it is looked for once.
 #pragma once
 
-#include <cstddef>
 #include <functional>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"

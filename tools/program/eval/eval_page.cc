@@ -1,9 +1,7 @@
 #include "tools/program/eval/evaluate.h"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <span>
 #include <utility>
 
 #include <fmt/format.h>

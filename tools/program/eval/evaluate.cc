@@ -11,14 +11,11 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/scene/parser.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/base/statistics/roc.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/eval/metrics.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/run/recorded_scene.h"
 

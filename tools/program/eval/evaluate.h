@@ -2,12 +2,8 @@
 #pragma once
 
 #include <set>
-#include <string>
-#include <vector>
 
-#include "sim/scene/scene.h"
 #include "tools/base/page/page.h"
-#include "tools/base/record/json.h"
 #include "tools/program/eval/metrics.h"
 
 namespace slipbench::eval {

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "detectors/hd/words.h"
 #include "sim/core/contact_frame.h"
 #include "sim/core/error.h"
 #include "sim/motion/motion.h"
-#include "tools/base/statistics/descriptive.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench::eval {
@@ -111,12 +111,12 @@ Estimate auc_of(std::span<const Judgement> trials, const std::vector<std::vector
   return {found.value, found.interval};
 }
 
-constexpr std::array<std::pair<const char*, TruthRule>, 6> rules{{{"strict", TruthRule::strict},
-                                                                  {"micro", TruthRule::micro},
-                                                                  {"paper", TruthRule::paper},
-                                                                  {"latched", TruthRule::latched},
-                                                                  {"masked", TruthRule::masked},
-                                                                  {"has_slipped", TruthRule::has_slipped}}};
+constexpr std::array<hd::Word<TruthRule>, 6> rules{{{"strict", TruthRule::strict},
+                                                    {"micro", TruthRule::micro},
+                                                    {"paper", TruthRule::paper},
+                                                    {"latched", TruthRule::latched},
+                                                    {"masked", TruthRule::masked},
+                                                    {"has_slipped", TruthRule::has_slipped}}};
 
 std::vector<PadState> latched(std::vector<PadState> states) {
   PadState held = PadState::no_contact;
@@ -296,21 +296,14 @@ Json summary_json(const Summary& summary) {
           {"called", std::move(called)}};
 }
 
-std::vector<std::string> label_rule_names() {
-  std::vector<std::string> names;
-  for (const auto& [name, rule] : rules) names.emplace_back(name);
-  return names;
-}
+std::vector<std::string> label_rule_names() { return hd::names_of(rules); }
 
 TruthRule parse_label_rule(const std::string& name) {
-  const auto found = std::ranges::find(rules, name, [](const auto& rule) { return std::string(rule.first); });
-  if (found == rules.end()) throw InputError("unknown label rule " + quote(name) + allowed_names(name, label_rule_names()));
-  return found->second;
+  if (const std::optional<TruthRule> rule = hd::value_of(rules, name)) return *rule;
+  throw InputError("unknown label rule " + quote(name) + allowed_names(name, label_rule_names()));
 }
 
-std::string label_rule_name(TruthRule rule) {
-  return std::ranges::find(rules, rule, [](const auto& one) { return one.second; })->first;
-}
+std::string label_rule_name(TruthRule rule) { return hd::name_of(rules, rule); }
 
 std::vector<PadState> label_states(const SensorRecord& sensor, TruthRule rule, bool turning) {
   switch (rule) {

@@ -2,20 +2,12 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
-#include <cstdint>
 #include <limits>
-#include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
-#include "sim/core/pad_state.h"
-#include "sim/scene/scene.h"
 #include "tools/base/record/json.h"
-#include "tools/base/record/trial_record.h"
 #include "tools/base/statistics/confusion.h"
-#include "tools/base/statistics/roc.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/eval/replay.h"
 
 namespace slipbench::eval {

@@ -1,11 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <iterator>
 #include <numbers>
-#include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,7 +11,6 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "tools/program/export/formats.h"
-#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {

@@ -12,7 +12,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <new>
 #include <set>
 #include <utility>
@@ -21,6 +20,7 @@
 #include <fmt/ranges.h>
 #include <zlib.h>
 
+#include "detectors/hd/words.h"
 #include "sim/core/error.h"
 #include "sim/core/process/own_library.h"
 #include "tools/base/dataset/guarded.h"
@@ -32,52 +32,6 @@
 namespace slipbench {
 namespace {
 
-constexpr std::array<std::pair<const char*, ExportFormat>, 12> formats{{{"csv", ExportFormat::csv},
-                                                                        {"npz", ExportFormat::npz},
-                                                                        {"robomimic", ExportFormat::robomimic},
-                                                                        {"lerobot", ExportFormat::lerobot},
-                                                                        {"parquet", ExportFormat::parquet},
-                                                                        {"mcap", ExportFormat::mcap},
-                                                                        {"vendor-csv", ExportFormat::vendor_csv},
-                                                                        {"training-csv", ExportFormat::training_csv},
-                                                                        {"grasp-csv", ExportFormat::grasp_csv},
-                                                                        {"myrmex-csv", ExportFormat::myrmex_csv},
-                                                                        {"myrmex-rotated", ExportFormat::myrmex_rotated},
-                                                                        {"slip-csv", ExportFormat::slip_csv}}};
-// Those that need no truth.
-constexpr std::array of_readings{
-    ExportFormat::csv,     ExportFormat::npz,     ExportFormat::myrmex_csv, ExportFormat::myrmex_rotated,
-    ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap};
-// Those whose layout has a rate of its own, or no rows in time, and says so.
-constexpr std::array<std::pair<ExportFormat, const char*>, 4> of_one_rate{
-    {{ExportFormat::training_csv, "has 1000 rows a second"},
-     {ExportFormat::slip_csv, "has 100 rows a second"},
-     {ExportFormat::myrmex_csv, "has 1000 images a second and no time beside them"},
-     {ExportFormat::grasp_csv, "has a row a grasp"}}};
-// Those that are compressed when that is asked for. The others are so always.
-constexpr std::array to_compress{ExportFormat::csv,          ExportFormat::robomimic, ExportFormat::vendor_csv,
-                                 ExportFormat::training_csv, ExportFormat::grasp_csv, ExportFormat::slip_csv,
-                                 ExportFormat::myrmex_csv};
-// Those that hold the state by every rule.
-constexpr std::array of_every_rule{
-    ExportFormat::csv,     ExportFormat::npz,     ExportFormat::robomimic, ExportFormat::myrmex_rotated,
-    ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap};
-
-template <class Table>
-std::vector<std::string> words_of(const Table& table) {
-  std::vector<std::string> names;
-  for (const auto& [name, value] : table) names.emplace_back(name);
-  return names;
-}
-
-template <class Table>
-auto parse_name(const Table& table, const std::string& name, const char* what) {
-  for (const auto& [known, value] : table) {
-    if (name == known) return value;
-  }
-  throw InputError(fmt::format("unknown {} {}{}", what, quote(name), allowed_names(name, words_of(table))));
-}
-
 // What is exported is what was written, or nothing.
 void check_files_of(const DatasetReader& reader, const std::vector<std::size_t>& trials) {
   std::set<std::size_t> files;
@@ -87,14 +41,6 @@ void check_files_of(const DatasetReader& reader, const std::vector<std::size_t>&
 
 double label_speed(const ExportOptions& options) { return options.label_speed.value_or(default_label_speed); }
 SlipRule slip_rule(const ExportOptions& options) { return options.slip_rule.value_or(SlipRule::strict); }
-
-bool is_one_of(const auto& some, ExportFormat format) { return std::ranges::find(some, format) != some.end(); }
-
-std::string format_names(const auto& some) {
-  std::vector<std::string> names;
-  for (const ExportFormat format : some) names.push_back(export_format_name(format));
-  return fmt::format("{}", fmt::join(names, ", "));
-}
 
 // A sensor at the rate that is asked for.
 SensorRecord sensor_of(const DatasetReader& reader, std::size_t trial, const std::string& name, const ExportOptions& options) {
@@ -220,15 +166,42 @@ std::string export_robomimic(const DatasetReader& reader, const std::vector<std:
   return path;
 }
 
-// Those that are written trial by trial, here.
-const std::map<ExportFormat, Files (*)(const DatasetReader&, std::size_t, OutputFolder&, const ExportOptions&)> of_trials{
-    {ExportFormat::csv, &export_tables},
-    {ExportFormat::npz, &export_archive},
-    {ExportFormat::vendor_csv, &export_vendor},
-    {ExportFormat::training_csv, &export_training},
-    {ExportFormat::slip_csv, &export_slip},
-    {ExportFormat::myrmex_csv, &export_images},
-    {ExportFormat::myrmex_rotated, &export_archive}};
+// A format, and what it can be told.
+struct FormatKind {
+  ExportFormat format;
+  std::string_view name;
+  bool of_readings = false;        // needs no truth
+  bool every_rule = false;         // holds the state by every rule
+  bool to_compress = false;        // is compressed when that is asked for; the others are so always
+  std::string_view one_rate = {};  // the layout has a rate of its own, or no rows in time: how it is said; empty: neither
+  Files (*of_trial)(const DatasetReader&, std::size_t, OutputFolder&,
+                    const ExportOptions&) = nullptr;  // null: not written so, or by Python
+};
+constexpr std::array formats{
+    FormatKind{ExportFormat::csv, "csv", true, true, true, "", &export_tables},
+    FormatKind{ExportFormat::npz, "npz", true, true, false, "", &export_archive},
+    FormatKind{ExportFormat::robomimic, "robomimic", false, true, true},
+    FormatKind{ExportFormat::lerobot, "lerobot", true, true},
+    FormatKind{ExportFormat::parquet, "parquet", true, true},
+    FormatKind{ExportFormat::mcap, "mcap", true, true},
+    FormatKind{ExportFormat::vendor_csv, "vendor-csv", false, false, true, "", &export_vendor},
+    FormatKind{ExportFormat::training_csv, "training-csv", false, false, true, "has 1000 rows a second", &export_training},
+    FormatKind{ExportFormat::grasp_csv, "grasp-csv", false, false, true, "has a row a grasp"},
+    FormatKind{ExportFormat::myrmex_csv, "myrmex-csv", true, false, true, "has 1000 images a second and no time beside them",
+               &export_images},
+    FormatKind{ExportFormat::myrmex_rotated, "myrmex-rotated", true, true, false, "", &export_archive},
+    FormatKind{ExportFormat::slip_csv, "slip-csv", false, false, true, "has 100 rows a second", &export_slip}};
+
+const FormatKind& kind_of(ExportFormat format) { return *std::ranges::find(formats, format, &FormatKind::format); }
+
+// The names of those that have a trait.
+std::string names_with(bool FormatKind::*trait) {
+  std::vector<std::string_view> names;
+  for (const FormatKind& kind : formats) {
+    if (kind.*trait) names.push_back(kind.name);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
 
 Files export_trials(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                     const ExportProgress& progress) {
@@ -243,7 +216,7 @@ Files export_trials(const std::string& dataset_path, const std::string& out_dir,
   Files files;
   std::uintmax_t bytes = 0;
   for (std::size_t k = 0; k < trials.size(); ++k) {
-    for (std::string& file : of_trials.at(options.format)(reader, trials[k], out, options)) {
+    for (std::string& file : kind_of(options.format).of_trial(reader, trials[k], out, options)) {
       bytes += std::filesystem::file_size(file);
       files.push_back(std::move(file));
     }
@@ -322,39 +295,41 @@ Json request_of(const std::string& dataset_path, const std::string& out_dir, con
 
 }  // namespace
 
-std::string export_format_name(ExportFormat format) {
-  return std::ranges::find(formats, format, [](const auto& known) { return known.second; })->first;
+std::string export_format_name(ExportFormat format) { return std::string(kind_of(format).name); }
+ExportFormat parse_export_format(const std::string& name) {
+  const auto found = std::ranges::find(formats, name, &FormatKind::name);
+  if (found != formats.end()) return found->format;
+  throw InputError(fmt::format("unknown format {}{}", quote(name), allowed_names(name, export_format_names())));
 }
-ExportFormat parse_export_format(const std::string& name) { return parse_name(formats, name, "format"); }
-std::vector<std::string> export_format_names() { return words_of(formats); }
+std::vector<std::string> export_format_names() { return hd::names_of(formats); }
 
 void check_export_options(const ExportOptions& options) {
+  const FormatKind& kind = kind_of(options.format);
   const bool of_the_tip = options.slip_rule == SlipRule::paper || options.slip_rule == SlipRule::has_slipped;
   const bool pillars_only = options.format == ExportFormat::vendor_csv || options.format == ExportFormat::training_csv;
   if (options.label_speed && !(pillars_only && of_the_tip)) {
     throw InputError(fmt::format(
         "a label speed was given, which the slip rule '{}' of {} does not have; allowed: --label-speed with --slip paper or --slip has_slipped "
         "of vendor-csv and training-csv",
-        slip_rule_name(slip_rule(options)), export_format_name(options.format)));
+        slip_rule_name(slip_rule(options)), kind.name));
   }
   if (options.slip_rule && !pillars_only) {
-    if (!is_one_of(of_every_rule, options.format)) {
-      throw InputError(fmt::format("{} holds no state by a rule; allowed: --labels with vendor-csv, training-csv, {}",
-                                   export_format_name(options.format), format_names(of_every_rule)));
+    if (!kind.every_rule) {
+      throw InputError(fmt::format("{} holds no state by a rule; allowed: --labels with vendor-csv, training-csv, {}", kind.name,
+                                   names_with(&FormatKind::every_rule)));
     }
     if (*options.slip_rule == SlipRule::has_slipped) {
-      throw InputError(fmt::format("{} holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper",
-                                   export_format_name(options.format)));
+      throw InputError(
+          fmt::format("{} holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper", kind.name));
     }
   }
-  const auto fixed = std::ranges::find(of_one_rate, options.format, [](const auto& one) { return one.first; });
-  if (options.rate && fixed != of_one_rate.end()) {
-    throw InputError(fmt::format("a rate was given, and the layout of {} {}; allowed: --rate with the other formats",
-                                 export_format_name(options.format), fixed->second));
+  if (options.rate && !kind.one_rate.empty()) {
+    throw InputError(fmt::format("a rate was given, and the layout of {} {}; allowed: --rate with the other formats", kind.name,
+                                 kind.one_rate));
   }
-  if (options.compress && !is_one_of(to_compress, options.format)) {
-    throw InputError(fmt::format("{} is compressed as it is; allowed: --compress with {}", export_format_name(options.format),
-                                 format_names(to_compress)));
+  if (options.compress && !kind.to_compress) {
+    throw InputError(
+        fmt::format("{} is compressed as it is; allowed: --compress with {}", kind.name, names_with(&FormatKind::to_compress)));
   }
   if (!options.sensors.empty() && options.format == ExportFormat::grasp_csv) {
     throw InputError("the layout of grasp-csv has the sensors ff, mf and th; allowed: --sensors with the other formats");
@@ -368,9 +343,10 @@ void check_export_options(const ExportOptions& options) {
 std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const ExportOptions& options) {
   const std::string path = reader.files().front();
   if (reader.trials().empty()) throw InputError(fmt::format("{}: holds no trial", path));
-  if (!is_one_of(of_readings, options.format)) {
-    reader.check_truth(fmt::format("--format {}", export_format_name(options.format)),
-                       fmt::format("a dataset that slipbench has simulated, or --format {}", format_names(of_readings)));
+  if (!kind_of(options.format).of_readings) {
+    reader.check_truth(
+        fmt::format("--format {}", export_format_name(options.format)),
+        fmt::format("a dataset that slipbench has simulated, or --format {}", names_with(&FormatKind::of_readings)));
   }
   std::vector<std::size_t> trials = options.trial ? std::vector<std::size_t>{*options.trial} : reader.trials();
   if (!options.split.empty()) {

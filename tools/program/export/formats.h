@@ -1,18 +1,8 @@
 // What a dataset can be exported as: a function, or an object that is fed trials, for each format.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
-
-#include "tools/base/dataset/reader.h"
 #include "tools/base/record/trial_record.h"
 #include "tools/program/export/export.h"
-#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 

@@ -9,7 +9,6 @@
 
 #include "sim/core/error.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
-#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 namespace {

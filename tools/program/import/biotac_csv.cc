@@ -2,15 +2,11 @@
 #include <array>
 #include <filesystem>
 #include <limits>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "sim/core/error.h"
-#include "tools/base/record/json.h"
 #include "tools/program/import/source_table.h"
 #include "tools/program/samples/samples.h"
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "detectors/hd/words.h"
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/writer.h"
@@ -107,11 +108,7 @@ class Target {
 
 }  // namespace
 
-std::vector<std::string> import_format_names() {
-  std::vector<std::string> names;
-  for (const ImportFormat& format : import_catalogue) names.emplace_back(format.name);
-  return names;
-}
+std::vector<std::string> import_format_names() { return hd::names_of(import_catalogue); }
 
 const ImportFormat& import_format(const std::string& name) {
   const auto found =

@@ -2,16 +2,12 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
-#include <string>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "detectors/channel.h"
 #include "sim/core/error.h"
-#include "tools/base/record/json.h"
 #include "tools/program/import/source_table.h"
 #include "tools/program/samples/samples.h"
 

@@ -1,4 +1,4 @@
-#include "tools/program/verify/verification.h"
+#include "tools/program/verify/verify.h"
 
 #include <algorithm>
 #include <cmath>

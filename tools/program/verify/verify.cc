@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
-#include <optional>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -20,7 +19,6 @@
 #include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"
-#include "tools/program/verify/verification.h"
 
 namespace slipbench {
 namespace {

@@ -11,7 +11,6 @@
 #include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
-#include "tools/base/statistics/roc.h"
 #include "tools/program/samples/samples.h"
 #include "tools/program/train/network/examples.h"
 #include "tools/program/train/recipes/recipe.h"

@@ -2,7 +2,6 @@
 #include "tools/studies/biotac/biotac_learning.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <numeric>
 #include <set>
@@ -39,13 +38,6 @@ struct StabilityNetwork {
   Network network;
   std::function<train::FoldExample(const Grasp&)> shown;
   bool by_palm = false;  // of grasps that are levelled()
-};
-
-// A row of a table in which networks are compared on all data that there are, by sample and by object.
-struct Compared {
-  std::string name;
-  std::vector<std::string> first;                    // cells: what it is, the paper's
-  std::vector<std::pair<Set, std::size_t>> lessons;  // of Lessons, in the order of the columns
 };
 
 std::string grasps_text(const std::vector<Grasp>& grasps) {
@@ -154,15 +146,15 @@ Result compare(const ReproduceOptions& options, const GraspSets& grasps, const s
   std::vector<std::pair<const std::vector<Grasp>*, const char*>> sources;
   if (!grasps.real.empty()) sources.emplace_back(&grasps.real, "real");
   sources.emplace_back(&grasps.synthetic, "synthetic");
-  std::vector<Compared> rows;
+  std::vector<std::vector<std::pair<Set, std::size_t>>> rows;  // of each network, in the order of the columns; numbers of Lessons
   for (const auto& [network, first] : networks) {
-    Compared& row = rows.emplace_back(Compared{network.network.name, first, {}});
+    std::vector<std::pair<Set, std::size_t>>& row = rows.emplace_back();
     for (const auto& [source, name] : sources) {
       for (const FoldsBy by : {FoldsBy::sample, FoldsBy::object}) {
         Set set = set_of(*source, network, by, options.seed.value_or(1));
         const std::size_t number = lessons.queue(set, nullptr, Learns::own, network.network);
         set.examples.clear();
-        row.lessons.emplace_back(std::move(set), number);
+        row.emplace_back(std::move(set), number);
       }
     }
   }
@@ -171,13 +163,14 @@ Result compare(const ReproduceOptions& options, const GraspSets& grasps, const s
   for (const auto& [source, name] : sources) {
     for (const char* by : {"by sample", "by object"}) table.head.push_back(fmt::format("{}: {}", name, by));
   }
-  for (const Compared& row : rows) {
-    std::vector<std::string> cells = row.first;
-    for (std::size_t i = 0; i < row.lessons.size(); ++i) {
-      const auto& [set, number] = row.lessons[i];
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    std::vector<std::string> cells = networks[row].second;
+    for (std::size_t i = 0; i < rows[row].size(); ++i) {
+      const auto& [set, number] = rows[row][i];
       const Scores scores = scores_of(lessons.answers(number), set.fold_of);
       cells.push_back(cell(scores.accuracy));
-      result.figures[sources[i / 2].second][i % 2 == 0 ? "by_sample" : "by_object"][row.name] = json_of(scores);
+      result.figures[sources[i / 2].second][i % 2 == 0 ? "by_sample" : "by_object"][networks[row].first.network.name] =
+          json_of(scores);
     }
     table.rows.push_back(std::move(cells));
   }

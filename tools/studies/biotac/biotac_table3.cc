@@ -1,14 +1,11 @@
 // Table 3 of the paper: direction of slip under one finger, on objects that were not learnt; with and without the place of the touch.
-#include <array>
 #include <map>
 #include <set>
-#include <span>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
 #include "tools/studies/biotac/biotac_learning.h"
-#include "tools/studies/grid.h"
 
 namespace slipbench::reproduce {
 namespace biotac {

@@ -91,23 +91,18 @@ std::vector<std::array<float, 3 * hd::pillar_count>> random_displacements() {
   return result;
 }
 
-double time_of(hd::Engine& engine, std::span<const hd::Frame> input, std::size_t passes) {
+// Of a frame; `update`: what makes a decision of it.
+template <class Frame, class Update>
+double time_of(std::span<const Frame> input, std::size_t passes, const Update& update) {
   const double pass = median_time(passes, [&] {
     std::uint64_t sum = 0;
-    for (const hd::Frame& frame : input) sum += engine.update(frame).distance[0];
+    for (const Frame& frame : input) sum += update(frame).distance[0];
     sink = sum;
   });
   return pass / static_cast<double>(input.size());
 }
 
-std::string path_name(hd::KernelPath path) {
-  switch (path) {
-    case hd::KernelPath::portable: return "portable";
-    case hd::KernelPath::avx2: return "AVX2";
-    case hd::KernelPath::avx512: return "AVX-512";
-  }
-  return "unknown";
-}
+constexpr std::array path_names{"portable", "AVX2", "AVX-512"};  // of hd::KernelPath
 
 std::string time_text(double seconds) {
   return seconds < 1e-6 ? fmt::format("{:.1f} ns", 1e9 * seconds) : fmt::format("{:.2f} us", 1e6 * seconds);
@@ -131,17 +126,17 @@ void add_software(const AddRow& add, const ReproduceOptions& options, const hd::
   say("plain C++");
   const auto reference = hd::make_reference(model, memories);
   add("ours: plain C++, reads like the equations", "-",
-      time_of(*reference, std::span(input).first(reference_frames), reference_passes));
+      time_of(std::span(input).first(reference_frames), reference_passes,
+              [&](const hd::Frame& frame) { return reference->update(frame); }));
   for (const hd::KernelPath path : hd::kernel_paths()) {
-    say("kernel, " + path_name(path));
+    const std::string name = path_names.at(static_cast<std::size_t>(path));
+    say("kernel, " + name);
     const auto kernel = hd::make_kernel(model, memories, path);
-    add(fmt::format("ours: kernel, {}", path_name(path)), "-", time_of(*kernel, input, kernel_passes));
-    const double pass = median_time(kernel_passes, [&] {
-      std::uint64_t sum = 0;
-      for (const auto& frame : displacements) sum += kernel->update(hd::quantise(frame, hd::Quantiser::fixed_point)).distance[0];
-      sink = sum;
-    });
-    add(fmt::format("ours: kernel, {}, from displacements", path_name(path)), "-", pass / static_cast<double>(frames));
+    const auto decide = [&](const hd::Frame& frame) { return kernel->update(frame); };
+    add(fmt::format("ours: kernel, {}", name), "-", time_of(std::span(input), kernel_passes, decide));
+    add(fmt::format("ours: kernel, {}, from displacements", name), "-",
+        time_of(std::span(displacements), kernel_passes,
+                [&](const auto& frame) { return decide(hd::quantise(frame, hd::Quantiser::fixed_point)); }));
   }
 }
 

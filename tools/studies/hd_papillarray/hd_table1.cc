@@ -2,16 +2,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <map>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "tools/base/files/output_file.h"
-#include "tools/base/statistics/descriptive.h"
 #include "tools/program/train/train_hd.h"
 #include "tools/studies/grid.h"
 #include "tools/studies/hd_papillarray/hd_tables.h"

@@ -7,11 +7,11 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
-#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <Eigen/Core>
 
 #include "sim/core/pad_state.h"
 #include "sim/motion/motion.h"
@@ -85,15 +85,16 @@ std::vector<Row> incipient_rows(const std::vector<Row>& rows) {
 }
 
 // Mean of samples [first, first + n) of the way from the arm's origin to the box's.
-std::array<double, 3> mean_way(std::span<const float> arm, std::span<const float> box, std::size_t first, std::size_t n) {
-  std::array<double, 3> mean{};
-  for (std::size_t i = first; i < first + n; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) mean[k] += (double{box[7 * i + k]} - double{arm[7 * i + k]}) / static_cast<double>(n);
-  }
+Eigen::Vector3d mean_way(std::span<const float> arm, std::span<const float> box, std::size_t first, std::size_t n) {
+  const auto place = [](std::span<const float> poses, std::size_t i) {
+    return Eigen::Vector3f::Map(&poses[7 * i]).cast<double>();
+  };
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (std::size_t i = first; i < first + n; ++i) mean += (place(box, i) - place(arm, i)) / static_cast<double>(n);
   return mean;
 }
 
-double polar_angle(const std::array<double, 3>& v) { return std::atan2(std::hypot(v[0], v[1]), v[2]); }
+double polar_angle(const Eigen::Vector3d& v) { return std::atan2(std::hypot(v.x(), v.y()), v.z()); }
 
 // What Table II simulates: grasps under two protocols, with boxes, surfaces and loops of detector and controller.
 constexpr const char* lift_scene = "scenes/grasp/lift.yaml";
@@ -494,12 +495,10 @@ EstimatedForces estimated_forces(std::span<const float> force, std::span<const s
 MarkerSlip marker_slip(std::span<const float> arm, std::span<const float> box, std::size_t lift) {
   constexpr std::size_t before = 51, after = 101;
   const std::size_t count = std::min(before, lift + 1);
-  const std::array<double, 3> start = mean_way(arm, box, lift + 1 - count, count);
-  const std::array<double, 3> end = mean_way(arm, box, arm.size() / 7 - after, after);
-  const std::array<double, 3> line{marker_line[0], marker_line[1], marker_line[2]};
-  std::array<double, 3> turned = line;
-  for (std::size_t k = 0; k < 3; ++k) turned[k] += end[k] - start[k];
-  return {std::abs(end[2] - start[2]), std::abs(polar_angle(turned) - polar_angle(line))};
+  const Eigen::Vector3d start = mean_way(arm, box, lift + 1 - count, count);
+  const Eigen::Vector3d end = mean_way(arm, box, arm.size() / 7 - after, after);
+  const Eigen::Vector3d line = Eigen::Vector3d::Map(marker_line), turned = line + (end - start);
+  return {std::abs(end.z() - start.z()), std::abs(polar_angle(turned) - polar_angle(line))};
 }
 
 Spread spread(std::vector<double> values) {

@@ -2,16 +2,13 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
-#include "tools/base/statistics/descriptive.h"
 #include "tools/program/eval/evaluate.h"
 #include "tools/program/eval/replay.h"
 #include "tools/studies/grid.h"

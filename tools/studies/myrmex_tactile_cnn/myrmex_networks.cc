@@ -6,7 +6,6 @@
 #include <memory>
 #include <numeric>
 #include <set>
-#include <span>
 
 #include <fmt/format.h>
 
@@ -18,7 +17,6 @@
 #include "tools/program/train/network/validation.h"
 #include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/grid.h"
-#include "tools/studies/myrmex_tactile_cnn/myrmex_onset.h"
 
 namespace slipbench::reproduce {
 namespace {
@@ -133,10 +131,7 @@ void KindCounts::add(const KindCounts& other) {
 }
 
 double KindCounts::share(std::size_t label, std::size_t called) const {
-  std::uint64_t all = 0;
-  for (const std::uint64_t count : windows[label]) all += count;
-  return all == 0 ? std::numeric_limits<double>::quiet_NaN()
-                  : static_cast<double>(windows[label][called]) / static_cast<double>(all);
+  return share_of(windows[label][called], std::accumulate(windows[label].begin(), windows[label].end(), std::uint64_t{0}));
 }
 
 double KindCounts::accuracy() const {
@@ -147,9 +142,7 @@ double KindCounts::accuracy() const {
   return mean_sd(recalls).mean;
 }
 
-double WrongCount::share() const {
-  return all == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(wrong) / static_cast<double>(all);
-}
+double WrongCount::share() const { return share_of(wrong, all); }
 
 KindCounts MyrmexFigures::all() const {
   KindCounts sum;

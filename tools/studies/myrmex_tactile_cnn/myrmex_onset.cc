@@ -1,11 +1,9 @@
-#include "tools/studies/myrmex_tactile_cnn/myrmex_onset.h"
+#include "tools/studies/myrmex_tactile_cnn/myrmex_networks.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>

@@ -1,7 +1,4 @@
-#include <array>
 #include <cmath>
-#include <limits>
-#include <vector>
 
 #include <fmt/format.h>
 

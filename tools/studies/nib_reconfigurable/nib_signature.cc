@@ -1,4 +1,4 @@
-#include "tools/studies/nib_reconfigurable/nib_signature.h"
+#include "tools/studies/nib_reconfigurable/nib_tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,6 @@
 
 #include "detectors/nib/slip_detectors.h"
 #include "sim/effects/effect_catalogue.h"
-#include "tools/base/statistics/descriptive.h"
-#include "tools/base/statistics/roc.h"
 #include "tools/program/samples/samples.h"
 #include "tools/studies/grid.h"
 

@@ -3,17 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "detectors/detector_kinds.h"
 #include "detectors/nib/slip_detectors.h"
-#include "sim/core/parameters.h"
-#include "tools/base/statistics/descriptive.h"
 #include "tools/studies/grid.h"
-#include "tools/studies/nib_reconfigurable/nib_signature.h"
 
 namespace slipbench::reproduce {
 

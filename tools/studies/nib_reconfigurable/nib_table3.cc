@@ -3,17 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <optional>
 #include <stdexcept>
-#include <string>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/studies/grid.h"
 

@@ -1,20 +1,13 @@
 // Slip against hold by the loudness of one frame, against the motors' level: the curve, and which frames are mistaken.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "tools/base/statistics/descriptive.h"
-#include "tools/base/statistics/roc.h"
-#include "tools/studies/grid.h"
 #include "tools/studies/piezo_fft_gru/piezo_networks.h"
 
 namespace slipbench::reproduce {

@@ -1,7 +1,6 @@
 // Tables I to IV of the paper: architectures, bands, tips that were never learnt, and recordings of motors alone.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -9,9 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/base/statistics/descriptive.h"
 #include "tools/program/train/recipes/recipe.h"
-#include "tools/studies/grid.h"
 #include "tools/studies/piezo_fft_gru/piezo_networks.h"
 
 namespace slipbench::reproduce {
@@ -511,16 +508,15 @@ Result piezo_delay(const ReproduceOptions& options) {
   Result result;
   result.title = "When the FFT-GRU notices a slip of the piezoelectric skin";
   result.source = fmt::format("Section V.E of {}", table_source);
-  ResultTable delays, frames;
-  delays.title = "Delay, ms: median (10 to 90 %)";
-  delays.head = {"learnt by", "counted from",      "first alarm",          "early",
-                 "missed",    "alarm at or after", "mean +- sd, greatest", "none"};
-  delays.note =
-      "First alarm: the first frame of a recording that is called slip decides; where it is before the instant counted from, it is early and has no delay. Alarm at or after: the beginning of the alarm that is on at that instant, which is negative, or of the first after it.";
-  delays.rows.push_back({"paper", "position label", "-", "-", "-", "-", "8.5 +- 23.7, 58", "7 of 3,200 recordings"});
-  frames.title = "The same networks by frame";
-  frames.head = {"learnt and judged by", "all recordings", "with contact", "motors alone, % right", "motors alone, false alarms"};
-  frames.rows.push_back({"paper, position label", "98.7, -", "98.2, 0.978", "99.9", "-"});
+  ResultTable delays{
+      "Delay, ms: median (10 to 90 %)",
+      {"learnt by", "counted from", "first alarm", "early", "missed", "alarm at or after", "mean +- sd, greatest", "none"},
+      {{"paper", "position label", "-", "-", "-", "-", "8.5 +- 23.7, 58", "7 of 3,200 recordings"}},
+      "First alarm: the first frame of a recording that is called slip decides; where it is before the instant counted from, it is early and has no delay. Alarm at or after: the beginning of the alarm that is on at that instant, which is negative, or of the first after it."};
+  ResultTable frames{
+      "The same networks by frame",
+      {"learnt and judged by", "all recordings", "with contact", "motors alone, % right", "motors alone, false alarms"},
+      {{"paper, position label", "98.7, -", "98.2, 0.978", "99.9", "-"}}};
   for (const auto& [rule, validation] : networks) {
     const std::string name = fmt::format("{} label", label_name(rule));
     Json& figures = result.figures[label_name(rule)];

@@ -10,7 +10,6 @@
 #include <functional>
 #include <limits>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>

@@ -1,6 +1,5 @@
 // A grasp that moves: what is dropped and when, what does not depend on the step, what is caught when it goes wrong.
 #include <algorithm>
-#include <string>
 
 #include <fmt/format.h>
 

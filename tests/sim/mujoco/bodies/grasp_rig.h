@@ -2,8 +2,6 @@
 #pragma once
 
 #include <array>
-#include <memory>
-#include <string>
 
 #include "sim/mujoco/bodies/grasp_simulation.h"
 #include "sim/mujoco/pads/field_plugin.h"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
 
 #include <mujoco/mujoco.h>
 #include <Eigen/Cholesky>

@@ -1,5 +1,4 @@
 // A box that is gripped beside its middle and lifted: whether it turns on its far edge by rotational slip or lifts off, and how fast it turns.
-#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
 // `fidelity: mujoco_contact` and `integrator` in scenes whose bodies move by forces.
 #include <cmath>
-#include <string>
 
 #include "tests/expect.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"

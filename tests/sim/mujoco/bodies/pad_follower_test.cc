@@ -1,12 +1,7 @@
 // Sensors that follow a pad: they meet what it meets, when they are due, and nothing feels them.
-#include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
-#include <string>
-#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <array>
-#include <memory>
-#include <string>
 
 #include <fmt/format.h>
 

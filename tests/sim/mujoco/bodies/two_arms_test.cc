@@ -1,6 +1,5 @@
 // Two arms that hold an object between Myrmex arrays (scenes/myrmex/two_arms.xml) and open, against closed forms.
 #include <cmath>
-#include <string>
 
 #include "tests/expect.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"

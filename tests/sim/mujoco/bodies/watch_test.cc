@@ -1,6 +1,5 @@
 // The rules that a run must obey: each on numbers made for it, and all of them on runs that are right and runs that are not.
 
-#include "sim/mujoco/bodies/dynamic_simulation.h"
 #include "tests/expect.h"
 #include "tests/sim/mujoco/bodies/dynamic_rig.h"
 #include "tests/sim/mujoco/bodies/dynamic_scenes.h"

@@ -1,10 +1,7 @@
 // Surfaces of compiled geoms against MuJoCo's own distances, and meshes against what MuJoCo's distances cannot say.
-#include <stdexcept>
-#include <string>
 #include <variant>
 
 #include <fmt/format.h>
-#include <mujoco/mujoco.h>
 
 #include "sim/core/random.h"
 #include "sim/mujoco/pads/geom_surface.h"

@@ -1,10 +1,6 @@
 #include "sim/mujoco/pads/implicit.h"
 
 #include <functional>
-#include <stdexcept>
-#include <vector>
-
-#include <mujoco/mujoco.h>
 
 #include "tests/expect.h"
 #include "tests/sim/mujoco/pads/models.h"

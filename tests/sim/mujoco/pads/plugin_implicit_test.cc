@@ -1,18 +1,13 @@
 // solver='implicit' in the plugin: a light box between pads that are too stiff for an explicit force at 1 ms.
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <numbers>
-#include <sstream>
-#include <string>
 #include <vector>
 
 #ifdef __SANITIZE_ADDRESS__
 #include <sanitizer/lsan_interface.h>
 #endif
 
-#include "sim/mujoco/pads/field_plugin.h"
 #include "tests/expect.h"
 #include "tests/sim/mujoco/pads/plugin_rig.h"
 

@@ -1,15 +1,12 @@
 // Models with pads of the plugin, as a user would write them.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <csetjmp>
 #include <cstdio>
 #include <numbers>
 #include <sstream>
-#include <string>
 
-#include <mujoco/mujoco.h>
 #include <Eigen/Core>
 
 #include "sim/mujoco/pads/field_plugin.h"

@@ -1,7 +1,6 @@
 #include "sim/mujoco/linear/stability.h"
 
 #include <array>
-#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>

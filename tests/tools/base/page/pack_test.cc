@@ -1,9 +1,6 @@
 #include "tools/base/page/page.h"
 
 #include <cmath>
-#include <limits>
-#include <string>
-#include <vector>
 
 #include "tests/expect.h"
 #include "tests/tools/base/page/unpack.h"

@@ -1,8 +1,6 @@
 #include "tools/base/page/page.h"
 
-#include <regex>
 #include <stdexcept>
-#include <string>
 
 #include "tests/expect.h"
 #include "tests/tools/base/page/web_files.h"

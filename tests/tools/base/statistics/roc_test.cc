@@ -1,11 +1,10 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "tools/base/statistics/roc.h"
+#include "tools/base/statistics/descriptive.h"
 
 namespace slipbench {
 namespace {

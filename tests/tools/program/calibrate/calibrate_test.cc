@@ -1,6 +1,5 @@
 #include "tools/program/calibrate/calibrate.h"
 
-#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <fstream>

@@ -1,9 +1,16 @@
 #include "tools/program/calibrate/recordings.h"
 
 #include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
+#include "tools/program/calibrate/calibrate.h"
+#include "tools/program/calibrate/search.h"
+#include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench::calibrate::recordings_test {
 namespace {
@@ -76,6 +83,174 @@ TEST(SameColumns, AreToldByTheirNames) {
 TEST(ReadRecordings, AreOneAtLeast) {
   EXPECT_EQ(slipbench::refusal_of([] { return read_recordings({}, nullptr); }), ": no recording; allowed: one at least");
 }
+
+using Eigen::MatrixXd;
+
+// Two units of two components, 50 stretches, which begin at 0; the first unit carries sines, the second twice as much.
+Columns two_units() {
+  ChannelPlace place{.sensor = "pad", .channel = "force", .unit = "N", .names = {"x", "y"}};
+  place.units = 2;
+  place.components = 2;
+  return {{place}, 4};
+}
+
+MatrixXd signal() {
+  MatrixXd wave(50, 4);
+  for (int t = 0; t < 50; ++t) {
+    wave(t, 0) = std::sin(0.3 * t);
+    wave(t, 1) = std::cos(0.5 * t) - 1.0;
+    wave.block(t, 2, 1, 2) = 2.0 * wave.block(t, 0, 1, 2);
+  }
+  return wave;
+}
+
+// By device d the x of the units have gains 1 + a and 1 - a, a coupling b to y, offsets c.
+MatrixXd read(double a, double b, double c) {
+  const MatrixXd s = signal();
+  MatrixXd y = s;
+  y.col(0) = (1.0 + a) * s.col(0) + b * s.col(1);
+  y.col(2) = (1.0 - a) * s.col(2) + b * s.col(3);
+  y.col(0).array() += c;
+  y.col(2).array() -= c;
+  return y;
+}
+
+Disturbances learned() {
+  return {two_units(), {{read(0.1, 0.02, 0.3)}, {read(-0.1, -0.02, -0.3)}}, {{signal()}, {signal()}}, 1e-4};
+}
+
+// Gains of 1.1 and 0.9 scatter by 0.1, and so on; y has none of all.
+TEST(Disturbances, AreLearned) {
+  const Disturbances disturbances = learned();
+  const Disturbance& x = disturbances.by_component()[0];
+  EXPECT_NEAR(x.gain_sd, 0.1, 1e-4);
+  EXPECT_NEAR(x.coupling_sd, 0.02, 1e-4);
+  EXPECT_NEAR(x.offset_sd, 0.3, 1e-3);
+  const Disturbance& y = disturbances.by_component()[1];
+  EXPECT_LT(y.gain_sd, 1e-4);
+  EXPECT_LT(y.offset_sd, 1e-3);
+}
+
+// The unit that carries twice as much has four times the weight: gains of 1.1 and 1 - 0.1/4 have the mean 1.
+TEST(Disturbances, ExplainGainsCouplingsAndOffsets) {
+  const MatrixXd s = signal();
+  MatrixXd y = s;
+  y.col(0) = 1.1 * s.col(0) + 0.02 * s.col(1);
+  y.col(2) = (1.0 - 0.1 / 4.0) * s.col(2);
+  y.col(0).array() += 0.3;
+  const Distance distance = learned().distance({y}, {s});
+  EXPECT_NEAR(distance.gain(0), 1.1, 1e-3);
+  EXPECT_NEAR(distance.gain(2), 0.975, 1e-3);
+  EXPECT_NEAR(distance.offset(0, 0), 0.3, 1e-3);
+  EXPECT_LT((distance.explained[0] - y).cwiseAbs().maxCoeff(), 1e-3);
+  EXPECT_EQ(distance.residual.size(), static_cast<Eigen::Index>(distance.group.size()));
+}
+
+// What both units share is no gain: the readings stay where they are, 10 % above the signal. The couplings, of which the prior allows 0.02, take up what
+// of a sine looks like a cosine in 50 samples, some percent of the difference.
+TEST(Disturbances, LeaveWhatAllGainsShare) {
+  const MatrixXd s = signal();
+  MatrixXd y = s;
+  y.col(0) *= 1.1;
+  y.col(2) *= 1.1;
+  const Disturbances disturbances = learned();
+  const Distance distance = disturbances.distance({y}, {s});
+  EXPECT_NEAR(distance.gain(0), 1.0, 1e-3);
+  EXPECT_NEAR((distance.explained[0].col(0) - y.col(0)).norm() / s.col(0).norm(), 0.1, 5e-3);
+  EXPECT_NEAR(disturbances.common_gain({y}, {s})(2), 1.1, 1e-3);
+}
+
+FitKey key(const std::string& text) { return parse_fit_keys(text).at(0); }
+
+std::string refusal(const std::string& text) {
+  return refusal_of([&] { parse_fit_keys(text); });
+}
+
+TEST(FitKey, HasItsBoundsInSi) {
+  const FitKey stiffness = key("sensors.pad.k_normal: {min: 2 N/mm, max: 6000}");
+  EXPECT_EQ(stiffness.path, "sensors.pad.k_normal");
+  EXPECT_EQ(stiffness.min, 2000.0);
+  EXPECT_EQ(stiffness.max, 6000.0);
+  EXPECT_EQ(stiffness.quantity, Quantity::stiffness);
+  EXPECT_FALSE(stiffness.each);
+  EXPECT_EQ(stiffness.value(0.25), 3000.0);
+  EXPECT_EQ(stiffness.place(5000.0), 0.75);
+  EXPECT_EQ(stiffness.text(3210.0), "3.21 N/mm");
+}
+
+// The middle of 1 and 100 by their logarithms is 10.
+TEST(FitKey, IsSearchedByItsLogarithm) {
+  const FitKey friction = key("friction.scale: {draw: log_uniform, min: 1, max: 100, each: true}");
+  EXPECT_TRUE(friction.each);
+  EXPECT_DOUBLE_EQ(friction.value(0.5), 10.0);
+  EXPECT_DOUBLE_EQ(friction.place(10.0), 0.5);
+}
+
+TEST(FitKey, SeveralStandInOneMap) {
+  EXPECT_EQ(parse_fit_keys("{motion.tilt.0: {min: -1 deg, max: 1 deg}, lag: {min: 0 s, max: 1 ms}}").size(), 2U);
+}
+
+TEST(FitKey, RefusesWhatIsNoBound) {
+  EXPECT_THAT(refusal("friction.scale"), HasSubstr("allowed: a map of KEY: {min: .., max: ..}"));
+  EXPECT_THAT(refusal("friction.scale: 0.5"), HasSubstr("friction.scale is '0.5'; allowed: a map of {min: .., max: ..}"));
+  EXPECT_THAT(refusal("friction.scale: {min: 0.5}"), HasSubstr("no key 'max' in friction.scale"));
+  EXPECT_THAT(refusal("friction.scale: {min: 0.5, mox: 1}"), HasSubstr("did you mean 'max'"));
+  EXPECT_THAT(refusal("friction.scale: {min: 1, max: 0.5}"),
+              HasSubstr("min is 1 and max is 0.5; allowed: finite bounds, min below max"));
+  EXPECT_THAT(refusal("motion.compression: {min: 1 mm, max: 2 N}"),
+              HasSubstr("motion.compression.max is '2 N'; allowed: a number in m"));
+  EXPECT_THAT(refusal("motion.compression: {min: one, max: 2 mm}"), HasSubstr("motion.compression.min: "));
+  EXPECT_THAT(refusal("friction.scale: {min: 0, max: 1, draw: log_uniform}"),
+              HasSubstr("min is 0; allowed with draw: log_uniform: above 0"));
+  EXPECT_THAT(refusal("friction.scale: {min: 0, max: 1, draw: normal}"), HasSubstr("allowed: uniform or log_uniform"));
+}
+
+// Each of the five sensors, by one parameter of its own.
+
+struct Case {
+  const char* type;
+  const char* fit;
+  const char* compressions;
+};
+
+// A foam has to be pressed far for more than noise.
+class EachSensor : public slipbench::testing::FolderTest, public ::testing::WithParamInterface<Case> {};
+
+// With the sensor's typical electronics, and a seed for the truth that is another device than that of the fit.
+TEST_P(EachSensor, IsFitted) {
+  const std::string scene = path("scene.yaml");
+  std::ofstream(scene) << fmt::format(R"(slipbench: 1
+duration: 1.6 s
+time_step: auto
+seed: 3
+surface: {{material: acrylic}}
+motion: {{kind: stage, compression: 0.6 mm, start: 0.9 s, speed: 3 mm/s}}
+sensors:
+  pad: {{type: {}, electronics: typical}}
+sweep:
+  motion.compression: [{}]
+)",
+                                      GetParam().type, GetParam().compressions);
+  Options options;
+  options.scene_path = scene;
+  options.keys = parse_fit_keys(GetParam().fit);
+  options.synthetic_truth = true;
+  options.starts = 1;
+  const Json result = calibrate(options, program_catalogues()).json;
+  const Json& parameter = result.at("parameters").at(0);
+  EXPECT_TRUE(parameter.at("determined").get<bool>());
+  // The bar of stiffness: 3 %.
+  EXPECT_NEAR(parameter.at("error").get<double>() / parameter.at("truth").get<double>(), 0.0, 0.03);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Sensors, EachSensor,
+    ::testing::Values(Case{"papillarray", "sensors.pad.k_normal: {min: 3 N/mm, max: 12 N/mm}", "0.4 mm, 0.7 mm"},
+                      Case{"nib_pad", "sensors.pad.post: {min: 5 N/mm, max: 20 N/mm}", "0.4 mm, 0.7 mm"},
+                      Case{"piezo_skin", "sensors.pad.k_normal: {min: 10 N/mm, max: 40 N/mm}", "0.4 mm, 0.7 mm"},
+                      Case{"myrmex", "sensors.pad.thickness: {min: 3 mm, max: 8 mm}", "1.5 mm, 2.5 mm"},
+                      Case{"biotac_sp", "sensors.pad.gap: {min: 0.3 mm, max: 0.8 mm}", "0.4 mm, 0.7 mm"}),
+    [](const auto& info) { return std::string(info.param.type); });
 
 }  // namespace
 }  // namespace slipbench::calibrate::recordings_test

@@ -1,12 +1,7 @@
 // Verdicts on a pad that is moved sideways: from the start on it slips with speed, without speed never.
 
-#include <atomic>
 #include <filesystem>
 #include <fstream>
-#include <string>
-#include <vector>
-
-#include <gtest/gtest.h>
 
 #include "sim/core/process/interrupted.h"
 #include "tests/expect.h"

@@ -3,7 +3,6 @@
 #include <fstream>
 #include <iterator>
 #include <set>
-#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>

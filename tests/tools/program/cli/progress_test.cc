@@ -1,10 +1,7 @@
 #include <csignal>
 #include <cstdio>
-#include <string>
 
 #include <unistd.h>
-
-#include <gtest/gtest.h>
 
 #include "tests/expect.h"
 #include "tools/program/cli/terminal.h"

@@ -1,5 +1,4 @@
 // What the program really holds: every entry explains itself in full, and its example is a valid scene.
-#include <string>
 
 #include "sim/scene/parser.h"
 #include "tests/expect.h"

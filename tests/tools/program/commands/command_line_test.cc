@@ -1,7 +1,6 @@
 #include <cstdint>
 #include <limits>
 #include <sstream>
-#include <string>
 #include <utility>
 #include <vector>
 

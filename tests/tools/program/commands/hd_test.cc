@@ -1,10 +1,7 @@
 // `slipbench hd replay`, run as scripts run it, on the published vectors.
-#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 

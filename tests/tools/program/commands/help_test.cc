@@ -1,10 +1,7 @@
 // Every example that a help text prints, run as it stands there.
-#include <filesystem>
 #include <fstream>
 #include <regex>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,5 @@
 // Every command over an imported dataset: it copes, or says what it lacks. None crashes, none leaves anything.
-#include <filesystem>
 #include <fstream>
-#include <string>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 

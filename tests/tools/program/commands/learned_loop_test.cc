@@ -1,8 +1,6 @@
 // From simulated grasps to a detector that grips: every command of the chain, run as a user does.
 #include <iterator>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 

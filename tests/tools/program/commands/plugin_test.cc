@@ -1,7 +1,6 @@
 // Libraries of a user's own as the command line meets them: the line of the scene, the exit status, the trial that crashed.
 #include <cstdlib>
 #include <map>
-#include <string>
 
 #include <nlohmann/json.hpp>
 

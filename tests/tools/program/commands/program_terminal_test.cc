@@ -1,5 +1,4 @@
 // The built program with a person before it: colours and a progress bar.
-#include <string>
 
 #include "tests/expect.h"
 #include "tests/tools/program/commands/child_process.h"

@@ -2,10 +2,7 @@
 #include <sys/stat.h>
 
 #include <csignal>
-#include <filesystem>
 #include <fstream>
-#include <string>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 

@@ -1,10 +1,7 @@
 // Files that the program must not open, or whose words must not reach a terminal: every command that reads one refuses by name.
 #include <sys/stat.h>
 
-#include <filesystem>
 #include <fstream>
-#include <string>
-#include <vector>
 
 #include "tests/expect.h"
 #include "tests/tools/program/commands/child_process.h"

@@ -1,7 +1,5 @@
 // `slipbench view` with browsers of the test's own.
-#include <filesystem>
 #include <fstream>
-#include <string>
 
 #include <nlohmann/json.hpp>
 

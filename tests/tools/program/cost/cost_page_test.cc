@@ -1,4 +1,3 @@
-#include "tools/program/cost/explore.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,15 +6,12 @@
 #include <regex>
 #include <set>
 #include <stdexcept>
-#include <string>
-#include <utility>
 
 #include "tests/expect.h"
 #include "tests/tools/base/page/web_files.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tests/tools/program/cost/example.h"
 #include "tools/base/page/svg.h"
-#include "tools/program/cost/explore.h"
 #include "tools/program/report/report.h"
 
 namespace slipbench::cost {

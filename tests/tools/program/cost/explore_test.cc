@@ -1,9 +1,6 @@
 // The explorer on small scenes: that it runs what it says, compares it, and stays within its budget's plan. No figure of time is tested.
 #include "tools/program/cost/explore.h"
 
-#include <atomic>
-#include <string>
-
 #include "tests/expect.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"

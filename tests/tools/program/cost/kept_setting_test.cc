@@ -2,14 +2,12 @@
 
 #include <fstream>
 #include <iterator>
-#include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::testing {
 namespace {

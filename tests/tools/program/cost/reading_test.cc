@@ -1,10 +1,8 @@
 // Fronts, the cheapest settings and sentences, of an exploration made by hand.
-#include <string>
 #include <vector>
 
 #include "tests/expect.h"
 #include "tests/tools/program/cost/example.h"
-#include "tools/program/cost/explore.h"
 
 namespace slipbench::cost {
 namespace {

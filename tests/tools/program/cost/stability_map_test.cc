@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <set>
-#include <string>
 
 #include "tests/expect.h"
 

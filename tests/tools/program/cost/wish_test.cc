@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <string>
 
 #include "tests/expect.h"
 #include "tests/tools/program/commands/child_process.h"

@@ -1,6 +1,5 @@
 // The layout of the public slip recordings: folder and name from what the scene commands, rows from where the motion has come up, refusals.
 #include <sstream>
-#include <string>
 #include <vector>
 
 #include "tests/expect.h"

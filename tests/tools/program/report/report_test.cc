@@ -2,8 +2,6 @@
 
 #include <filesystem>
 #include <limits>
-#include <string>
-#include <vector>
 
 #include "tests/expect.h"
 #include "tests/tools/program/report/sample.h"

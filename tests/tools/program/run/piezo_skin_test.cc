@@ -10,7 +10,7 @@
 
 #include "detectors/spectral/spectral_features.h"
 #include "tests/scenes.h"
-#include "tools/base/statistics/roc.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::piezo_bench_test {

@@ -1,9 +1,7 @@
-#include <string>
-#include <vector>
 
+#include "tools/program/text/describe.h"
 #include "tests/expect.h"
 #include "tests/tools/program/cost/example.h"
-#include "tools/program/text/describe.h"
 #include "tools/program/text/sweep_text.h"
 
 namespace slipbench {

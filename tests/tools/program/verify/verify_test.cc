@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <limits>
-#include <string>
 
 #include "tests/expect.h"
 #include "tests/scenes.h"

@@ -9,7 +9,6 @@
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/workers/child_process.h"
-#include "tools/program/calibrate/calibrate.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -8,7 +7,6 @@
 #include <memory>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -19,11 +17,9 @@
 #include "tools/base/files/output_file.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/child_process.h"
-#include "tools/program/benchmark/benchmark.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/commands/detectors/detector_commands.h"
-#include "tools/program/eval/evaluate.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/text/sweep_text.h"

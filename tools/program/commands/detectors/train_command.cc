@@ -19,7 +19,6 @@
 #include "tools/program/cli/terminal.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/text/describe.h"
-#include "tools/program/train/train_hd.h"
 
 namespace slipbench {
 namespace {

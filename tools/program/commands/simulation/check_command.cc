@@ -1,12 +1,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <optional>
 #include <set>
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -15,7 +12,6 @@
 #include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
-#include "tools/program/check/check.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/commands/simulation/simulation_commands.h"

@@ -9,7 +9,6 @@
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/cost/explore.h"
 #include "tools/program/doctor/doctor.h"
 #include "tools/program/text/sweep_text.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
