@@ -54,9 +54,10 @@ class HdDetector final : public Detector {
   SlipEstimate estimate_;
 };
 
+// `path` is a folder, or a word for one that ships.
 SavedModel load_memories(const std::string& path) {
   try {
-    return load(path == default_memories ? shipped_memories(path) : memories_folder(path), Model{});
+    return load(path == default_memories || path == learnt_memories ? shipped_memories(path) : path, Model{});
   } catch (const InputError& error) {
     throw SceneValueError("detector.memories", error.what());
   }
@@ -87,9 +88,8 @@ std::size_t stride_of(double rate, const FrameSource& source) {
 
 std::vector<ParameterSpec> detector_parameters() {
   return {
-      path_spec("memories", default_memories,
-                "Folder of the trained classifier: AM.hex, CIM.hex, CM.hex, IM.hex and model.txt; learn_gst_hd ships, too.",
-                "the folder that ships with the program"),
+      path_spec("memories", default_memories, "Folder of the trained classifier: AM.hex, CIM.hex, CM.hex, IM.hex and model.txt.",
+                "the folder that ships with the program", {learnt_memories}),
       number_spec("rate", Quantity::frequency, "100 Hz", positive,
                   "Frames a second that are classified, every k-th of the sensor's; the sensor's rate must be a multiple.",
                   "paper, section III-A"),

@@ -270,8 +270,8 @@ std::string shipped_memories(const std::string& name) {
 
 std::string memories_folder(const std::string& name) {
   std::error_code error;
-  const fs::path shipped = fs::path(own_path(SLIPBENCH_HD_MEMORIES)) / fs::path(name).filename();
-  return !name.empty() && !fs::exists(name, error) && fs::is_directory(shipped, error) ? shipped.string() : name;
+  const bool ships = name == default_memories || name == learnt_memories;
+  return ships && !fs::exists(name, error) ? shipped_memories(name) : name;
 }
 
 void check_folder_target(const std::string& folder, const std::vector<std::string>& own_names) {

@@ -59,15 +59,15 @@ void save(const std::string& folder, const SavedModel& saved);
 
 // The memories that ship with the program.
 
-// The one that a scene gets when it names none.
+// The one that a scene gets when it names none, and the one that learnt scenes/learn.
 inline constexpr const char* default_memories = "cl_gst_hd";
+inline constexpr const char* learnt_memories = "learn_gst_hd";
 
 // Folder of the shipped classifier `name`, found from the place of the running program (share/slipbench/memories/hd beside its bin).
 // Throws InputError when there is no such folder: where it was looked for.
 std::string shipped_memories(const std::string& name);
 
-// Folder of the classifier `name`, a path: that folder where there is one, else the shipped one of its last part where there is one, else
-// `name` as it is.
+// Folder of the classifier `name`: of one that ships where there is no such path, else the path itself. Throws as shipped_memories().
 std::string memories_folder(const std::string& name);
 
 // A folder of text files that appears whole.

@@ -150,8 +150,11 @@ ParameterSpec choice_spec(std::string name, std::string default_text, std::vecto
   return spec;
 }
 
-ParameterSpec path_spec(std::string name, std::string default_text, std::string doc, std::string source) {
-  return spec_of(ParameterType::path, std::move(name), std::move(default_text), std::move(doc), std::move(source));
+ParameterSpec path_spec(std::string name, std::string default_text, std::string doc, std::string source,
+                        std::vector<std::string> choices) {
+  ParameterSpec spec = spec_of(ParameterType::path, std::move(name), std::move(default_text), std::move(doc), std::move(source));
+  spec.choices = std::move(choices);
+  return spec;
 }
 
 ParameterSpec map_spec(std::string name, std::string doc, std::string source, std::vector<std::string> choices) {

@@ -56,7 +56,8 @@ struct ParameterSpec {
   Quantity quantity = Quantity::none;
   std::string default_text;  // as a scene would write it: "1 mm", "[0 mm, 0 mm]", "true", "gripper"
   Range range = any_value;
-  std::vector<std::string> choices;  // ParameterType::choice; of a map what each value may be, empty: any text
+  // ParameterType::choice; of a map what each value may be, empty: any text; of a path words beside the default that are no paths.
+  std::vector<std::string> choices;
   std::size_t size = 1;              // ParameterType::vector: number of entries; of a table: columns that it must have
   std::vector<TableColumn> columns;  // ParameterType::table only, in the order of a row; empty: numbers without header or unit
   std::string doc;                   // one sentence, what it does
@@ -73,7 +74,8 @@ ParameterSpec integer_spec(std::string name, std::string default_text, Range ran
 ParameterSpec flag_spec(std::string name, std::string default_text, std::string doc, std::string source);
 ParameterSpec choice_spec(std::string name, std::string default_text, std::vector<std::string> choices, std::string doc,
                           std::string source);
-ParameterSpec path_spec(std::string name, std::string default_text, std::string doc, std::string source);
+ParameterSpec path_spec(std::string name, std::string default_text, std::string doc, std::string source,
+                        std::vector<std::string> choices = {});
 // `choices`: what each value may be; empty: any text.
 ParameterSpec map_spec(std::string name, std::string doc, std::string source, std::vector<std::string> choices = {});
 // The first `size` columns are needed.

@@ -116,7 +116,9 @@ Parameters::Value EntryReader::value(const YamlNode* node, const std::string& pa
                              : spec.type == ParameterType::vector ? vector(*node, path, spec)
                                                                   : scalar(*node, path, spec);
   record(path, result, spec.quantity, node == nullptr ? std::string() : node->text);
-  if (node != nullptr && spec.type == ParameterType::path && node->text != spec.default_text) return in_folder(node->text);
+  if (node != nullptr && spec.type == ParameterType::path && node->text != spec.default_text &&
+      std::ranges::find(spec.choices, node->text) == spec.choices.end())
+    return in_folder(node->text);
   return result;
 }
 

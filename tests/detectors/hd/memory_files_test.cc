@@ -212,8 +212,8 @@ TEST_F(MemoryFiles, KeepTheOperatingPoint) {
 
 TEST_F(MemoryFiles, AreKnownByNameWhereTheyShip) {
   EXPECT_EQ(memories_folder(default_memories), shipped_memories(default_memories));
-  EXPECT_EQ(memories_folder("scenes/learn_gst_hd"), shipped_memories("learn_gst_hd"));  // as a scene in that folder says it
-  EXPECT_EQ(memories_folder("any/other"), "any/other");
+  EXPECT_EQ(memories_folder(learnt_memories), shipped_memories(learnt_memories));
+  EXPECT_EQ(memories_folder("any/learn_gst_hd"), "any/learn_gst_hd");  // a path that leads nowhere is an error, and nothing else
   // A folder of that name is meant where there is one.
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::create_directory(root_ + "/" + default_memories);

@@ -62,7 +62,11 @@ std::string bound_text(const ParameterSpec& spec, double value) {
 std::string allowed_text(const ParameterSpec& spec) {
   if (spec.type == ParameterType::choice) return fmt::format("{}", fmt::join(spec.choices, ", "));
   if (spec.type == ParameterType::flag) return "true, false";
-  if (spec.type == ParameterType::path) return fmt::format("{}, or a path from the scene's own folder", spec.default_text);
+  if (spec.type == ParameterType::path) {
+    const char* const separator = spec.choices.empty() ? "" : ", ";
+    return fmt::format("{}{}{}, or a path from the scene's own folder", spec.default_text, separator,
+                       fmt::join(spec.choices, ", "));
+  }
   if (spec.type == ParameterType::map) {
     return spec.choices.empty() ? "numbers, texts and booleans by name, as the library declares them"
                                 : fmt::format("names of your own, each with one of {}", fmt::join(spec.choices, ", "));

@@ -10,7 +10,7 @@
 #include "tools/program/commands/dataset_commands.h"
 #include "tools/program/commands/detectors/detector_commands.h"
 #include "tools/program/commands/simulation/simulation_commands.h"
-#include "tools/studies/reproduce_command.h"
+#include "tools/studies/study_catalogue.h"
 
 namespace slipbench {
 namespace {

@@ -203,6 +203,18 @@ Layers four(const Layer& layer, bool relu) {
 
 }  // namespace
 
+std::vector<Recipe> nib_recipes() {
+  Recipe slip = slip_recipe("nib_slip", "How much all electrodes move in 0.1 and 0.3 s, and which way, through a GRU at 100 Hz",
+                            "nib_pad", 300.0, {{"si", {}}, {"fl", {}}, {"fr", {}}});
+  slip.input.transform = network::Transform::spreads;
+  slip.input.spans = {90, 30};
+  slip.input.floor = 1.0;  // counts, the converter's step
+  const std::size_t electrodes = 40;
+  slip.network = {(slip.input.spans.size() + 2) * electrodes, {Linear{48}, Relu{}, Gru{48}, Linear{2}}};
+  slip.training.steps = 1500;
+  return {slip};
+}
+
 std::vector<Recipe> piezo_recipes() {
   Recipe mlp =
       spectra_recipe("piezo_mlp", "Spectra of 20 ms, each by itself, through four layers of 32", "MLP 32", 1000, 64, 1e-2);
@@ -253,7 +265,7 @@ void append(Layers& layers, const Layers& more) { layers.insert(layers.end(), mo
 const std::vector<Recipe>& recipes() {
   static const std::vector<Recipe> all = [] {
     std::vector<Recipe> together;
-    for (const auto& family : {piezo_recipes(), papillarray_recipes(), myrmex_recipes(), biotac_recipes()})
+    for (const auto& family : {piezo_recipes(), papillarray_recipes(), myrmex_recipes(), nib_recipes(), biotac_recipes()})
       together.insert(together.end(), family.begin(), family.end());
     return together;
   }();

@@ -48,6 +48,7 @@ Recipe slip_recipe(const std::string& name, const std::string& summary, const st
 // `more` behind `layers`.
 void append(Layers& layers, const Layers& more);
 
+std::vector<Recipe> nib_recipes();
 std::vector<Recipe> piezo_recipes();
 std::vector<Recipe> papillarray_recipes();
 std::vector<Recipe> myrmex_recipes();
