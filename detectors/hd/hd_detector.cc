@@ -54,10 +54,9 @@ class HdDetector final : public Detector {
   SlipEstimate estimate_;
 };
 
-// `path` is a folder, or a word for one that ships.
 SavedModel load_memories(const std::string& path) {
   try {
-    return load(path == default_memories || path == learnt_memories ? shipped_memories(path) : path, Model{});
+    return load(memories_folder(path), Model{});
   } catch (const InputError& error) {
     throw SceneValueError("detector.memories", error.what());
   }

@@ -98,14 +98,18 @@ class DescriptionReader {
   // The text of a key.
   const std::string& text(const std::string& key) { return entry(key).text; }
 
-  std::size_t number(const std::string& key) {
+  std::size_t number(const std::string& key, std::size_t least = 0) {
     const Entry& found = entry(key);
     constexpr std::size_t most_digits = 9;
     if (found.text.empty() || found.text.size() > most_digits ||
         found.text.find_first_not_of("0123456789") != std::string::npos) {
       throw InputError(at(file_, found.line) + key + ": found " + quote(found.text) + "; allowed: a whole number");
     }
-    return std::stoul(found.text);
+    const std::size_t number = std::stoul(found.text);
+    if (number < least)
+      throw InputError(at(file_, found.line) + key + ": found " + found.text + "; allowed: " + std::to_string(least) +
+                       " or more");
+    return number;
   }
 
   template <class Words>
@@ -156,7 +160,7 @@ SavedModel read_description(const fs::path& file) {
   saved.model.compat = reader.word("compat", compat_words);
   saved.quantiser = reader.word("quantiser", quantiser_words);
   for (const auto& [key, frames] : alarm_keys) {
-    if (reader.has(key)) saved.alarm.*frames = reader.number(key);
+    if (reader.has(key)) saved.alarm.*frames = reader.number(key, 1);
   }
   saved.trained = reader.text("trained");
   reader.finish();
@@ -269,9 +273,7 @@ std::string shipped_memories(const std::string& name) {
 }
 
 std::string memories_folder(const std::string& name) {
-  std::error_code error;
-  const bool ships = name == default_memories || name == learnt_memories;
-  return ships && !fs::exists(name, error) ? shipped_memories(name) : name;
+  return name == default_memories || name == learnt_memories ? shipped_memories(name) : name;
 }
 
 void check_folder_target(const std::string& folder, const std::vector<std::string>& own_names) {

@@ -67,7 +67,7 @@ inline constexpr const char* learnt_memories = "learn_gst_hd";
 // Throws InputError when there is no such folder: where it was looked for.
 std::string shipped_memories(const std::string& name);
 
-// Folder of the classifier `name`: of one that ships where there is no such path, else the path itself. Throws as shipped_memories().
+// Folder of the classifier `name`, a word for one that ships, whatever is called so here, or a path. Throws as shipped_memories().
 std::string memories_folder(const std::string& name);
 
 // A folder of text files that appears whole.

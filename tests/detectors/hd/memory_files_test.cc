@@ -208,17 +208,21 @@ TEST_F(MemoryFiles, KeepTheOperatingPoint) {
   EXPECT_EQ(lines("model.txt").size(), without + 2);
   const network::Alarm alarm = load(folder_).alarm;
   EXPECT_THAT((std::array{alarm.on, alarm.off, alarm.least}), ElementsAre(5U, 1U, 3U));
+  saved_.alarm = {0, 1, 1};
+  save(folder_, saved_);
+  EXPECT_THAT(refusal_of([&] { load(folder_); }), ::testing::HasSubstr("on: found 0; allowed: 1 or more"));
 }
 
 TEST_F(MemoryFiles, AreKnownByNameWhereTheyShip) {
   EXPECT_EQ(memories_folder(default_memories), shipped_memories(default_memories));
   EXPECT_EQ(memories_folder(learnt_memories), shipped_memories(learnt_memories));
   EXPECT_EQ(memories_folder("any/learn_gst_hd"), "any/learn_gst_hd");  // a path that leads nowhere is an error, and nothing else
-  // A folder of that name is meant where there is one.
+  // A folder of that name has to be asked for as a path: a scene, a detector's word and a digest mean the same one.
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::create_directory(root_ + "/" + default_memories);
   std::filesystem::current_path(root_);
-  EXPECT_EQ(memories_folder(default_memories), default_memories);
+  EXPECT_EQ(memories_folder(default_memories), shipped_memories(default_memories));
+  EXPECT_EQ(memories_folder(std::string("./") + default_memories), std::string("./") + default_memories);
   std::filesystem::current_path(before);
 }
 

@@ -43,7 +43,8 @@ void add_paths(const std::vector<Entry>& entries, const std::string& name, const
     if (spec.type == ParameterType::table && !parameters.table(spec.name).path.empty())
       paths.insert(parameters.table(spec.name).path);
     if (spec.type != ParameterType::path) continue;
-    if (const std::string& path = parameters.path(spec.name); path != spec.default_text) paths.insert(path);
+    const std::string& path = parameters.path(spec.name);
+    if (path != spec.default_text && std::ranges::find(spec.choices, path) == spec.choices.end()) paths.insert(path);
   }
 }
 

@@ -271,12 +271,18 @@ int TrainCommand::train_hd() {
   if (json) return print_json(train_json(summary, options));
   const Style style = style_for(stdout);
   const Evaluation sum = pooled(std::span(summary.by_sequence).subspan(1));
-  fmt::print("{}\n{}\n{}\n{}{}\n{} {}\n{} slipbench eval {} {} --sensor {} --labels {}\n",
+  const std::string point =
+      options.point
+          ? fmt::format(
+                "slip from {} frames in a row on, for {} frames and until {} do not slip; the figures above are without\n",
+                summary.alarm.on, summary.alarm.least, summary.alarm.off)
+          : "";
+  fmt::print("{}\n{}\n{}\n{}{}\n{}{} {}\n{} slipbench eval {} {} --sensor {} --labels {}\n",
              style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(options.model),
                                        slip_rule_name(options.sequences.labels), summary.sequences, summary.samples)),
              draws_text(summary, style), style.heading("by sequence, the tests of the five draws together"),
-             delays_text(sum.delays), confusion_text(sum.all, style), style.good("written:"), options.output, style.dim("next:"),
-             shell_word(options.output), shell_word(options.dataset), shell_word(summary.sensor),
+             delays_text(sum.delays), confusion_text(sum.all, style), point, style.good("written:"), options.output,
+             style.dim("next:"), shell_word(options.output), shell_word(options.dataset), shell_word(summary.sensor),
              slip_rule_name(options.sequences.labels));
   return exit_good;
 }
