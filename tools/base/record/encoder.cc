@@ -182,7 +182,7 @@ struct TrialEncoder::State {
     put(0x7801, {8, 0});
     for (std::size_t first = 0; first < stored;) {
       const std::size_t block = std::min<std::size_t>(stored - first, 0xFFFF);
-      put(block << 8 | ~block << 24, {0, 8, 16, 24, 32});  // a stored block that is not the last, its length twice
+      put(block << 8 | ~block << 24, {0, 8, 16, 24, 32});  // a stored block that is not the last (RFC 1951, 3.2.4)
       out = std::copy_n(source + first, block, out);
       first += block;
     }
