@@ -26,10 +26,11 @@ constexpr std::size_t most_values = 1'000'000;   // of a sample, an image, a fra
 constexpr std::size_t most_classes = 1000;
 constexpr std::size_t most_states = 1000;
 
-constexpr std::array<std::pair<std::string_view, Transform>, 5> transforms{{{"samples", Transform::samples},
+constexpr std::array<std::pair<std::string_view, Transform>, 6> transforms{{{"samples", Transform::samples},
                                                                             {"log_psd", Transform::log_psd},
                                                                             {"amplitude", Transform::amplitude},
                                                                             {"spreads", Transform::spreads},
+                                                                            {"levels", Transform::levels},
                                                                             {"units", Transform::units}}};
 constexpr std::array<std::pair<std::string_view, Output>, 2> outputs{
     {{"logits", Output::logits}, {"probabilities", Output::probabilities}}};
@@ -43,7 +44,9 @@ constexpr std::array<std::pair<const char*, std::size_t Alarm::*>, 3> alarm_keys
 
 bool is_spectrum(Transform transform) { return transform == Transform::log_psd || transform == Transform::amplitude; }
 
-bool has_spans(Transform transform) { return transform == Transform::spreads || transform == Transform::units; }
+bool has_spans(Transform transform) {
+  return transform == Transform::spreads || transform == Transform::levels || transform == Transform::units;
+}
 
 template <class Words>
 auto word_of(const Words& words, typename Words::value_type::second_type value) {
@@ -210,17 +213,17 @@ void parse_spectrum(const Object& object, Input& input) {
   }
   const bool spreads = has_spans(input.transform);
   if (input.transform != Transform::log_psd && !spreads && object.has("floor")) {
-    object.refuse("floor", "belongs to a density, to spreads and units; allowed: with transform log_psd, spreads or units");
+    object.refuse("floor", "belongs to a density, to spreads, levels and units; allowed: with transform log_psd or one of these");
   }
   if (!spreads && object.has("spans"))
-    object.refuse("spans", "belongs to spreads and units; allowed: with transform spreads or units");
+    object.refuse("spans", "belongs to spreads, levels and units; allowed: with one of these transforms");
   if (spreads) {
     input.spans = object.indices(object.need("spans"), "spans");
     if (input.spans.empty() || std::ranges::min(input.spans) < 2 || input.window < 2)
       object.refuse("spans",
                     "a spread of fewer than two samples; allowed: one span at least, and a window, of 2 samples or more");
     if (input.centre || object.has("pixels"))
-      object.refuse("transform", "spreads and units know no centre and no pixels; allowed: another transform with them");
+      object.refuse("transform", "spreads, levels and units know no centre and no pixels; allowed: another transform with them");
     input.floor = object.number(
         "floor", [](double floor) { return floor > 0.0; }, "a number above 0, in the sensor's unit");
   }
@@ -319,6 +322,7 @@ std::size_t frame_size(const Input& input, std::size_t values) {
   const std::size_t lines = input.pixels.empty() ? values : input.pixels.size();
   if (input.transform == Transform::samples) return input.window * lines;
   if (input.transform == Transform::spreads) return (input.spans.size() + 2) * values;
+  if (input.transform == Transform::levels) return (input.spans.size() + 1) * values;
   if (input.transform == Transform::units) return values / 3 * (2 + 3 * input.spans.size());
   return lines * bins_within(input.rate, input.window, input.low, input.high).count;
 }

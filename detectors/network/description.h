@@ -28,6 +28,9 @@ enum class Transform {
   // n) of the latest n samples, of those there are; then of the last n the same value by value, and asinh(d/floor), d being n times the slope of
   // the straight line that fits best: [spans + 2, values]
   spreads,
+  // What they stand at and how they change, with their signs: asinh(m/floor) of the mean m of the window, then for each n of `spans` asinh(d/floor), d
+  // as of spreads: [1 + spans, values]
+  levels,
   // Values in threes, x, y, z of a unit's force. Of each unit, the means being of the latest spans[0] samples: asinh(z/floor) and
   // hypot(x, y)/(|z| + floor); then for each n of `spans` asinh(c/floor) of the change c of (x, y) as a length, of (x, y) along their mean, and of
   // z, where a change is n times the slope of the straight line that fits best: [units, 2 + 3 spans]
@@ -48,9 +51,9 @@ struct Input {
   double low = 0.0, high = 0.0;  // Hz, first and last bin; of spectra alone
   bool hann = false;             // of spectra alone: Hann's taper; else rectangular
   double floor =
-      0.0;  // of log_psd: unit^2/Hz, added to a density before its logarithm; of spreads and units: the sensor's unit; more than 0
+      0.0;  // of log_psd: unit^2/Hz, added to a density before its logarithm; of those with `spans`: the sensor's unit; more than 0
   std::vector<std::size_t>
-      spans;  // samples, 2 or more each; of spreads and units alone, whose first frame is complete after `window` samples, 2 at least
+      spans;  // samples, 2 or more each; of spreads, levels and units alone, whose first frame is complete after `window` samples, 2 at least
   // An image out of the values, for each of the last axis' entries of a spectrum and each sample of a window: pixel p is the mean of the values
   // listed in pixels[p], 0 where none is. Empty: the values as they are.
   std::vector<std::vector<std::size_t>> pixels;

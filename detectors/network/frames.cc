@@ -206,6 +206,15 @@ struct Frames::State {
     }
   }
 
+  void levels(std::span<float> out) const {
+    const std::size_t values = places.size();
+    for (std::size_t v = 0; v < values; ++v) {
+      out[v] = static_cast<float>(std::asinh(trend(input.window, v).mean / input.floor));
+      for (std::size_t k = 0; k < input.spans.size(); ++k)
+        out[(k + 1) * values + v] = static_cast<float>(std::asinh(trend(input.spans[k], v).change / input.floor));
+    }
+  }
+
   void centre() {
     for (std::size_t v = 0; v < places.size(); ++v) {
       means[v] = 0.0;
@@ -218,6 +227,7 @@ struct Frames::State {
   // What stands before the pixels: [window, values] or [values, bins].
   void transform(std::span<float> out) {
     if (input.transform == Transform::spreads) return spreads(out);
+    if (input.transform == Transform::levels) return levels(out);
     if (input.transform == Transform::units) return units(out);
     const std::size_t values = places.size();
     if (input.transform == Transform::samples) {

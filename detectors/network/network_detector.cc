@@ -89,7 +89,7 @@ DetectorKind network_detector() {
        .summary =
            "A neural network from an ONNX file, with what it eats and says in the file's metadata; recurrent states are carried.",
        .law =
-           "frame: values of the sensor, median, window, mean off, spectrum, spreads or units, image, (x - offset) scale, as the file says\n"
+           "frame: values of the sensor, median, window, mean off, spectrum, spreads, levels or units, image, (x - offset) scale, as the file says\n"
            "p: sum of the probabilities of the classes that slip, of the last `history` frames\n"
            "slip is said from the on-th frame in a row with p >= threshold on, for `least` frames and until off in a row have less;\n"
            "then it is the most probable class that slips, else the most probable that does not\n"

@@ -227,6 +227,20 @@ TEST(Frames, SpreadsAreOfTheLatestSamplesThereAreWhateverTheLevel) {
   }
 }
 
+// Values 3 - 2 k and 5 at sample k: the mean of the latest two of 9 is 3 - 2 x 8.5, and over n samples they change by -2 n and 0.
+TEST(Frames, LevelsAreMeansAndChangesWithTheirSigns) {
+  Input input = input_of({{"force", {0, 1}}});
+  input.window = 2;
+  input.transform = Transform::levels;
+  input.spans = {2, 5};
+  input.floor = 0.5;
+  Frames frames = frames_of(input);
+  for (int k = 0; k < 10; ++k) frames.push(std::vector<float>{3.0F - 2.0F * static_cast<float>(k), 5, 0, 0, 0, 0, 0});
+  const auto of = [](double x) { return static_cast<float>(std::asinh(x / 0.5)); };
+  const std::vector<float> expected{of(-14.0), of(5.0), of(-4.0), 0.0F, of(-10.0), 0.0F};
+  EXPECT_THAT(frames.latest(), ::testing::Pointwise(::testing::FloatNear(1e-6F), expected));
+}
+
 // Unit 0 is pulled by 0.3 k along (3, 4)/5 while z falls by 0.1 a sample: of the latest two samples of 9 the shear is 0.3 x 8.5 and z is 2 - 0.85. Over n
 // samples the pull changes by 0.3 n, all of it along the shear, and z by -0.1 n. Unit 1 rests at (0, 0, 1).
 TEST(Frames, UnitsAreLevelsAndRatesOfEachUnitsForce) {

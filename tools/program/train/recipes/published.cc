@@ -191,6 +191,18 @@ Recipe piezo_slip() {
   return slip;
 }
 
+// In a grasp a slip is told by which way the signal goes: shear that builds up, and falls as the box lets go.
+Recipe piezo_grasp() {
+  Recipe slip =
+      slip_recipe("piezo_grasp", "What the signal stands at and how it changes in 2 to 100 ms, through two GRUs at 100 Hz",
+                  "piezo_skin", skin_rate, {{"signal", {}}});
+  slip.input.transform = network::Transform::levels;
+  slip.input.spans = {20, 100, 300, 1000};
+  slip.input.floor = 3.0;  // counts, the noise
+  slip.network = {slip.input.spans.size() + 1, {Linear{48}, Relu{}, Gru{48}, Gru{48}, Linear{2}}};
+  return slip;
+}
+
 Layers four(const Layer& layer, bool relu) {
   Layers layers;
   for (int i = 0; i < 4; ++i) {
@@ -229,7 +241,7 @@ std::vector<Recipe> piezo_recipes() {
   fft_gru.network = {12, four(Gru{32}, false)};
   Recipe raw_gru = piezo_recipe("piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32", "raw GRU 32", 300, 64, 4e-3);
   raw_gru.network = {1, four(Gru{32}, false)};
-  return {mlp, mlp_128, tcn, fft_gru, raw_gru, piezo_slip()};
+  return {mlp, mlp_128, tcn, fft_gru, raw_gru, piezo_slip(), piezo_grasp()};
 }
 
 Recipe begun_recipe(const std::string& name, const std::string& summary, const std::string& source, const std::string& sensor,
