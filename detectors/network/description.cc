@@ -43,8 +43,6 @@ constexpr std::array<std::pair<const char*, std::size_t Alarm::*>, 3> alarm_keys
 
 bool is_spectrum(Transform transform) { return transform == Transform::log_psd || transform == Transform::amplitude; }
 
-bool has_spans(Transform transform) { return transform == Transform::spreads || transform == Transform::units; }
-
 template <class Words>
 auto word_of(const Words& words, typename Words::value_type::second_type value) {
   return std::string(std::ranges::find(words, value, &Words::value_type::second)->first);
@@ -208,7 +206,7 @@ void parse_spectrum(const Object& object, Input& input) {
   for (const char* key : {"low", "high", "hann"}) {
     if (!spectrum && object.has(key)) object.refuse(key, "belongs to a spectrum; allowed: with transform log_psd or amplitude");
   }
-  const bool spreads = has_spans(input.transform);
+  const bool spreads = input.transform == Transform::spreads || input.transform == Transform::units;
   if (input.transform != Transform::log_psd && !spreads && object.has("floor")) {
     object.refuse("floor", "belongs to a density, to spreads and units; allowed: with transform log_psd, spreads or units");
   }
