@@ -1,6 +1,7 @@
 #include "detectors/hd/hd_detector.h"
 
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <utility>
 
@@ -58,7 +59,9 @@ SavedModel load_memories(const std::string& path) {
   try {
     return load(memories_folder(path), Model{});
   } catch (const InputError& error) {
-    throw SceneValueError("detector.memories", error.what());
+    std::error_code ignored;
+    const std::string shipped = std::string("; those that ship: ") + default_memories + ", " + learnt_memories;
+    throw SceneValueError("detector.memories", error.what() + (std::filesystem::exists(path, ignored) ? "" : shipped));
   }
 }
 

@@ -2,11 +2,11 @@
 
 #include <bit>
 #include <cassert>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include "sim/core/error.h"
+#include "sim/core/random.h"
 
 namespace slipbench::hd {
 namespace {
@@ -22,6 +22,40 @@ int digit_value(char c) {
 std::size_t class_of(PadState state) {
   if (state == PadState::no_contact) throw std::out_of_range("hd training: no_contact is no class");
   return static_cast<std::size_t>(state) - 1;
+}
+
+// A random vector with floor(D/2) ones.
+Hypervector balanced(std::size_t dimension, RandomStream random) {
+  Hypervector vector(dimension);
+  const std::vector<std::size_t> order = shuffled(dimension, random);
+  for (std::size_t i = 0; i < dimension / 2; ++i) vector.set(order[i], true);
+  return vector;
+}
+
+// `rows` vectors on a straight way between two orthogonal ends.
+std::vector<Hypervector> continuum(std::size_t dimension, std::size_t rows, std::uint64_t seed, const std::string& stream) {
+  std::vector<Hypervector> vectors{balanced(dimension, RandomStream(seed, 0, stream))};
+  const std::vector<std::size_t> order = shuffled(dimension, RandomStream(seed, 1, stream));
+  std::size_t flipped = 0;
+  for (std::size_t row = 1; row < rows; ++row) {
+    Hypervector next = vectors.back();
+    for (; flipped < row * (dimension / 2) / (rows - 1); ++flipped) next.set(order[flipped], !next.bit(order[flipped]));
+    vectors.push_back(std::move(next));
+  }
+  return vectors;
+}
+
+void check_rows(const char* name, const std::vector<Hypervector>& memory, std::size_t rows, std::size_t dimension) {
+  if (memory.size() != rows) {
+    throw InputError(std::string(name) + ": " + std::to_string(memory.size()) + " vectors; the model has " +
+                     std::to_string(rows));
+  }
+  for (const Hypervector& vector : memory) {
+    if (vector.dimension() != dimension) {
+      throw InputError(std::string(name) + ": a vector of " + std::to_string(vector.dimension()) + " bits; the model has " +
+                       std::to_string(dimension));
+    }
+  }
 }
 
 }  // namespace
@@ -79,51 +113,6 @@ Hypervector from_hex(std::string_view text, std::size_t dimension) {
   }
   return vector;
 }
-
-std::vector<std::size_t> shuffled(std::size_t count, RandomStream random) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[random.integer(i)]);
-  return order;
-}
-
-namespace {
-
-// A random vector with floor(D/2) ones.
-Hypervector balanced(std::size_t dimension, RandomStream random) {
-  Hypervector vector(dimension);
-  const std::vector<std::size_t> order = shuffled(dimension, random);
-  for (std::size_t i = 0; i < dimension / 2; ++i) vector.set(order[i], true);
-  return vector;
-}
-
-// `rows` vectors on a straight way between two orthogonal ends.
-std::vector<Hypervector> continuum(std::size_t dimension, std::size_t rows, std::uint64_t seed, const std::string& stream) {
-  std::vector<Hypervector> vectors{balanced(dimension, RandomStream(seed, 0, stream))};
-  const std::vector<std::size_t> order = shuffled(dimension, RandomStream(seed, 1, stream));
-  std::size_t flipped = 0;
-  for (std::size_t row = 1; row < rows; ++row) {
-    Hypervector next = vectors.back();
-    for (; flipped < row * (dimension / 2) / (rows - 1); ++flipped) next.set(order[flipped], !next.bit(order[flipped]));
-    vectors.push_back(std::move(next));
-  }
-  return vectors;
-}
-
-void check_rows(const char* name, const std::vector<Hypervector>& memory, std::size_t rows, std::size_t dimension) {
-  if (memory.size() != rows) {
-    throw InputError(std::string(name) + ": " + std::to_string(memory.size()) + " vectors; the model has " +
-                     std::to_string(rows));
-  }
-  for (const Hypervector& vector : memory) {
-    if (vector.dimension() != dimension) {
-      throw InputError(std::string(name) + ": a vector of " + std::to_string(vector.dimension()) + " bits; the model has " +
-                       std::to_string(dimension));
-    }
-  }
-}
-
-}  // namespace
 
 void check(const Model& model) {
   const auto check_range = [](const char* name, std::size_t value, std::size_t min, std::size_t max) {

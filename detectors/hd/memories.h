@@ -10,7 +10,6 @@
 
 #include "detectors/hd/model.h"
 #include "sim/core/pad_state.h"
-#include "sim/core/random.h"
 
 namespace slipbench::hd {
 
@@ -50,9 +49,6 @@ std::size_t hamming(const Hypervector& a, const Hypervector& b);
 std::string to_hex(const Hypervector& a);
 // The reverse. Throws InputError: what is wrong with the text (length, a character, a bit beyond D), without file and line.
 Hypervector from_hex(std::string_view text, std::size_t dimension);
-
-// The numbers 0 to count - 1 in a random order (Fisher-Yates).
-std::vector<std::size_t> shuffled(std::size_t count, RandomStream random);
 
 // The four memories of a classifier: three made by chance, one by training.
 struct Memories {

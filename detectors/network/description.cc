@@ -44,10 +44,6 @@ constexpr std::array<std::pair<const char*, std::size_t Alarm::*>, 3> alarm_keys
 
 bool is_spectrum(Transform transform) { return transform == Transform::log_psd || transform == Transform::amplitude; }
 
-bool has_spans(Transform transform) {
-  return transform == Transform::spreads || transform == Transform::levels || transform == Transform::units;
-}
-
 template <class Words>
 auto word_of(const Words& words, typename Words::value_type::second_type value) {
   return std::string(std::ranges::find(words, value, &Words::value_type::second)->first);
@@ -211,13 +207,14 @@ void parse_spectrum(const Object& object, Input& input) {
   for (const char* key : {"low", "high", "hann"}) {
     if (!spectrum && object.has(key)) object.refuse(key, "belongs to a spectrum; allowed: with transform log_psd or amplitude");
   }
-  const bool spreads = has_spans(input.transform);
-  if (input.transform != Transform::log_psd && !spreads && object.has("floor")) {
+  const bool spans =
+      input.transform == Transform::spreads || input.transform == Transform::levels || input.transform == Transform::units;
+  if (input.transform != Transform::log_psd && !spans && object.has("floor")) {
     object.refuse("floor", "belongs to a density, to spreads, levels and units; allowed: with transform log_psd or one of these");
   }
-  if (!spreads && object.has("spans"))
+  if (!spans && object.has("spans"))
     object.refuse("spans", "belongs to spreads, levels and units; allowed: with one of these transforms");
-  if (spreads) {
+  if (spans) {
     input.spans = object.indices(object.need("spans"), "spans");
     if (input.spans.empty() || std::ranges::min(input.spans) < 2 || input.window < 2)
       object.refuse("spans",

@@ -221,6 +221,26 @@ Port port_of(const onnx::ValueInfoProto& value, const std::string& what, const C
   return port;
 }
 
+// How to add metadata to a file, in Python.
+std::string how_to_describe(const std::string& file) {
+  const std::string path = "'" + printable(file) + "'";  // whole, unlike quote()
+  return "  import json, onnx\n"
+         "  model = onnx.load(" +
+         path +
+         ")\n"
+         "  about = " +
+         example_description() +
+         "\n"
+         "  for old in [entry for entry in model.metadata_props if entry.key == \"slipbench\"]:\n"
+         "      model.metadata_props.remove(old)\n"
+         "  entry = model.metadata_props.add()\n"
+         "  entry.key, entry.value = \"slipbench\", json.dumps(about)\n"
+         "  onnx.save(model, " +
+         path +
+         ")\n"
+         "The keys: detectors/network/README.md.";
+}
+
 std::string metadata_of(const onnx::ModelProto& model, const std::string& subject, const Checker& checker) {
   const onnx::StringStringEntryProto* found = nullptr;
   for (const onnx::StringStringEntryProto& entry : model.metadata_props()) {
@@ -320,25 +340,6 @@ CheckedNetwork check_network(std::string_view bytes, const std::string& subject)
   checked.input = port_of(named(input), "input", checker);
   for (const std::string& state : state_inputs) checked.states.push_back(port_of(named(state), "input", checker));
   return checked;
-}
-
-std::string how_to_describe(const std::string& file) {
-  const std::string path = "'" + printable(file) + "'";  // whole, unlike quote()
-  return "  import json, onnx\n"
-         "  model = onnx.load(" +
-         path +
-         ")\n"
-         "  about = " +
-         example_description() +
-         "\n"
-         "  for old in [entry for entry in model.metadata_props if entry.key == \"slipbench\"]:\n"
-         "      model.metadata_props.remove(old)\n"
-         "  entry = model.metadata_props.add()\n"
-         "  entry.key, entry.value = \"slipbench\", json.dumps(about)\n"
-         "  onnx.save(model, " +
-         path +
-         ")\n"
-         "The keys: detectors/network/README.md.";
 }
 
 }  // namespace slipbench::network

@@ -38,7 +38,4 @@ inline constexpr double most_multiply_adds = 1e10;
 // of the file, and where inputs and outputs are not those of the description.
 CheckedNetwork check_network(std::string_view bytes, const std::string& subject);
 
-// How to add metadata to a file, in Python.
-std::string how_to_describe(const std::string& file);
-
 }  // namespace slipbench::network

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
 #include "sim/core/vectorise.h"
@@ -221,6 +222,13 @@ void RandomStream::seek(std::uint64_t pairs) {
   counter_ = pairs;  // a block is two uniform draws, which make two normal ones
   used_ = 2;
   has_spare_ = false;
+}
+
+std::vector<std::size_t> shuffled(std::size_t count, RandomStream random) {
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  shuffle(order, random);
+  return order;
 }
 
 }  // namespace slipbench

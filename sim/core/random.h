@@ -2,9 +2,12 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace slipbench {
 
@@ -42,5 +45,13 @@ class RandomStream {
   double spare_normal_ = 0.0;
   bool has_spare_ = false;
 };
+
+// Puts the items into a random order (Fisher-Yates).
+template <class Items>
+void shuffle(Items& items, RandomStream& random) {
+  for (std::size_t left = items.size(); left > 1; --left) std::swap(items[left - 1], items[random.integer(left)]);
+}
+// The numbers 0 to count - 1 in a random order.
+std::vector<std::size_t> shuffled(std::size_t count, RandomStream random);
 
 }  // namespace slipbench

@@ -43,76 +43,6 @@ int byte_of(int value, const char* name, bool wrap, double time) {
                   value, time, max_register));
 }
 
-}  // namespace
-
-Grasp draw_grasp(const GraspScene& scene, std::uint64_t seed, std::uint64_t trial) {
-  const Parameters &grip = scene.grip, &box = scene.box;
-  Grasp grasp;
-  grasp.box_size = Eigen::Vector3d::Map(box.vector("size").data());
-  grasp.box_position << box.vector("position")[0], box.vector("position")[1], 0.5 * grasp.box_size.z() - grip.number("height");
-  grasp.centre_of_mass = Eigen::Vector3d::Map(box.vector("centre_of_mass").data());
-  grasp.yaw = grip.number("yaw");
-  grasp.pitch = grip.number("pitch");
-  grasp.phase = grip.number("phase");
-  if (scene.scatter) add_scatter(grasp, *scene.scatter, grip.number("period"), seed, trial);
-
-  grasp.opening = grasp.box_size.x() + 2.0 * (grip.number("clearance") + std::abs(grasp.box_position.x()));
-  const double widest = static_cast<double>(grip.integer("closed_at") - grip.integer("open_at")) * grip.number("count");
-  if (widest <= 0.0) {
-    throw SceneValueError("grip.open_at", fmt::format("{} is not open: the fingers are closed at {}; allowed: less than that",
-                                                      grip.integer("open_at"), grip.integer("closed_at")));
-  }
-  if (grasp.opening > widest) {
-    throw SceneValueError(
-        "box.size",
-        fmt::format("a box of {} with its clearance does not fit between the fingers; allowed: {} in all",
-                    format_quantity(grasp.box_size.x(), Quantity::length), format_quantity(widest, Quantity::length)));
-  }
-  const Eigen::Vector3d beyond = grasp.box_position.cwiseAbs() - 0.5 * grasp.box_size;
-  if (beyond.y() > 0.0 || beyond.z() > 0.0) {
-    throw SceneValueError("box",
-                          "the middle of the pads is beside the box; allowed: grip.height and box.position such that it is not");
-  }
-  return grasp;
-}
-
-PadLayout second_pad(const Parameters& grip, const PadLayout& sensor) {
-  constexpr int columns = 4, rows = 6;
-  if (grip.choice("second_pad") == "same") return sensor;
-  const std::vector<double>&size = grip.vector("pad_size"), &stiffness = grip.vector("pad_stiffness");
-  PadLayout layout;
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      layout.units.push_back({layout.elements.size(), 1});
-      layout.elements.push_back({.tip = {size[0] * ((column + 0.5) / columns - 0.5), size[1] * ((row + 0.5) / rows - 0.5), 0.0},
-                                 .k_normal = stiffness[0] / (columns * rows),
-                                 .k_tangential = stiffness[1] / (columns * rows)});
-    }
-  }
-  return layout;
-}
-
-PadLayout box_corners(const Parameters& box, const Eigen::Vector3d& box_size) {
-  constexpr double standing = 4.0;  // corners
-  PadLayout layout;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d side((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0, (corner & 4) != 0 ? 1.0 : -1.0);
-    Element element{.tip = 0.5 * side.cwiseProduct(box_size), .axis = side.normalized()};
-    element.k_normal = element.k_tangential = box.number("table_stiffness") / standing;
-    layout.units.push_back({layout.elements.size(), 1});
-    layout.elements.push_back(element);
-  }
-  return layout;
-}
-
-double ideal_grip_force(const Scene& scene, double friction_scale, double gravity) {
-  const double mu = scene.friction.static_coefficient * friction_scale;
-  const double mass = scene.grasp->box.number("mass") + scene.grasp->box.number("weight");
-  return mu > 0.0 ? 0.5 * mass * gravity / mu : std::numeric_limits<double>::infinity();
-}
-
-namespace {
-
 constexpr Range byte{0.0, 255.0};
 
 constexpr const char* robotiq =
@@ -247,6 +177,72 @@ Entry scatter_entry() {
 }
 
 }  // namespace
+
+Grasp draw_grasp(const GraspScene& scene, std::uint64_t seed, std::uint64_t trial) {
+  const Parameters &grip = scene.grip, &box = scene.box;
+  Grasp grasp;
+  grasp.box_size = Eigen::Vector3d::Map(box.vector("size").data());
+  grasp.box_position << box.vector("position")[0], box.vector("position")[1], 0.5 * grasp.box_size.z() - grip.number("height");
+  grasp.centre_of_mass = Eigen::Vector3d::Map(box.vector("centre_of_mass").data());
+  grasp.yaw = grip.number("yaw");
+  grasp.pitch = grip.number("pitch");
+  grasp.phase = grip.number("phase");
+  if (scene.scatter) add_scatter(grasp, *scene.scatter, grip.number("period"), seed, trial);
+
+  grasp.opening = grasp.box_size.x() + 2.0 * (grip.number("clearance") + std::abs(grasp.box_position.x()));
+  const double widest = static_cast<double>(grip.integer("closed_at") - grip.integer("open_at")) * grip.number("count");
+  if (widest <= 0.0) {
+    throw SceneValueError("grip.open_at", fmt::format("{} is not open: the fingers are closed at {}; allowed: less than that",
+                                                      grip.integer("open_at"), grip.integer("closed_at")));
+  }
+  if (grasp.opening > widest) {
+    throw SceneValueError(
+        "box.size",
+        fmt::format("a box of {} with its clearance does not fit between the fingers; allowed: {} in all",
+                    format_quantity(grasp.box_size.x(), Quantity::length), format_quantity(widest, Quantity::length)));
+  }
+  const Eigen::Vector3d beyond = grasp.box_position.cwiseAbs() - 0.5 * grasp.box_size;
+  if (beyond.y() > 0.0 || beyond.z() > 0.0) {
+    throw SceneValueError("box",
+                          "the middle of the pads is beside the box; allowed: grip.height and box.position such that it is not");
+  }
+  return grasp;
+}
+
+PadLayout second_pad(const Parameters& grip, const PadLayout& sensor) {
+  constexpr int columns = 4, rows = 6;
+  if (grip.choice("second_pad") == "same") return sensor;
+  const std::vector<double>&size = grip.vector("pad_size"), &stiffness = grip.vector("pad_stiffness");
+  PadLayout layout;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      layout.units.push_back({layout.elements.size(), 1});
+      layout.elements.push_back({.tip = {size[0] * ((column + 0.5) / columns - 0.5), size[1] * ((row + 0.5) / rows - 0.5), 0.0},
+                                 .k_normal = stiffness[0] / (columns * rows),
+                                 .k_tangential = stiffness[1] / (columns * rows)});
+    }
+  }
+  return layout;
+}
+
+PadLayout box_corners(const Parameters& box, const Eigen::Vector3d& box_size) {
+  constexpr double standing = 4.0;  // corners
+  PadLayout layout;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d side((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0, (corner & 4) != 0 ? 1.0 : -1.0);
+    Element element{.tip = 0.5 * side.cwiseProduct(box_size), .axis = side.normalized()};
+    element.k_normal = element.k_tangential = box.number("table_stiffness") / standing;
+    layout.units.push_back({layout.elements.size(), 1});
+    layout.elements.push_back(element);
+  }
+  return layout;
+}
+
+double ideal_grip_force(const Scene& scene, double friction_scale, double gravity) {
+  const double mu = scene.friction.static_coefficient * friction_scale;
+  const double mass = scene.grasp->box.number("mass") + scene.grasp->box.number("weight");
+  return mu > 0.0 ? 0.5 * mass * gravity / mu : std::numeric_limits<double>::infinity();
+}
 
 const std::vector<Entry>& grasp_catalogue() {
   static const std::vector<Entry> entries{box_entry(), grip_entry(), scatter_entry()};

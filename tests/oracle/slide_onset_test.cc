@@ -17,8 +17,7 @@ double load(const PadLayout& pad, std::size_t unit) { return k_n * (compression 
 
 using Case = std::tuple<double, double, int>;  // speed [m/s], mu, direction in eighths of a turn
 
-class SlideOnset : public testing::TestWithParam<Case> {
- protected:
+struct SlideOnset : testing::TestWithParam<Case> {
   std::vector<double> onsets(const PadLayout& pad, EventKind kind, double dt) const {
     const auto [speed, mu, eighth] = GetParam();
     const double angle = eighth * std::numbers::pi / 4.0;

@@ -11,6 +11,7 @@
 #include "sim/core/process/regular_file.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/project/project_file.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
@@ -35,7 +36,7 @@ std::string first_line(const std::string& of) {
 }
 
 [[noreturn]] void fail_to_write(const std::string& path) {
-  throw InputError(fmt::format("cannot write {}: {}", path, std::generic_category().message(errno)));
+  reject("cannot write {}: {}", path, std::generic_category().message(errno));
 }
 
 std::string bytes_of_file(int file, const std::string& path) {
@@ -113,9 +114,8 @@ void Grid::with_trial(std::size_t index, const std::function<void(const GridTria
     for (const auto& [path, value] : planned.drawn) params[path] = Json::parse(value);
     use({std::move(planned.scene), place, number, params.dump()});
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}, trial {}: {}; the same{}: {} --trials {} --trial {}", cell.name, number, error.what(),
-                                 cell.change ? ", but for what the name says" : "", cell.command(seed_), plans_[place].size(),
-                                 number));
+    reject("{}, trial {}: {}; the same{}: {} --trials {} --trial {}", cell.name, number, error.what(),
+           cell.change ? ", but for what the name says" : "", cell.command(seed_), plans_[place].size(), number);
   }
 }
 
@@ -126,7 +126,7 @@ Packed packed_trials(const std::string& path, const std::function<void(const Tri
       try {
         pack(record, bytes);
       } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: {}", path, error.what()));
+        reject("{}: {}", path, error.what());
       }
     });
     return bytes.release();
@@ -167,7 +167,7 @@ train::NetworkSummary teach(const std::string& name, const train::Recipe& recipe
 void check_only(const std::vector<std::string>& only, const std::vector<std::string>& names) {
   for (const std::string& name : only) {
     if (std::ranges::find(names, name) != names.end()) continue;
-    throw InputError(fmt::format("reproduce: --only: unknown name {}{}", quote(name), allowed_names(name, names)));
+    reject("reproduce: --only: unknown name {}{}", quote(name), allowed_names(name, names));
   }
 }
 
@@ -176,18 +176,17 @@ KeptNetworks::KeptNetworks(std::string path, const std::string& of, bool resume)
   const std::string bytes = bytes_of_file(file_.get(), path_), line = first_line(of);
   std::string_view left = bytes;
   if (!bytes.empty() && !bytes.starts_with(beginning))
-    throw InputError(fmt::format("{} is there and holds no networks of a study; allowed: another name of -o", path_));
+    reject("{} is there and holds no networks of a study; allowed: another name of -o", path_);
   if (resume && !bytes.empty() && !bytes.starts_with(line)) {
-    throw InputError(fmt::format(
+    reject(
         "{} is of other options, data, scenes or another build of the program; allowed: with --resume the same command again, or delete the file",
-        path_));
+        path_);
   }
   left.remove_prefix(std::min(left.size(), line.size()));
   while (const std::optional<KeptRecord> one = take_record(left, path_)) said_[{one->set, one->index}] = one->said;
   if (!resume && !said_.empty()) {
-    throw InputError(
-        fmt::format("{} holds {} networks of a run that did not come to its end; allowed: --resume, or delete the file", path_,
-                    said_.size()));
+    reject("{} holds {} networks of a run that did not come to its end; allowed: --resume, or delete the file", path_,
+           said_.size());
   }
   const std::size_t whole = bytes.starts_with(line) ? bytes.size() - left.size() : 0;
   if (::ftruncate(file_.get(), static_cast<off_t>(whole)) != 0) fail_to_write(path_);

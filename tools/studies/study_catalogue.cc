@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "sim/core/process/own_library.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/page/svg.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
@@ -97,8 +98,8 @@ void check_options(const ReproduceOptions& options, bool resume, const Reproduct
   for (const auto& [name, there] : given) {
     const std::vector<std::string>& takes = reproduction.options;
     if (!there || std::find(takes.begin(), takes.end(), name) != takes.end()) continue;
-    throw InputError(fmt::format("reproduce: {} does not take {}; allowed: {}", reproduction.name, name,
-                                 takes.empty() ? "--output, --json, --quiet" : fmt::format("{}", fmt::join(takes, ", "))));
+    reject("reproduce: {} does not take {}; allowed: {}", reproduction.name, name,
+           takes.empty() ? "--output, --json, --quiet" : fmt::format("{}", fmt::join(takes, ", ")));
   }
 }
 
@@ -224,7 +225,7 @@ const Reproduction& find_reproduction(const std::string& name) {
   const std::vector<Reproduction>& all = reproductions();
   const auto found = std::ranges::find(all, name, &Reproduction::name);
   if (found != all.end()) return *found;
-  throw InputError(fmt::format("unknown reproduction {}{}", quote(name), allowed_names(name, names_of(all))));
+  reject("unknown reproduction {}{}", quote(name), allowed_names(name, names_of(all)));
 }
 
 Json result_json(const std::string& name, const Result& result) {

@@ -123,9 +123,7 @@ Result piezo_slip_against_hold(const ReproduceOptions& options);
 Result realism_table(const ReproduceOptions& options);
 
 // `reproduce`: a paper's table beside ours.
-
-class ReproduceCommand final : public Command {
- public:
+struct ReproduceCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 

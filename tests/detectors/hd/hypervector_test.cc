@@ -18,8 +18,7 @@ std::string refusal(const std::string& text, std::size_t dimension) {
   return refusal_of([&] { from_hex(text, dimension); });
 }
 
-class Algebra : public testing::TestWithParam<std::size_t> {
- protected:
+struct Algebra : testing::TestWithParam<std::size_t> {
   Hypervector a_ = random_vector(GetParam(), 1), b_ = random_vector(GetParam(), 2), c_ = random_vector(GetParam(), 3);
 };
 

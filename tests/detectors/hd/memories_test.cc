@@ -83,8 +83,7 @@ TEST(Bundle, IsTheMajorityAndTiesFollowTheRule) {
   }
 }
 
-class Training : public testing::Test {
- protected:
+struct Training : testing::Test {
   Model model_{.dimension = 8};
   Memories memories_ = generate(model_, 1);
   static Hypervector bits(const char* hex) { return from_hex(hex, 8); }

@@ -1,11 +1,9 @@
 #include "detectors/hd/memory_files.h"
 
 #include <array>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -13,22 +11,18 @@
 #include "tests/detectors/hd/published.h"
 #include "tests/detectors/hd/random_frames.h"
 #include "tests/expect.h"
+#include "tests/files.h"
 
 namespace slipbench::hd {
 namespace {
 
-class MemoryFiles : public testing::Test {
- protected:
+struct MemoryFiles : testing::Test {
   MemoryFiles() {
-    std::string name = (std::filesystem::temp_directory_path() / "slipbench_hd_XXXXXX").string();
-    root_ = mkdtemp(name.data());
-    folder_ = root_ + "/model";
     saved_.model = {65, 4, Encoding::spatial_temporal, false, Ties::zero, Compat::published_core};
     saved_.quantiser = Quantiser::exact;
     saved_.trained = "hexapod.h5: draw 3";
     saved_.memories = random_memories(saved_.model, 1);
   }
-  ~MemoryFiles() override { std::filesystem::remove_all(root_); }
 
   [[nodiscard]] std::vector<std::string> lines(const std::string& file) const {
     std::ifstream stream(folder_ + "/" + file);
@@ -52,7 +46,8 @@ class MemoryFiles : public testing::Test {
     return message.starts_with(folder_ + "/") ? message.substr(folder_.size() + 1) : message;
   }
 
-  std::string root_, folder_;
+  const TemporaryFolder temporary_;
+  const std::string root_ = temporary_.path(), folder_ = root_ + "/model";
   SavedModel saved_;
 };
 
@@ -72,8 +67,7 @@ TEST_F(MemoryFiles, DamagedMemoriesAreRefusedOrFit) {
   save(folder_, saved_);
   for (std::size_t step = 0; step < 500; ++step) {
     const std::string file = folder_ + "/" + std::array{"AM.hex", "CIM.hex", "CM.hex", "IM.hex", "model.txt"}[step % 5];
-    std::ifstream stream(file, std::ios::binary);
-    const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+    const std::string whole = bytes_of(file);
     std::string damaged = whole;
     if (step % 3 == 0) {
       damaged.resize(whole.size() * step / 500);

@@ -24,8 +24,7 @@ void expect_published(Engine& engine, const std::string& column) {
   }
 }
 
-class Published : public testing::TestWithParam<const char*> {
- protected:
+struct Published : testing::TestWithParam<const char*> {
   SavedModel saved_ = load(published_folder, published_model(GetParam()));
 };
 

@@ -6,7 +6,6 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "detectors/network/engine.h"
 #include "tests/detectors/network/networks.h"
 #include "tests/expect.h"
+#include "tests/files.h"
 
 namespace slipbench::network {
 namespace {
@@ -46,21 +46,13 @@ std::vector<float> sample(int n) {
 
 double probability(double hold, double slip) { return std::exp(slip) / (std::exp(hold) + std::exp(slip)); }
 
-// Counts lines of this process' map that name OpenVINO.
-std::size_t libraries_of_openvino() {
-  std::ifstream maps("/proc/self/maps");
-  std::size_t count = 0;
-  for (std::string line; std::getline(maps, line);) count += line.find("openvino") != std::string::npos ? 1 : 0;
-  return count;
-}
-
 // ctest runs each test in a process of its own; by hand this one is the first.
 TEST(NetworkDetector, LoadsItsLibraryWithTheFirstNetwork) {
-  ASSERT_EQ(libraries_of_openvino(), 0u);
+  ASSERT_FALSE(openvino_is_loaded());
   EXPECT_THROW(network_detector().create(parameters("none"), papillarray()), SceneValueError);
-  EXPECT_EQ(libraries_of_openvino(), 0u);
+  EXPECT_FALSE(openvino_is_loaded());
   network_detector().create(parameters(shipped("mlp13.onnx")), papillarray());
-  EXPECT_GT(libraries_of_openvino(), 0u);
+  EXPECT_TRUE(openvino_is_loaded());
 }
 
 TEST(NetworkDetector, SaysWhatItsNetworkSaysOfTheLastFrames) {
@@ -122,18 +114,12 @@ TEST(NetworkDetector, TheScenesThresholdAndLatencyCount) {
 }
 
 std::string refusal(const Parameters& values, const FrameSource& source) {
-  try {
-    network_detector().create(values, source);
-  } catch (const SceneValueError& error) {
-    return error.path() + " | " + error.what();
-  }
-  return "accepted";
+  return scene_refusal_of([&] { network_detector().create(values, source); });
 }
 
 // A network of any number of frames that is exported with that number left open, whose description asks for another.
 TEST(NetworkDetector, SaysThatAnOpenExtentIsOne) {
-  std::ifstream shipped_file(shipped("mlp13.onnx"), std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(shipped_file), {}};
+  std::string bytes = bytes_of(shipped("mlp13.onnx"));
   const std::string two = "\"history\": 2";
   bytes.replace(bytes.find(two), two.size(), "\"history\": 4");
   const std::string path = testing::TempDir() + "network-" + std::to_string(::getpid()) + "-open.onnx";

@@ -7,7 +7,12 @@
 #include <span>
 #include <string>
 
+#include "tests/files.h"
+
 namespace slipbench::network {
+
+// Whether this process has loaded a library of that name.
+inline bool openvino_is_loaded() { return bytes_of("/proc/self/maps").find("openvino") != std::string::npos; }
 
 inline std::string shipped(const std::string& name) {
   return std::string(SLIPBENCH_SOURCE_DIR) + "/tests/detectors/network/data/" + name;

@@ -62,8 +62,7 @@ Bytes reply_of(std::uint8_t status, const Decision& decision = {}) {
 }
 
 // The board with both ends of its line.
-class HdTop : public testing::Test {
- protected:
+struct HdTop : testing::Test {
   HdTop() {
     top_->uart_rx_i = 1;
     top_->rst_ni = 1;

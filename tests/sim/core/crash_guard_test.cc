@@ -38,8 +38,7 @@ int guarded(Call call) {
   return run_guarded(call);
 }
 
-class CrashGuard : public testing::Test {
- protected:
+struct CrashGuard : testing::Test {
   void SetUp() override {
 #ifdef __SANITIZE_THREAD__
     GTEST_SKIP() << "the sanitizer of threads keeps signals and jumps to itself";

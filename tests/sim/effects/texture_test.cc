@@ -4,9 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include <gtest/gtest.h>
-
-#include "sim/core/error.h"
+#include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"
 
 namespace slipbench::testing_effects::texture_test {
@@ -93,16 +91,10 @@ TEST(Texture, RidgesDoNotReachBeyondTheEdgeOfABox) {
 }
 
 TEST(Texture, RefusesCurvedSurfaces) {
-  EXPECT_THROW(
-      {
-        try {
-          installed(one_unit(k_n, k_t), {{"texture", {}}}, false);
-        } catch (const InputError& error) {
-          EXPECT_STREQ(error.what(), "effects: texture needs a flat surface; allowed shapes: plane, box");
-          throw;
-        }
-      },
-      InputError);
+  EXPECT_EQ(refusal_of([] {
+              installed(one_unit(k_n, k_t), {{"texture", {}}}, false);
+            }),
+            "effects: texture needs a flat surface; allowed shapes: plane, box");
 }
 
 }  // namespace

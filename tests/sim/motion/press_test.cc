@@ -54,12 +54,7 @@ TEST(Press, StandsWhereItIsTold) {
 }
 
 TEST(Press, RefusesARetreatBeforeItHasPressed) {
-  try {
-    press({{"retreat", 1.3}});
-    FAIL();
-  } catch (const SceneValueError& error) {
-    EXPECT_NE(std::string(error.what()).find("pressing ends at 1.32 s"), std::string::npos) << error.what();
-  }
+  EXPECT_THAT(refusal_of<SceneValueError>([] { press({{"retreat", 1.3}}); }), HasSubstr("pressing ends at 1.32 s"));
 }
 
 // The arm that a controller commands: trapezoids from the instants of the commands.

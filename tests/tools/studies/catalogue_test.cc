@@ -46,8 +46,6 @@ TEST(ProjectFile, IsThereOrSaysWhereItWasLookedFor) {
   EXPECT_THAT(refusal_of([] { project_file("nowhere/nothing.yaml"); }), HasSubstr("nowhere/nothing.yaml"));
 }
 
-using ::slipbench::testing::bytes_of;
-
 Result sample_result() {
   Result result;
   result.title = "A <title>";
@@ -86,8 +84,7 @@ TEST(ResultPage, DrawsCurvesWithTheirIntervals) {
   EXPECT_THAT(result_page("paper/table", sample_result()), Not(HasSubstr("<svg")));
 }
 
-class ResultFileTest : public ::slipbench::testing::FolderTest {
- protected:
+struct ResultFileTest : ::slipbench::testing::FolderTest {
   std::vector<std::string> write(const std::string& name) const {
     return page::write_page_files(path("r.html"), page_kind, result_page(name, sample_result()),
                                   result_json(name, sample_result()));

@@ -96,8 +96,7 @@ TEST(Only, KeepsWhatIsNamedAndRefusesWhatIsNot) {
               HasSubstr("--only: unknown name 'ruber'; did you mean 'rubber'?"));
 }
 
-class KeptNetworksTest : public slipbench::testing::FolderTest {
- protected:
+struct KeptNetworksTest : slipbench::testing::FolderTest {
   KeptNetworks open(bool resume, const std::string& of = "table1 seed 1") const { return KeptNetworks(path_, of, resume); }
   void keep(std::initializer_list<std::size_t> indices) const {
     KeptNetworks kept = open(true);

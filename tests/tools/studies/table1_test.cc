@@ -101,8 +101,7 @@ TEST(HdTable3, UnknownRowsGetTheNearest) {
   EXPECT_THAT(refusal_of([&] { hd_table3(options); }), HasSubstr("did you mean 'gru_latched'"));
 }
 
-class CoreFiguresTest : public ::slipbench::testing::FolderTest {
- protected:
+struct CoreFiguresTest : ::slipbench::testing::FolderTest {
   CoreFigures read(const std::string& text) {
     std::ofstream(path("results.json")) << text;
     return read_core_figures(path("results.json"));

@@ -12,12 +12,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/hdf5/crash_safe_file.h"
 
 namespace slipbench {
@@ -101,13 +101,8 @@ bool is_leftover(const Found& found, std::size_t k) {
   return found.kind == Found::Kind::dataset && (!found.complete || (k > 0 && found.shard == k));
 }
 
-// Throws InputError when another run holds the file's lock.
-void check_unlocked(const std::string& path) {
-  if (type_of(path) == std::filesystem::file_type::regular) static_cast<void>(lock_file(path));
-}
-
 [[noreturn]] void refuse(const std::string& path, const std::string& what, const std::string& allowed) {
-  throw InputError(fmt::format("cannot write {}: {}; allowed: {}", path, what, allowed));
+  reject("cannot write {}: {}; allowed: {}", path, what, allowed);
 }
 
 // The k-th file's own name.
@@ -130,7 +125,8 @@ void check_own_name(const std::string& path, std::size_t k) {
 void check_leftover_name(const std::string& path, std::size_t k, const std::string& name, const char* use, bool resumes) {
   check_target(name);
   const bool temporary = name == temporary_path(shard_path(path, k));
-  if (temporary || !resumes) check_unlocked(name);  // a run that resumes has locked what it goes on with itself
+  // Another run may hold the lock; one that resumes has locked what it goes on with itself.
+  if ((temporary || !resumes) && type_of(name) == std::filesystem::file_type::regular) static_cast<void>(lock_file(name));
   const Found found = found_at(name);
   if (found.kind == Found::Kind::nothing) return;
   const std::string allowed = fmt::format("a new name, or {} moved away", name);
@@ -222,7 +218,7 @@ std::vector<Leftover> leftovers(const std::string& path) {
     if (type_of(name) != std::filesystem::file_type::regular) continue;
     Descriptor lock = lock_file(name);
     const Found found = found_at(name);
-    if (found.kind == Found::Kind::damaged) throw InputError(fmt::format("cannot resume {}: {} cannot be read", path, name));
+    if (found.kind == Found::Kind::damaged) reject("cannot resume {}: {} cannot be read", path, name);
     const bool is_left = is_leftover(found, 0) || (found.kind == Found::Kind::dataset && name == temporary_path(path));
     if (is_left && found.trials > 0) left.push_back({name, std::move(lock)});
   }

@@ -16,9 +16,9 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/header.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/workers/child_process.h"
 
 namespace slipbench {
@@ -92,8 +92,8 @@ std::string guarded(const std::string& subject, const ReadingLimits& limits, con
       throw unreadable(fmt::format("reading needed more than {:.3g} GB", 1e-9 * static_cast<double>(limits.memory)));
     case ChildEnd::Kind::failure: throw std::runtime_error(end->text);
     case ChildEnd::Kind::broken:
-      throw InputError(fmt::format("{}: is damaged, or there was too little memory: HDF5 crashed on it{}", subject,
-                                   WIFSIGNALED(end->status) ? fmt::format(" ({})", ::strsignal(WTERMSIG(end->status))) : ""));
+      reject("{}: is damaged, or there was too little memory: HDF5 crashed on it{}", subject,
+             WIFSIGNALED(end->status) ? fmt::format(" ({})", ::strsignal(WTERMSIG(end->status))) : "");
     case ChildEnd::Kind::result: break;
   }
   return end->text;
@@ -104,8 +104,8 @@ void ContentCheck::add(std::size_t trial) {
   const Digest found = reader_->stored_digest(trial);
   const std::string written = reader_->trial_sha256(trial);
   if (reader_->schema(file) > 1 && hexadecimal(found) != written) {
-    throw InputError(fmt::format("{}: /data/demo_{}: is damaged: its content has the SHA-256 {}, its attribute sha256 says {}",
-                                 reader_->files()[file], trial, hexadecimal(found), written));
+    reject("{}: /data/demo_{}: is damaged: its content has the SHA-256 {}, its attribute sha256 says {}", reader_->files()[file],
+           trial, hexadecimal(found), written);
   }
   digests_[file].emplace_back(trial, found);
 }
@@ -120,8 +120,7 @@ void ContentCheck::finish(std::size_t file) const {
   if (written.empty()) return;
   const std::string found = reader_->stored_sha256(file, digests_[file]);
   if (found == written) return;
-  throw InputError(fmt::format("{}: is damaged: its content has the SHA-256 {}, content_sha256 says {}", reader_->files()[file],
-                               found, written));
+  reject("{}: is damaged: its content has the SHA-256 {}, content_sha256 says {}", reader_->files()[file], found, written);
 }
 
 void ContentCheck::finish() const {

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/json.h"
 
 namespace slipbench {
@@ -79,8 +79,7 @@ SweepShard parse_shard(const std::string& file_name, const std::string& text, st
   const bool has_count = number_error == std::errc() && slash != end && *slash == '/';
   if (has_count) std::from_chars(slash + 1, end, shard.count);
   if (shard_text(shard) != text || shard.number < 1 || shard.number > shard.count || shard.count > trials) {
-    throw InputError(
-        fmt::format("{}: /: attribute 'sweep_shard' is {}, which is no shard of {} trials", file_name, quote(text), trials));
+    reject("{}: /: attribute 'sweep_shard' is {}, which is no shard of {} trials", file_name, quote(text), trials);
   }
   return shard;
 }
@@ -147,9 +146,7 @@ Masks split_trials(const std::vector<std::pair<std::size_t, std::string>>& trial
   }
 
   RandomStream random(seed, 0, "mask");
-  for (std::size_t left = groups.size(); left > 1; --left) {  // Fisher-Yates
-    std::swap(groups[left - 1], groups[static_cast<std::size_t>(random.integer(left))]);
-  }
+  shuffle(groups, random);
   const std::array<double, 3>& shares = rule ? rule->shares : usual_shares;
   const std::size_t spare = groups.empty() ? 0 : groups.size() - 1;  // one is left for training
   const std::size_t test = std::min(spare, part_of(groups.size(), shares[2]));

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "tools/base/dataset/stored_trials.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/hdf5/hdf5_place.h"
 #include "tools/base/record/content_digest.h"
 
@@ -36,7 +36,7 @@ auto read_safely(const std::string& path, const Read& read) {
   } catch (const InputError&) {
     throw;
   } catch (const std::runtime_error& error) {
-    throw InputError(fmt::format("{}: is damaged: {}", path, error.what()));
+    reject("{}: is damaged: {}", path, error.what());
   }
 }
 
@@ -205,9 +205,8 @@ struct DatasetReader::State {
   [[nodiscard]] std::size_t index_of(std::size_t trial) const {
     const auto found = file_of.find(trial);
     if (found == file_of.end()) {
-      throw InputError(fmt::format(
-          "{}: no trial {}; {}", files.front().name, trial,
-          trials.empty() ? "the file holds none" : fmt::format("the first is {}, the last {}", trials.front(), trials.back())));
+      reject("{}: no trial {}; {}", files.front().name, trial,
+             trials.empty() ? "the file holds none" : fmt::format("the first is {}, the last {}", trials.front(), trials.back()));
     }
     return found->second;
   }
@@ -392,8 +391,8 @@ void DatasetReader::check_recorded(std::size_t trial) const {
 
 void DatasetReader::check_truth(const std::string& what, const std::string& allowed) const {
   if (header().truth.empty()) return;
-  throw InputError(fmt::format("{}: {} needs the truth, which it does not hold ({}); allowed: {}", state_->files.front().name,
-                               what, printable(header().truth), allowed));
+  reject("{}: {} needs the truth, which it does not hold ({}); allowed: {}", state_->files.front().name, what,
+         printable(header().truth), allowed);
 }
 
 std::string DatasetReader::sensor_type(std::size_t trial, const std::string& sensor) const {

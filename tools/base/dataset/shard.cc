@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/hdf5/hdf5_place.h"
 #include "tools/base/record/content_digest.h"
 
@@ -21,9 +21,7 @@ using hdf5::write_attribute;
 
 std::string demo_name(std::size_t trial) { return fmt::format("demo_{}", trial); }
 
-[[noreturn]] void fail(const std::string& path, const std::string& reason) {
-  throw InputError(fmt::format("cannot write {}: {}", path, reason));
-}
+[[noreturn]] void fail(const std::string& path, const std::string& reason) { reject("cannot write {}: {}", path, reason); }
 
 // Little-endian type in the file for values that lie in memory as they are stored.
 hid_t file_type(ElementType type) {

@@ -10,10 +10,10 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/core/error.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/stored_trials.h"
 #include "tools/base/dataset/writer.h"
+#include "tools/base/files/reject.h"
 
 namespace slipbench {
 namespace {
@@ -34,8 +34,7 @@ void refuse_input_as_output(const std::vector<std::string>& inputs, const std::s
   std::error_code error;
   for (const std::string& input : inputs) {
     if (std::filesystem::equivalent(input, output, error)) {
-      throw InputError(
-          fmt::format("cannot write {}: it is one of the shards; allowed: a new name, or a dataset to replace", output));
+      reject("cannot write {}: it is one of the shards; allowed: a new name, or a dataset to replace", output);
     }
   }
 }
@@ -45,9 +44,9 @@ Merged merge(const std::vector<std::string>& paths, const std::string& output) {
   ShardSet set(paths);
   refuse_input_as_output(set.files(), output);
   if (const std::vector<std::string> gaps = set.gaps(); !gaps.empty()) {
-    throw InputError(fmt::format("cannot write {}: {}; allowed: all shards of a sweep", output, fmt::join(gaps, "; ")));
+    reject("cannot write {}: {}; allowed: all shards of a sweep", output, fmt::join(gaps, "; "));
   }
-  if (set.size() == 0) throw InputError(fmt::format("cannot write {}: all trials of the sweep have failed", output));
+  if (set.size() == 0) reject("cannot write {}: all trials of the sweep have failed", output);
   ShardSet(paths).check_duplicates();
   // Chunks are copied as they are: what a disk has changed in them would be told by nobody.
   for (const std::string& shard : set.paths()) {
@@ -91,8 +90,7 @@ ShardSet::ShardSet(const std::vector<std::string>& paths) {
   for (const auto& shard : shards_) {
     const DatasetHeader& one = shard->about().header;
     const auto refuse = [&](const std::string& difference) {
-      throw InputError(
-          fmt::format("{}: is no shard of the same sweep as {}: it has {}", shard->path(), shards_.front()->path(), difference));
+      reject("{}: is no shard of the same sweep as {}: it has {}", shard->path(), shards_.front()->path(), difference);
     };
     const std::string other = shards_.front()->path();
     const std::string difference = header_difference(whole_header(one), whole_header(header()), other);
@@ -114,11 +112,9 @@ void ShardSet::look_for_gaps() {
     shard_there[shard->about().header.part->number] = true;
     for (const auto& [trial, group] : shard->list()) {
       if (trial >= part.trials) {
-        throw InputError(
-            fmt::format("{}: holds trial {}; allowed: 0 to {}, those of its sweep", shard->path(), trial, part.trials - 1));
+        reject("{}: holds trial {}; allowed: 0 to {}, those of its sweep", shard->path(), trial, part.trials - 1);
       }
-      if (failed_.contains(trial))
-        throw InputError(fmt::format("{}: holds trial {}, which has failed in a shard", shard->path(), trial));
+      if (failed_.contains(trial)) reject("{}: holds trial {}, which has failed in a shard", shard->path(), trial);
       if (!there[trial]) ++count_;
       there[trial] = true;
     }
@@ -178,8 +174,8 @@ std::vector<StoredTrials*> ShardSet::at_least() {
   }
   for (std::size_t i = 1; i < least.size(); ++i) {
     if (least[i]->sha256() == least.front()->sha256()) continue;
-    throw InputError(fmt::format("{}: trial {} is not that of {}: their digests differ; allowed: one of the two files",
-                                 least[i]->path(), *least[i]->trial(), least.front()->path()));
+    reject("{}: trial {} is not that of {}: their digests differ; allowed: one of the two files", least[i]->path(),
+           *least[i]->trial(), least.front()->path());
   }
   return least;
 }

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "tools/base/dataset/shard.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/content_digest.h"
 
 namespace slipbench {
@@ -156,8 +156,7 @@ StoredTrials::StoredTrials(std::string path, std::optional<FileAbout> about) : p
   if (!about->header.part) {
     throw InputError(path_ + ": is no shard of a sweep; allowed: files of sweep --shard k/n");
   }
-  if (about->shard != 0)
-    throw InputError(fmt::format("{}: is file {} of a shard; allowed: the first with it", path_, about->shard));
+  if (about->shard != 0) reject("{}: is file {} of a shard; allowed: the first with it", path_, about->shard);
   if (!about->complete) {
     throw InputError(path_ +
                      ": its run did not come to its end; allowed: the whole shard, which its command with --resume gives");
@@ -179,7 +178,7 @@ void StoredTrials::open(std::size_t file) {
   if (file > 0) {
     const std::optional<FileAbout> about = file_about(name_);
     if (!about || !same_dataset(about->header, about_.header) || about->shard != file || about->shards != about_.shards) {
-      throw InputError(fmt::format("{}: is not file {} of {}", name_, file, path_));
+      reject("{}: is not file {} of {}", name_, file, path_);
     }
   }
   file_ = hdf5::open_file(name_);
@@ -204,8 +203,7 @@ std::vector<std::pair<std::size_t, std::string>> StoredTrials::list() {
   for (std::size_t file = 0; file < *about_.shards; ++file) {
     if (file != index_) open(file);
     if (!all.empty() && !trials_.empty() && trials_.front().first <= all.back().first) {
-      throw InputError(
-          fmt::format("{}: holds trial {} after trial {} of the file before", name_, trials_.front().first, all.back().first));
+      reject("{}: holds trial {} after trial {} of the file before", name_, trials_.front().first, all.back().first);
     }
     all.insert(all.end(), trials_.begin(), trials_.end());
   }

@@ -15,11 +15,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/shard.h"
+#include "tools/base/files/reject.h"
 
 namespace slipbench {
 namespace {
@@ -32,8 +32,7 @@ void sync_folder(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   const Descriptor descriptor(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (descriptor.get() < 0 || !sync_file(descriptor.get(), true)) {
-    throw InputError(
-        fmt::format("a power failure may take the name of {}: its folder cannot be synced: {}", path, std::strerror(errno)));
+    reject("a power failure may take the name of {}: its folder cannot be synced: {}", path, std::strerror(errno));
   }
 }
 
@@ -309,9 +308,9 @@ KeptTrials::KeptTrials(const std::string& path, const DatasetHeader& header) {
       return about ? header_difference(about->header, header) : "it is no dataset";
     });
     if (!difference.empty()) {
-      throw InputError(fmt::format(
+      reject(
           "cannot resume {}: {} was written by another run: {}; allowed: the same scene, seed, version, overrides, command and files",
-          path, name, difference));
+          path, name, difference);
     }
   }
   if (finish_names(path) || gather_leftovers(path) == 0) return;

@@ -14,18 +14,16 @@
 #include <new>
 #include <system_error>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <openssl/evp.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
+#include "tools/base/files/reject.h"
 
 namespace slipbench {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
-  throw InputError(fmt::format("cannot write {}: {}", path, reason));
-}
+[[noreturn]] void refuse(const std::string& path, const std::string& reason) { reject("cannot write {}: {}", path, reason); }
 
 // The first bytes of a file; empty where there is none.
 std::string first_bytes(const std::string& path) {
@@ -41,15 +39,11 @@ std::string first_bytes(const std::string& path) {
 std::string temporary_path(const std::string& path) { return path + ".partial"; }
 
 void rename_file(const std::string& from, const std::string& to) {
-  if (std::rename(from.c_str(), to.c_str()) != 0) {
-    throw InputError(fmt::format("cannot rename {} to {}: {}", from, to, std::strerror(errno)));
-  }
+  if (std::rename(from.c_str(), to.c_str()) != 0) reject("cannot rename {} to {}: {}", from, to, std::strerror(errno));
 }
 
 void check_target(const std::string& path) {
-  if (path.empty() || path.back() == '/') {
-    throw InputError(fmt::format("cannot write '{}': no file name; allowed: a path such as out.h5", path));
-  }
+  if (path.empty() || path.back() == '/') reject("cannot write '{}': no file name; allowed: a path such as out.h5", path);
   struct stat status {};
   if (::lstat(path.c_str(), &status) == 0) {
     if (S_ISLNK(status.st_mode)) {
@@ -100,8 +94,7 @@ ScratchFolder::ScratchFolder() {
   std::error_code error;
   const fs::path parent = fs::temp_directory_path(error);
   path_ = ((error ? fs::path("/tmp") : parent) / "slipbench-XXXXXX").string();
-  if (::mkdtemp(path_.data()) == nullptr)
-    throw InputError(fmt::format("cannot make a folder {}: {}", path_, std::generic_category().message(errno)));
+  if (::mkdtemp(path_.data()) == nullptr) reject("cannot make a folder {}: {}", path_, std::generic_category().message(errno));
 }
 
 ScratchFolder::~ScratchFolder() {
@@ -149,10 +142,6 @@ Digest Sha256::finish() {
   return digest;
 }
 
-std::string hexadecimal(const Digest& digest) {
-  std::string text;
-  for (const std::uint8_t byte : digest) text += fmt::format("{:02x}", byte);
-  return text;
-}
+std::string hexadecimal(const Digest& digest) { return fmt::format("{:02x}", fmt::join(digest, "")); }
 
 }  // namespace slipbench

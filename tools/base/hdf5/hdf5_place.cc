@@ -17,8 +17,8 @@
 #include <fmt/ranges.h>
 #include <libdeflate.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
+#include "tools/base/files/reject.h"
 
 namespace slipbench::hdf5 {
 namespace {
@@ -127,20 +127,28 @@ herr_t note_reason(unsigned, const H5E_error2_t* error, void* context) {
   return 0;
 }
 
+std::vector<std::size_t> extents_of(const Place& place, const Handle& space) {
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  if (rank < 0) place.fail("its extents cannot be read");
+  std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
+  check(H5Sget_simple_extent_dims(space.get(), extents.data(), nullptr));
+  return {extents.begin(), extents.end()};
+}
+
 }  // namespace
 
-void Place::fail(const std::string& what) const { throw InputError(fmt::format("{}: {}: {}", file_name, object, what)); }
+void Place::fail(const std::string& what) const { reject("{}: {}: {}", file_name, object, what); }
 
 Place Place::below(const std::string& name) const { return {file, file_name, object == "/" ? "/" + name : object + "/" + name}; }
 
 Handle open_file(const std::string& path) {
   check_regular_file(path);
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));
+  if (!std::filesystem::exists(path, error)) reject("{}: no such file", path);
   Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
   check(H5Pset_file_locking(access.get(), false, true));
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get());
-  if (file < 0) throw InputError(fmt::format("{}: is no readable HDF5 file: {}", path, last_error()));
+  if (file < 0) reject("{}: is no readable HDF5 file: {}", path, last_error());
   return {file, &H5Fclose};
 }
 
@@ -204,14 +212,6 @@ std::vector<std::string> attributes_of(const Place& place, const Handle& object)
   }
   for (const std::string& name : names) check_name(place, name);
   return names;
-}
-
-std::vector<std::size_t> extents_of(const Place& place, const Handle& space) {
-  const int rank = H5Sget_simple_extent_ndims(space.get());
-  if (rank < 0) place.fail("its extents cannot be read");
-  std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
-  check(H5Sget_simple_extent_dims(space.get(), extents.data(), nullptr));
-  return {extents.begin(), extents.end()};
 }
 
 std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents, std::size_t element_bytes,
@@ -456,7 +456,7 @@ class MappedFile {
         found ? ::mmap(nullptr, static_cast<std::size_t>(status.st_size), PROT_READ, MAP_PRIVATE, descriptor, 0) : MAP_FAILED;
     const int reason = errno;
     if (descriptor >= 0) ::close(descriptor);
-    if (address == MAP_FAILED) throw InputError(fmt::format("{}: cannot be read: {}", path, std::strerror(reason)));
+    if (address == MAP_FAILED) reject("{}: cannot be read: {}", path, std::strerror(reason));
     bytes_ = {static_cast<const std::uint8_t*>(address), static_cast<std::size_t>(status.st_size)};
   }
   ~MappedFile() { ::munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size()); }
@@ -517,7 +517,7 @@ void check_heaps(const std::string& path) {
     const std::string_view part = text.substr(from, window + start.size() - 1);
     for (std::size_t place = part.find(start); place != std::string_view::npos; place = part.find(start, place + start.size())) {
       if (!sound_heap(file.bytes().subspan(from + place))) {
-        throw InputError(fmt::format("{}: is damaged: the texts at byte {} are not as they were written", path, from + place));
+        reject("{}: is damaged: the texts at byte {} are not as they were written", path, from + place);
       }
     }
     file.let_go(from, window);

@@ -106,7 +106,6 @@ Handle open_below(const Place& place, const Handle& group, const std::string& na
 // Names of an object's attributes in ascending order.
 std::vector<std::string> attributes_of(const Place& place, const Handle& object);
 
-std::vector<std::size_t> extents_of(const Place& place, const Handle& space);
 // Number of elements, refused where `element_bytes` each are more than the file can hold at that compression.
 std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents, std::size_t element_bytes,
                      std::uint64_t compression);

@@ -8,9 +8,10 @@
 #include <new>
 
 #include <fmt/format.h>
+#include <openssl/evp.h>
 
-#include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
 
 namespace slipbench::page {
@@ -181,8 +182,7 @@ std::string json_path(const std::string& html_path) {
 
 void check_page_files(const std::string& html_path, const PageKind& kind) {
   if (!html_path.ends_with(".html")) {
-    throw InputError(
-        fmt::format("-o {}: {} is a page with its figures beside it; allowed: a name that ends in .html", html_path, kind.what));
+    reject("-o {}: {} is a page with its figures beside it; allowed: a name that ends in .html", html_path, kind.what);
   }
   check_text_target(html_path, {}, {kind.page, [&](std::string_view text) { return begins_as_page(text, kind.generator); }});
   check_text_target(json_path(html_path), {}, {kind.json, [&](std::string_view text) { return begins_as_object(text, kind); }});
@@ -224,15 +224,9 @@ std::string list_html(const std::vector<std::string>& items) {
 }
 
 std::string base64(std::span<const std::uint8_t> bytes) {
-  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = (group << 8U) | (k < count ? bytes[i + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? alphabet[(group >> (18U - 6U * k)) & 63U] : '=';
-  }
+  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL ends it with a zero
+  text.resize(static_cast<std::size_t>(
+      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(), static_cast<int>(bytes.size()))));
   return text;
 }
 

@@ -3,10 +3,8 @@
 #include <filesystem>
 #include <system_error>
 
-#include <fmt/format.h>
-
-#include "sim/core/error.h"
 #include "sim/core/process/own_library.h"
+#include "tools/base/files/reject.h"
 
 namespace slipbench {
 
@@ -22,8 +20,8 @@ std::optional<std::string> find_project_file(const std::string& path) {
 
 std::string project_file(const std::string& path) {
   if (std::optional<std::string> found = find_project_file(path)) return *found;
-  throw InputError(fmt::format("{}: neither installed with the program, in {}, nor in the source tree of a build folder", path,
-                               own_path(SLIPBENCH_DATA)));
+  reject("{}: neither installed with the program, in {}, nor in the source tree of a build folder", path,
+         own_path(SLIPBENCH_DATA));
 }
 
 }  // namespace slipbench

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/json.h"
 
 namespace slipbench {
@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 5> detection_words{"quiet", "false_alarm"
 Detection detection_of(const std::string& word) {
   const auto found = std::ranges::find(detection_words, word);
   if (found == detection_words.end()) {
-    throw InputError(fmt::format("outcome has the detection '{}'; allowed: {}", word, fmt::join(detection_words, ", ")));
+    reject("outcome has the detection '{}'; allowed: {}", word, fmt::join(detection_words, ", "));
   }
   return static_cast<Detection>(found - detection_words.begin());
 }
@@ -127,13 +127,13 @@ TrialOutcome parse_outcome(const std::string& text) {
     if (json.contains("saturated_samples")) json.at("saturated_samples").get_to(outcome.saturated);
     return outcome;
   } catch (const nlohmann::json::exception& error) {
-    throw InputError(fmt::format("outcome is not the JSON object of a trial: {}", error.what()));
+    reject("outcome is not the JSON object of a trial: {}", error.what());
   }
 }
 
 const BodyRecord& TrialRecord::body(std::string_view called) const {
   const auto found = std::ranges::find(bodies, called, &BodyRecord::name);
-  if (found == bodies.end()) throw InputError(fmt::format("trial {}: has no truth/{}", trial, called));
+  if (found == bodies.end()) reject("trial {}: has no truth/{}", trial, called);
   return *found;
 }
 

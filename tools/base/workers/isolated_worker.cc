@@ -23,6 +23,7 @@
 
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/plugin_library.h"
+#include "tools/base/files/reject.h"
 
 namespace slipbench {
 namespace {
@@ -36,7 +37,7 @@ constexpr double idle = std::numeric_limits<double>::infinity();
 // On the clock that all processes share [s].
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-[[noreturn]] void throw_system(const char* what) { throw InputError(fmt::format("{}: {}", what, std::strerror(errno))); }
+[[noreturn]] void throw_system(const char* what) { reject("{}: {}", what, std::strerror(errno)); }
 
 // A process ends with the one that made it, and leaves signals of the terminal or of a batch system to the first.
 void depend_on(pid_t maker) {

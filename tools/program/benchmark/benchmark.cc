@@ -12,12 +12,12 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/statistics/descriptive.h"
@@ -436,7 +436,7 @@ std::string transfer_text(const std::string& file, const std::vector<const Entra
     if (sensor.labels.truth)
       throw InputError(file + ": is a simulation; allowed: recordings of a real sensor, as slipbench import writes them");
     if (!options.asked.sensor.empty() && sensor.type != options.asked.sensor)
-      throw InputError(fmt::format("{}: has a {}; allowed with --sensor: a {}", file, sensor.type, options.asked.sensor));
+      reject("{}: has a {}; allowed with --sensor: a {}", file, sensor.type, options.asked.sensor);
     // A pad that nobody labelled tells nothing of a detector.
     eval::label_states(sensor, rule_of(Track::transfer), false);
     board.sensor = sensor.type;
@@ -478,12 +478,6 @@ void check_names(const std::vector<Entrant>& entrants) {
   for (const Entrant& entrant : entrants) {
     if (!names.insert(entrant.name).second) throw InputError("benchmark: " + quote(entrant.name) + " is named twice");
   }
-}
-
-Json machine_json() {
-  Json machine = environment_json();
-  machine.erase("load");
-  return machine;
 }
 
 // The detectors of the user's own words and those of the board, all but the taught ones and the oracle.
@@ -554,12 +548,10 @@ Json benchmark(const Options& options) {
     sets.push_back(std::move(set));
   }
   for (Json& set : transfer) sets.push_back(std::move(set));
-  Json result = {{result_key, 1},
-                 {"asked", asked_json(asked)},
-                 {"protocol", protocol_json(protocol, asked)},
-                 {"machine", machine_json()},
-                 {"learnt_from", taught.data},
-                 {"sets", sets}};
+  Json machine = environment_json();
+  machine.erase("load");
+  Json result = {{result_key, 1},      {"asked", asked_json(asked)}, {"protocol", protocol_json(protocol, asked)},
+                 {"machine", machine}, {"learnt_from", taught.data}, {"sets", sets}};
   if (asked.real.empty())
     result["transfer"] = "no real recordings were given: benchmark --real FILE.h5, which slipbench import writes";
   return result;

@@ -65,8 +65,6 @@ Json parse_submission(const std::string& text, const std::string& name);
 // "/sets/0/rows/2/credit: 0.41 in the file, 0.43 here". Empty: in nothing.
 std::string difference(const std::string& text, const Json& submitted, Json recomputed);
 
-// The board as a page and as a table.
-
 // One HTML page without scripts of a board (benchmark.h).
 std::string board_page(const Json& result);
 

@@ -12,10 +12,10 @@
 #include "detectors/hd/memory_files.h"
 #include "detectors/network/engine.h"
 #include "sim/core/detector.h"
-#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/motion/motion.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -49,7 +49,7 @@ std::string file_digest(const std::string& path) {
   if (!fs::is_directory(path, error)) return file_sha256(path);
   std::vector<std::string> files;
   const fs::directory_iterator entries(path, error);
-  if (error) throw InputError(fmt::format("{}: cannot be read: {}", path, error.message()));
+  if (error) reject("{}: cannot be read: {}", path, error.message());
   for (const fs::directory_entry& entry : entries) {
     if (entry.is_regular_file(error)) files.push_back(entry.path().string());
   }

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/benchmark/benchmark.h"
 #include "tools/program/benchmark/protocol.h"
 
@@ -32,7 +32,7 @@ Asked parse_asked(const Json& json, const std::string& file) {
     asked.untaught = json.at("untaught").get<bool>();
     return asked;
   } catch (const Json::exception& error) {
-    throw InputError(fmt::format("{}: /asked: {}; allowed: as benchmark --submit writes it", file, error.what()));
+    reject("{}: /asked: {}; allowed: as benchmark --submit writes it", file, error.what());
   }
 }
 
@@ -41,9 +41,8 @@ std::string submission_text(const Json& result) { return result.dump(1, ' ', fal
 Json parse_submission(const std::string& text, const std::string& name) {
   constexpr int deepest = 100;  // what is compared and told follows it by calls of calls
   const auto bounded = [&](int depth, Json::parse_event_t, Json&) {
-    return depth <= deepest ? true
-                            : throw InputError(fmt::format(
-                                  "{}: is nested more than {} deep; allowed: what benchmark --submit writes", name, deepest));
+    if (depth > deepest) reject("{}: is nested more than {} deep; allowed: what benchmark --submit writes", name, deepest);
+    return true;
   };
   const Json json = Json::parse(text, bounded, false);
   if (!json.is_object() || !json.contains(result_key) || !json.contains("asked") || !json.contains("protocol"))
@@ -55,8 +54,7 @@ Json parse_submission(const std::string& text, const std::string& name) {
   const std::string here = protocol_sha256(known);
   const std::string there = protocol.contains("sha256") ? found(protocol.at("sha256")) : "nothing";
   if (there != found(here))
-    throw InputError(
-        fmt::format("{}: /protocol/sha256: {} in the file; allowed: {}, that of {} here", name, there, found(here), known.name));
+    reject("{}: /protocol/sha256: {} in the file; allowed: {}, that of {} here", name, there, found(here), known.name);
   return json;
 }
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/calibrate/recordings.h"
 
 namespace slipbench::calibrate {
@@ -39,7 +39,7 @@ Compared compared(const std::vector<RawRecording>& recordings, const std::vector
   std::vector<VectorXd> rough;
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const RawRecording& recording = recordings[r];
-    if (recording.sensors.empty()) throw InputError(fmt::format("{}: holds no sensor; allowed: at least one", recording.name));
+    if (recording.sensors.empty()) reject("{}: holds no sensor; allowed: at least one", recording.name);
     Columns columns = shared_columns(recording, scene);
     if (result.real.empty()) result.columns = columns;
     check_same_columns(recording.name, columns, recordings.front().name, result.columns);
@@ -289,7 +289,7 @@ void check_noise_keys(const std::vector<FitKey>& of_curves, const std::vector<Fi
   if (of_curves.empty())
     throw InputError("calibrate: no key but of electronics, which are what other keys leave; allowed: at least one other");
   for (const FitKey& key : of_noise) {
-    if (key.each) throw InputError(fmt::format("calibrate: {} is one device's; allowed: without each: true", key.path));
+    if (key.each) reject("calibrate: {} is one device's; allowed: without each: true", key.path);
   }
 }
 

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/page/svg.h"
 
 namespace slipbench::calibrate {
@@ -255,8 +255,7 @@ std::string calibration_page(const Json& result) {
 
 void check_calibration_target(const std::string& path, const std::vector<std::string>& inputs) {
   if (!path.ends_with(".yaml"))
-    throw InputError(
-        fmt::format("calibrate: -o {}: the fitted scene is a YAML file; allowed: a name that ends with .yaml", path));
+    reject("calibrate: -o {}: the fitted scene is a YAML file; allowed: a name that ends with .yaml", path);
   check_text_target(path, inputs, {"scene of slipbench calibrate", [](std::string_view text) {
                                      return text.starts_with("# slipbench calibrate ");
                                    }});

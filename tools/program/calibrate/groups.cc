@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/workers/ordered_workers.h"
 
 namespace slipbench::calibrate {
@@ -30,8 +30,7 @@ constexpr double most_apart_rates = 0.02;  // of a sample's length, real against
 std::string label_of(const RawRecording& recording, const std::string& label) {
   const nlohmann::json params = nlohmann::json::parse(recording.params, nullptr, false);
   if (!params.is_object() || !params.contains(label))
-    throw InputError(
-        fmt::format("{}: does not say its {}; allowed: recordings that are labelled with it", recording.name, label));
+    reject("{}: does not say its {}; allowed: recordings that are labelled with it", recording.name, label);
   const nlohmann::json& value = params.at(label);
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
@@ -39,9 +38,8 @@ std::string label_of(const RawRecording& recording, const std::string& label) {
 void check_cells(const Model& model, const Groups& groups) {
   const std::size_t cells = model.trials() / model.draws();
   if (cells != groups.values.size())
-    throw InputError(
-        fmt::format("--groups: {} values, and the grid of the scene's sweep has {} cells; allowed: a value for each cell",
-                    groups.values.size(), cells));
+    reject("--groups: {} values, and the grid of the scene's sweep has {} cells; allowed: a value for each cell",
+           groups.values.size(), cells);
 }
 
 // What a trial reads; empty where the scene refuses what was drawn.
@@ -79,8 +77,7 @@ Groups parse_groups(const std::string& text) {
   std::ranges::sort(sorted);
   const bool twice = std::ranges::adjacent_find(sorted) != sorted.end();
   if (groups.label.empty() || sorted.front().empty() || twice)
-    throw InputError(
-        fmt::format("--groups is '{}'; allowed: LABEL=VALUE,VALUE,... with different values, as in class=n,e,s", text));
+    reject("--groups is '{}'; allowed: LABEL=VALUE,VALUE,... with different values, as in class=n,e,s", text);
   return groups;
 }
 
@@ -146,13 +143,13 @@ void GroupProblem::lay_out(const std::vector<RawRecording>& recordings, const st
       const Samples real = samples_of(recording.sensors, Side::real, of_recording_[r].channels[c]);
       rows = std::min(rows, real.values.rows());
       if (!(std::abs(real.step - simulated.step) <= most_apart_rates * simulated.step))
-        throw InputError(fmt::format("{}: {}/{} has a sample every {} and the scene's sensor every {}; allowed: the same rate",
-                                     recording.name, place.sensor, place.channel, format_quantity(real.step, Quantity::time),
-                                     format_quantity(simulated.step, Quantity::time)));
+        reject("{}: {}/{} has a sample every {} and the scene's sensor every {}; allowed: the same rate", recording.name,
+               place.sensor, place.channel, format_quantity(real.step, Quantity::time),
+               format_quantity(simulated.step, Quantity::time));
     }
     if (rows < least_blocks)
-      throw InputError(fmt::format("{}/{}: the shortest recording has {} samples; allowed: {} at least", place.sensor,
-                                   place.channel, rows, least_blocks));
+      reject("{}/{}: the shortest recording has {} samples; allowed: {} at least", place.sensor, place.channel, rows,
+             least_blocks);
     rows_.push_back(static_cast<std::size_t>(rows));
     const auto add = [&](const std::string& name, const std::string& unit) {
       statistics_.push_back({c, name, unit, figures});
@@ -176,8 +173,8 @@ RowVectorXd GroupProblem::figures(const std::vector<SensorRecord>& sensors, Side
     const Samples samples = samples_of(sensors, side, place);
     const auto rows = static_cast<Index>(rows_[c]), width = samples.values.cols();
     if (samples.values.rows() < rows)
-      throw InputError(fmt::format("{}: {}/{} has {} samples and other trials {}; allowed: trials that last as long", name,
-                                   place.sensor, place.channel, samples.values.rows(), rows));
+      reject("{}: {}/{} has {} samples and other trials {}; allowed: trials that last as long", name, place.sensor, place.channel,
+             samples.values.rows(), rows);
     const MatrixXd found =
         figures_of(samples.values.bottomRows(rows), floor_.segment(static_cast<Index>(place.first), width).transpose());
     for (Index k = 0; k < found.rows(); ++k)
@@ -192,8 +189,8 @@ void GroupProblem::read_real(const std::vector<RawRecording>& recordings) {
     const std::string value = label_of(recordings[r], groups_.label);
     const auto found = std::ranges::find(groups_.values, value);
     if (found == groups_.values.end())
-      throw InputError(fmt::format("{}: its {} is '{}'; allowed by --groups: {}", recordings[r].name, groups_.label, value,
-                                   fmt::join(groups_.values, ", ")));
+      reject("{}: its {} is '{}'; allowed by --groups: {}", recordings[r].name, groups_.label, value,
+             fmt::join(groups_.values, ", "));
     group_of_.push_back(static_cast<std::size_t>(found - groups_.values.begin()));
     ++sizes_[group_of_.back()];
     const RowVectorXd row = figures(recordings[r].sensors, Side::real, of_recording_[r], recordings[r].name);
@@ -206,9 +203,8 @@ void GroupProblem::read_real(const std::vector<RawRecording>& recordings) {
         real_.row(static_cast<Index>(r)) / static_cast<double>(sizes_[group_of_[r]]);
   for (std::size_t g = 0; g < sizes_.size(); ++g) {
     if (sizes_[g] < 2)
-      throw InputError(
-          fmt::format("calibrate: {} recordings whose {} is {}; allowed: two at least, which tell how far they scatter",
-                      sizes_[g], groups_.label, groups_.values[g]));
+      reject("calibrate: {} recordings whose {} is {}; allowed: two at least, which tell how far they scatter", sizes_[g],
+             groups_.label, groups_.values[g]);
   }
 }
 

@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "sensors/electronics/electronics.h"
-#include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "sim/scene/section_readers.h"
 #include "sim/scene/sweep.h"
 #include "sim/scene/yaml_tree.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench::calibrate {
@@ -25,16 +25,15 @@ void check_keys(const SceneFile& file, const std::vector<FitKey>& keys, Trials k
   for (std::size_t k = 0; k < keys.size(); ++k) {
     if (std::ranges::find(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(k), keys[k].path, &FitKey::path) !=
         keys.begin() + static_cast<std::ptrdiff_t>(k))
-      throw InputError(fmt::format("calibrate: {} is fitted twice; allowed: once", keys[k].path));
+      reject("calibrate: {} is fitted twice; allowed: once", keys[k].path);
     fitted.push_back(split_path(keys[k].path, {}));
     if (kind == Trials::groups && (keys[k].each || keys[k].path == lag_key))
-      throw InputError(fmt::format("calibrate: {} is a value of single recordings; allowed with --groups: a value of all",
-                                   keys[k].each ? keys[k].path + " with each: true" : keys[k].path));
+      reject("calibrate: {} is a value of single recordings; allowed with --groups: a value of all",
+             keys[k].each ? keys[k].path + " with each: true" : keys[k].path);
   }
   if (kind == Trials::groups) return;
   for (const FitKey& key : keys) {
-    if (key.path.starts_with("sweep."))
-      throw InputError(fmt::format("calibrate: {} is a value of all trials; allowed with --groups", key.path));
+    if (key.path.starts_with("sweep.")) reject("calibrate: {} is a value of all trials; allowed with --groups", key.path);
   }
   const Sweep sweep(file.root().find("sweep"), fitted);
   for (const SweptPath& swept : sweep.paths()) {
@@ -54,9 +53,8 @@ double own_place(const SceneFile& file, const Trace& values, const FitKey& key) 
       const double place = key.place(parse_quantity(node->text, quantity_of(node->text)));
       return place >= 0.0 && place <= 1.0 ? place : 0.5;
     } catch (const std::invalid_argument&) {
-      throw InputError(fmt::format(
-          "--fit {}: the scene's sweep has no such number; allowed: one that it has, such as sweep.motion.tilt.0.mean",
-          key.path));
+      reject("--fit {}: the scene's sweep has no such number; allowed: one that it has, such as sweep.motion.tilt.0.mean",
+             key.path);
     }
   }
   const auto found = values.find(key.path);
@@ -174,7 +172,7 @@ std::vector<SensorRecord> read_of(const std::string& subject, std::size_t trial,
     scene.detector.reset();
     return run_trial(scene, trial, Recording::full, max_record_bytes, interrupt).record.sensors;
   } catch (const InputError& error) {
-    throw InputError(fmt::format("calibrate: {}: {}", subject, error.what()));
+    reject("calibrate: {}: {}", subject, error.what());
   }
 }
 
@@ -193,8 +191,7 @@ Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<Fi
   };
   for (const FitKey& key : keys_) {
     if (key.path == lag_key && key.quantity != Quantity::time) {
-      throw InputError(
-          fmt::format("--fit lag: bounds of {} are no times; allowed: times with a unit, such as -5 ms", key.text(key.min)));
+      reject("--fit lag: bounds of {} are no times; allowed: times with a unit, such as -5 ms", key.text(key.min));
     }
   }
   for (const double bound : {0.0, 1.0}) static_cast<void>(planned(bound).trial(0));
@@ -217,9 +214,9 @@ Model::Model(const SceneFile& file, const Catalogues& catalogues, std::vector<Fi
 
 void Model::use_recordings(std::size_t count) {
   if (trials() != 1 && trials() != count)
-    throw InputError(fmt::format(
+    reject(
         "calibrate: {} recordings, and the scene's sweep has {} trials; allowed: a trial for each recording, in their order, or one for all",
-        count, trials()));
+        count, trials());
   recordings_ = count;
 }
 

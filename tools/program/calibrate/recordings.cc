@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/import/import.h"
 
@@ -56,8 +56,7 @@ void check_values(const RawRecording& recording) {
   for (const SensorRecord& sensor : recording.sensors) {
     for (const SensorColumn& column : sensor.channels) {
       if (std::ranges::all_of(column.values, [](float value) { return std::isfinite(value); })) continue;
-      throw InputError(fmt::format("{}: {}/{} holds a value that is no number; allowed: finite ones", recording.name, sensor.name,
-                                   column.name));
+      reject("{}: {}/{} holds a value that is no number; allowed: finite ones", recording.name, sensor.name, column.name);
     }
   }
 }
@@ -116,12 +115,11 @@ std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths,
     for (const std::string& path : paths) {
       std::error_code error;
       if (std::filesystem::path(path).extension() == ".csv" || std::filesystem::is_directory(path, error))
-        throw InputError(fmt::format("{}: is no dataset; allowed: FILE.h5, or --format NAME with {}", path,
-                                     fmt::join(import_format_names(), ", ")));
+        reject("{}: is no dataset; allowed: FILE.h5, or --format NAME with {}", path, fmt::join(import_format_names(), ", "));
       for (RawRecording& recording : unpacked_dataset(path)) recordings.push_back(std::move(recording));
     }
   }
-  if (recordings.empty()) throw InputError(fmt::format("{}: no recording; allowed: one at least", fmt::join(paths, ", ")));
+  if (recordings.empty()) reject("{}: no recording; allowed: one at least", fmt::join(paths, ", "));
   for (const RawRecording& recording : recordings) check_values(recording);
   return recordings;
 }
@@ -136,9 +134,8 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
       const SensorColumn* found = find_channel(real.sensors[recorded], column.name);
       if (found == nullptr) continue;
       if (found->shape != column.shape)
-        throw InputError(fmt::format("{}: {}/{} has [{}] values a sample and the scene's sensor [{}]; allowed: the same",
-                                     real.name, sensor.name, column.name, fmt::join(found->shape, ", "),
-                                     fmt::join(column.shape, ", ")));
+        reject("{}: {}/{} has [{}] values a sample and the scene's sensor [{}]; allowed: the same", real.name, sensor.name,
+               column.name, fmt::join(found->shape, ", "), fmt::join(column.shape, ", "));
       ChannelPlace place = place_of(sensor, column);
       place.first = columns.count;
       place.recorded_sensor = recorded;
@@ -151,8 +148,8 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
     std::vector<std::string> found, scene;
     for (const SensorRecord& sensor : real.sensors) found.push_back(fmt::format("{} ({})", sensor.name, sensor.type));
     for (const SensorRecord& sensor : simulated) scene.push_back(fmt::format("{} ({})", sensor.name, sensor.type));
-    throw InputError(fmt::format("{}: holds {} and the scene {}; allowed: a sensor that both have", real.name,
-                                 fmt::join(found, ", "), fmt::join(scene, ", ")));
+    reject("{}: holds {} and the scene {}; allowed: a sensor that both have", real.name, fmt::join(found, ", "),
+           fmt::join(scene, ", "));
   }
   return columns;
 }
@@ -165,8 +162,8 @@ void check_same_columns(const std::string& name, const Columns& columns, const s
     return list;
   };
   if (names(columns) == names(first)) return;
-  throw InputError(fmt::format("{}: holds {} and {} holds {}; allowed: recordings of one kind", name,
-                               fmt::join(names(columns), ", "), first_name, fmt::join(names(first), ", ")));
+  reject("{}: holds {} and {} holds {}; allowed: recordings of one kind", name, fmt::join(names(columns), ", "), first_name,
+         fmt::join(names(first), ", "));
 }
 
 Samples samples_of(const std::vector<SensorRecord>& sensors, Side side, const ChannelPlace& place) {
@@ -185,7 +182,7 @@ std::vector<double> bin_edges(const RawRecording& real, const std::vector<Sensor
   const std::vector<double>& scene = simulated.front().time;
   const double span = std::min(recorded.back() - recorded.front(), scene.back() - scene.front());
   const std::size_t bins = std::min({most_bins, recorded.size() - 1, scene.size() - 1});
-  if (bins == 0 || !(span > 0.0)) throw InputError(fmt::format("{}: has a single sample; allowed: two at least", real.name));
+  if (bins == 0 || !(span > 0.0)) reject("{}: has a single sample; allowed: two at least", real.name);
   std::vector<double> edges(bins + 1);
   for (std::size_t k = 0; k <= bins; ++k) edges[k] = scene.front() + span * static_cast<double>(k) / static_cast<double>(bins);
   return edges;

@@ -15,8 +15,6 @@
 
 namespace slipbench::calibrate {
 
-// What is to be fitted: a key of the scene and where its value may lie.
-
 // The recordings' clock against the scene's: the one key that is none of the scene.
 inline constexpr const char* lag_key = "lag";
 
@@ -39,7 +37,6 @@ struct FitKey {
 std::vector<FitKey> parse_fit_keys(const std::string& text);
 
 // The scene file with what was fitted in it.
-
 // YAML: at its head what was fitted and how well it is known, then `file` with the values of `result` (calibrate.h) in it. A key of every
 // recording is drawn by the sweep, with the centre and scatter that were found.
 std::string fitted_scene(const SceneFile& file, const std::vector<FitKey>& keys, const Json& result);
@@ -114,8 +111,6 @@ class Model {
 
 // The seed of draw `number` of all that is called `what`.
 std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number, const std::string& what);
-
-// From recordings to the parameters that fit them best, and how well they are known.
 
 // What a sensor's electronics do to its readings, and how much of the difference between two recordings they explain.
 

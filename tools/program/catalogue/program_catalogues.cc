@@ -16,6 +16,34 @@
 namespace slipbench {
 namespace {
 
+// The true state of a pad in a detector's place, by the rule strict: with it a loop shows the faults of its controller alone.
+class Oracle final : public Detector {
+ public:
+  Oracle(double latency, const Simulation& simulation, std::size_t pad) : latency_(latency), simulation_(simulation), pad_(pad) {}
+
+  const SlipEstimate& update(const SensorFrame& frame) override {
+    const ContactFrame& truth = simulation_.contact_part(pad_, FramePart::states);
+    return estimate_ = {frame.time, latency_, truth.state, truth.stuck_fraction};
+  }
+
+ private:
+  double latency_;
+  const Simulation& simulation_;
+  std::size_t pad_;
+  SlipEstimate estimate_;
+};
+
+Entry oracle_entry() {
+  return {
+      .name = std::string(oracle_type),
+      .summary = "ORACLE, no detector: the true class of the pad, to tell a detector's faults from a controller's.",
+      .law =
+          "at each sample of the sensor: the true class by the rule strict (a pillar slips when all of it slips), and the true stuck fraction of the pad's elements",
+      .source = "the simulation's own contact, which no detector sees",
+      .parameters = {
+          number_spec("latency", Quantity::time, "0 s", non_negative, "Time from the sample until the class is there.", "free")}};
+}
+
 const std::vector<DetectorKind>& detector_catalogue() {
   static const std::vector<DetectorKind> kinds{
       force_ratio_detector(),     stuck_fraction_detector(), shear_rate_detector(), marker_deviation_detector(),
@@ -38,27 +66,12 @@ std::unique_ptr<Detector> make_any(const DetectorScene& scene, const FrameSource
   for (const DetectorKind& kind : detector_catalogue()) {
     if (kind.about.name != scene.type) continue;
     std::unique_ptr<Detector> detector =
-        kind.create == nullptr ? make_oracle(scene.parameters, *simulation, scene.sensor) : kind.create(scene.parameters, source);
+        kind.create == nullptr ? std::make_unique<Oracle>(scene.parameters.number("latency"), *simulation, scene.sensor)
+                               : kind.create(scene.parameters, source);
     return with_flips(std::move(detector), scene.parameters.number("flip"), source);
   }
   throw InputError("detector: unknown type " + quote(scene.type));
 }
-
-class Oracle final : public Detector {
- public:
-  Oracle(double latency, const Simulation& simulation, std::size_t pad) : latency_(latency), simulation_(simulation), pad_(pad) {}
-
-  const SlipEstimate& update(const SensorFrame& frame) override {
-    const ContactFrame& truth = simulation_.contact_part(pad_, FramePart::states);
-    return estimate_ = {frame.time, latency_, truth.state, truth.stuck_fraction};
-  }
-
- private:
-  double latency_;
-  const Simulation& simulation_;
-  std::size_t pad_;
-  SlipEstimate estimate_;
-};
 
 struct EngineKind {
   const char* name;
@@ -87,18 +100,6 @@ std::vector<Entry> own_entries() {
   for (const ControllerKind& kind : controller_catalogue()) entries.push_back(kind.about);
   return entries;
 }
-
-}  // namespace
-
-Catalogues program_catalogues() {
-  Catalogues catalogues = pad_catalogues();
-  catalogues.detectors = detector_entries();
-  catalogues.controllers = controller_entries();
-  catalogues.expectations = expectation_entries();
-  return catalogues;
-}
-
-namespace {
 
 using Comparison = ExpectationKind::Comparison;
 
@@ -158,6 +159,14 @@ ExpectationKind of_detector(ExpectationKind kind) {
 const GraspOutcome& grasp_of(const TrialOutcome& outcome) { return outcome.grasp.value(); }
 
 }  // namespace
+
+Catalogues program_catalogues() {
+  Catalogues catalogues = pad_catalogues();
+  catalogues.detectors = detector_entries();
+  catalogues.controllers = controller_entries();
+  for (const ExpectationKind& kind : expectation_catalogue()) catalogues.expectations.push_back(kind.about);
+  return catalogues;
+}
 
 bool ExpectationKind::kept(double observed, double limit) const {
   switch (comparison) {
@@ -226,12 +235,6 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
   return kinds;
 }
 
-std::vector<ExpectationEntry> expectation_entries() {
-  std::vector<ExpectationEntry> entries;
-  for (const ExpectationKind& kind : expectation_catalogue()) entries.push_back(kind.about);
-  return entries;
-}
-
 std::vector<Entry> detector_entries() {
   std::vector<Entry> entries;
   for (const DetectorKind& kind : detector_catalogue()) entries.push_back(kind.about);
@@ -261,21 +264,6 @@ void check_run(const DetectorScene& scene, std::uint64_t trials) {
   for (const DetectorKind& kind : detector_catalogue()) {
     if (kind.about.name == scene.type && kind.check_run != nullptr) kind.check_run(scene.parameters, trials);
   }
-}
-
-Entry oracle_entry() {
-  return {
-      .name = std::string(oracle_type),
-      .summary = "ORACLE, no detector: the true class of the pad, to tell a detector's faults from a controller's.",
-      .law =
-          "at each sample of the sensor: the true class by the rule strict (a pillar slips when all of it slips), and the true stuck fraction of the pad's elements",
-      .source = "the simulation's own contact, which no detector sees",
-      .parameters = {
-          number_spec("latency", Quantity::time, "0 s", non_negative, "Time from the sample until the class is there.", "free")}};
-}
-
-std::unique_ptr<Detector> make_oracle(const Parameters& parameters, const Simulation& simulation, std::size_t pad) {
-  return std::make_unique<Oracle>(parameters.number("latency"), simulation, pad);
 }
 
 std::vector<std::string> hd_engine_names() { return hd::names_of(engine_catalogue); }

@@ -48,9 +48,6 @@ struct ExpectationKind {
 // All kinds that a scene may name in `expect`.
 const std::vector<ExpectationKind>& expectation_catalogue();
 
-// Their declarations, in the same order.
-std::vector<ExpectationEntry> expectation_entries();
-
 // `parameters`: those of the detector's entry, all present.
 using DetectorMaker = std::function<std::unique_ptr<Detector>(const Parameters& parameters, const FrameSource& source)>;
 
@@ -70,15 +67,6 @@ std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameS
 
 // Throws SceneValueError where `scene` names a trial that is not among the first `trials`, at least one.
 void check_run(const DetectorScene& scene, std::uint64_t trials);
-
-// The oracle: the true state of a pad in a detector's place. With it a loop shows the faults of its controller alone.
-
-// The catalogue's entry, whose name is oracle_type.
-Entry oracle_entry();
-
-// At each frame of the sensor of pad `pad` the pad's true class, by the rule strict, and stuck fraction. `parameters`: those of oracle_entry(),
-// all present. `simulation` must outlive it.
-std::unique_ptr<Detector> make_oracle(const Parameters& parameters, const Simulation& simulation, std::size_t pad);
 
 // Where the engines of the hyperdimensional classifier are composed: in C++, and those that are hardware.
 

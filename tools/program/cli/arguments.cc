@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "sim/core/parameters.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/cli/command.h"
 #include "tools/program/cli/terminal.h"
 
@@ -33,7 +34,7 @@ CLI::Option* add_option(CLI::App& app, const std::string& usage, Target& target,
 Override parse_override(const std::string& command, const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) {
-    throw InputError(fmt::format("{}: --set {}; expected key=value, as in --set motion.speed=\"8 mm/s\"", command, quote(text)));
+    reject("{}: --set {}; expected key=value, as in --set motion.speed=\"8 mm/s\"", command, quote(text));
   }
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
@@ -68,8 +69,7 @@ std::vector<std::string> repeat_set(const std::vector<std::string>& words) {
 void refuse_unknown_command(const std::vector<std::string>& words, const std::vector<std::string>& names) {
   const auto word = std::ranges::find_if(words, [](const std::string& a) { return !a.starts_with('-'); });
   if (word == words.end() || std::ranges::find(names, *word) != names.end()) return;
-  throw InputError(
-      fmt::format("unknown command {}{} commands: {}", quote(*word), suggestion(*word, names), fmt::join(names, ", ")));
+  reject("unknown command {}{} commands: {}", quote(*word), suggestion(*word, names), fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -119,7 +119,7 @@ Arguments& Arguments::folder(const std::string& usage, std::string& value, const
 
 Arguments& Arguments::target(const std::string& usage, std::string& value, const std::string& help, const char* kind) {
   return read(usage, help, [=, this, &value](const std::string& text) {
-    if (text.empty()) throw InputError(fmt::format("{}: {} needs a {} name", name_, first_name(usage), kind));
+    if (text.empty()) reject("{}: {} needs a {} name", name_, first_name(usage), kind);
     value = text;
   });
 }
@@ -157,7 +157,7 @@ Arguments& Arguments::required() {
     last_->required();
   } else {  // in its turn, so that a wrong value before it is named first
     readers_.emplace_back([this, option = last_] {
-      if (option->empty()) throw InputError(fmt::format("{}: --{} is required", name_, option->get_lnames().front()));
+      if (option->empty()) reject("{}: --{} is required", name_, option->get_lnames().front());
     });
   }
   return *this;
@@ -221,12 +221,12 @@ double Arguments::positive_quantity(const std::string& usage, const std::string&
   try {
     return std::get<double>(parse_scalar(spec, text));
   } catch (const std::invalid_argument& error) {
-    throw InputError(fmt::format("{}: {}: {}", name_, spec.name, error.what()));
+    reject("{}: {}: {}", name_, spec.name, error.what());
   }
 }
 
 void Arguments::refuse(const std::string& usage, const std::string& text, const std::string& allowed) const {
-  throw InputError(fmt::format("{}: {} is {}{}", name_, first_name(usage), quote(text), allowed));
+  reject("{}: {} is {}{}", name_, first_name(usage), quote(text), allowed);
 }
 
 Request parse_command_line(const Commands& commands, const std::vector<std::string>& words) {
@@ -261,13 +261,13 @@ Request parse_command_line(const Commands& commands, const std::vector<std::stri
     throw program.chosen().unexpected(app.remaining(true).front());
   } catch (const CLI::ArgumentMismatch& error) {
     const std::string message = error.what();  // "--output: 1 required TEXT missing"
-    throw InputError(fmt::format("{}{} needs one value", prefix(), message.substr(0, message.find(':'))));
+    reject("{}{} needs one value", prefix(), message.substr(0, message.find(':')));
   } catch (const CLI::ParseError& error) {
     throw InputError(prefix() + error.what());
   }
   if (request.version) return request;
   request.command = program.chosen().read_values();
-  if (request.command == nullptr) throw InputError(fmt::format("no command given; commands: {}", fmt::join(names, ", ")));
+  if (request.command == nullptr) reject("no command given; commands: {}", fmt::join(names, ", "));
   request.command->json = request.json;
   return request;
 }

@@ -57,18 +57,14 @@ struct Request {
 // argument, a number that is none. A command is good for one call: its options keep what they were given.
 Request parse_command_line(const Commands& commands, const std::vector<std::string>& words);
 
-// The program behind main().
-
 // Runs the command that `words`, those after the program's name, ask for and returns the exit status: 0 good, 1 a check failed,
 // 2 bad input, 130 interrupted. Whatever goes wrong is one message on stderr.
 int run_program(const Commands& commands, const std::vector<std::string>& words);
 
 // A command of another program, which stands in the same folder as this one.
-
 // Appears in the help as every command does, and hands all its words, --help among them, to the other program. So the program that everybody
 // builds first is built without the studies.
-class CommandElsewhere final : public Command {
- public:
+struct CommandElsewhere final : Command {
   // `program`: the name of its file.
   CommandElsewhere(std::string name, std::string summary, std::string program)
       : name_(std::move(name)), summary_(std::move(summary)), program_(std::move(program)) {}

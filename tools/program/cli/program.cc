@@ -18,6 +18,7 @@
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"
 #include "sim/core/process/plugin_library.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/doctor/doctor.h"
@@ -65,8 +66,7 @@ void occupy_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) != -1 || errno != EBADF) continue;
     if (open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) != stream) {
-      throw InputError(
-          fmt::format("standard stream {} is closed, and /dev/null cannot stand in: {}", stream, std::strerror(errno)));
+      reject("standard stream {} is closed, and /dev/null cannot stand in: {}", stream, std::strerror(errno));
     }
   }
 }
@@ -127,8 +127,8 @@ int CommandElsewhere::run() {
   pointers.push_back(nullptr);
   take_stdout_back();
   execv(program.c_str(), pointers.data());
-  throw InputError(fmt::format("{}: cannot start {}: {}; it belongs beside slipbench, and its CMake target is {}", name_, program,
-                               std::strerror(errno), program_));
+  reject("{}: cannot start {}: {}; it belongs beside slipbench, and its CMake target is {}", name_, program, std::strerror(errno),
+         program_);
 }
 
 }  // namespace slipbench

@@ -20,6 +20,7 @@
 namespace slipbench {
 namespace {
 
+int stdout_aside = -1;
 constexpr std::size_t default_width = 100;
 
 std::string escape(bool colour, std::string_view code, std::string_view text) {
@@ -151,10 +152,6 @@ std::string Table::text(const Style& style) const {
 std::string suggestion(const std::string& word, const std::vector<std::string>& candidates) {
   const std::string nearest = nearest_name(word, candidates);
   return nearest.empty() ? ";" : fmt::format("; did you mean '{}'?", nearest);
-}
-
-namespace {
-int stdout_aside = -1;
 }
 
 void set_stdout_aside() {

@@ -46,8 +46,6 @@ std::size_t terminal_width(std::FILE* stream);
 // starts with `indent` spaces and ends with '\n'.
 std::string wrap_text(std::string_view text, std::size_t width, std::size_t indent);
 
-// Tables as the commands print them.
-
 // A table with right-aligned columns, the first one left-aligned.
 class Table {
  public:
@@ -65,8 +63,6 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-// Help after a word that was not understood.
-
 // What follows "unknown x 'word'" in a message: "; did you mean 'name'?" when a candidate is near, else ";".
 std::string suggestion(const std::string& word, const std::vector<std::string>& candidates);
 
@@ -79,8 +75,6 @@ int print_json(const Json& result);
 
 // "written: FILE", a line a file.
 void print_written(const std::vector<std::string>& files);
-
-// How far a sweep is: a bar on a terminal, plain lines elsewhere.
 
 // What a progress line is made of.
 struct ProgressState {

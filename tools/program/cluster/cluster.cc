@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/scene/parser.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/sweep/sweep_shard.h"
 
 namespace slipbench {
@@ -168,7 +168,7 @@ bool is_left_by_a_killed_run(const std::filesystem::path& folder) {
 void check_folder(const std::filesystem::path& folder) {
   std::error_code error;
   const auto refuse = [&](const char* what) {
-    throw InputError(fmt::format("cannot write {}: it {}; allowed: a new or an empty folder", folder.string(), what));
+    reject("cannot write {}: it {}; allowed: a new or an empty folder", folder.string(), what);
   };
   if (!std::filesystem::exists(folder, error)) return;
   if (!std::filesystem::is_directory(folder, error)) refuse("is no folder");
@@ -176,11 +176,6 @@ void check_folder(const std::filesystem::path& folder) {
 }
 
 }  // namespace
-
-std::size_t array_tasks(std::size_t shards) {
-  constexpr std::size_t max_array_size = 1001;
-  return std::min(shards, max_array_size - 1);
-}
 
 std::vector<std::string> write_cluster_folder(const ClusterOptions& options, const Catalogues& catalogues) {
   SceneFile file = SceneFile::load(options.sweep.scene_path);
@@ -202,16 +197,16 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
   const char* const started = std::getenv("SLIPBENCH");
   const std::string program = started != nullptr ? started : std::filesystem::read_symlink("/proc/self/exe").string();
   if (started == nullptr && program.find(' ') != std::string::npos) {
-    throw InputError(
-        fmt::format("cluster: the program is {}; allowed: a path without spaces, since SLIPBENCH is split at them", program));
+    reject("cluster: the program is {}; allowed: a path without spaces, since SLIPBENCH is split at them", program);
   }
   // Slurm reads the path of the logs by rules of its own, Snakemake braces.
   const std::string name = std::filesystem::path(options.sweep.scene_path).stem().string() + ".h5";
   if ((folder.string() + name).find_first_of("%{}\"\\\n\r\t") != std::string::npos) {
-    throw InputError(fmt::format("cannot write {} for {}: allowed: names without % {{ }} \" \\ and control characters",
-                                 printable(folder.string()), printable(name)));
+    reject("cannot write {} for {}: allowed: names without % {{ }} \" \\ and control characters", printable(folder.string()),
+           printable(name));
   }
-  const std::size_t tasks = array_tasks(options.shards);
+  // Slurm's MaxArraySize is 1001 unless a cluster sets it, and an index must stay below it. With more shards a task runs several.
+  const std::size_t tasks = std::min<std::size_t>(options.shards, 1000);
   const std::vector<std::pair<std::string_view, std::string>> values{
       {"FOLDER", shell_word(folder.string())},
       {"RAW_FOLDER", folder.string()},
@@ -229,7 +224,7 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
       {"WHAT", fmt::format("`{}`: {} trials. Written by `slipbench cluster`.", command, planned.asked)}};
   std::error_code error;
   std::filesystem::create_directories(folder / "logs", error);
-  if (error) throw InputError(fmt::format("cannot make the folder {}: {}", (folder / "logs").string(), error.message()));
+  if (error) reject("cannot make the folder {}: {}", (folder / "logs").string(), error.message());
   std::vector<std::string> written;
   for (const auto& [name, text] : files) {
     written.push_back((folder / name).string());

@@ -17,10 +17,6 @@ struct ClusterOptions {
   std::size_t throttle = 0;  // most Slurm tasks at a time; 0: all of them
 };
 
-// Tasks of an array: their index must stay below Slurm's MaxArraySize, which is 1001 unless a cluster sets it. With more shards a task runs
-// several.
-std::size_t array_tasks(std::size_t shards);
-
 // Writes the folder and returns its files' names. The scripts start this program, in this working directory, under the names that both have now.
 // Throws InputError for a scene that cannot be swept, for more shards than it has trials, and where the folder holds something.
 std::vector<std::string> write_cluster_folder(const ClusterOptions& options, const Catalogues& catalogues);

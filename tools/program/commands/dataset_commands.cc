@@ -11,11 +11,11 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -353,14 +353,14 @@ int PluginPathCommand::run() {
   std::error_code error;
   const fs::path front = own_path(SLIPBENCH_PLUGIN);
   if (!fs::exists(front, error)) {
-    throw InputError(fmt::format(
+    reject(
         "there is no MuJoCo plugin {}: `./slipbench plugin-path` builds it where there is MuJoCo; `slipbench doctor` says how to get that",
-        front.string()));
+        front.string());
   }
   const std::string build = mujoco.empty() ? front.filename().string() : plugin_build(mujoco);
   if (build.empty()) {
-    throw InputError(fmt::format("--mujoco {}: there is no build of the plugin for MuJoCo {}; allowed: {}", mujoco, mujoco,
-                                 plugin_versions_text(mujoco)));
+    reject("--mujoco {}: there is no build of the plugin for MuJoCo {}; allowed: {}", mujoco, mujoco,
+           plugin_versions_text(mujoco));
   }
   const fs::path path = fs::canonical(front.parent_path() / build);
   if (json) return print_json({{"plugin", path.string()}});

@@ -12,8 +12,7 @@
 namespace slipbench {
 
 // `report` and `export`: a dataset in other forms.
-class ReportCommand final : public Command {
- public:
+struct ReportCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -22,8 +21,7 @@ class ReportCommand final : public Command {
   ReportOptions options;
 };
 
-class ExportCommand final : public Command {
- public:
+struct ExportCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -33,8 +31,7 @@ class ExportCommand final : public Command {
 };
 
 // `import`: recordings of real sensors as a dataset.
-class ImportCommand final : public Command {
- public:
+struct ImportCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -42,27 +39,22 @@ class ImportCommand final : public Command {
 };
 
 // `verify`: is a dataset what it says?
-class VerifyCommand final : public Command {
- public:
+struct VerifyCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
   std::vector<std::string> datasets;
 };
 
-// The commands that say what there is: to name in a scene, and on this machine.
-
 // `list` and `describe`: what a scene may name.
-class ListCommand final : public Command {
- public:
+struct ListCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
   std::string catalogue;  // empty: all
 };
 
-class DescribeCommand final : public Command {
- public:
+struct DescribeCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -70,14 +62,12 @@ class DescribeCommand final : public Command {
 };
 
 // `doctor` and `plugin-path`: what is installed, and where.
-class DoctorCommand final : public Command {
- public:
+struct DoctorCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 };
 
-class PluginPathCommand final : public Command {
- public:
+struct PluginPathCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 

@@ -190,12 +190,11 @@ MeasureError outcome_error(const TrialRecord& run, const TrialRecord& reference)
 std::optional<MeasureError> detector_error(const TrialRecord& run, const TrialRecord& reference) {
   if (!run.control || !reference.control || reference.control->detector.empty()) return std::nullopt;
   MeasureValues values;
-  std::size_t differing = 0, of = 0;
-  for (const auto& [row, reference_row] : common_rows(run.control->time, reference.control->time)) {
-    ++of;
-    differing += run.control->detector_class[row] != reference.control->detector_class[reference_row] ? 1U : 0U;
-  }
-  values.add_count(differing, of);
+  const Rows rows = common_rows(run.control->time, reference.control->time);
+  const auto differ = [&](const auto& row) {
+    return run.control->detector_class[row.first] != reference.control->detector_class[row.second];
+  };
+  values.add_count(static_cast<std::size_t>(std::ranges::count_if(rows, differ)), rows.size());
   return values.error();
 }
 

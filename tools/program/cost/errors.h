@@ -85,7 +85,6 @@ double load_time(std::span<const double> times, std::span<const float> margin, d
 inline constexpr double least_load_time = 10e-3;  // s
 
 // Values of one measure while they are gathered: for errors.cc and closed_form.cc.
-
 class MeasureValues {
  public:
   void add(double value) { values_.push_back(value); }

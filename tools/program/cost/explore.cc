@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/run/run_trial.h"
@@ -121,8 +121,7 @@ class Explorer {
     for (const Override& change : changes_of(setting)) file.apply(change);
     const TrialPlan plan(file, catalogues_, 0, seed_);
     if (options_.trial >= plan.size()) {
-      throw InputError(
-          fmt::format("cost: --trial is {}; the scene's sweep has the trials 0 to {}", options_.trial, plan.size() - 1));
+      reject("cost: --trial is {}; the scene's sweep has the trials 0 to {}", options_.trial, plan.size() - 1);
     }
     Scene scene = plan.trial(options_.trial).scene;
     scene.seed = seed_;
@@ -157,8 +156,8 @@ class Explorer {
     say("the scene as it is");
     own_ = timed_run(job, Recording::full);
     if (budget_in_runs * job.expected > options_.budget) {
-      throw InputError(fmt::format("cost: --budget is {:.3g} s, and a trial of {} takes {:.2g} s; allowed: at least {:.3g} s",
-                                   options_.budget, options_.scene_path, job.expected, std::ceil(budget_in_runs * job.expected)));
+      reject("cost: --budget is {:.3g} s, and a trial of {} takes {:.2g} s; allowed: at least {:.3g} s", options_.budget,
+             options_.scene_path, job.expected, std::ceil(budget_in_runs * job.expected));
     }
     own_ = timed_run(job, Recording::full);  // the first has filled caches
     timed_run(job, Recording::outcome);

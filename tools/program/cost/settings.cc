@@ -54,8 +54,6 @@ bool has(const SensorScene& sensor, const char* parameter) { return sensor.param
 
 double rate_of(const SensorScene& sensor) { return has(sensor, "rate") ? sensor.parameters.number("rate") : 0.0; }
 
-std::string rate_path(const SensorScene& sensor) { return "sensors." + sensor.name + ".rate"; }
-
 Override step(double time_step) { return {"time_step", step_text(time_step)}; }
 
 // Whole to within the rounding of decimal text.
@@ -64,7 +62,7 @@ bool whole(double x) { return x > 0.5 && std::abs(x - std::round(x)) < 1e-9 * x;
 // Every sensor that samples faster than `rate` [Hz] is slowed down to it.
 void limit_rates(const Scene& scene, double rate, std::vector<Override>& changes) {
   for (const SensorScene& sensor : scene.sensors) {
-    if (rate_of(sensor) > rate) changes.push_back({rate_path(sensor), format_number(rate) + " Hz"});
+    if (rate_of(sensor) > rate) changes.push_back({"sensors." + sensor.name + ".rate", format_number(rate) + " Hz"});
   }
 }
 

@@ -36,6 +36,15 @@ void add_program(std::vector<Check>& checks) {
   add("flags", info.flags);
 }
 
+// Whether the processor runs AVX2 and FMA code (x86-64-v3), the faster path of the dispatched kernels.
+bool has_avx2() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#else
+  return false;
+#endif
+}
+
 void add_machine(std::vector<Check>& checks) {
   const auto add = [&](const char* name, std::string found) {
     checks.push_back({.group = "machine", .name = name, .found = std::move(found)});
@@ -210,14 +219,6 @@ int doctor_main(bool json) {
 std::string cpu_name() { return value_in_file("/proc/cpuinfo", "model name", ':'); }
 
 std::string operating_system() { return value_in_file("/etc/os-release", "PRETTY_NAME", '='); }
-
-bool has_avx2() {
-#if defined(__x86_64__)
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-#else
-  return false;
-#endif
-}
 
 std::string find_program(std::string_view name) {
   const char* path = std::getenv("PATH");

@@ -34,16 +34,11 @@ std::vector<Check> run_checks();
 // Runs the checks and prints them on stdout, as text or as one JSON object. Returns 0 when all that is required is in order, else 1.
 int doctor_main(bool json);
 
-// What the machine that runs the program offers.
-
 // Name of the processor as the kernel gives it, or "unknown".
 std::string cpu_name();
 
 // Name of the operating system from /etc/os-release, or "unknown".
 std::string operating_system();
-
-// Whether the processor runs AVX2 and FMA code (x86-64-v3), the faster path of the dispatched kernels.
-bool has_avx2();
 
 // Path of a program on PATH, or "".
 std::string find_program(std::string_view name);
@@ -52,7 +47,6 @@ std::string find_program(std::string_view name);
 std::map<std::string, std::string, std::less<>> installed_packages(std::span<const std::string> names);
 
 // What a measured time or count depends on, to stand beside every figure that is published.
-
 // {"cpu", "cores", "avx2", "os", "compiler", "flags", "build_type", "version", "commit", "mujoco", "load"}: cores are hardware threads, load
 // is the mean number of running processes over the last minute (null where the system does not say), mujoco is null without MuJoCo.
 Json environment_json();

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/pad_state.h"
 #include "sim/grasp/grasp.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/sweep/run_sweep.h"
 
@@ -150,7 +150,7 @@ const std::vector<NamedBody>& GraspEnvironment::bodies() const {
 }
 
 void GraspEnvironment::check_action(double action) {
-  if (!(action >= -1.0 && action <= 1.0)) throw InputError(fmt::format("action {}; allowed: -1 to 1", action));
+  if (!(action >= -1.0 && action <= 1.0)) reject("action {}; allowed: -1 to 1", action);
 }
 
 const EnvironmentStep& GraspEnvironment::step(double action) {

@@ -101,7 +101,6 @@ class GraspEnvironment {
 };
 
 // Several grasps side by side, stepped by threads.
-
 // Autoreset by Gymnasium's mode NEXT_STEP: the step after an episode's end ignores its action, begins the next episode of that environment's
 // seed, and is worth 0. What it gives does not depend on the number of threads. One thread at a time may use it.
 class VectorEnvironment {

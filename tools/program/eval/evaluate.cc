@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -137,9 +137,9 @@ std::size_t chosen_sensor(const std::vector<std::string>& names, const std::stri
   if (wanted.empty() && names.size() == 1) return 0;
   const auto found = std::ranges::find(names, wanted);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-  throw InputError(fmt::format(
-      "{}{}", wanted.empty() ? std::string("has several sensors, which one? say it with --sensor") : "no sensor " + quote(wanted),
-      allowed_names(wanted, names)));
+  reject("{}{}",
+         wanted.empty() ? std::string("has several sensors, which one? say it with --sensor") : "no sensor " + quote(wanted),
+         allowed_names(wanted, names));
 }
 
 std::vector<SensorRecord> in_order(TrialRecord& record, const std::vector<std::string>& names) {
@@ -453,14 +453,14 @@ std::string evaluated(const Options& options) {
       trials.push_back(
           judged_trial(reader, trial, options, catalogues, network ? network->description().alarm : network::Alarm{}));
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}: trial {}: {}", reader.files()[reader.file_of(trial)], trial, error.what()));
+      reject("{}: trial {}: {}", reader.files()[reader.file_of(trial)], trial, error.what());
     }
     trials.back().facts.mask = mask;
   }
   if (trials.empty()) {
-    throw InputError(fmt::format("{}: no trial is left to judge: {}", options.dataset,
-                                 left_out.empty() ? "its split '" + options.split + "' is empty"
-                                                  : "the detector was trained on all of them; allowed: other data, or --all"));
+    reject("{}: no trial is left to judge: {}", options.dataset,
+           left_out.empty() ? "its split '" + options.split + "' is empty"
+                            : "the detector was trained on all of them; allowed: other data, or --all");
   }
   std::vector<Judgement> judgements;
   for (const Judged& trial : trials) judgements.push_back(trial.judgement);
@@ -495,7 +495,7 @@ TruthRule learnt_labels(const std::string& trained) {
   try {
     if (labels.is_string()) return parse_label_rule(labels.get<std::string>());
   } catch (const InputError& error) {
-    throw InputError(fmt::format("the detector's metadata: trained.labels: {}; judge by another with --labels", error.what()));
+    reject("the detector's metadata: trained.labels: {}; judge by another with --labels", error.what());
   }
   throw InputError("the detector's metadata: trained.labels is no name of a rule; judge by one with --labels");
 }
@@ -506,8 +506,8 @@ std::set<std::string> seen_trials(const DetectorScene& detector, const std::stri
   const Json& told = said.at("sha256_seen");
   const auto is_digest = [](const Json& one) { return one.is_string() && one.get_ref<const std::string&>().size() == 64; };
   if (!told.is_array() || !std::ranges::all_of(told, is_digest)) {
-    throw InputError(fmt::format("{}: metadata: trained.sha256_seen is no list of digests; allowed: 64 hexadecimal digits each",
-                                 detector.type == "network" ? detector.parameters.path("model") : detector.type));
+    reject("{}: metadata: trained.sha256_seen is no list of digests; allowed: 64 hexadecimal digits each",
+           detector.type == "network" ? detector.parameters.path("model") : detector.type);
   }
   return {told.begin(), told.end()};
 }

@@ -60,8 +60,6 @@ struct Tables {
 };
 Tables tables_of(const Json& result);
 
-// The page of `slipbench eval`.
-
 // One HTML page without scripts, which needs no other file, of a result (evaluate.h) with its `command`. `html_path`: where it will stand; trials
 // link from there to the page that `slipbench report` makes of the dataset beside it. Text of `result` is shown as text, never as markup.
 std::string eval_page(const Json& result, const std::string& html_path);

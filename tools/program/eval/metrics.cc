@@ -6,12 +6,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "detectors/hd/words.h"
 #include "sim/core/contact_frame.h"
-#include "sim/core/error.h"
 #include "sim/motion/motion.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench::eval {
@@ -121,9 +119,7 @@ constexpr std::array<hd::Word<TruthRule>, 6> rules{{{"strict", TruthRule::strict
 std::vector<PadState> latched(std::vector<PadState> states) {
   PadState held = PadState::no_contact;
   for (PadState& state : states) {
-    const bool slipped = held == PadState::incipient || held == PadState::gross;
-    held = state == PadState::no_contact || !slipped ? state : std::max(state, held);
-    state = held;
+    state = held = state == PadState::no_contact || !slips(held) ? state : std::max(state, held);
   }
   return states;
 }
@@ -134,7 +130,7 @@ std::vector<bool> stuck_again(const std::vector<PadState>& states) {
   bool slipped = false;
   for (const PadState state : states) {
     if (state == PadState::no_contact) slipped = false;
-    if (state == PadState::incipient || state == PadState::gross) slipped = true;
+    if (slips(state)) slipped = true;
     masked.push_back(slipped && state == PadState::non_slip);
   }
   return masked;
@@ -149,14 +145,11 @@ std::vector<PadState> has_slipped(const SensorRecord& sensor, bool turning) {
 
 std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vector<std::uint8_t>& codes) {
   if (codes.size() != sensor.time.size()) {
-    throw InputError(fmt::format("labels/{}: {} states of {} samples; needed: the true state of each", sensor.name, codes.size(),
-                                 sensor.time.size()));
+    reject("labels/{}: {} states of {} samples; needed: the true state of each", sensor.name, codes.size(), sensor.time.size());
   }
   std::vector<PadState> states;
   for (const std::uint8_t code : codes) {
-    if (code > static_cast<std::uint8_t>(PadState::gross)) {
-      throw InputError(fmt::format("labels/{}: state {}; allowed: 0 to 3", sensor.name, code));
-    }
+    if (code > static_cast<std::uint8_t>(PadState::gross)) reject("labels/{}: state {}; allowed: 0 to 3", sensor.name, code);
     states.push_back(static_cast<PadState>(code));
   }
   return states;
@@ -315,9 +308,8 @@ std::vector<PadState> label_states(const SensorRecord& sensor, TruthRule rule, b
     case TruthRule::has_slipped: break;
   }
   if (sensor.type != "papillarray") {
-    throw InputError(fmt::format(
-        "sensor {}: is a {}; the rule has_slipped is the PapillArray's, allowed: strict, micro, paper, latched, masked",
-        sensor.name, sensor.type));
+    reject("sensor {}: is a {}; the rule has_slipped is the PapillArray's, allowed: strict, micro, paper, latched, masked",
+           sensor.name, sensor.type);
   }
   return has_slipped(sensor, turning);
 }

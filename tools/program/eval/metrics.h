@@ -12,8 +12,6 @@
 
 namespace slipbench::eval {
 
-// What truly happened in a recorded trial, as a detector is judged by it.
-
 // By which rule a sensor's pad slips in a sample.
 enum class TruthRule {
   strict,       // labels/state: a unit slips when all of it slips

@@ -7,11 +7,9 @@
 #include <optional>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "detectors/detector_kinds.h"
 #include "detectors/hd/memory_files.h"
-#include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/trial_run.h"
 #include "tools/program/samples/samples.h"
@@ -33,7 +31,7 @@ std::optional<std::size_t> place_of(const std::vector<Feature>& features, const 
 
 double checked_probability(double value, double time) {
   if (std::isnan(value) || (value >= 0.0 && value <= 1.0)) return value;
-  throw InputError(fmt::format("at {:.6g} s the detector's {} is {}; allowed: 0 to 1", time, probability_feature, value));
+  reject("at {:.6g} s the detector's {} is {}; allowed: 0 to 1", time, probability_feature, value);
 }
 
 // Writes what is seen at each sample.
@@ -104,7 +102,7 @@ Replayed replay(const DetectorScene& detector, std::span<const SensorRecord> sen
   std::vector<SensorSource> sources;
   double duration = 0.0;
   for (const SensorRecord& record : sensors) {
-    if (record.time.empty()) throw InputError(fmt::format("sensor {}: has no samples", record.name));
+    if (record.time.empty()) reject("sensor {}: has no samples", record.name);
     sources.push_back(RecordedSamples(record).source());
     duration = std::max(duration, record.time.back());
   }

@@ -43,7 +43,6 @@ Replayed replay(const DetectorScene& detector, std::span<const SensorRecord> sen
 Replayed replay(std::unique_ptr<Detector> detector, std::span<const SensorRecord> sensors, std::size_t sensor);
 
 // Which detector a command line means.
-
 // `text`: a detector's name from the catalogue; else FILE.onnx, a network; else a folder of memories that `slipbench train` wrote, or the
 // name of one that ships,
 // for gst_hd. `parameters`: its parameters by name, as a scene writes them; paths are from the working folder. The same reader and messages as

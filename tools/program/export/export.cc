@@ -21,9 +21,9 @@
 #include <zlib.h>
 
 #include "detectors/hd/words.h"
-#include "sim/core/error.h"
 #include "sim/core/process/own_library.h"
 #include "tools/base/dataset/guarded.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/program/export/formats.h"
@@ -55,7 +55,7 @@ Files export_vendor(const DatasetReader& reader, std::size_t trial, OutputFolder
   const std::vector<std::string> names = papillarrays_of(reader, trial);
   for (const std::string& asked : options.sensors) {
     if (std::ranges::find(names, asked) == names.end()) {
-      throw InputError(fmt::format("trial {}: no papillarray '{}'; allowed: {}", trial, asked, fmt::join(names, ", ")));
+      reject("trial {}: no papillarray '{}'; allowed: {}", trial, asked, fmt::join(names, ", "));
     }
   }
   std::vector<SensorRecord> records;
@@ -73,8 +73,7 @@ Files export_training(const DatasetReader& reader, std::size_t trial, OutputFold
   const std::vector<std::string> names = papillarrays_of(reader, trial);
   const std::vector<std::string>& asked = options.sensors.empty() ? names : options.sensors;
   if (asked.size() != 1 || std::ranges::find(names, asked.front()) == names.end()) {
-    throw InputError(
-        fmt::format("trial {}: training-csv holds one papillarray; which? allowed: {}", trial, fmt::join(names, ", ")));
+    reject("trial {}: training-csv holds one papillarray; which? allowed: {}", trial, fmt::join(names, ", "));
   }
   const TrialRecord record = reader.read_trial(trial);
   const auto sensor = std::ranges::find(record.sensors, asked.front(), &SensorRecord::name);
@@ -97,9 +96,7 @@ Files export_tables(const DatasetReader& reader, std::size_t trial, OutputFolder
 
 Files export_slip(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   const std::vector<std::string> names = chosen_sensors(reader, trial, options.sensors);
-  if (names.size() != 1) {
-    throw InputError(fmt::format("trial {}: slip-csv holds one biotac_sp; which? allowed: {}", trial, fmt::join(names, ", ")));
-  }
+  if (names.size() != 1) reject("trial {}: slip-csv holds one biotac_sp; which? allowed: {}", trial, fmt::join(names, ", "));
   const SlipRecording recording = slip_csv(reader, trial, names.front());
   return {out.write(recording.name, {"recording of 24 electrodes", &begins_as_slip_csv}, recording.text)};
 }
@@ -130,7 +127,7 @@ Files export_images(const DatasetReader& reader, std::size_t trial, OutputFolder
     files.push_back(out.write(fmt::format("demo_{}-{}.csv", trial, sensor), {"file of images", &begins_as_myrmex_csv},
                               myrmex_csv(reader.read_sensor(trial, sensor))));
   }
-  if (files.empty()) throw InputError(fmt::format("trial {}: no myrmex", trial));
+  if (files.empty()) reject("trial {}: no myrmex", trial);
   return files;
 }
 
@@ -202,6 +199,31 @@ std::string names_with(bool FormatKind::*trait) {
   }
   return fmt::format("{}", fmt::join(names, ", "));
 }
+std::string export_format_name(ExportFormat format) { return std::string(kind_of(format).name); }
+
+// The trials that the options ask for, ascending, once their files are what was written and each has a recording, and the truth where the format
+// needs it. Throws InputError otherwise, and when there are none.
+std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const ExportOptions& options) {
+  const std::string path = reader.files().front();
+  if (reader.trials().empty()) reject("{}: holds no trial", path);
+  if (!kind_of(options.format).of_readings) {
+    reader.check_truth(
+        fmt::format("--format {}", export_format_name(options.format)),
+        fmt::format("a dataset that slipbench has simulated, or --format {}", names_with(&FormatKind::of_readings)));
+  }
+  std::vector<std::size_t> trials = options.trial ? std::vector<std::size_t>{*options.trial} : reader.trials();
+  if (!options.split.empty()) {
+    const std::vector<std::size_t> members = reader.mask(options.split);
+    std::erase_if(trials, [&](std::size_t trial) { return std::ranges::find(members, trial) == members.end(); });
+    if (trials.empty()) {
+      reject("{}: the split '{}' holds {}; allowed: another --split, or none", path, options.split,
+             options.trial ? fmt::format("no trial {}", *options.trial) : "no trial");
+    }
+  }
+  check_files_of(reader, trials);
+  for (const std::size_t trial : trials) reader.check_recorded(trial);
+  return trials;
+}
 
 Files export_trials(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                     const ExportProgress& progress) {
@@ -234,8 +256,7 @@ void check_packed(const std::string& path, const TextKind& kind) {
   file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
   beginning.resize(static_cast<std::size_t>(file.gcount()));
   if (beginning.empty() || kind.begins(beginning_of_gzip(beginning))) return;
-  throw InputError(
-      fmt::format("cannot write {0}: {0} exists and is no {1}; allowed: a new name, or a {1} to replace", path, kind.name));
+  reject("cannot write {0}: {0} exists and is no {1}; allowed: a new name, or a {1} to replace", path, kind.name);
 }
 
 constexpr int level = 4;               // as datasets have it
@@ -279,9 +300,8 @@ Json request_of(const std::string& dataset_path, const std::string& out_dir, con
   const std::vector<std::string> sensors = chosen_sensors(reader, trials.front(), options.sensors);
   for (const std::size_t trial : trials) {
     if (const auto found = chosen_sensors(reader, trial, options.sensors); found != sensors) {
-      throw InputError(fmt::format(
-          "trial {} has the sensors {}, trial {} has {}; allowed: --sensors with those that all trials have, or --trial", trial,
-          fmt::join(found, ", "), trials.front(), fmt::join(sensors, ", ")));
+      reject("trial {} has the sensors {}, trial {} has {}; allowed: --sensors with those that all trials have, or --trial",
+             trial, fmt::join(found, ", "), trials.front(), fmt::join(sensors, ", "));
     }
   }
   return {{"format", export_format_name(options.format)},
@@ -293,74 +313,49 @@ Json request_of(const std::string& dataset_path, const std::string& out_dir, con
           {"labels", options.slip_rule ? Json(slip_rule_name(*options.slip_rule)) : Json()}};
 }
 
-}  // namespace
-
-std::string export_format_name(ExportFormat format) { return std::string(kind_of(format).name); }
-ExportFormat parse_export_format(const std::string& name) {
-  const auto found = std::ranges::find(formats, name, &FormatKind::name);
-  if (found != formats.end()) return found->format;
-  throw InputError(fmt::format("unknown format {}{}", quote(name), allowed_names(name, export_format_names())));
-}
-std::vector<std::string> export_format_names() { return hd::names_of(formats); }
-
+// Throws InputError when the options contradict each other.
 void check_export_options(const ExportOptions& options) {
   const FormatKind& kind = kind_of(options.format);
   const bool of_the_tip = options.slip_rule == SlipRule::paper || options.slip_rule == SlipRule::has_slipped;
   const bool pillars_only = options.format == ExportFormat::vendor_csv || options.format == ExportFormat::training_csv;
   if (options.label_speed && !(pillars_only && of_the_tip)) {
-    throw InputError(fmt::format(
+    reject(
         "a label speed was given, which the slip rule '{}' of {} does not have; allowed: --label-speed with --slip paper or --slip has_slipped "
         "of vendor-csv and training-csv",
-        slip_rule_name(slip_rule(options)), kind.name));
+        slip_rule_name(slip_rule(options)), kind.name);
   }
   if (options.slip_rule && !pillars_only) {
     if (!kind.every_rule) {
-      throw InputError(fmt::format("{} holds no state by a rule; allowed: --labels with vendor-csv, training-csv, {}", kind.name,
-                                   names_with(&FormatKind::every_rule)));
+      reject("{} holds no state by a rule; allowed: --labels with vendor-csv, training-csv, {}", kind.name,
+             names_with(&FormatKind::every_rule));
     }
     if (*options.slip_rule == SlipRule::has_slipped) {
-      throw InputError(
-          fmt::format("{} holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper", kind.name));
+      reject("{} holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper", kind.name);
     }
   }
   if (options.rate && !kind.one_rate.empty()) {
-    throw InputError(fmt::format("a rate was given, and the layout of {} {}; allowed: --rate with the other formats", kind.name,
-                                 kind.one_rate));
+    reject("a rate was given, and the layout of {} {}; allowed: --rate with the other formats", kind.name, kind.one_rate);
   }
   if (options.compress && !kind.to_compress) {
-    throw InputError(
-        fmt::format("{} is compressed as it is; allowed: --compress with {}", kind.name, names_with(&FormatKind::to_compress)));
+    reject("{} is compressed as it is; allowed: --compress with {}", kind.name, names_with(&FormatKind::to_compress));
   }
   if (!options.sensors.empty() && options.format == ExportFormat::grasp_csv) {
     throw InputError("the layout of grasp-csv has the sensors ff, mf and th; allowed: --sensors with the other formats");
   }
   const std::vector<std::string> splits{"train", "valid", "test"};
   if (!options.split.empty() && std::ranges::find(splits, options.split) == splits.end()) {
-    throw InputError(fmt::format("unknown split {}{}", quote(options.split), allowed_names(options.split, splits)));
+    reject("unknown split {}{}", quote(options.split), allowed_names(options.split, splits));
   }
 }
 
-std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const ExportOptions& options) {
-  const std::string path = reader.files().front();
-  if (reader.trials().empty()) throw InputError(fmt::format("{}: holds no trial", path));
-  if (!kind_of(options.format).of_readings) {
-    reader.check_truth(
-        fmt::format("--format {}", export_format_name(options.format)),
-        fmt::format("a dataset that slipbench has simulated, or --format {}", names_with(&FormatKind::of_readings)));
-  }
-  std::vector<std::size_t> trials = options.trial ? std::vector<std::size_t>{*options.trial} : reader.trials();
-  if (!options.split.empty()) {
-    const std::vector<std::size_t> members = reader.mask(options.split);
-    std::erase_if(trials, [&](std::size_t trial) { return std::ranges::find(members, trial) == members.end(); });
-    if (trials.empty()) {
-      throw InputError(fmt::format("{}: the split '{}' holds {}; allowed: another --split, or none", path, options.split,
-                                   options.trial ? fmt::format("no trial {}", *options.trial) : "no trial"));
-    }
-  }
-  check_files_of(reader, trials);
-  for (const std::size_t trial : trials) reader.check_recorded(trial);
-  return trials;
+}  // namespace
+
+ExportFormat parse_export_format(const std::string& name) {
+  const auto found = std::ranges::find(formats, name, &FormatKind::name);
+  if (found != formats.end()) return found->format;
+  reject("unknown format {}{}", quote(name), allowed_names(name, export_format_names()));
 }
+std::vector<std::string> export_format_names() { return hd::names_of(formats); }
 
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress) {
@@ -393,9 +388,8 @@ std::string OutputFolder::prepare(const std::string& name) {
   // Sensors, materials and channels give files their names, and a dataset's texts may be anybody's.
   const std::filesystem::path parts(name);
   if (printable(name) != name || parts.is_absolute() || std::ranges::find(parts, std::filesystem::path("..")) != parts.end()) {
-    throw InputError(
-        fmt::format("cannot write a file called {}; allowed: names of the dataset without control characters, that stay in {}",
-                    quote(name), path_));
+    reject("cannot write a file called {}; allowed: names of the dataset without control characters, that stay in {}",
+           quote(name), path_);
   }
   make(path_);
   const std::filesystem::path path = std::filesystem::path(path_) / name;
@@ -410,8 +404,7 @@ void OutputFolder::make(const std::string& folder) {
   }
   const int reason = errno;
   if (reason == EEXIST && std::filesystem::is_directory(folder)) return;
-  throw InputError(fmt::format("cannot make folder {}: {}; allowed: a folder, or a new name in one that is there", folder,
-                               std::strerror(reason)));
+  reject("cannot make folder {}: {}; allowed: a folder, or a new name in one that is there", folder, std::strerror(reason));
 }
 
 std::string gzip(std::string_view text) {
@@ -455,10 +448,10 @@ void start_python_export(const std::string& dataset_path, const std::string& out
   const Python python = slipbench::python();
   const std::string format = export_format_name(options.format);
   if (!has_package(python.folder)) {
-    throw InputError(fmt::format(
+    reject(
         "--format {} is written by Python's package slipbench, which is not in {}; build it: {}, then cmake --build --preset "
         "release --target slipbench_python; or in an environment of your own: pip install '.[export]'",
-        format, python.folder, python.install));
+        format, python.folder, python.install);
   }
   Json request = Json::parse(guarded(dataset_path, [&] { return request_of(dataset_path, out_dir, options).dump(); }));
   request["json"] = json;
@@ -478,8 +471,7 @@ void start_python_export(const std::string& dataset_path, const std::string& out
   ::execv(python.program.c_str(), pointers.data());
   const int reason = errno;
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  throw InputError(fmt::format("--format {}: cannot start {}: {}; install it: {}", format, python.program, std::strerror(reason),
-                               python.install));
+  reject("--format {}: cannot start {}: {}; install it: {}", format, python.program, std::strerror(reason), python.install);
 }
 
 }  // namespace slipbench

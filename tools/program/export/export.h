@@ -58,16 +58,6 @@ using ExportProgress = std::function<void(std::size_t done, std::size_t total, s
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
 
-// The word for --format: "npz".
-std::string export_format_name(ExportFormat format);
-
-// Throws InputError when the options contradict each other.
-void check_export_options(const ExportOptions& options);
-
-// The trials that the options ask for, ascending, once their files are what was written and each has a recording, and the truth where the format
-// needs it. Throws InputError otherwise, and when there are none.
-std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const ExportOptions& options);
-
 // Whether tools/python/slipbench/_export writes this format.
 bool is_python_format(ExportFormat format);
 
@@ -78,7 +68,6 @@ bool is_python_format(ExportFormat format);
                                       bool json);
 
 // The folder that an export writes into.
-
 // Made when the first file is ready to be written, and removed again where none could be.
 class OutputFolder {
  public:
@@ -108,7 +97,6 @@ class OutputFolder {
 };
 
 // Text files in the container of gzip.
-
 // As `gzip` writes it, without a name or a time: the same text gives the same bytes.
 std::string gzip(std::string_view text);
 

@@ -6,8 +6,6 @@
 
 namespace slipbench {
 
-// A trial as a sequence of observations and actions at one rate.
-
 // What an episode's actions are: `offset` + `scale` * action is the quantity itself, and every action is in [-1, 1].
 struct ActionSpace {
   std::vector<std::string> names;   // one a column: "pad_vx", "command_position"
@@ -43,8 +41,6 @@ double slowest_rate(const DatasetReader& reader, std::size_t trial, const std::v
 Episode make_episode(const DatasetReader& reader, std::size_t trial, const std::vector<std::string>& asked, double rate,
                      const ActionSpace& space);
 
-// A PapillArray's samples in the layouts of others.
-
 // A length [m] in mm, in the fewest digits from which `slipbench import` makes the same float32 again.
 std::string millimetres(float metres);
 
@@ -63,7 +59,6 @@ std::string training_file_name(std::size_t trial, const CommandedMotion& motion,
                                const std::vector<double>& time);
 
 // The layout of the public grasps with three BioTac SP (3dperceptionlab, bts3v2): a row a grasp.
-
 // object,slipped,ff_biotac_1..24,mf_biotac_1..24,th_biotac_1..24: what was grasped, whether it was lost (0 or 1), and the counts of the three
 // fingers' electrodes in the last row of the log up to `hold.from`. `trials` must each have three sensors biotac_sp ff, mf and th at sites, a body
 // `object` and an outcome that says whether it was held. The object's name is its shape and its size in mm. Throws InputError where one has not.
@@ -101,7 +96,6 @@ std::vector<CsvTable> table_csv(const SensorRecord& sensor, std::optional<SlipRu
 bool begins_as_table_csv(std::string_view text);
 
 // A trial as numpy reads it.
-
 // The bytes of an .npz archive with every array of `record` under the path that it has in a dataset, the attributes of its units as arrays
 // beside their labels, and first `about`, a JSON object (README.md). The same record gives the same bytes. Throws std::runtime_error when
 // libarchive fails.

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/export/formats.h"
 
 namespace slipbench {
@@ -120,7 +120,7 @@ std::string millimetres(float metres) {
 bool begins_as_vendor_csv(std::string_view text) { return text.starts_with("T_us,S0_P0_DX,"); }
 
 std::string vendor_csv(const std::vector<PapillarraySamples>& sensors) {
-  if (sensors.size() > 2) throw InputError(fmt::format("the vendor's log holds up to 2 sensors, found {}", sensors.size()));
+  if (sensors.size() > 2) reject("the vendor's log holds up to 2 sensors, found {}", sensors.size());
   std::vector<std::array<bool, pillars>> touched(sensors.size());
   fmt::memory_buffer text;
   fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(vendor_log_columns(sensors.size()), ","));
@@ -145,8 +145,7 @@ bool begins_as_training_csv(std::string_view text) {
 
 std::string training_csv(const PapillarraySamples& samples, double rate) {
   if (rate != training_rate) {
-    throw InputError(
-        fmt::format("training-csv is sampled at {} Hz, the sensor at {} Hz; run the scene with that rate", training_rate, rate));
+    reject("training-csv is sampled at {} Hz, the sensor at {} Hz; run the scene with that rate", training_rate, rate);
   }
   fmt::memory_buffer text;
   auto out = std::back_inserter(text);

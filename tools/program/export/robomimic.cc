@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/hdf5/hdf5_place.h"
 #include "tools/base/record/json.h"
 
@@ -186,8 +186,7 @@ void check_robomimic_target(const std::string& path, const std::vector<std::stri
     const Found found = found_at(name);
     // What was killed while it was written has the temporary name, and is the next run's to replace.
     if (found == Found::own || (found == Found::damaged && name != path)) continue;
-    throw InputError(fmt::format("cannot write {}: {} exists and is no {}; allowed: a new name, or a {} to replace", path, name,
-                                 any.name, any.name));
+    reject("cannot write {}: {} exists and is no {}; allowed: a new name, or a {} to replace", path, name, any.name, any.name);
   }
 }
 
@@ -207,7 +206,7 @@ void write_robomimic(const DatasetReader& reader, const std::vector<std::size_t>
     file.abandon();
     ::unlink(temporary.c_str());
     if (dynamic_cast<const InputError*>(&error) != nullptr) throw;
-    throw InputError(fmt::format("cannot write {}: {}", path, error.what()));
+    reject("cannot write {}: {}", path, error.what());
   }
 }
 

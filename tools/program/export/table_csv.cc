@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
@@ -45,8 +45,7 @@ std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
   std::size_t expected = 0;
   for (const SensorColumn& column : sensor.channels) expected += column.row_size();
   if (sensor.channel_names.size() != expected) {
-    throw InputError(
-        fmt::format("sensor {}: {} names for {} values a sample", sensor.name, sensor.channel_names.size(), expected));
+    reject("sensor {}: {} names for {} values a sample", sensor.name, sensor.channel_names.size(), expected);
   }
   const SensorView view = sensor_view(sensor.type);
   std::vector<NamedColumn> columns;
@@ -55,7 +54,7 @@ std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
     const std::size_t count = column.row_size();
     const std::string difference = view.of(column.name).difference;
     if (!difference.empty() && count != 2) {
-      throw InputError(fmt::format("sensor {}: channel '{}' has {} values, expected 2", sensor.name, column.name, count));
+      reject("sensor {}: channel '{}' has {} values, expected 2", sensor.name, column.name, count);
     }
     columns.push_back({&column, names.first(count), difference});
     names = names.subspan(count);

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/import/source_table.h"
 #include "tools/program/samples/samples.h"
 
@@ -30,15 +30,13 @@ DosName dos_name(const SourceFile& file) {
   const std::filesystem::path path = std::filesystem::absolute(file.path).lexically_normal();
   DosName name{path.parent_path().filename().string(), path.stem().string(), ""};
   if (std::ranges::find(dos_classes, name.slip_class) == dos_classes.end()) {
-    throw InputError(fmt::format("{}: lies in a folder called {}; allowed: {}, the class of its recordings", file.path,
-                                 quote(name.slip_class), fmt::join(dos_classes, ", ")));
+    reject("{}: lies in a folder called {}; allowed: {}, the class of its recordings", file.path, quote(name.slip_class),
+           fmt::join(dos_classes, ", "));
   }
   const std::size_t letters = name.object.find_last_not_of("0123456789") + 1;
   name.number = name.object.substr(letters);
   name.object.resize(letters);
-  if (name.object.empty()) {
-    throw InputError(fmt::format("{}: its name says no object; allowed: object and number, as in case112.csv", file.path));
-  }
+  if (name.object.empty()) reject("{}: its name says no object; allowed: object and number, as in case112.csv", file.path);
   return name;
 }
 
@@ -85,7 +83,6 @@ void read_biotacsp_dos(const SourceFile& file, const AddRecording& add) {
 }
 
 // Grasps with three BioTac SP (3dperceptionlab, bts3v2): a row a grasp, read before the lift.
-
 void read_bts3v2(const SourceFile& file, const AddRecording& add) {
   const std::vector<std::string> columns = grasp_columns();
   std::vector<SensorRecord> sensors;

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "detectors/hd/words.h"
-#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/writer.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/import/source_table.h"
 #include "tools/program/sweep/run_sweep.h"
 
@@ -41,10 +41,9 @@ void add_folder(const std::string& folder, std::vector<SourceFile>& files) {
         found.push_back({entry.path().string(), entry.path().lexically_relative(folder).string()});
     }
   } catch (const fs::filesystem_error& error) {
-    throw InputError(fmt::format("{}: cannot be read: {}", folder, error.code().message()));
+    reject("{}: cannot be read: {}", folder, error.code().message());
   }
-  if (found.empty())
-    throw InputError(fmt::format("{}: holds no file .csv; allowed: a source file, or a folder with some", folder));
+  if (found.empty()) reject("{}: holds no file .csv; allowed: a source file, or a folder with some", folder);
   std::ranges::sort(found, {}, &SourceFile::name);
   files.insert(files.end(), found.begin(), found.end());
 }
@@ -54,7 +53,7 @@ std::vector<SourceFile> source_files(const std::vector<std::string>& sources) {
   std::vector<SourceFile> files;
   for (const std::string& source : sources) {
     std::error_code error;
-    if (!fs::exists(source, error)) throw InputError(fmt::format("{}: no such file or folder", source));
+    if (!fs::exists(source, error)) reject("{}: no such file or folder", source);
     if (fs::is_directory(source, error)) {
       add_folder(source, files);
     } else {
@@ -64,11 +63,9 @@ std::vector<SourceFile> source_files(const std::vector<std::string>& sources) {
   std::set<fs::path> seen;
   for (const SourceFile& file : files) {
     if (!is_plain_name(file.path))
-      throw InputError(
-          fmt::format("{}: is no name that a dataset can hold; allowed: UTF-8 without control characters", file.path));
+      reject("{}: is no name that a dataset can hold; allowed: UTF-8 without control characters", file.path);
     std::error_code error;
-    if (!seen.insert(fs::canonical(file.path, error)).second)
-      throw InputError(fmt::format("{}: is named twice; allowed: each source once", file.path));
+    if (!seen.insert(fs::canonical(file.path, error)).second) reject("{}: is named twice; allowed: each source once", file.path);
   }
   return files;
 }
@@ -113,8 +110,7 @@ std::vector<std::string> import_format_names() { return hd::names_of(import_cata
 const ImportFormat& import_format(const std::string& name) {
   const auto found =
       std::ranges::find(import_catalogue, name, [](const ImportFormat& format) { return std::string(format.name); });
-  if (found == import_catalogue.end())
-    throw InputError(fmt::format("unknown format {}{}", quote(name), allowed_names(name, import_format_names())));
+  if (found == import_catalogue.end()) reject("unknown format {}{}", quote(name), allowed_names(name, import_format_names()));
   return *found;
 }
 
@@ -139,8 +135,7 @@ void for_each_recording(const std::vector<std::string>& sources, const ImportFor
 ImportSummary import_recordings(const ImportOptions& options) {
   std::vector<SourceFile> sources = source_files(options.sources);
   if (!options.map.empty() && options.format->read != &read_mapped_csv)
-    throw InputError(
-        fmt::format("--map {}: the format {} has no column map; allowed: --format csv", options.map, options.format->name));
+    reject("--map {}: the format {} has no column map; allowed: --format csv", options.map, options.format->name);
   for (SourceFile& file : sources) file.map = options.map;
   ImportSummary summary;
   summary.sources = sources.size();

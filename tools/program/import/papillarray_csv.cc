@@ -172,7 +172,6 @@ void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
 }
 
 // The published training files of the PapillArray (RedmondLabUCD): 73 columns without a header, a file a recording.
-
 void read_training_csv(const SourceFile& file, const AddRecording& add) {
   const TrainingName name = training_name(file);
   SensorRecord sensor = make_imported_sensor("pad", "papillarray", 0.0, device_frame, {"force", "displacement"});

@@ -12,10 +12,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
 #include "sim/core/sensor.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
@@ -31,13 +31,13 @@ std::string_view without_blanks(std::string_view cell) {
 SourceTable::SourceTable(const SourceFile& file) : path_(file.path), buffer_(longest_line + 1) {
   check_regular_file(path_);
   stream_.open(path_, std::ios::binary);
-  if (!stream_) throw InputError(fmt::format("{}: cannot be opened: {}", path_, std::strerror(errno)));
+  if (!stream_) reject("{}: cannot be opened: {}", path_, std::strerror(errno));
 }
 
 bool SourceTable::next() {
   end_if_interrupted();
   stream_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-  if (stream_.bad()) throw InputError(fmt::format("{}: cannot be read", path_));
+  if (stream_.bad()) reject("{}: cannot be read", path_);
   if (stream_.eof() && stream_.gcount() == 0) return false;
   ++line_;
   if (stream_.fail()) fail(fmt::format("is longer than {} bytes; allowed: lines of text", longest_line));
@@ -61,17 +61,14 @@ bool SourceTable::next() {
 
 bool SourceTable::at_end() { return stream_.eof() || stream_.peek() == std::ifstream::traits_type::eof(); }
 
-void SourceTable::fail(const std::string& what) const {
-  throw InputError(fmt::format("{}:{}: {}", path_, std::max<std::size_t>(1, line_), what));
-}
+void SourceTable::fail(const std::string& what) const { reject("{}:{}: {}", path_, std::max<std::size_t>(1, line_), what); }
 
 void SourceTable::refuse(std::size_t cell, std::string_view name, const std::string& allowed) const {
   fail(fmt::format("column {}, {}, is {}; allowed: {}", cell + 1, name, quote(cells_[cell]), allowed));
 }
 
 void SourceTable::expect_header(std::span<const std::string> names) {
-  if (!next())
-    throw InputError(fmt::format("{}:1: the file is empty; allowed: a header that begins with {}", path_, names.front()));
+  if (!next()) reject("{}:1: the file is empty; allowed: a header that begins with {}", path_, names.front());
   for (std::size_t i = 0; i < std::min(names.size(), cells_.size()); ++i) {
     if (cells_[i] != names[i]) fail(fmt::format("column {} is called {}; allowed: '{}'", i + 1, quote(cells_[i]), names[i]));
   }

@@ -23,25 +23,19 @@ inline std::string plugin_build(const std::string& version) {
   return "libslipbench_mujoco-" + (version == versions.back() ? version : "others") + ".so";
 }
 
-// What may be had instead of a version that is not supported: the newest that is not newer, else the oldest.
-inline std::string nearest_plugin_version(const std::string& wanted) {
+// "3.3.0, ..., 4.0.1; the nearest is 3.17.0": the newest that is not newer than what is wanted, else the oldest.
+inline std::string plugin_versions_text(const std::string& wanted) {
   const auto numbers = [](const std::string& version) {
     std::array<int, 3> parts{};
     std::sscanf(version.c_str(), "%d.%d.%d", &parts[0], &parts[1], &parts[2]);
     return parts;
   };
-  std::string nearest = plugin_versions().front();
+  std::string list, nearest = plugin_versions().front();
   for (const std::string& version : plugin_versions()) {
+    list += (list.empty() ? "" : ", ") + version;
     if (numbers(version) <= numbers(wanted)) nearest = version;
   }
-  return nearest;
-}
-
-// "3.3.0, ..., 4.0.1; the nearest is 3.17.0"
-inline std::string plugin_versions_text(const std::string& wanted) {
-  std::string list;
-  for (const std::string& version : plugin_versions()) list += (list.empty() ? "" : ", ") + version;
-  return list + "; the nearest is " + nearest_plugin_version(wanted);
+  return list + "; the nearest is " + nearest;
 }
 
 }  // namespace slipbench

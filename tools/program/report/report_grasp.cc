@@ -110,8 +110,6 @@ std::string text_of(const YamlNode& node) {
   return "[" + text + "]";
 }
 
-bool is_assumed(const std::string& source) { return source.find("assumed") != std::string::npos; }
-
 class ParameterRows {
  public:
   ParameterRows(const YamlNode& root, const Json& swept) : root_(root), swept_(swept) {
@@ -202,8 +200,12 @@ class ParameterRows {
       value.clear();
       by = "sweep";
     }
-    rows_.push_back(
-        {{"path", path}, {"value", value}, {"by", by}, {"doc", doc}, {"source", source}, {"assumed", is_assumed(source)}});
+    rows_.push_back({{"path", path},
+                     {"value", value},
+                     {"by", by},
+                     {"doc", doc},
+                     {"source", source},
+                     {"assumed", source.find("assumed") != std::string::npos}});
   }
 
   const YamlNode& root_;

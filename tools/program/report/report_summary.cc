@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "sim/core/contact_frame.h"
-#include "sim/core/error.h"
 #include "sim/core/quantity.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/report/report_parts.h"
 
@@ -168,31 +168,25 @@ void check_labels(const SensorRecord& sensor, const std::string& place) {
   const LabelRecord& labels = sensor.labels;
   const std::string subject = place + ": labels/" + sensor.name;
   if (sensor.time.empty() || labels.units() == 0) throw InputError(subject + " holds no sample");
-  if (!std::all_of(sensor.time.begin(), sensor.time.end(), [](double time) { return std::isfinite(time); })) {
-    throw InputError(place + ": sensors/" + sensor.name + " has a time that is not finite");
-  }
+  if (!std::ranges::all_of(sensor.time, [](double time) { return std::isfinite(time); }))
+    reject("{}: sensors/{} has a time that is not finite", place, sensor.name);
   for (const auto* states : {&labels.unit_state, &labels.state, &labels.state_micro, &labels.state_paper}) {
     for (const std::uint8_t state : *states) {
-      if (state > 3) throw InputError(subject + " holds state " + std::to_string(state) + "; allowed: 0 to 3");
+      if (state > 3) reject("{} holds state {}; allowed: 0 to 3", subject, state);
     }
   }
   for (const std::uint32_t unit : labels.event_unit) {
-    if (unit >= labels.units()) {
-      throw InputError(subject + " has an event of unit " + std::to_string(unit) + "; there are " +
-                       std::to_string(labels.units()));
-    }
+    if (unit >= labels.units()) reject("{} has an event of unit {}; there are {}", subject, unit, labels.units());
   }
   for (const std::uint8_t kind : labels.event_kind) {
-    if (kind > static_cast<std::uint8_t>(EventKind::part_sticks)) {
-      throw InputError(subject + " has an event of kind " + std::to_string(kind) + "; allowed: 0 to 5");
-    }
+    if (kind > static_cast<std::uint8_t>(EventKind::part_sticks))
+      reject("{} has an event of kind {}; allowed: 0 to 5", subject, kind);
   }
   std::size_t values = 0;
   for (const SensorColumn& channel : sensor.channels) values += channel.row_size();
-  if (sensor.channel_names.size() != values) {
-    throw InputError(place + ": sensors/" + sensor.name + " names " + std::to_string(sensor.channel_names.size()) +
-                     " channels; its samples hold " + std::to_string(values) + " values");
-  }
+  if (sensor.channel_names.size() != values)
+    reject("{}: sensors/{} names {} channels; its samples hold {} values", place, sensor.name, sensor.channel_names.size(),
+           values);
 }
 
 double motion_start(const TrialRecord& trial, double from) {

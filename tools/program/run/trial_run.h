@@ -258,7 +258,6 @@ class Recorder {
 };
 
 // Whether a trial stayed within what a double, and the float of a dataset, can hold.
-
 // Each throws InputError that names what is not finite and when. A margin must be finite while its unit touches; directions and
 // centres of slip may be undefined at any time.
 
@@ -270,8 +269,6 @@ void check_finite(const std::string& sensor, const ContactFrame& truth);
 void check_finite(const std::string& sensor, const std::vector<Channel>& channels, const SensorFrame& frame);
 // The bodies at `time` [s].
 void check_finite(double time, const std::vector<NamedBody>& bodies);
-
-// What became of a trial: its outcome figures, from the truth and from what the loop did.
 
 // The bodies of a scene's `hold`, as indices into Simulation::bodies().
 struct HoldBodies {

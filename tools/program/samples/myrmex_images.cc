@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "sensors/myrmex/foam_cell.h"
-#include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 
 namespace slipbench {
 namespace {
@@ -31,7 +31,7 @@ bool is_array(const SensorRecord& sensor) {
 }  // namespace
 
 std::string myrmex_csv(const SensorRecord& sensor) {
-  if (!is_array(sensor)) throw InputError(fmt::format("sensor {} is a {}; allowed: a myrmex", sensor.name, sensor.type));
+  if (!is_array(sensor)) reject("sensor {} is a {}; allowed: a myrmex", sensor.name, sensor.type);
   const SensorColumn& taxels = sensor.channels.front();
   const std::size_t rows = taxels.shape[0], columns = taxels.shape[1];
   fmt::memory_buffer text;
@@ -40,8 +40,8 @@ std::string myrmex_csv(const SensorRecord& sensor) {
     for (std::size_t k = 0; k < rows * columns; ++k) {
       const double counts = std::nearbyint(taxels.values[first + k % rows * columns + k / rows]);
       if (!(counts >= 0.0 && counts <= full_scale)) {
-        throw InputError(fmt::format("sensor {}: {} counts in sample {}; allowed: 0 to 4095 (electronics: quantisation)",
-                                     sensor.name, counts, first / (rows * columns)));
+        reject("sensor {}: {} counts in sample {}; allowed: 0 to 4095 (electronics: quantisation)", sensor.name, counts,
+               first / (rows * columns));
       }
       if (k > 0) text.push_back(',');
       fmt::format_to(out, "{}", static_cast<int>(counts));
@@ -112,7 +112,7 @@ TrialRecord turned_images(TrialRecord record) {
     taxels.shape = {rotations, cropped, cropped};
     sensor.channel_names.clear();
   }
-  if (!found) throw InputError(fmt::format("trial {}: no myrmex of 12 x 12 taxels or more", record.trial));
+  if (!found) reject("trial {}: no myrmex of 12 x 12 taxels or more", record.trial);
   return record;
 }
 

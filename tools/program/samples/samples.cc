@@ -9,9 +9,9 @@
 
 #include "detectors/channel.h"
 #include "detectors/hd/words.h"
-#include "sim/core/error.h"
 #include "sim/motion/motion.h"
 #include "sim/scene/parser.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/program/run/recorded_scene.h"
@@ -59,7 +59,7 @@ const Entry& motion_of(const YamlNode& root, const std::string& file) {
   for (const MotionKind& candidate : motion_catalogue()) {
     if (candidate.about.name == name) return candidate.about;
   }
-  throw InputError(fmt::format("{}: attribute scene has the motion '{}', which this program does not know", file, name));
+  reject("{}: attribute scene has the motion '{}', which this program does not know", file, name);
 }
 
 // What one trial was told: swept values before written ones.
@@ -82,15 +82,14 @@ class Commanded {
     try {
       return std::get<double>(parse_scalar(*spec, written->text));
     } catch (const std::invalid_argument& error) {
-      throw InputError(fmt::format("{}: motion.{}: {}", written->origin.text(), name, error.what()));
+      reject("{}: motion.{}: {}", written->origin.text(), name, error.what());
     }
   }
 
   [[nodiscard]] double needed(const std::string& name) const {
     if (const auto found = number(name)) return *found;
-    throw InputError(
-        fmt::format("{}: its motion '{}' has no {}; allowed: a dataset whose pad is pressed and slides, such as that of a stage",
-                    file_, motion_of(scene_.root(), file_).name, name));
+    reject("{}: its motion '{}' has no {}; allowed: a dataset whose pad is pressed and slides, such as that of a stage", file_,
+           motion_of(scene_.root(), file_).name, name);
   }
 
   [[nodiscard]] std::string word(const std::string& path) const {
@@ -109,7 +108,7 @@ const std::vector<float>& channel_of(const SensorRecord& record, const std::stri
   for (const SensorColumn& channel : record.channels) {
     if (channel.name == name && channel.shape == std::vector<std::size_t>{pillars, 3}) return channel.values;
   }
-  throw InputError(fmt::format("sensor {}: has no channel '{}' of {} pillars", record.name, name, pillars));
+  reject("sensor {}: has no channel '{}' of {} pillars", record.name, name, pillars);
 }
 
 }  // namespace
@@ -120,7 +119,7 @@ std::vector<std::string> chosen_sensors(const DatasetReader& reader, std::size_t
   if (asked.empty()) return names;
   for (const std::string& name : asked) {
     if (std::ranges::find(names, name) == names.end()) {
-      throw InputError(fmt::format("trial {}: unknown sensor {}{}", trial, quote(name), allowed_names(name, names)));
+      reject("trial {}: unknown sensor {}{}", trial, quote(name), allowed_names(name, names));
     }
   }
   std::erase_if(names, [&](const std::string& name) { return std::ranges::find(asked, name) == asked.end(); });
@@ -135,8 +134,8 @@ std::optional<std::size_t> latest_row(std::span<const double> times, double time
 
 SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial) {
   if (rate > sensor.rate * (1.0 + time_rounding)) {
-    throw InputError(fmt::format("trial {}: a rate of {} Hz repeats samples of '{}'; allowed: up to {} Hz, its own", trial, rate,
-                                 sensor.name, sensor.rate));
+    reject("trial {}: a rate of {} Hz repeats samples of '{}'; allowed: up to {} Hz, its own", trial, rate, sensor.name,
+           sensor.rate);
   }
   const std::vector<double> times = sensor.time;
   double start = times.empty() ? std::numeric_limits<double>::infinity() : times.front();
@@ -150,8 +149,7 @@ SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial) {
     for (std::size_t row = 0; row < rows; ++row) instants.push_back(start + static_cast<double>(row) / rate);
   }
   if (instants.size() < 2) {
-    throw InputError(fmt::format("trial {}: has fewer than two rows of '{}' at {} Hz; allowed: --rate with a higher rate", trial,
-                                 sensor.name, rate));
+    reject("trial {}: has fewer than two rows of '{}' at {} Hz; allowed: --rate with a higher rate", trial, sensor.name, rate);
   }
   for (SensorColumn& channel : sensor.channels) {
     channel.values = rows_at(channel.values, channel.time ? *channel.time : times, instants);
@@ -166,7 +164,7 @@ SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial) {
 
 SlipRule parse_slip_rule(const std::string& name) {
   if (const std::optional<SlipRule> rule = hd::value_of(rules, name)) return *rule;
-  throw InputError(fmt::format("unknown slip rule {}{}", quote(name), allowed_names(name, slip_rule_names())));
+  reject("unknown slip rule {}{}", quote(name), allowed_names(name, slip_rule_names()));
 }
 
 std::vector<std::string> slip_rule_names() { return hd::names_of(rules); }
@@ -178,8 +176,8 @@ RecordedSamples::RecordedSamples(const SensorRecord& sensor) : sensor_(&sensor) 
     Channel& channel = channels_.emplace_back(Channel{column.name, column.unit, column.shape, {}});
     const std::size_t rows = sensor.times_of(column).size(), size = channel.size();
     if (column.values.size() != rows * size) {
-      throw InputError(fmt::format("sensor {}: channel {} has {} values for {} samples of {}; allowed: as many", sensor.name,
-                                   column.name, column.values.size(), rows, size));
+      reject("sensor {}: channel {} has {} values for {} samples of {}; allowed: as many", sensor.name, column.name,
+             column.values.size(), rows, size);
     }
     channel.every = samples_a_row(column, sensor);
     if (column.time && !column.time->empty() && channel.every <= sensor.time.size()) {
@@ -223,11 +221,9 @@ std::string commanded_word(const DatasetReader& reader, std::size_t trial, const
 
 PapillarraySamples::PapillarraySamples(const SensorRecord& record, SlipRule rule, double label_speed)
     : record_(&record), rule_(rule), label_speed_(label_speed) {
-  if (record.type != "papillarray") {
-    throw InputError(fmt::format("sensor {}: is a {}, this format holds a papillarray", record.name, record.type));
-  }
+  if (record.type != "papillarray") reject("sensor {}: is a {}, this format holds a papillarray", record.name, record.type);
   if (record.labels.units() != pillars) {
-    throw InputError(fmt::format("sensor {}: labels of {} units, expected {}", record.name, record.labels.units(), pillars));
+    reject("sensor {}: labels of {} units, expected {}", record.name, record.labels.units(), pillars);
   }
   force_ = &channel_of(record, "force");
   displacement_ = &channel_of(record, "displacement");
@@ -287,7 +283,7 @@ std::vector<std::string> papillarrays_of(const DatasetReader& reader, std::size_
   for (const std::string& name : reader.sensors(trial)) {
     if (reader.sensor_type(trial, name) == "papillarray") names.push_back(name);
   }
-  if (names.empty()) throw InputError(fmt::format("trial {}: has no papillarray, which is what this format holds", trial));
+  if (names.empty()) reject("trial {}: has no papillarray, which is what this format holds", trial);
   return names;
 }
 

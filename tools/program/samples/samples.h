@@ -48,7 +48,6 @@ std::vector<std::string> slip_rule_names();
 std::string slip_rule_name(SlipRule rule);
 
 // A recorded sensor's samples, one after the other, as it measured them.
-
 class RecordedSamples {
  public:
   // `sensor` outlives it. Throws InputError for a channel that has not as many values as its rows and shape say.
@@ -90,8 +89,6 @@ std::optional<double> commanded_number(const DatasetReader& reader, std::size_t 
 // A word of the scene, such as that at "surface.material", as it was swept or written; "" where it is neither. Throws InputError where the scene
 // cannot be read.
 std::string commanded_word(const DatasetReader& reader, std::size_t trial, const std::string& path);
-
-// The samples of a PapillArray and their truth.
 
 inline constexpr std::size_t pillars = 9;
 inline constexpr std::size_t middle_pillar = 4;

@@ -16,8 +16,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/scene/section_readers.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"
@@ -253,7 +253,7 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const 
       largest = trial;
       bytes = checked.bytes;
     } catch (const LostWork& loss) {
-      throw InputError(fmt::format("trial {}: {}", trial, lost_text(plan, trial, loss)));
+      reject("trial {}: {}", trial, lost_text(plan, trial, loss));
     }
   }
   const Workforce workforce = workforce_for(options, trials.size(), bytes);
@@ -272,11 +272,11 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
   } catch (const Interrupted&) {
     throw;
   } catch (const SceneValueError& error) {
-    throw InputError(fmt::format("trial {}: {}: {}", index, plan.trials.where(index, error.path()), error.what()));
+    reject("trial {}: {}: {}", index, plan.trials.where(index, error.path()), error.what());
   } catch (const WrongRun& error) {
-    throw InputError(fmt::format("trial {}: {}: {}", index, plan.trials.where(index, "time_step"), error.what()));
+    reject("trial {}: {}: {}", index, plan.trials.where(index, "time_step"), error.what());
   } catch (const InputError& error) {
-    throw InputError(fmt::format("trial {}: {}", index, error.what()));
+    reject("trial {}: {}", index, error.what());
   } catch (const std::bad_alloc&) {
     if (plan.memory > 0) throw InputError(plan.too_little(index));
     throw EndOfRun(fmt::format("trial {}: out of memory; a shorter trial, slower sensors or fewer --jobs need less", index));
@@ -599,7 +599,7 @@ PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, c
   PlannedTrials planned{long_enough_plan(file, catalogues, options, seed), options.limit};
   if (planned.asked == 0) planned.asked = planned.plan.size();
   if (options.only && *options.only >= planned.asked) {
-    throw InputError(fmt::format("{}: there is no trial {}; allowed: 0 to {}", file.name(), *options.only, planned.asked - 1));
+    reject("{}: there is no trial {}; allowed: 0 to {}", file.name(), *options.only, planned.asked - 1);
   }
   return planned;
 }

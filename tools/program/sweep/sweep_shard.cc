@@ -4,15 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <numeric>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
@@ -53,15 +50,10 @@ void add_paths(const std::vector<Entry>& entries, const std::string& name, const
 std::vector<std::size_t> trials_of_shard(const TrialPlan& plan, std::size_t trials, std::uint64_t seed, std::size_t number,
                                          std::size_t count) {
   if (count > trials) {
-    throw InputError(fmt::format("--shard is {}/{} and the sweep has {} trial{}; allowed: no more shards than trials", number,
-                                 count, trials, trials == 1 ? "" : "s"));
+    reject("--shard is {}/{} and the sweep has {} trial{}; allowed: no more shards than trials", number, count, trials,
+           trials == 1 ? "" : "s");
   }
-  std::vector<std::size_t> order(trials);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  RandomStream random(seed, 0, "shard");
-  for (std::size_t left = order.size(); left > 1; --left) {  // Fisher-Yates
-    std::swap(order[left - 1], order[static_cast<std::size_t>(random.integer(left))]);
-  }
+  std::vector<std::size_t> order = shuffled(trials, RandomStream(seed, 0, "shard"));
   const auto drawn = plan.trial(0).drawn;
   const std::size_t cells = (trials + plan.draws() - 1) / plan.draws();
   if (cells <= most_estimated && std::ranges::any_of(drawn, [](const auto& swept) { return costs(swept.first); })) {

@@ -23,8 +23,6 @@ namespace slipbench {
 std::vector<std::size_t> trials_of_shard(const TrialPlan& plan, std::size_t trials, std::uint64_t seed, std::size_t number,
                                          std::size_t count);
 
-// The files that decide what a scene's trials give, beside the scene itself.
-
 // Adds the paths that the scene names: its model, and parameters of type path that are not at their default. A model's own
 // includes and meshes are not among them.
 void add_named_files(const Scene& scene, const Catalogues& catalogues, std::set<std::string>& paths);

@@ -46,15 +46,6 @@ void add_trial(DetectorScore& score, const TrialOutcome& outcome, const Confusio
   ++score.slipping;
 }
 
-}  // namespace
-
-template <MaybeConst<Warning> Value>
-auto fields_of(Value& warning) {
-  return std::tie(warning.about, warning.text);
-}
-
-namespace {
-
 constexpr std::size_t most_read = 64;     // trials whose values are looked at
 constexpr std::size_t most_split = 1024;  // trials whose groups are looked at
 constexpr std::size_t most_built = 3;     // trials that are built to see how long their steps are
@@ -203,6 +194,11 @@ void count(const TrialOutcome& outcome, const std::string& sensor, const StateCo
 }
 
 }  // namespace
+
+template <MaybeConst<Warning> Value>
+auto fields_of(Value& warning) {
+  return std::tie(warning.about, warning.text);
+}
 
 std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers, bool build) {
   const std::vector<std::size_t> trials = spread(numbers, most_read);

@@ -58,13 +58,9 @@ std::vector<Warning> converter_warnings(const std::vector<TrialSummary>& trials)
 // [{"about": ..., "text": ...}]
 Json warnings_json(const std::vector<Warning>& warnings);
 
-// A sweep as numbers for programs.
-
 // A trial as an element of `trials` in the one JSON object of `--json`, and the rest of that object.
 std::string trial_json(const TrialSummary& trial);
 std::string summary_json(const SweepSummary& summary);
-
-// How the detectors of a run did over its trials.
 
 // Of all trials with one type of detector. What `seen`, `early` and the like are: Detection.
 struct DetectorScore {

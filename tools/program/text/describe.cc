@@ -9,10 +9,10 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/detector.h"
-#include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_values.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/statistics/confusion.h"
 #include "tools/base/statistics/descriptive.h"
 
@@ -129,22 +129,12 @@ Json parameter_json(const ParameterSpec& spec) {
   return json;
 }
 
-std::string friction_text(const Material& material) {
-  return fmt::format("mu_static {}, mu_kinetic {}", material.mu_static, material.mu_kinetic);
-}
-
 CatalogueItem material_item(const Material& material) {
   Entry entry;
   entry.name = material.name;
-  entry.summary = friction_text(material);
+  entry.summary = fmt::format("mu_static {}, mu_kinetic {}", material.mu_static, material.mu_kinetic);
   entry.source = material.source;
   return {materials, std::move(entry), material};
-}
-
-std::vector<std::string> item_names(const std::vector<CatalogueItem>& items) {
-  std::vector<std::string> names;
-  for (const CatalogueItem& item : items) names.push_back(item.entry.name);
-  return names;
 }
 
 // Those of `kind`, each name once.
@@ -191,6 +181,8 @@ std::string input_text(const network::Input& input) {
   if (input.transform == network::Transform::units)
     text +=
         ", or of any sensor of three-axis units at 200 Hz or more, as many ms each; each unit for itself: force, ratio, changes";
+  if (input.transform == network::Transform::spreads)
+    text += fmt::format(", how far and how fast its values move over {} samples", fmt::join(input.spans, ", "));
   if (!input.pixels.empty()) text += fmt::format(", as an image of {} pixels", input.pixels.size());
   return text;
 }
@@ -296,19 +288,17 @@ std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, c
     if (item.entry.name == name) found.push_back(item);
   }
   if (found.empty()) {
-    std::vector<std::string> names = item_names(items);
+    std::vector<std::string> names;
+    for (const CatalogueItem& item : items) names.push_back(item.entry.name);
     names.insert(names.end(), others.begin(), others.end());
-    throw InputError(
-        fmt::format("describe: unknown name {}{} `slipbench list` shows all names", quote(name), suggestion(name, names)));
+    reject("describe: unknown name {}{} `slipbench list` shows all names", quote(name), suggestion(name, names));
   }
   return found;
 }
 
 CatalogueKind find_kind(const std::string& plural) {
   const auto* const found = std::ranges::find(kinds, plural, &CatalogueKind::plural);
-  if (found == kinds.end()) {
-    throw InputError(fmt::format("list: unknown catalogue {}{}", quote(plural), allowed_names(plural, kind_names())));
-  }
+  if (found == kinds.end()) reject("list: unknown catalogue {}{}", quote(plural), allowed_names(plural, kind_names()));
   return *found;
 }
 

@@ -58,8 +58,6 @@ std::string list_text(const std::vector<CatalogueItem>& items, std::span<const C
                       std::size_t width);
 Json list_json(const std::vector<CatalogueItem>& items, std::span<const CatalogueKind> kinds);
 
-// What is said of recipes, and of what was learnt by them.
-
 // Recipes of `train` as `list` and `describe` show them.
 inline constexpr const char* hd_recipe = "gst_hd";  // the hyperdimensional detector's training, which is no network
 
@@ -72,8 +70,6 @@ Json recipe_list_json();
 // What it reads, its layers, how it is taught, and where it is from.
 std::string recipe_text(const train::Recipe& recipe, const Style& style, std::size_t width);
 Json recipe_json(const train::Recipe& recipe);
-
-// How a slip detector's classes compare with the truth, as text.
 
 // A table of figures, the most telling first: mean and standard deviation over the draws that make them, by sequence and by frame.
 std::string draws_text(const HdSummary& summary, const Style& style);

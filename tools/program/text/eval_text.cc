@@ -118,11 +118,8 @@ std::string failures_text(const Exploration& exploration, std::size_t width) {
 }
 
 std::string prices_text(const Exploration& exploration, const Style& style) {
-  const std::vector<Measure> measures = [&] {
-    std::vector<Measure> all = measures_of(exploration);
-    all.push_back(Measure::signal);
-    return all;
-  }();
+  std::vector<Measure> measures = measures_of(exploration);
+  measures.push_back(Measure::signal);
   std::vector<std::string> head{"without", "CPU saved", "quartiles"};
   for (const Measure measure : measures) head.push_back(head_of(measure));
   Table table(head);
@@ -146,8 +143,11 @@ std::string eval_text(const Json& result, const Style& style) {
   const Json& all = result.at("all");
   const Json& sensor = result.at("sensor");
   const auto count = [&all](const char* key) { return all.at(key).get<std::size_t>(); };
+  const Json parameters = result.at("detector").value("parameters", Json::object());
+  const std::string memories = parameters.value("memories", "");
   std::string text = style.heading(fmt::format(
-      "{} on {} ({}), labels {}: {} trials, {} samples", printable(result.at("detector").at("type").get<std::string>()),
+      "{}{} on {} ({}), labels {}: {} trials, {} samples", printable(result.at("detector").at("type").get<std::string>()),
+      memories.empty() ? "" : fmt::format(" with the memories {}", printable(memories)),
       printable(sensor.at("name").get<std::string>()), printable(sensor.at("type").get<std::string>()),
       result.at("labels").get<std::string>(), count("trials"), count("frames")));
   text += "\n";

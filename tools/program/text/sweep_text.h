@@ -82,12 +82,8 @@ std::string speed_text(const SweepSummary& summary, double elapsed);
 // A line each on stderr, also where there is no progress and no summary: "slipbench: warning: stage.yaml:14: motion.start ...".
 void print_warnings(const std::vector<Warning>& warnings);
 
-// The result of `slipbench eval` as text.
-
 // `result`: of eval::evaluate(). The figures that mislead least come first.
 std::string eval_text(const Json& result, const Style& style);
-
-// An exploration of `slipbench cost` as a person reads it on a terminal.
 
 // The sentences, a table of all settings by series with their worst errors, why some did not run, the price of each effect.
 std::string cost_text(const cost::Exploration& exploration, const Style& style, std::size_t width);

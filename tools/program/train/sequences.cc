@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/trial_record.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/samples/samples.h"
@@ -33,8 +33,8 @@ constexpr double at_rest = 1e-6;
 std::size_t stride_of(const SensorRecord& sensor, const std::string& subject) {
   const double ratio = sensor.rate / detector_rate;
   if (!(ratio >= 1.0) || ratio != std::floor(ratio)) {
-    throw InputError(fmt::format("{}: sensor {} samples at {} Hz; allowed: a multiple of the detector's {} Hz", subject,
-                                 sensor.name, sensor.rate, detector_rate));
+    reject("{}: sensor {} samples at {} Hz; allowed: a multiple of the detector's {} Hz", subject, sensor.name, sensor.rate,
+           detector_rate);
   }
   return static_cast<std::size_t>(ratio);
 }
@@ -72,20 +72,16 @@ bool moves(const BodyRecord& pad, std::size_t row) {
 std::string chosen_sensor(const DatasetReader& reader, std::size_t trial, const std::string& wanted, const std::string& subject) {
   const std::vector<std::string> names = papillarrays_of(reader, trial);
   if (wanted.empty() && names.size() == 1) return names.front();
-  if (std::find(names.begin(), names.end(), wanted) != names.end()) return wanted;
-  throw InputError(
-      fmt::format("{}: {}; allowed: {}", subject,
-                  wanted.empty() ? "has several PapillArrays, which one?" : fmt::format("no PapillArray '{}'", wanted),
-                  fmt::join(names, ", ")));
+  if (std::ranges::find(names, wanted) != names.end()) return wanted;
+  reject("{}: {}; allowed: {}", subject,
+         wanted.empty() ? "has several PapillArrays, which one?" : fmt::format("no PapillArray '{}'", wanted),
+         fmt::join(names, ", "));
 }
 
 Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, const CommandedMotion& motion,
                      const SequenceOptions& options, const std::string& subject) {
-  const auto found = std::find_if(record.sensors.begin(), record.sensors.end(),
-                                  [&](const SensorRecord& candidate) { return candidate.name == sensor_name; });
-  const SensorRecord& sensor = *found;
-  const auto pad = std::find_if(record.bodies.begin(), record.bodies.end(),
-                                [](const BodyRecord& candidate) { return candidate.name == "pad"; });
+  const SensorRecord& sensor = *std::ranges::find(record.sensors, sensor_name, &SensorRecord::name);
+  const auto pad = std::ranges::find(record.bodies, "pad", &BodyRecord::name);
   if (pad == record.bodies.end()) throw InputError(subject + ": has no truth/pad, which tells when it moves");
   const PapillarraySamples samples(sensor, options.labels, default_label_speed);
   const std::size_t stride = stride_of(sensor, subject);
@@ -103,7 +99,7 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
       std::copy(displacement.begin(), displacement.end(), frame.begin() + static_cast<std::ptrdiff_t>(3 * p));
     }
     if (states[row] > static_cast<std::uint8_t>(PadState::gross)) {
-      throw InputError(fmt::format("{}: labels/{}: state {} in row {}; allowed: 0 to 3", subject, sensor_name, states[row], row));
+      reject("{}: labels/{}: state {} in row {}; allowed: 0 to 3", subject, sensor_name, states[row], row);
     }
     sequence.label.push_back(static_cast<PadState>(states[row]));
     // The bodies have the samples of the fastest sensor, whose last one not after the frame is taken.
@@ -158,9 +154,7 @@ std::size_t condition_of(const CommandedMotion& motion) {
 
 std::size_t BootstrapDraw::training_size() const { return std::accumulate(times.begin(), times.end(), std::size_t{0}); }
 
-std::size_t BootstrapDraw::distinct() const {
-  return static_cast<std::size_t>(std::count_if(times.begin(), times.end(), [](std::uint32_t n) { return n > 0; }));
-}
+std::size_t BootstrapDraw::distinct() const { return times.size() - static_cast<std::size_t>(std::ranges::count(times, 0U)); }
 
 BootstrapDraw bootstrap(std::span<const std::size_t> conditions, std::uint64_t seed, std::size_t draw) {
   std::map<std::size_t, std::vector<std::size_t>> members;
@@ -175,8 +169,7 @@ BootstrapDraw bootstrap(std::span<const std::size_t> conditions, std::uint64_t s
 
 void Delays::add(std::span<const double> time, std::span<const PadState> called, double onset) {
   ++sequences;
-  const auto alarm =
-      std::ranges::find_if(called, [](PadState state) { return state == PadState::incipient || state == PadState::gross; });
+  const auto alarm = std::ranges::find_if(called, [](PadState state) { return slips(state); });
   TrialOutcome outcome;
   if (alarm != called.end()) {
     const double first = time[static_cast<std::size_t>(alarm - called.begin())];

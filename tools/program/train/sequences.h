@@ -50,10 +50,6 @@ struct SequenceOptions {
 // multiple of 100 Hz. Reads in a child process (tools/base/dataset/guarded.h).
 TrainingData read_sequences(const std::string& dataset_path, const SequenceOptions& options);
 
-// Draws of what is learnt and judged, and how late slip is told.
-
-// Who trains and who is tested: a bootstrap within conditions.
-
 // Draws made of a dataset: number 0 is for choosing parameters, the others make the figures (paper, section IV.A).
 inline constexpr std::size_t draw_count = 6;
 
@@ -74,8 +70,6 @@ struct BootstrapDraw {
 // Conditional bootstrap: of each condition as many items are drawn as it has, with replacement, by RandomStream(seed, draw,
 // "bootstrap"). `conditions`: one an item. Of n items of a condition (1 - 1/n)^n are left for the test on average: 35 % of 10.
 BootstrapDraw bootstrap(std::span<const std::size_t> conditions, std::uint64_t seed, std::size_t draw);
-
-// When slip was noticed.
 
 // Over sequences; `early`, `missed` and the like are those of Detection (tools/base/record/trial_record.h): the first frame that is called slip
 // decides.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <ranges>
 #include <stdexcept>
 #include <thread>
 
@@ -9,8 +10,8 @@
 
 #include "detectors/hd/engine.h"
 #include "detectors/hd/memories.h"
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/workers/ordered_workers.h"
 
 namespace slipbench {
@@ -30,7 +31,7 @@ std::vector<Sample> encode_sequence(hd::Encoder& encoder, const hd::Model& model
     try {
       frame = hd::quantise(sequence.displacements[row], quantiser);
     } catch (const InputError& error) {
-      throw InputError(fmt::format("trial {}: at {} s: {}", sequence.trial, sequence.time[row], error.what()));
+      reject("trial {}: at {} s: {}", sequence.trial, sequence.time[row], error.what());
     }
     const hd::Hypervector* query = encoder.encode(frame);
     if (row + 1 < model.window || sequence.label[row] == PadState::no_contact) continue;
@@ -101,9 +102,8 @@ void check_classes(const std::string& dataset, SlipRule labels, std::span<const 
   const auto hold = static_cast<std::size_t>(
       std::ranges::count_if(samples, [](const Sample& sample) { return sample.label == PadState::non_slip; }));
   if (hold != 0 && hold != samples.size()) return;
-  throw InputError(
-      fmt::format("{}: of the frames in contact {} are non-slip and {} slip by the labels {}; allowed: frames of both", dataset,
-                  hold, samples.size() - hold, slip_rule_name(labels)));
+  reject("{}: of the frames in contact {} are non-slip and {} slip by the labels {}; allowed: frames of both", dataset, hold,
+         samples.size() - hold, slip_rule_name(labels));
 }
 
 // The samples of a dataset that has some.
@@ -112,10 +112,9 @@ std::vector<Sample> encode_dataset(const std::string& dataset, const hd::SavedMo
   std::vector<Sample> samples = encode(saved.model, saved.memories, saved.quantiser, sequences, jobs);
   if (!samples.empty()) return samples;
   const std::size_t longest = longest_contact(sequences);
-  if (longest == 0) throw InputError(fmt::format("{}: no frame touches anything", dataset));
-  throw InputError(
-      fmt::format("{}: a window of {} frames is longer than the sequences; allowed: up to {}, the last frame that touches",
-                  dataset, saved.model.window, longest));
+  if (longest == 0) reject("{}: no frame touches anything", dataset);
+  reject("{}: a window of {} frames is longer than the sequences; allowed: up to {}, the last frame that touches", dataset,
+         saved.model.window, longest);
 }
 
 constexpr std::array<std::pair<const char*, PadState>, 3> named_classes{
@@ -153,8 +152,6 @@ Json delays_json(const Delays& delays) {
             {"upper_quartile", or_null(quantile(delays.delay, 0.75))}}}};
 }
 
-Json mean_sd_json(const MeanSd& value) { return {{"mean", or_null(value.mean)}, {"sd", or_null(value.sd)}}; }
-
 Json model_json(const hd::Model& model, hd::Quantiser quantiser) {
   return {{"name", model_name(model)},
           {"dimension", model.dimension},
@@ -163,6 +160,18 @@ Json model_json(const hd::Model& model, hd::Quantiser quantiser) {
           {"compat", hd::name_of(hd::compat_words, model.compat)},
           {"ties", hd::name_of(hd::ties_words, model.ties)},
           {"quantiser", hd::name_of(hd::quantiser_words, quantiser)}};
+}
+
+// An evaluation: sizes, recall of slip, balanced accuracy, accuracy, the last two beside those of constant answers, recalls and
+// counts, all frames and moving ones, and the delays where there are any. What does not exist is null.
+Json evaluation_json(const Evaluation& evaluation) {
+  Json json = {{"training", evaluation.training},
+               {"distinct", evaluation.distinct},
+               {"tested", evaluation.tested},
+               {"all", confusion_json(evaluation.all)},
+               {"moving", confusion_json(evaluation.moving)}};
+  if (evaluation.delays.sequences > 0) json["delay"] = delays_json(evaluation.delays);
+  return json;
 }
 
 }  // namespace
@@ -195,7 +204,7 @@ std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& mem
   std::vector<hd::Hypervector> prototypes = sums.bundle();
   auto left = static_cast<std::int64_t>(epochs * samples.size());  // so many times what is added next is in the mean
   for (std::size_t epoch = 0; epoch < epochs; ++epoch) {
-    for (const std::size_t i : hd::shuffled(samples.size(), RandomStream(seed, epoch, "hd epochs"))) {
+    for (const std::size_t i : shuffled(samples.size(), RandomStream(seed, epoch, "hd epochs"))) {
       const Sample& sample = samples[i];
       const std::int64_t learnt = times[i], in_mean = learnt * left--;
       if (learnt == 0) continue;
@@ -226,16 +235,9 @@ Classifier::Classifier(const hd::Model& model, const hd::Memories& memories) {
 }
 
 PadState Classifier::classify(const Sample& sample) const {
-  const std::vector<hd::Hypervector>& prototypes = prototypes_[sample.context];
-  std::size_t nearest = 0;
-  std::size_t least = hd::hamming(sample.query, prototypes[0]);
-  for (std::size_t k = 1; k < prototypes.size(); ++k) {
-    const std::size_t distance = hd::hamming(sample.query, prototypes[k]);
-    if (distance > least) continue;
-    least = distance;
-    nearest = k;
-  }
-  return static_cast<PadState>(nearest + 1);
+  const auto from_the_highest = prototypes_[sample.context] | std::views::reverse;
+  const auto distance = [&](const hd::Hypervector& prototype) { return hd::hamming(sample.query, prototype); };
+  return static_cast<PadState>(from_the_highest.end() - std::ranges::min_element(from_the_highest, {}, distance));
 }
 
 std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
@@ -264,9 +266,9 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
   std::vector<Evaluation> evaluations;
   while (std::optional<Evaluation> evaluation = workers.next()) {
     if (samples_in_contact(evaluation->all) == 0) {
-      throw InputError(fmt::format(
+      reject(
           "draw {} leaves no frame to test: {} sequences with contact after a window of {} frames are too few for their conditions",
-          evaluations.size(), judged_sequences(samples), model.window));
+          evaluations.size(), judged_sequences(samples), model.window);
     }
     evaluations.push_back(std::move(*evaluation));
   }
@@ -316,21 +318,12 @@ Evaluation pooled(std::span<const Evaluation> draws) {
   return sum;
 }
 
-Json evaluation_json(const Evaluation& evaluation) {
-  Json json = {{"training", evaluation.training},
-               {"distinct", evaluation.distinct},
-               {"tested", evaluation.tested},
-               {"all", confusion_json(evaluation.all)},
-               {"moving", confusion_json(evaluation.moving)}};
-  if (evaluation.delays.sequences > 0) json["delay"] = delays_json(evaluation.delays);
-  return json;
-}
-
 Json draws_json(std::span<const Evaluation> draws) {
   Json each = Json::array();
   for (const Evaluation& draw : draws) each.push_back(evaluation_json(draw));
   const auto figure = [&draws](double (*of)(const Confusion&), Confusion Evaluation::*frames) {
-    return mean_sd_json(over_draws(draws, [&](const Evaluation& e) { return of(e.*frames); }));
+    const MeanSd value = over_draws(draws, [&](const Evaluation& e) { return of(e.*frames); });
+    return Json{{"mean", or_null(value.mean)}, {"sd", or_null(value.sd)}};
   };
   return {{"recall_of_slip", figure(recall_of_slip, &Evaluation::all)},
           {"balanced_accuracy", figure(balanced_accuracy, &Evaluation::all)},

@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/json.h"
 #include "tools/program/train/network/network.h"
 
@@ -125,8 +125,8 @@ void check_classes(const std::vector<std::string>& datasets, const char* part, c
   std::vector<std::size_t> frames(classes.size());
   for (const Example* example : examples) {
     if (example->frames.label.size() < history) {
-      throw InputError(fmt::format("{}: trial {}: {} frames are less than the {} that an answer is made of",
-                                   fmt::join(datasets, ", "), example->trial, example->frames.label.size(), history));
+      reject("{}: trial {}: {} frames are less than the {} that an answer is made of", fmt::join(datasets, ", "), example->trial,
+             example->frames.label.size(), history);
     }
     for (std::size_t t = history - 1; t < example->frames.label.size(); ++t) {
       if (example->frames.label[t] != masked) ++frames.at(example->frames.label[t]);
@@ -135,10 +135,10 @@ void check_classes(const std::vector<std::string>& datasets, const char* part, c
   std::vector<std::string> counts;
   for (std::size_t c = 0; c < classes.size(); ++c) counts.push_back(fmt::format("{} {}", frames[c], classes[c].name));
   if (std::ranges::find(frames, 0U) != frames.end()) {
-    throw InputError(
-        fmt::format("{}: the trials {} have a class without a frame: {}; allowed: frames of every class, in more trials or "
-                    "with another --seed or --split",
-                    fmt::join(datasets, ", "), part, fmt::join(counts, ", ")));
+    reject(
+        "{}: the trials {} have a class without a frame: {}; allowed: frames of every class, in more trials or "
+        "with another --seed or --split",
+        fmt::join(datasets, ", "), part, fmt::join(counts, ", "));
   }
 }
 
@@ -217,7 +217,7 @@ Lesson read_lesson(const NetworkTraining& training) {
       if (of[i] == Part::judges) lesson.judging.push_back(example);
     }
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", fmt::join(training.datasets, ", "), error.what()));
+    reject("{}: {}", fmt::join(training.datasets, ", "), error.what());
   }
   return lesson;
 }

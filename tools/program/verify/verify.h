@@ -72,8 +72,6 @@ class Verification {
   std::array<Entry, 6> entries_;
 };
 
-// What the arrays of a trial must be to each other.
-
 // Times rise strictly, those of a sensor at its rate to 1e-6 of a sample.
 void check_times(const TrialRecord& record, Verification& verification);
 
@@ -84,7 +82,6 @@ void check_values(const TrialRecord& record, Verification& verification);
 void check_events(const SensorRecord& sensor, std::size_t trial, Verification& verification);
 
 // Coulomb's law in the labels, as far as README.md says that it holds for a unit.
-
 // Which parts of the law the labels of one sensor keep.
 struct ConeLaw {
   bool margin = true;                      // stick and partial: margin >= 0

@@ -18,12 +18,10 @@
 #include <thread>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/export/export.h"
 
@@ -61,7 +59,7 @@ class Python {
                                    std::string(page::embedded(view::assets(), "rerun.py")), name};
     if (!save.empty()) words.push_back(fs::absolute(save).string());
     std::array<int, 2> ends{};
-    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw InputError(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) reject("cannot make a pipe: {}", std::strerror(errno));
     input_ = ends[1];
     const auto streams = [&ends](posix_spawn_file_actions_t* actions) {
       ::posix_spawn_file_actions_adddup2(actions, ends[0], STDIN_FILENO);
@@ -71,8 +69,7 @@ class Python {
     ::close(ends[0]);
     if (error != 0) {
       ::close(input_);
-      throw InputError(
-          fmt::format("view: --rerun needs Python with rerun-sdk; cannot start {}: {}", words.front(), std::strerror(error)));
+      reject("view: --rerun needs Python with rerun-sdk; cannot start {}: {}", words.front(), std::strerror(error));
     }
     ::signal(SIGPIPE, SIG_IGN);  // Python may end before it has read
   }
@@ -128,8 +125,6 @@ std::string variable(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-bool has_screen() { return !variable("DISPLAY").empty() || !variable("WAYLAND_DISPLAY").empty(); }
-
 std::vector<std::string> openers() {
   std::vector<std::string> found;
   std::istringstream list(variable("BROWSER"));
@@ -161,8 +156,7 @@ RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) 
   using namespace std::chrono_literals;
   const std::string growing = path + ".partial";  // the name of a dataset that is not whole yet (tools/base/dataset)
   const bool follows = is_being_written(growing);
-  if (!follows && !fs::exists(path))
-    throw InputError(fmt::format("view: {}: there is no such dataset, and no run writes it", path));
+  if (!follows && !fs::exists(path)) reject("view: {}: there is no such dataset, and no run writes it", path);
   const InterruptGuard guard("the viewer stays open");
   const ScratchFolder folder;  // for what Python reads
   Python python(fs::path(path).filename().string(), options.save);
@@ -184,12 +178,12 @@ RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) 
   }
   result.status = python.wait();
   if (result.status == 0 && result.trials.empty() && options.trial)
-    throw InputError(fmt::format("view: {}: there is no trial {}", path, *options.trial));
+    reject("view: {}: there is no trial {}", path, *options.trial);
   return result;
 }
 
 std::optional<std::string> open_in_browser(const std::string& path) {
-  if (!has_screen()) return std::nullopt;
+  if (variable("DISPLAY").empty() && variable("WAYLAND_DISPLAY").empty()) return std::nullopt;
   const std::string whole = std::filesystem::absolute(path).string();
   for (const std::string& program : openers()) {
     const auto none = [](posix_spawn_file_actions_t* actions) {

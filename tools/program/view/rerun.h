@@ -38,8 +38,6 @@ int status_of_rerun();
 // Whether a file that begins so is a recording of Rerun.
 bool begins_as_rrd(std::string_view text);
 
-// The user's own browser.
-
 // Opens the file at `path` in the user's browser (README.md says in which) and does not wait for its end. Returns which program has opened it,
 // or nothing where there is no screen or no such program.
 std::optional<std::string> open_in_browser(const std::string& path);

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/samples/samples.h"
 #include "tools/program/train/network/examples.h"
 #include "tools/program/train/recipes/recipe.h"
@@ -29,9 +29,9 @@ MeanSd over_folds(const std::vector<Figures>& folds, double Figures::*member) {
 constexpr const char* grasp_scene = "scenes/biotac_sp/grasp.yaml";
 
 [[noreturn]] void no_grasp(const TrialRecord& record, const std::string& what) {
-  throw InputError(fmt::format(
+  reject(
       "trial {}: {}; allowed: grasps of {}, or files bts3v2_palm_down.csv, _side and _45 that `slipbench import --format bts3v2` has read",
-      record.trial, what, grasp_scene));
+      record.trial, what, grasp_scene);
 }
 
 std::size_t palm_of(const TrialRecord& record, const Json& swept) {
@@ -320,10 +320,10 @@ std::vector<Touch> read_touches(const std::string& path, const ReproduceOptions&
   const train::LabelRule labels = truth.empty() ? train::LabelRule::micro : train::LabelRule::paper;  // imported: their set's own
   for (train::Example& example : train::read_examples(path, touch_options(labels)).all) {
     if (example.object.empty())
-      throw InputError(
-          fmt::format("{}: trial {} names no object; allowed: recordings of {}, or of BioTacSP-DoS as `slipbench import "
-                      "--format biotacsp-dos` has read them",
-                      path, example.trial, slip_scene));
+      reject(
+          "{}: trial {} names no object; allowed: recordings of {}, or of BioTacSP-DoS as `slipbench import "
+          "--format biotacsp-dos` has read them",
+          path, example.trial, slip_scene);
     touches.push_back(touch_of(std::move(example)));
   }
   return touches;
@@ -372,8 +372,7 @@ std::vector<train::FoldExample> windows_of(const Touch& touch, const Window& win
 
 std::vector<std::size_t> folds_by_object(std::span<const std::string> objects, std::size_t count, std::uint64_t seed) {
   const std::set<std::string> different(objects.begin(), objects.end());
-  if (different.size() < count)
-    throw InputError(fmt::format("{} objects make no {} folds; allowed: {} or more", different.size(), count, count));
+  if (different.size() < count) reject("{} objects make no {} folds; allowed: {} or more", different.size(), count, count);
   const std::vector<std::size_t> dealt = train::folds(std::vector<std::size_t>(different.size()), count, seed);
   std::map<std::string, std::size_t> fold_of;
   for (const std::string& object : different) fold_of.emplace(object, dealt[fold_of.size()]);

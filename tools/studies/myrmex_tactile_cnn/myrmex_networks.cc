@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/samples/myrmex_images.h"
 #include "tools/program/train/network/examples.h"
@@ -58,6 +58,59 @@ void draw_windows(std::vector<MyrmexWindow>& windows, std::size_t word, std::siz
       windows[numbers[i]].drawn[word] = true;
     }
   }
+}
+
+// Windows of `left` and `right` of a trial of scenes/myrmex/dataset.yaml: those drawn, and all that are late().
+MyrmexTrial myrmex_trial(const Scene& scene, const TrialRecord& record, const WindowOptions& options) {
+  const SensorRecord &left = bench_sensor(record, "left"), &right = bench_sensor(record, "right"),
+                     &top = bench_sensor(record, "top");
+  const TrueSlip slip = true_slip(left, right, bench_apart);
+  const SlipSpan real{slip.onset, slip.end};
+  SlipSpan labelled{{}, contact_end(left, right, sum_end())};
+  // A trial that holds is known to: its third sensor may still drift below a threshold.
+  if (real.onset)
+    labelled.onset = decrease_onset(top.time, sum_of_contacts(top), sinks, bench_settled, bench_apart, labelled.end);
+  MyrmexTrial trial{object_name(scene.bodies.front()), is_rotational(scene.bodies.front()), real.onset.has_value(), {}};
+  const std::uint8_t placed = trial.rotational ? 2 : 1;
+  train::ExampleOptions how;
+  how.input = train::find_recipe("myrmex_net3").input;
+  how.classes = train::ClassRule::kind;
+  RandomStream random(options.seed, record.trial, "windows");
+  for (const SensorRecord* array : {&left, &right}) {
+    const train::Example example = train::example_of(record, *array, how);
+    const std::size_t size = example.frames.features.size() / example.time.size();
+    std::vector<MyrmexWindow> windows(example.time.size());
+    for (std::size_t k = 0; k < windows.size(); ++k) {
+      MyrmexWindow& window = windows[k];
+      window.time = example.time[k];
+      if (real.onset) window.to_onset = *real.onset - window.time;
+      // While half of the load slips something moves, but for a single sample whose motion is that of no unit.
+      const std::uint8_t moves = example.frames.label[k] == 0 ? train::masked : example.frames.label[k];
+      window.label = {kind_at(window.time, real, placed), kind_at(window.time, labelled, placed),
+                      kind_at(window.time, real, moves)};
+    }
+    for (std::size_t word = 0; word < slip_words; ++word) draw_windows(windows, word, options.at_most, random);
+    std::vector<std::size_t> kept;
+    for (std::size_t k = 0; k < windows.size(); ++k) {
+      if (std::ranges::find(windows[k].drawn, true) != windows[k].drawn.end() || windows[k].late()) kept.push_back(k);
+    }
+    const auto take = [&](const std::vector<float>& features, std::uint8_t turn) {
+      for (const std::size_t k : kept) {
+        MyrmexWindow& window = trial.windows.emplace_back(windows[k]);
+        const auto from = features.begin() + static_cast<std::ptrdiff_t>(k * size);
+        window.spectra.assign(from, from + static_cast<std::ptrdiff_t>(size));
+        window.turn = turn;
+      }
+    };
+    take(example.frames.features, 0);
+    std::vector<std::size_t> turns(rotations - 1);
+    std::iota(turns.begin(), turns.end(), 1U);
+    for (std::size_t copy = 0; copy < options.turned; ++copy) {
+      std::swap(turns[copy], turns[copy + random.integer(turns.size() - copy)]);
+      take(train::example_of(record, *array, how, turns[copy]).frames.features, static_cast<std::uint8_t>(turns[copy]));
+    }
+  }
+  return trial;
 }
 
 }  // namespace
@@ -186,9 +239,8 @@ std::vector<MyrmexTrial> myrmex_trials(const ReproduceOptions& options, const My
       }).front();
   for (const SlipWord word : {SlipWord::truth, SlipWord::bench, SlipWord::motion}) {
     if (balanced_windows(trials, word, false, windows.seed).empty())
-      throw InputError(
-          fmt::format("reproduce: {} trials have no window of one of stable, translation and rotation; allowed: more --trials",
-                      trials.size()));
+      reject("reproduce: {} trials have no window of one of stable, translation and rotation; allowed: more --trials",
+             trials.size());
   }
   return trials;
 }
@@ -315,58 +367,6 @@ std::vector<std::string> myrmex_setup(const ReproduceOptions& options, const Myr
 std::uint8_t kind_at(double t, const SlipSpan& span, std::uint8_t kind) {
   if (t > span.end) return train::masked;
   return span.onset && t >= *span.onset ? kind : std::uint8_t{0};
-}
-
-MyrmexTrial myrmex_trial(const Scene& scene, const TrialRecord& record, const WindowOptions& options) {
-  const SensorRecord &left = bench_sensor(record, "left"), &right = bench_sensor(record, "right"),
-                     &top = bench_sensor(record, "top");
-  const TrueSlip slip = true_slip(left, right, bench_apart);
-  const SlipSpan real{slip.onset, slip.end};
-  SlipSpan labelled{{}, contact_end(left, right, sum_end())};
-  // A trial that holds is known to: its third sensor may still drift below a threshold.
-  if (real.onset)
-    labelled.onset = decrease_onset(top.time, sum_of_contacts(top), sinks, bench_settled, bench_apart, labelled.end);
-  MyrmexTrial trial{object_name(scene.bodies.front()), is_rotational(scene.bodies.front()), real.onset.has_value(), {}};
-  const std::uint8_t placed = trial.rotational ? 2 : 1;
-  train::ExampleOptions how;
-  how.input = train::find_recipe("myrmex_net3").input;
-  how.classes = train::ClassRule::kind;
-  RandomStream random(options.seed, record.trial, "windows");
-  for (const SensorRecord* array : {&left, &right}) {
-    const train::Example example = train::example_of(record, *array, how);
-    const std::size_t size = example.frames.features.size() / example.time.size();
-    std::vector<MyrmexWindow> windows(example.time.size());
-    for (std::size_t k = 0; k < windows.size(); ++k) {
-      MyrmexWindow& window = windows[k];
-      window.time = example.time[k];
-      if (real.onset) window.to_onset = *real.onset - window.time;
-      // While half of the load slips something moves, but for a single sample whose motion is that of no unit.
-      const std::uint8_t moves = example.frames.label[k] == 0 ? train::masked : example.frames.label[k];
-      window.label = {kind_at(window.time, real, placed), kind_at(window.time, labelled, placed),
-                      kind_at(window.time, real, moves)};
-    }
-    for (std::size_t word = 0; word < slip_words; ++word) draw_windows(windows, word, options.at_most, random);
-    std::vector<std::size_t> kept;
-    for (std::size_t k = 0; k < windows.size(); ++k) {
-      if (std::ranges::find(windows[k].drawn, true) != windows[k].drawn.end() || windows[k].late()) kept.push_back(k);
-    }
-    const auto take = [&](const std::vector<float>& features, std::uint8_t turn) {
-      for (const std::size_t k : kept) {
-        MyrmexWindow& window = trial.windows.emplace_back(windows[k]);
-        const auto from = features.begin() + static_cast<std::ptrdiff_t>(k * size);
-        window.spectra.assign(from, from + static_cast<std::ptrdiff_t>(size));
-        window.turn = turn;
-      }
-    };
-    take(example.frames.features, 0);
-    std::vector<std::size_t> turns(rotations - 1);
-    std::iota(turns.begin(), turns.end(), 1U);
-    for (std::size_t copy = 0; copy < options.turned; ++copy) {
-      std::swap(turns[copy], turns[copy + random.integer(turns.size() - copy)]);
-      take(train::example_of(record, *array, how, turns[copy]).frames.features, static_cast<std::uint8_t>(turns[copy]));
-    }
-  }
-  return trial;
 }
 
 std::vector<WindowPlace> balanced_windows(const std::vector<MyrmexTrial>& trials, SlipWord word, bool late, std::uint64_t seed) {

@@ -67,9 +67,6 @@ struct WindowOptions {
   std::uint64_t seed = 1;    // of RandomStream(seed, trial, "windows")
 };
 
-// Windows of `left` and `right` of a trial of scenes/myrmex/dataset.yaml: those drawn, and all that are late().
-MyrmexTrial myrmex_trial(const Scene& scene, const TrialRecord& record, const WindowOptions& options);
-
 // Where a window is.
 struct WindowPlace {
   std::size_t trial = 0, window = 0;

@@ -76,14 +76,15 @@ struct OnsetTrial {
   std::array<std::array<std::optional<double>, rules.size()>, end_count> labelled;  // s, by end and rule
 };
 
-std::string object_text(const BodyScene& body) {
-  return fmt::format("{}, {:.0f} g", object_name(body), 1e3 * body.shape.parameters.number("mass"));
-}
-
 OnsetTrial onset_trial(const Scene& scene, const TrialRecord& record) {
   const SensorRecord &left = bench_sensor(record, "left"), &right = bench_sensor(record, "right"),
                      &top = bench_sensor(record, "top");
-  OnsetTrial trial{object_text(scene.bodies.front()), is_rotational(scene.bodies.front()), {}, {}, {}};
+  const BodyScene& body = scene.bodies.front();
+  OnsetTrial trial{fmt::format("{}, {:.0f} g", object_name(body), 1e3 * body.shape.parameters.number("mass")),
+                   is_rotational(body),
+                   {},
+                   {},
+                   {}};
   trial.truth = true_slip(left, right, bench_apart);
   const std::vector<double> counts = sum_of_contacts(top);
   std::vector<double> force;
@@ -336,7 +337,6 @@ double side_of_mass(const BodyScene& body) {
 }
 
 // Section 2.2 of the Myrmex paper: the onset of slip by a third sensor on the object, beside the true one.
-
 Result myrmex_onset_label(const ReproduceOptions& options) {
   constexpr std::size_t usual_trials = 8;
   const std::size_t draws = options.trials == 0 ? usual_trials : options.trials;

@@ -150,7 +150,6 @@ Result myrmex_table2(const ReproduceOptions& options) {
 }
 
 // Table 3 of the Myrmex paper: confusion of nets 1 to 3 from 62.5 Hz on, ten folds by window, and by trial.
-
 Result myrmex_table3(const ReproduceOptions& options) {
   const MyrmexSize size = myrmex_size(options);
   std::vector<MyrmexRow> all;

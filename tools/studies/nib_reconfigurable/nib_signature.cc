@@ -325,7 +325,6 @@ void add_signatures(const char* law, const std::vector<std::optional<Signature>>
 }
 
 // Fig. 12 of the nib pad's paper: no slip, linear and rotational slip by FL, FR and curl.
-
 Result nib_slip_kinds(const ReproduceOptions& options) {
   const std::size_t trials = options.trials == 0 ? 1 : options.trials;
   const std::vector<KindRun> runs = kind_runs(trials, options);

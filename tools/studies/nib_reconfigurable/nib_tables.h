@@ -156,10 +156,6 @@ PadWrench rms_error(const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& tru
 // The rows `which` of a matrix.
 Eigen::MatrixXd rows_of(const Eigen::MatrixXd& matrix, std::span<const Eigen::Index> which);
 
-// Signals of the nib pad in a grasp: the laws that they follow, a recorded trial of them, what marks a slip in them.
-
-// The friction laws that the nib pad's slip tests are repeated with.
-
 // A change of the scene's friction, of which everything else stays.
 struct FrictionLaw {
   const char* name;

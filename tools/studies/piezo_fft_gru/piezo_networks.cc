@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 
 #include "detectors/spectral/spectral_features.h"
-#include "sim/core/error.h"
 #include "sim/core/pad_state.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/train/recipes/recipe.h"
 
 namespace slipbench::reproduce {
@@ -28,7 +28,7 @@ train::TrainingOptions published_training() {
 void check_folds(const std::vector<PiezoRecording>& recordings) {
   const auto refuse_below = [](auto count, const char* what) {
     if (static_cast<std::size_t>(count) >= fold_count) return;
-    throw InputError(fmt::format("{} {} make no {} folds; allowed: {} or more", count, what, fold_count, fold_count));
+    reject("{} {} make no {} folds; allowed: {} or more", count, what, fold_count, fold_count);
   };
   const auto slips = [](const std::vector<std::uint8_t>& label) { return std::ranges::find(label, 1) != label.end(); };
   refuse_below(std::ranges::count(recordings, false, &PiezoRecording::motors_only), "recordings with contact");
@@ -173,6 +173,18 @@ BenchSpeed speed_at(const TrialRecord& record, std::size_t sample) {
     speed.sideways = std::max(speed.sideways, std::hypot(double{v[0]}, double{v[1]}));
   }
   return speed;
+}
+
+// [T, told.values()]
+std::vector<float> told_features(const PiezoRecording& recording, const Told& told) {
+  std::vector<float> features;
+  for (std::size_t k = 0; k < recording.time.size(); ++k) {
+    if (told.time) features.push_back(static_cast<float>(recording.time[k]));
+    if (told.contact) features.push_back(recording.contact[k]);
+    if (told.motors) features.push_back(recording.motors[k]);
+    if (told.kind) features.push_back(recording.motors_only ? 1.0F : 0.0F);
+  }
+  return features;
 }
 
 }  // namespace
@@ -323,9 +335,8 @@ void Validations::run() {
 
 void check_recordings(std::size_t recordings, std::size_t least, const std::string& why) {
   if (recordings >= least && recordings % 2 == 0) return;
-  throw InputError(fmt::format(
-      "reproduce: --trials {}: half of the recordings of a level have contact, and {}; allowed: even numbers, {} or more",
-      recordings, why, least));
+  reject("reproduce: --trials {}: half of the recordings of a level have contact, and {}; allowed: even numbers, {} or more",
+         recordings, why, least);
 }
 
 network::Input published_spectra() { return train::find_recipe("piezo_fft_gru").input; }
@@ -341,8 +352,7 @@ network::Input signal_at_100_hz() { return train::find_recipe("piezo_raw_gru").i
 
 PiezoRecording make_recording(const TrialRecord& record, const std::vector<network::Input>& inputs) {
   const auto sensor = std::ranges::find(record.sensors, "piezo_skin", &SensorRecord::type);
-  if (sensor == record.sensors.end())
-    throw InputError(fmt::format("trial {}: has no piezo_skin; allowed: a recording of one", record.trial));
+  if (sensor == record.sensors.end()) reject("trial {}: has no piezo_skin; allowed: a recording of one", record.trial);
   const Json swept = Json::parse(record.params);
   PiezoRecording recording;
   recording.level = swept_number(swept, level_path);
@@ -370,17 +380,6 @@ PiezoRecording make_recording(const TrialRecord& record, const std::vector<netwo
       recording.motors.push_back(static_cast<float>(bench_speed(record, t) + (t >= idle_start ? idle_speed : 0.0)));
   }
   return recording;
-}
-
-std::vector<float> told_features(const PiezoRecording& recording, const Told& told) {
-  std::vector<float> features;
-  for (std::size_t k = 0; k < recording.time.size(); ++k) {
-    if (told.time) features.push_back(static_cast<float>(recording.time[k]));
-    if (told.contact) features.push_back(recording.contact[k]);
-    if (told.motors) features.push_back(recording.motors[k]);
-    if (told.kind) features.push_back(recording.motors_only ? 1.0F : 0.0F);
-  }
-  return features;
 }
 
 std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, std::size_t recordings,

@@ -81,8 +81,6 @@ struct Told {
     return std::size_t{time} + std::size_t{contact} + std::size_t{motors} + std::size_t{kind};
   }
 };
-// [T, told.values()]
-std::vector<float> told_features(const PiezoRecording& recording, const Told& told);
 
 // For a child process to hand them over.
 template <MaybeConst<PiezoFrames> Value>

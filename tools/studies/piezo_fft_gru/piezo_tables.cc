@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/piezo_fft_gru/piezo_networks.h"
 
@@ -192,6 +192,56 @@ ResultTable table_of(const char* title, const std::vector<NetworkRow>& rows, con
   return table;
 }
 
+// From `onset` of each recording; both may be NaN.
+Alarms alarms_of(const std::vector<PiezoRecording>& recordings, const train::Calls& calls, double PiezoRecording::*onset) {
+  Alarms alarms;
+  for (std::size_t i = 0; i < recordings.size(); ++i) alarms.add(recordings[i].time, calls[i], recordings[i].*onset);
+  return alarms;
+}
+
+std::string share(std::size_t part, std::size_t whole) { return fmt::format("{} of {}", part, whole); }
+
+void add_row(ResultTable& table, Json& figures, const std::string& network, const char* from, const Alarms& alarms) {
+  const DelaySpread first = delay_spread(alarms.first.delay), near = delay_spread(alarms.near);
+  table.rows.push_back(
+      {network, from, cell(first), share(alarms.first.early, alarms.first.slipping),
+       share(alarms.first.missed, alarms.first.slipping), cell(near),
+       alarms.near.empty() ? "-" : fmt::format("{:.1f} +- {:.1f}, {:.0f}", 1e3 * near.mean, 1e3 * near.sd, 1e3 * near.greatest),
+       share(alarms.silent, alarms.first.slipping)});
+  figures = {{"first", json_of(first)},
+             {"early", alarms.first.early},
+             {"missed", alarms.first.missed},
+             {"slipping", alarms.first.slipping},
+             {"false_alarms", alarms.first.false_alarms},
+             {"near", json_of(near)},
+             {"silent", alarms.silent}};
+}
+
+// How much earlier than the true first slip the label begins.
+ResultTable label_table(const std::vector<PiezoRecording>& recordings, Json& figures) {
+  std::vector<double> early;
+  std::size_t no_slip = 0, no_label = 0;
+  for (const PiezoRecording& recording : recordings) {
+    if (!std::isnan(recording.label_time) && !std::isnan(recording.slip_time)) {
+      early.push_back(recording.slip_time - recording.label_time);
+    } else if (!std::isnan(recording.label_time)) {
+      ++no_slip;
+    } else if (!std::isnan(recording.slip_time)) {
+      ++no_label;
+    }
+  }
+  const DelaySpread spread = delay_spread(early);
+  ResultTable table{"The position label itself: how long before the true first slip it begins, ms",
+                    {"median (10 to 90 %)", "mean +- sd", "labelled, no slip", "slip, not labelled"}};
+  table.rows.push_back({cell(spread), early.empty() ? "-" : fmt::format("{:.1f} +- {:.1f}", 1e3 * spread.mean, 1e3 * spread.sd),
+                        fmt::format("{}", no_slip), fmt::format("{}", no_label)});
+  figures = {{"early", json_of(spread)},
+             {"recordings", early.size()},
+             {"labelled_without_slip", no_slip},
+             {"slip_without_label", no_label}};
+  return table;
+}
+
 }  // namespace
 
 Result piezo_table2(const ReproduceOptions& options) {
@@ -249,8 +299,8 @@ Result piezo_table3(const ReproduceOptions& options) {
   std::set<std::string> tips;
   for (const PiezoRecording& recording : recordings) tips.insert(recording.tip);
   if (tips.size() < 2) {
-    throw InputError(fmt::format("{}: all recordings are of one tip; allowed: two or more, as one is left out",
-                                 options.data.empty() ? piezo_bench_scene : options.data));
+    reject("{}: all recordings are of one tip; allowed: two or more, as one is left out",
+           options.data.empty() ? piezo_bench_scene : options.data);
   }
   std::vector<std::size_t> tip_of;
   for (const PiezoRecording& recording : recordings)
@@ -306,7 +356,7 @@ Result piezo_table4(const ReproduceOptions& options) {
   const StudySize size = size_of(options, usual_level_recordings);
   check_only(options.only, {gru_32_tip().name, gru_32().name, mlp_32().name});
   if (!options.data.empty() && std::ranges::find(options.only, gru_32_tip().name) != options.only.end()) {
-    throw InputError(fmt::format("reproduce: --only {} needs recordings of its own; allowed: without --data", gru_32_tip().name));
+    reject("reproduce: --only {} needs recordings of its own; allowed: without --data", gru_32_tip().name);
   }
   const Levels levels = by_level(recordings_for(options, size, all_levels, {published_spectra()}));
   const auto bench = levels.contains(bench_level) ? levels.find(bench_level) : levels.begin();
@@ -442,60 +492,6 @@ std::string cell(const DelaySpread& spread) {
 }
 
 // Section V.E of the paper: the delay of the FFT-GRU, from the position label and from the true first slip.
-namespace {
-
-// From `onset` of each recording; both may be NaN.
-Alarms alarms_of(const std::vector<PiezoRecording>& recordings, const train::Calls& calls, double PiezoRecording::*onset) {
-  Alarms alarms;
-  for (std::size_t i = 0; i < recordings.size(); ++i) alarms.add(recordings[i].time, calls[i], recordings[i].*onset);
-  return alarms;
-}
-
-std::string share(std::size_t part, std::size_t whole) { return fmt::format("{} of {}", part, whole); }
-
-void add_row(ResultTable& table, Json& figures, const std::string& network, const char* from, const Alarms& alarms) {
-  const DelaySpread first = delay_spread(alarms.first.delay), near = delay_spread(alarms.near);
-  table.rows.push_back(
-      {network, from, cell(first), share(alarms.first.early, alarms.first.slipping),
-       share(alarms.first.missed, alarms.first.slipping), cell(near),
-       alarms.near.empty() ? "-" : fmt::format("{:.1f} +- {:.1f}, {:.0f}", 1e3 * near.mean, 1e3 * near.sd, 1e3 * near.greatest),
-       share(alarms.silent, alarms.first.slipping)});
-  figures = {{"first", json_of(first)},
-             {"early", alarms.first.early},
-             {"missed", alarms.first.missed},
-             {"slipping", alarms.first.slipping},
-             {"false_alarms", alarms.first.false_alarms},
-             {"near", json_of(near)},
-             {"silent", alarms.silent}};
-}
-
-// How much earlier than the true first slip the label begins.
-ResultTable label_table(const std::vector<PiezoRecording>& recordings, Json& figures) {
-  std::vector<double> early;
-  std::size_t no_slip = 0, no_label = 0;
-  for (const PiezoRecording& recording : recordings) {
-    if (!std::isnan(recording.label_time) && !std::isnan(recording.slip_time)) {
-      early.push_back(recording.slip_time - recording.label_time);
-    } else if (!std::isnan(recording.label_time)) {
-      ++no_slip;
-    } else if (!std::isnan(recording.slip_time)) {
-      ++no_label;
-    }
-  }
-  const DelaySpread spread = delay_spread(early);
-  ResultTable table{"The position label itself: how long before the true first slip it begins, ms",
-                    {"median (10 to 90 %)", "mean +- sd", "labelled, no slip", "slip, not labelled"}};
-  table.rows.push_back({cell(spread), early.empty() ? "-" : fmt::format("{:.1f} +- {:.1f}", 1e3 * spread.mean, 1e3 * spread.sd),
-                        fmt::format("{}", no_slip), fmt::format("{}", no_label)});
-  figures = {{"early", json_of(spread)},
-             {"recordings", early.size()},
-             {"labelled_without_slip", no_slip},
-             {"slip_without_label", no_label}};
-  return table;
-}
-
-}  // namespace
-
 Result piezo_delay(const ReproduceOptions& options) {
   const StudySize size = size_of(options, usual_recordings);
   const std::vector<PiezoRecording> recordings = recordings_for(options, size, {bench_level}, {published_spectra()});

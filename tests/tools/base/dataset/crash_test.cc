@@ -93,8 +93,7 @@ void perform(std::string& file, const Operation& operation) {
 
 bool is_sync(const Operation& operation) { return operation.kind == Operation::Kind::sync; }
 
-class CrashTest : public FolderTest {
- protected:
+struct CrashTest : FolderTest {
   // A run that publishes after one trial, after four more, and after the last.
   void SetUp() override {
     watched = &operations_;

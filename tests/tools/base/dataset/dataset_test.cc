@@ -26,8 +26,7 @@ void expect_same(const std::vector<double>& found, const std::vector<double>& ex
     EXPECT_TRUE(found[i] == expected[i] || (std::isnan(found[i]) && std::isnan(expected[i])));
 }
 
-class DatasetTest : public FolderTest {
- protected:
+struct DatasetTest : FolderTest {
   std::string write(const std::string& name, std::size_t trials, std::size_t rows, std::uint64_t limit) {
     DatasetWriter writer(path(name), header, trials, limit);
     for (std::size_t k = 0; k < trials; ++k) writer.append(make_trial(k, rows));

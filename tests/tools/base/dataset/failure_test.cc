@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <functional>
 
 #include <hdf5.h>
 
@@ -23,24 +22,7 @@ namespace {
 const DatasetHeader header{"1.2.3", "scene", "{}", 7, "slipbench sweep a.yaml"};
 constexpr std::size_t rows = 400;
 
-// Runs `action` in a child process and hands back its wait status.
-int in_child(const std::function<void()>& action) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    try {
-      action();
-    } catch (...) {
-      ::_exit(3);
-    }
-    ::_exit(0);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  return status;
-}
-
-class FailureTest : public FolderTest {
- protected:
+struct FailureTest : FolderTest {
   std::string refusal(const std::string& target) {
     return refusal_of([&] { DatasetWriter writer(target, header, 1); });
   }
@@ -321,16 +303,13 @@ TEST_F(FailureTest, FullDiskKeepsTheTrialsThatFitted) {
       const rlimit limits{limit, limit};
       ::setrlimit(RLIMIT_FSIZE, &limits);
       std::signal(SIGXFSZ, SIG_IGN);
-      std::string message;
-      try {
+      const std::string message = refusal_of([&] {
         DatasetWriter writer(path("out.h5"), header, 100);
         for (std::size_t k = 0; k < 100; ++k) {
           writer.append(make_trial(k, rows));
           writer.publish();
         }
-      } catch (const InputError& error) {
-        message = error.what();
-      }
+      });
       ::_exit(message == "cannot write " + path("out.h5.partial") + ": File too large" ? 0 : 1);
     });
     ASSERT_TRUE(WIFEXITED(status));

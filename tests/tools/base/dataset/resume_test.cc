@@ -21,8 +21,7 @@ constexpr std::size_t rows = 40;
 constexpr std::size_t trials = 9;
 constexpr std::uint64_t several = 100'000;  // bytes: nine trials fill more than one file
 
-class ResumeTest : public FolderTest {
- protected:
+struct ResumeTest : FolderTest {
   // Writes the trials up to `end`, those that are kept from what is kept. Then the run ends as `finish` says.
   void run(std::size_t end, const std::function<void(DatasetWriter&)>& finish, std::uint64_t limit = several) {
     const KeptTrials kept(path("out.h5"), header);
@@ -39,15 +38,12 @@ class ResumeTest : public FolderTest {
     run(end, [](DatasetWriter& writer) { writer.keep_partial(); });
   }
   void kill(std::size_t end) {
-    const pid_t child = ::fork();
-    if (child == 0) {
+    const int status = in_child([&] {
       run(end, [](DatasetWriter& writer) {
         writer.publish();
         ::raise(SIGKILL);
       });
-    }
-    int status = 0;
-    ::waitpid(child, &status, 0);
+    });
     ASSERT_TRUE(WIFSIGNALED(status));
   }
   // Every file by its name and the digest of its bytes.
@@ -243,8 +239,7 @@ TEST_F(ResumeTest, DamagedTrialIsNotKept) {
 
 // The list of a file is one block, however long the names in it.
 TEST_F(ResumeTest, TrialsOfFiveDigitsAreKept) {
-  const pid_t child = ::fork();
-  if (child == 0) {
+  const int status = in_child([&] {
     DatasetWriter writer(path("out.h5"), header, 12'000);
     for (std::size_t k = 9'000; k < 11'000; ++k) {
       TrialRecord record = make_record(k, 1);
@@ -255,9 +250,7 @@ TEST_F(ResumeTest, TrialsOfFiveDigitsAreKept) {
       if (k % 100 == 99) writer.publish();
     }
     ::raise(SIGKILL);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
+  });
   ASSERT_TRUE(WIFSIGNALED(status));
   const DatasetReader reader(path("out.h5.partial"));
   ASSERT_EQ(reader.trials().size(), 2'000U);

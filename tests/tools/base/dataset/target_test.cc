@@ -15,8 +15,7 @@ namespace {
 constexpr std::size_t rows = 400;
 constexpr std::uint64_t several = 100'000;  // bytes: eight trials fill more than one file
 
-class TargetTest : public FolderTest {
- protected:
+struct TargetTest : FolderTest {
   // A dataset of another seed is another one.
   std::vector<std::string> write(const std::string& name, std::size_t trials, std::uint64_t limit = several,
                                  std::uint64_t seed = 7) {

@@ -11,6 +11,8 @@ import time
 from pathlib import Path
 
 LIMIT_S = 120  # for one answer
+DRAWN = """!document.querySelector('#page > .wait') && (!document.querySelector('main') || document.querySelector('main').children.length > 0) &&
+    !(location.hash.startsWith('#trial-') && !document.querySelector('.grid .chart'))"""
 
 
 def program():
@@ -93,6 +95,19 @@ class Chromium:
             self.events.clear()
             self.call("Page.navigate", url=url)
             self.wait_for("Page.loadEventFired")
+
+    def open_drawn(self, page, fragment=""):
+        """The same, and waits until all of a report has been drawn: the last charts of a trial are those of its units."""
+        self.open(page, fragment)
+        end = time.monotonic() + LIMIT_S
+        while not self.evaluate(DRAWN):
+            if time.monotonic() > end:
+                raise TimeoutError(f"{page}{fragment} is not drawn: {self.complaints()}")
+            time.sleep(0.02)
+
+    def dom(self):
+        """The page as it stands, as HTML."""
+        return self.evaluate("document.documentElement.outerHTML")
 
     def evaluate(self, expression):
         """The value of an expression of JavaScript in the page, which may be a promise."""

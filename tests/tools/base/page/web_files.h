@@ -2,12 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
 #include <string>
+
+#include "tests/files.h"
 
 namespace slipbench::testing {
 
@@ -16,8 +16,7 @@ inline std::map<std::string, std::string> web_files(const std::string& folder, c
   std::map<std::string, std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(std::string(SLIPBENCH_SOURCE_DIR "/") + folder)) {
     if (entry.path().extension() != extension) continue;
-    std::ifstream file(entry.path(), std::ios::binary);
-    files[entry.path().filename().string()] = {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    files[entry.path().filename().string()] = bytes_of(entry.path());
   }
   return files;
 }

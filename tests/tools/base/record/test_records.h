@@ -1,18 +1,19 @@
 // Small trials whose every value follows from its place, and a folder to write them to.
 #pragma once
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <functional>
 #include <limits>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "tests/expect.h"
+#include "tests/files.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/trial_record.h"
@@ -125,32 +126,36 @@ inline std::string write_dataset(const std::string& path, const DatasetHeader& h
   return path;
 }
 
-inline std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+// Runs `action` in a child process and hands back its wait status: of exit 3 where it throws.
+inline int in_child(const std::function<void()>& action) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    try {
+      action();
+    } catch (...) {
+      ::_exit(3);
+    }
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return status;
 }
 
 // A fresh folder for each test, removed at its end.
-class FolderTest : public ::testing::Test {
- protected:
-  FolderTest() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "slipbench-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    folder_ = pattern;
-  }
-  ~FolderTest() override { std::filesystem::remove_all(folder_); }
-
-  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+struct FolderTest : ::testing::Test {
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_ / name; }
   // Names in the folder, sorted.
   [[nodiscard]] std::vector<std::string> names() const {
     std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) names.push_back(entry.path().filename().string());
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
+      names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
     return names;
   }
 
  private:
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 }  // namespace slipbench::testing

@@ -143,15 +143,10 @@ auto counting(std::atomic<std::size_t>& begun) {
 TEST(OrderedWorkers, ThreadsThatCannotBeStartedAreRefused) {
   std::atomic<std::size_t> begun{0};
   const auto make_work = counting(begun);
-  std::string message = "all were started";
-  {
+  const std::string message = refusal_of([&] {
     const RoomForThreeThreads room;
-    try {
-      const Workers workers(100'000, 8, make_work, nullptr);
-    } catch (const InputError& error) {
-      message = error.what();
-    }
-  }
+    const Workers workers(100'000, 8, make_work, nullptr);
+  });
   EXPECT_THAT(message,
               ::testing::MatchesRegex("only [1-3] of 8 worker threads could be started \\(.*\\); allowed: fewer, with --jobs"));
   EXPECT_EQ(begun, 0U);

@@ -1,7 +1,6 @@
 // Boards and submissions as a user makes and checks them. The BioTac has no hand-made detector, so that its boards take a second.
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -18,13 +17,7 @@ using Json = nlohmann::json;
 
 const std::vector<std::string> quick{"benchmark", "--sensor", "biotac_sp", "--trials", "1", "--untaught", "--quiet"};
 
-std::string text_of(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-class Submissions : public ::testing::Test {
- protected:
+struct Submissions : ::testing::Test {
   static ChildResult run(std::vector<std::string> words, const std::vector<std::string>& more = {}) {
     words.insert(words.end(), more.begin(), more.end());
     return run_program_file(words);
@@ -37,15 +30,15 @@ TEST_F(Submissions, AreRecomputedByteForByte) {
   const ChildResult made = run(quick, {"--submit", file, "-o", page});
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_THAT(made.out, HasSubstr("always slip"));
-  EXPECT_THAT(text_of(page), HasSubstr("always slip"));
-  EXPECT_THAT(text_of(page), Not(HasSubstr("<script")));
-  EXPECT_EQ(Json::parse(text_of(folder_ / "board.json")), Json::parse(text_of(file)));
+  EXPECT_THAT(bytes_of(page), HasSubstr("always slip"));
+  EXPECT_THAT(bytes_of(page), Not(HasSubstr("<script")));
+  EXPECT_EQ(Json::parse(bytes_of(folder_ / "board.json")), Json::parse(bytes_of(file)));
 
   const ChildResult same = run_program_file({"benchmark", "--verify", file, "--quiet"});
   EXPECT_EQ(same.status, 0) << same.out << same.err;
 
   // Another score, as a cheat would write it.
-  std::string text = text_of(file);
+  std::string text = bytes_of(file);
   const std::string told = "\"alarms_per_minute\": 1.0";
   ASSERT_NE(text.find(told), std::string::npos);
   text.replace(text.find(told), told.size(), "\"alarms_per_minute\": 9.0");
@@ -73,8 +66,8 @@ TEST_F(Submissions, WhatIsTaughtIsTheSameWithOneThreadAndWithTwo) {
                                                "--quiet", "--jobs", jobs, "--submit", folder_ / jobs});
     ASSERT_EQ(made.status, 0) << made.err;
   }
-  EXPECT_THAT(text_of(folder_ / "1"), HasSubstr("\"biotac_lstm\""));
-  EXPECT_TRUE(text_of(folder_ / "1") == text_of(folder_ / "2"));
+  EXPECT_THAT(bytes_of(folder_ / "1"), HasSubstr("\"biotac_lstm\""));
+  EXPECT_TRUE(bytes_of(folder_ / "1") == bytes_of(folder_ / "2"));
 }
 #endif
 
@@ -124,7 +117,7 @@ TEST_F(Submissions, WhoHasSeenTheTrialsIsNotJudged) {
 TEST_F(Submissions, NoCodeRunsThatItsReaderHasNotNamed) {
   const std::string library = SLIPBENCH_TEST_PLUGINS "/exits.so", file = folder_ / "mine.json";
   ASSERT_EQ(run(quick, {"--submit", file}).status, 0);
-  Json submission = Json::parse(text_of(file));
+  Json submission = Json::parse(bytes_of(file));
   submission["asked"]["detectors"] = Json::array({"plugin"});
   submission["asked"]["set"] = Json::array({Json::array({"library", library})});
   std::ofstream(file) << submission.dump(2);

@@ -35,8 +35,7 @@ sweep:
   motion: [{direction: 0 deg}, {direction: 100 deg, compression: 0.8 mm}, {direction: 200 deg}, {direction: 300 deg, compression: 0.8 mm}]
 )";
 
-class Calibrated : public slipbench::testing::FolderTest {
- protected:
+struct Calibrated : slipbench::testing::FolderTest {
   Options options(const std::vector<std::string>& fits, const std::vector<Override>& overrides = {}) {
     Options result;
     result.scene_path = path("scene.yaml");

@@ -30,8 +30,7 @@ sweep:
 )";
 constexpr const char* depth = "sweep.motion.compression.mean: {min: 0.6 mm, max: 1.4 mm}";
 
-class Grouped : public slipbench::testing::FolderTest {
- protected:
+struct Grouped : slipbench::testing::FolderTest {
   Options options(const std::vector<std::string>& fits, const std::string& groups = "motion.start=1.1,0.8") {
     Options result;
     result.scene_path = path("scene.yaml");

@@ -18,8 +18,7 @@ const std::string head =
     "motion: {compression: 1 mm, approach_speed: 50 mm/s, start: 0.3 s, speed: 20 mm/s, acceleration: inf}\n"
     "sensors: {pad: {type: papillarray}}\n";
 
-class CheckScene : public testing::Test {
- protected:
+struct CheckScene : testing::Test {
   SceneCheck check(const std::string& text, CheckOptions options = {}) const {
     static const Catalogues catalogues = program_catalogues();
     std::ofstream(folder_ / "s.yaml") << head << text;
@@ -28,13 +27,8 @@ class CheckScene : public testing::Test {
   }
 
   std::string refusal(const std::string& text, const CheckOptions& options = {}) const {
-    try {
-      check(text, options);
-    } catch (const InputError& error) {
-      const std::string message = error.what();
-      return message.substr(message.find_last_of('/') + 1);
-    }
-    return "accepted";
+    const std::string message = refusal_of([&] { check(text, options); });
+    return message.substr(message.find_last_of('/') + 1);
   }
 
   TemporaryFolder folder_;

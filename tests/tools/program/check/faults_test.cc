@@ -1,7 +1,5 @@
 // The shipped scenes as regression tests: faults planted in a copy of a controller are found, each by what it breaks, and the copy without one
 // passes. The fault libraries: faults/step_on_slip.cc.
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <vector>
 
@@ -18,11 +16,6 @@ const std::vector<std::string> names{"check_felt", "check_ptfe", "check_rubber"}
 
 std::string controller(const std::string& fault) {
   return "controller={type: plugin, library: " SLIPBENCH_TEST_PLUGINS "/" + fault + ".so}";
-}
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 struct FaultCase {

@@ -10,8 +10,7 @@ namespace slipbench {
 namespace {
 
 // What was written to a stream, and a clock that the test turns.
-class ProgressTest : public ::testing::Test {
- protected:
+struct ProgressTest : ::testing::Test {
   ~ProgressTest() override { std::fclose(stream_); }
 
   Progress make(Progress::Mode mode) {

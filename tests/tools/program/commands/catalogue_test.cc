@@ -8,8 +8,7 @@
 namespace slipbench {
 namespace {
 
-class ProgramCatalogue : public ::testing::Test {
- protected:
+struct ProgramCatalogue : ::testing::Test {
   const Catalogues catalogues_ = program_catalogues();
   const std::vector<CatalogueItem> items_ = catalogue_items(catalogues_);
 };

@@ -8,8 +8,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -37,16 +35,9 @@ int exit_status(pid_t child) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-std::string file_text(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 // Whether `signal` is in a mask of a process, as Linux tells it: "SigCgt:\t0000000000000002" of those caught, "SigIgn:" of those ignored.
 bool in_mask(pid_t child, const std::string& name, int signal) {
-  const std::string status = file_text("/proc/" + std::to_string(child) + "/status");
+  const std::string status = bytes_of("/proc/" + std::to_string(child) + "/status");
   const std::size_t at = status.find(name);
   return at != std::string::npos && (std::stoull(status.substr(at + name.size()), nullptr, 16) >> (signal - 1) & 1U) != 0;
 }
@@ -64,28 +55,17 @@ pid_t start_into_files(const std::vector<std::string>& words, const std::string&
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "slipbench-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp failed");
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
 ChildResult run_program_file(const std::vector<std::string>& arguments, const std::string& out) {
   const TemporaryFolder folder;
   const int status = exit_status(start_into_files(program_with(arguments), out.empty() ? folder / "out" : out, folder / "err"));
-  return {status, out.empty() ? file_text(folder / "out") : "", file_text(folder / "err")};
+  return {status, out.empty() ? bytes_of(folder / "out") : "", bytes_of(folder / "err")};
 }
 
 ChildResult run_shell(const std::string& script, const std::string& folder) {
   const TemporaryFolder streams;
   const std::string text = "slipbench() { " SLIPBENCH_PROGRAM " \"$@\"; }; cd \"$1\" || exit; " + script;
   const int status = exit_status(start_into_files({"/bin/sh", "-c", text, "sh", folder}, streams / "out", streams / "err"));
-  return {status, file_text(streams / "out"), file_text(streams / "err")};
+  return {status, bytes_of(streams / "out"), bytes_of(streams / "err")};
 }
 
 ChildResult run_program_terminal(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
@@ -128,7 +108,7 @@ ChildResult run_program_interrupted(const std::vector<std::string>& arguments, c
   }
   kill(child, signal);
   const int status = exit_status(child);
-  return {status, file_text(folder / "out"), file_text(folder / "err")};
+  return {status, bytes_of(folder / "out"), bytes_of(folder / "err")};
 }
 
 }  // namespace slipbench

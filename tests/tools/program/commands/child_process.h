@@ -1,11 +1,10 @@
 // Runs the built program and keeps what it says.
 #pragma once
 
-#include <sys/types.h>
-
-#include <filesystem>
 #include <string>
 #include <vector>
+
+#include "tests/files.h"
 
 namespace slipbench {
 
@@ -13,20 +12,6 @@ struct ChildResult {
   int status = 0;  // exit status; 128 + signal when a signal ended it
   std::string out;
   std::string err;
-};
-
-// A folder that is empty at first and removed with its object.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
 };
 
 // Runs `slipbench arguments...` with stdout and stderr in files: no terminal. `out`: where stdout goes instead, e.g. /dev/full.

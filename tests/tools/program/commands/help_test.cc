@@ -22,11 +22,6 @@ std::vector<std::string> examples_of(const std::string& command) {
   return examples;
 }
 
-std::string text_of(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 // The sweep of 200 long trials, cut to 50 short ones: writing all of them as text takes long.
 std::string shortened(const std::string& sweep) {
   const std::string fewer = std::regex_replace(sweep, std::regex("motion.compression: \\[.*\\]"), "motion.compression: [1 mm]");
@@ -46,7 +41,7 @@ TEST(Help, EveryExampleWorks) {
   std::ofstream(folder / "mine/press.csv") << "t,load\n0,0.1\n0.01,0.2\n0.02,0.3\n";
   std::ofstream(folder / "columns.yaml")
       << "{sensor: skin, type: taxels, time: {column: t}, channels: {load: {unit: N, columns: [load]}}}\n";
-  const std::string whole = text_of(scenes + "hexapod.yaml");
+  const std::string whole = bytes_of(scenes + "hexapod.yaml");
   ASSERT_NE(shortened(whole), whole);
   std::ofstream(folder / "scenes/papillarray/hexapod.yaml") << shortened(whole);
   for (const char* command : {"run", "sweep", "check", "report", "verify", "merge", "export", "import", "train", "eval",

@@ -10,8 +10,7 @@
 namespace slipbench {
 namespace {
 
-class ImportedFiles : public ::testing::Test {
- protected:
+struct ImportedFiles : ::testing::Test {
   ImportedFiles() {
     std::filesystem::create_directories(folder_ / "set/n");
     std::filesystem::create_directories(folder_ / "set/t");

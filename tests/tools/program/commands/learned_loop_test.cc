@@ -12,8 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-class LearnedLoop : public ::testing::Test {
- protected:
+struct LearnedLoop : ::testing::Test {
   // What the program says, which has to end well.
   static std::string said(const std::vector<std::string>& words) {
     const ChildResult result = run_program_file(words);
@@ -99,8 +98,7 @@ TEST_F(LearnedLoop, MemoriesFromSweepToGrip) {
 
 // The shipped check of a learned detector. 2 mu 4 N = 1.6 N hold no 1.96 N: a detector that never says slip drops the box. One that always does
 // makes the loop tighten to the end, to 4 times the least, and drops none. Failed: the expectations that did.
-class LearnedCheck : public LearnedLoop {
- protected:
+struct LearnedCheck : LearnedLoop {
   static std::vector<std::string> failed(std::vector<std::string> more) {
     std::vector<std::string> words{"check", SLIPBENCH_SOURCE_DIR "/scenes/grasp/check_learned.yaml", "--trials", "10", "--json"};
     words.insert(words.end(), more.begin(), more.end());

@@ -113,7 +113,9 @@ TEST(Program, WhatEvalCannotJudge) {
                  HasSubstr("unknown key 'ratoi' in detector; did you mean 'ratio'?"));
   expect_refusal({"eval", "band_energy", file},
                  HasSubstr("out.h5: trial 0: detector.sensor: band_energy reads a signal of one value"));
+  expect_refusal({"eval", "gst_hd", file, "--set", "memories=nowhere"}, HasSubstr("those that ship: cl_gst_hd, learn_gst_hd"));
   expect_refusal({"eval", "force_ratio", file, "--sensor", "padd"}, HasSubstr("no sensor 'padd'; did you mean 'pad'?"));
+  EXPECT_THAT(run_program_file({"eval", "learn_gst_hd", file}).out, StartsWith("gst_hd with the memories learn_gst_hd on pad"));
   expect_refusal({"eval", "force_ratio", bare}, HasSubstr("has no recording, only its outcome"));
   expect_refusal({"eval", "force_ratio", file, "-o", folder / "page.txt"}, HasSubstr("a name that ends in .html"));
   // Half of it is gone.
@@ -233,6 +235,7 @@ TEST(Program, ListAndDescribe) {
   EXPECT_EQ(both[0]["kind"], "detector");
   EXPECT_EQ(both[1]["kind"], "controller");
   EXPECT_EQ(both[0]["parameters"].back()["name"], "flip");
+  EXPECT_THAT(run_program_file({"describe", "nib_slip"}).out, HasSubstr("over 90, 30"));
   const ChildResult page = run_program_file({"describe", "papillarray"});
   EXPECT_EQ(page.status, 0);
   for (const nlohmann::json& parameter : entry["parameters"]) {

@@ -13,8 +13,7 @@ const std::string stage = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
 const std::string block = SLIPBENCH_SOURCE_DIR "/scenes/bodies/sliding_block.yaml";
 const std::string published = SLIPBENCH_SOURCE_DIR "/tests/detectors/hd/data/published";
 
-class RefusedFiles : public ::testing::Test {
- protected:
+struct RefusedFiles : ::testing::Test {
   RefusedFiles() {
     pipe_ = folder_ / "pipe";
     ::mkfifo(pipe_.c_str(), 0600);

@@ -11,13 +11,7 @@ namespace {
 
 const std::string stage_scene = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
 
-std::string bytes_at(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-class View : public ::testing::Test {
- protected:
+struct View : ::testing::Test {
   View() {
     std::filesystem::create_directory(folder_ / "bin");
     std::filesystem::copy(stage_scene, folder_ / "stage.yaml");
@@ -29,7 +23,7 @@ class View : public ::testing::Test {
     std::ofstream(path) << "#!/bin/sh\nprintf '%s' \"$1\" > " << (folder_ / (name + ".opened")) << "\nexit " << status << "\n";
     std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   }
-  [[nodiscard]] std::string opened_by(const std::string& name) const { return bytes_at(folder_ / (name + ".opened")); }
+  [[nodiscard]] std::string opened_by(const std::string& name) const { return bytes_of(folder_ / (name + ".opened")); }
 
   // `slipbench view words` where the screen and the browsers are those of `environment` alone.
   [[nodiscard]] ChildResult view(const std::string& words, const std::string& environment = "") const {
@@ -49,7 +43,7 @@ TEST_F(View, OpensTheReportOfADataset) {
   const ChildResult seen = view("a.h5", "DISPLAY=:0");
   EXPECT_EQ(seen.status, 0) << seen.err;
   EXPECT_EQ(opened_by("xdg-open"), std::filesystem::canonical(folder_ / "a.html").string());
-  EXPECT_THAT(bytes_at(folder_ / "a.html"), StartsWith("<!DOCTYPE html>"));
+  EXPECT_THAT(bytes_of(folder_ / "a.html"), StartsWith("<!DOCTYPE html>"));
   EXPECT_THAT(seen.out, HasSubstr("opened by xdg-open"));
 }
 
@@ -85,34 +79,34 @@ TEST_F(View, RunsASceneFirst) {
             nlohmann::json::parse(R"({"dataset": "stage.h5", "report": "stage.html", "opened_by": null})"));
   // The recording is that of `run` with the same words.
   ASSERT_EQ(record("-o b.h5").status, 0);
-  EXPECT_EQ(bytes_at(folder_ / "stage.h5"), bytes_at(folder_ / "b.h5"));
+  EXPECT_EQ(bytes_of(folder_ / "stage.h5"), bytes_of(folder_ / "b.h5"));
   // A second look replaces what the first has made.
   EXPECT_EQ(view("stage.yaml --set duration=2.2").status, 0);
-  EXPECT_NE(bytes_at(folder_ / "stage.h5"), bytes_at(folder_ / "b.h5"));
+  EXPECT_NE(bytes_of(folder_ / "stage.h5"), bytes_of(folder_ / "b.h5"));
 }
 
 TEST_F(View, KeepsWhatItHasNotMade) {
   ASSERT_EQ(run_shell("slipbench sweep stage.yaml --set duration=2.1 -o stage.h5 --quiet", folder_ / "").status, 0);
-  const std::string before = bytes_at(folder_ / "stage.h5");
+  const std::string before = bytes_of(folder_ / "stage.h5");
   const ChildResult seen = view("stage.yaml");
   EXPECT_EQ(seen.status, 2);
   EXPECT_THAT(seen.err, HasSubstr("stage.h5 is there and not one trial of this scene, but of slipbench sweep stage.yaml"));
   EXPECT_THAT(seen.err, HasSubstr("allowed: -o with another name, or slipbench view stage.h5"));
-  EXPECT_EQ(bytes_at(folder_ / "stage.h5"), before);
+  EXPECT_EQ(bytes_of(folder_ / "stage.h5"), before);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "stage.html"));
   // Nor several trials of a run.
   ASSERT_EQ(
       run_shell("rm stage.h5; slipbench run stage.yaml --trials 2 --set duration=2.1 -o stage.h5 --quiet", folder_ / "").status,
       0);
-  const std::string two = bytes_at(folder_ / "stage.h5");
+  const std::string two = bytes_of(folder_ / "stage.h5");
   EXPECT_EQ(view("stage.yaml").status, 2);
-  EXPECT_EQ(bytes_at(folder_ / "stage.h5"), two);
+  EXPECT_EQ(bytes_of(folder_ / "stage.h5"), two);
 
   // Nor is a page replaced that is none of ours, and then nothing is simulated.
   std::ofstream(folder_ / "mine.html") << "mine";
   EXPECT_EQ(view("stage.yaml -o mine.html").status, 2);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "mine.h5"));
-  EXPECT_EQ(bytes_at(folder_ / "mine.html"), "mine");
+  EXPECT_EQ(bytes_of(folder_ / "mine.html"), "mine");
 }
 
 }  // namespace

@@ -17,7 +17,6 @@
 namespace slipbench::cost {
 namespace {
 
-using ::slipbench::testing::bytes_of;
 using ::slipbench::testing::matches;
 using ::slipbench::testing::unpaired_brackets;
 using ::slipbench::testing::variables;
@@ -127,8 +126,7 @@ TEST(CostPage, RefusesWhatIsNoResult) {
   }
 }
 
-class CostFileTest : public ::slipbench::testing::FolderTest {
- protected:
+struct CostFileTest : ::slipbench::testing::FolderTest {
   std::vector<std::string> write(const Json& result) const {
     return page::write_page_files(path("c.html"), page_kind, cost_page(result), result);
   }

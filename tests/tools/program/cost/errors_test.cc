@@ -97,8 +97,7 @@ TEST(LoadTime, IsHowLongALoadInProportionToTimeHasGrown) {
   EXPECT_EQ(load_time(times, margin, 0.0), least_load_time);
 }
 
-class TrialErrors : public ::testing::Test {
- protected:
+struct TrialErrors : ::testing::Test {
   const TrialResult reference = slipping_pad();
   TrialResult run = reference;
 };

@@ -1,7 +1,6 @@
 #include "tools/program/cost/kept_setting.h"
 
 #include <fstream>
-#include <iterator>
 
 #include <nlohmann/json.hpp>
 
@@ -16,15 +15,11 @@ const std::string dragged =
     "slipbench: 1\nduration: 1.2 s\nmotion: {kind: stage, start: 0.7 s, speed: 8 mm/s}\n"
     "sensors: {pad: {type: papillarray, rate: 100 Hz}}\n";
 
-class KeptSettingTest : public FolderTest {
- protected:
+struct KeptSettingTest : FolderTest {
   KeptSettingTest() { write("s.yaml", dragged + "accuracy: {onset: 1 %}\n"); }
 
   void write(const std::string& name, const std::string& bytes) const { std::ofstream(path(name), std::ios::binary) << bytes; }
-  [[nodiscard]] std::string read(const std::string& name) const {
-    std::ifstream file(path(name), std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  [[nodiscard]] std::string read(const std::string& name) const { return bytes_of(path(name)); }
   // Counts in `searches_` whether it was looked for.
   std::optional<KeptSetting> settle_for(SweepOptions sweep) {
     if (sweep.scene_path.empty()) sweep.scene_path = path("s.yaml");

@@ -1,7 +1,6 @@
 // A scene's wish for accuracy as a user gives it to the program.
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include "tests/expect.h"
 #include "tests/tools/program/commands/child_process.h"
@@ -12,11 +11,6 @@ namespace {
 constexpr const char* wishing =
     "slipbench: 1\nduration: 1.2 s\nmotion: {kind: stage, start: 0.7 s}\nsensors: {pad: {type: papillarray, rate: 100 Hz}}\n"
     "sweep: {motion.speed: [4 mm/s, 8 mm/s]}\naccuracy: {onset: 1 %}\nexpect: {gross_slip_by: 1.2 s}\n";
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 TEST(Wish, IsSettledOnceForRunSweepAndCheck) {
   const TemporaryFolder folder;

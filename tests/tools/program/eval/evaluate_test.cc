@@ -43,8 +43,7 @@ TEST(ChosenDetector, RefusesAsAScene) {
   EXPECT_THAT(refusal("force_ratio", {{"rotia", "1"}}), HasSubstr("unknown key 'rotia' in detector; did you mean 'ratio'?"));
 }
 
-class Evaluated : public SmallDatasetTest {
- protected:
+struct Evaluated : SmallDatasetTest {
   static Options options(const std::string& dataset) {
     Options result;
     result.detector = chosen_detector("force_ratio", {{"ratio", "0.45"}});

@@ -16,8 +16,7 @@ namespace {
 
 using ::slipbench::testing::FolderTest;
 
-class GraspReplay : public FolderTest {
- protected:
+struct GraspReplay : FolderTest {
   // Three boxes, one of which is too heavy for the grip.
   std::string dataset(const std::string& detector) {
     std::ofstream(path("scene.yaml")) << "slipbench: 1\nseed: 2\nsurface: {material: ptfe}\nduration: 5 s\n"

@@ -19,7 +19,6 @@
 namespace slipbench::any_sensor_test {
 namespace {
 
-using slipbench::testing::bytes_of;
 using slipbench::testing::make_grasp_record;
 using slipbench::testing::make_record;
 using ::testing::Ge;
@@ -46,8 +45,7 @@ SensorRecord nib_pad(std::size_t rows) {
   return sensor;
 }
 
-class AnySensor : public slipbench::testing::FolderTest {
- protected:
+struct AnySensor : slipbench::testing::FolderTest {
   std::string dataset(const std::vector<TrialRecord>& records, const std::string& name = "a.h5") {
     return slipbench::testing::write_dataset(path(name), {"1", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, records);
   }

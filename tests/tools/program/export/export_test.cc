@@ -84,8 +84,7 @@ std::vector<std::vector<std::string>> table_of(const std::string& path) {
   return table;
 }
 
-class ExportTest : public FolderTest {
- protected:
+struct ExportTest : FolderTest {
   std::string scene_text = "slipbench: 1\n";
   std::string overrides = "{}";
 
@@ -412,11 +411,7 @@ TEST_F(ExportTest, DamagedDatasetsAreExportedOrRefused) {
     std::string bytes = whole;
     bytes[(step * 7919) % whole.size()] ^= static_cast<char>(1 + (step * 31) % 255);
     std::ofstream(path("damaged.h5"), std::ios::binary | std::ios::trunc) << bytes;
-    try {
-      run(path("damaged.h5"), training);
-    } catch (const InputError&) {
-      ++refused;
-    }
+    refused += refusal_of([&] { run(path("damaged.h5"), training); }) != "accepted" ? 1 : 0;
   }
   EXPECT_GE(refused, 30U);
 }
@@ -455,22 +450,14 @@ TEST_F(ExportTest, UnusableFoldersAreRefused) {
 TEST_F(ExportTest, FullDiskLeavesNoHalfFile) {
   const std::string from = dataset({make_trial_record(0)});
   ::mkdir(path("out").c_str(), 0777);
-  const pid_t child = ::fork();
-  if (child == 0) {
+  const int status = in_child([&] {
     const rlimit limits{100, 100};
     ::setrlimit(RLIMIT_FSIZE, &limits);
     std::signal(SIGXFSZ, SIG_IGN);
-    try {
-      run(from, vendor);
-    } catch (const InputError& error) {
-      ::_exit(std::string(error.what()) == "cannot write " + path("out/LOG_demo_0.csv") + ": File too large" ? 0 : 2);
-    }
-    ::_exit(1);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 0);
+    const std::string refusal = refusal_of([&] { run(from, vendor); });
+    ::_exit(refusal == "cannot write " + path("out/LOG_demo_0.csv") + ": File too large" ? 0 : 2);
+  });
+  EXPECT_EQ(status, 0);
   EXPECT_TRUE(std::filesystem::is_empty(path("out")));
 }
 

@@ -9,7 +9,6 @@
 namespace slipbench::grasp_csv_test {
 namespace {
 
-using slipbench::testing::bytes_of;
 using slipbench::testing::make_record;
 
 constexpr std::size_t rows = 6;
@@ -43,8 +42,7 @@ TrialRecord grasp(std::size_t trial, bool held) {
   return record;
 }
 
-class GraspCsv : public slipbench::testing::FolderTest {
- protected:
+struct GraspCsv : slipbench::testing::FolderTest {
   std::string exported(const std::vector<TrialRecord>& records) {
     slipbench::testing::write_dataset(path("a.h5"), {"1", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, records);
     const auto files = export_dataset(path("a.h5"), path("out"), {ExportFormat::grasp_csv, {}, {}, {}, {}, {}});

@@ -9,7 +9,6 @@
 namespace slipbench::slip_csv_test {
 namespace {
 
-using slipbench::testing::bytes_of;
 using slipbench::testing::make_record;
 
 constexpr std::size_t slip_rows = 40;
@@ -31,8 +30,7 @@ TrialRecord finger(const std::string& params) {
   return record;
 }
 
-class SlipCsv : public slipbench::testing::FolderTest {
- protected:
+struct SlipCsv : slipbench::testing::FolderTest {
   std::vector<std::string> exported(const TrialRecord& record, const std::string& scene) {
     slipbench::testing::write_dataset(path("a.h5"), {"1", scene, "{}", 7, "slipbench sweep a.yaml"}, {record});
     ExportOptions options;

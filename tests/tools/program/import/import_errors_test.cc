@@ -10,8 +10,7 @@ namespace {
 
 using namespace slipbench::testing;
 
-class ImportErrors : public slipbench::testing::ImportTest {
- protected:
+struct ImportErrors : slipbench::testing::ImportTest {
   // Imports a source and expects a message about it that begins with its path; nothing but the source is left.
   void expect_refusal(const std::string& format, const std::string& name, const std::string& text, const std::string& message) {
     const std::string file = source(name, text);
@@ -116,9 +115,9 @@ TEST_F(ImportErrors, SourcesAreChecked) {
 // The dataset's own name is checked before a row is read.
 TEST_F(ImportErrors, SourceIsNotReplaced) {
   const std::string file = source("a.csv", grasp_header() + grasp_row("coke", "0", 1));
-  const std::string before = slipbench::testing::bytes_of(file);
+  const std::string before = bytes_of(file);
   EXPECT_THAT(refusal_of([&] { run({file}, "bts3v2", "a.csv"); }), HasSubstr("exists and is no dataset"));
-  EXPECT_EQ(slipbench::testing::bytes_of(file), before);
+  EXPECT_EQ(bytes_of(file), before);
   EXPECT_THAT(names(), ElementsAre("a.csv"));
 }
 

@@ -14,8 +14,7 @@ namespace {
 
 using namespace slipbench::testing;
 
-class Import : public slipbench::testing::ImportTest {
- protected:
+struct Import : slipbench::testing::ImportTest {
   [[nodiscard]] TrialRecord trial(std::size_t number) const { return DatasetReader(path("out.h5")).read_trial(number); }
   [[nodiscard]] nlohmann::json params(std::size_t number) const { return nlohmann::json::parse(trial(number).params); }
 };
@@ -160,8 +159,7 @@ TEST_F(Import, TrainingFileSaysItsMoveAndWhichPillarsSlip) {
 }
 
 // What every imported file is.
-class Imported : public Import {
- protected:
+struct Imported : Import {
   void SetUp() override {
     std::string rows;
     for (int k = 0; k < 40; ++k) rows += grasp_row("object_" + std::to_string(k % 4), k % 3 == 0 ? "1" : "0", k);
@@ -258,8 +256,7 @@ TEST_F(Imported, InterruptedLeavesNothing) {
 }
 
 // Files that no import writes, since others may hand over any.
-class MadeUp : public Import {
- protected:
+struct MadeUp : Import {
   std::string write(TrialRecord record) {
     return slipbench::testing::write_dataset(
         path("out.h5"),

@@ -11,8 +11,7 @@ namespace slipbench::round_trip_test {
 namespace {
 
 // Pressed, slid and turned; 60 ms of sliding at 16 mm/s let all nine pillars go.
-class RoundTrip : public slipbench::testing::ImportTest {
- protected:
+struct RoundTrip : slipbench::testing::ImportTest {
   void SetUp() override {
     SweepOptions options;
     options.scene_path = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";

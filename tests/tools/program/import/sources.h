@@ -98,8 +98,7 @@ inline std::string training_row(const std::string& time, const std::vector<std::
   return joined_cells(cells) + "\n";
 }
 
-class ImportTest : public FolderTest {
- protected:
+struct ImportTest : FolderTest {
   // Writes a source below the test's folder and returns its path.
   std::string source(const std::string& name, const std::string& text) {
     std::filesystem::create_directories(std::filesystem::path(path(name)).parent_path());

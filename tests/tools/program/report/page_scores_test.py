@@ -1,6 +1,6 @@
 """What a report says of detectors, read from its page in headless Chromium, against the same figures computed from the arrays with numpy.
 
-Arguments: Chromium, the project's root, the program.
+Arguments: the project's root, the program.
 """
 
 import json
@@ -9,52 +9,27 @@ import subprocess
 import sys
 import tempfile
 import unittest
-from html.parser import HTMLParser
 from pathlib import Path
 
 import h5py
 import numpy
 
-PROGRAM = Path(sys.argv.pop(3)).resolve()
-ROOT = Path(sys.argv.pop(2)).resolve()
-CHROMIUM = sys.argv.pop(1)
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "base/page"))
+import chromium  # noqa: E402
+
+PROGRAM = Path(sys.argv.pop(2)).resolve()
+ROOT = Path(sys.argv.pop(1)).resolve()
 
 
-class Page(HTMLParser):
-    """The tables of a page as [{head: cell}], and the figures of its cards as {name: (value, note)}."""
+class Page:
+    """The tables of a page as rows of cells, and the figures of its cards as {name: (value, note)}."""
 
-    def __init__(self, text):
-        super().__init__()
-        self.tables, self.figures, self.path, self.cells, self.text = [], {}, [], [], None
-        self.source = text
-        self.feed(text)
-
-    def handle_starttag(self, tag, attributes):
-        kind = dict(attributes).get("class", "")
-        if tag == "table":
-            self.tables.append([])
-        elif tag == "tr":
-            self.cells = []
-        elif tag in ("th", "td") or (tag == "div" and kind.split(" ")[0] in ("k", "v", "s")):
-            self.text = ""
-            self.path.append(kind)
-
-    def handle_data(self, data):
-        if self.text is not None:
-            self.text += data
-
-    def handle_endtag(self, tag):
-        if tag in ("th", "td") and self.text is not None:
-            self.cells.append(self.text)
-        elif tag == "tr" and self.tables:
-            self.tables[-1].append(self.cells)
-        elif tag == "div" and self.text is not None:
-            self.cells = [self.text] if self.path[-1] == "k" else [*self.cells, self.text]
-            if len(self.cells) == 3:
-                self.figures[self.cells[0]] = tuple(self.cells[1:])
-        else:
-            return
-        self.text = None
+    def __init__(self, browser):
+        self.source = browser.dom()
+        self.tables = browser.evaluate(
+            "[...document.querySelectorAll('table')].map(table => [...table.rows].map(row => [...row.cells].map(cell => cell.textContent)))")
+        cards = browser.evaluate("[...document.querySelectorAll('.figures > div')].map(card => [...card.children].map(part => part.textContent))")
+        self.figures = {name: (value, note) for name, value, note in cards}
 
     def table(self, first):
         """Rows of the first table whose head begins so."""
@@ -97,11 +72,9 @@ class PageScoresTest(unittest.TestCase):
         self.addCleanup(self.file.close)
         self.trials = [self.file["data"][name] for name in sorted(self.file["data"], key=lambda name: int(name[5:]))]
         self.outcomes = [json.loads(trial.attrs["outcome"]) for trial in self.trials]
-        browser = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={self.folder / 'profile'}"]
-        dump = subprocess.run(
-            [*browser, "--virtual-time-budget=20000", "--dump-dom", report.as_uri()], check=True, capture_output=True, timeout=300
-        )
-        return Page(dump.stdout.decode())
+        browser = self.enterContext(chromium.Chromium())
+        browser.open_drawn(report)
+        return Page(browser)
 
     def look_at_scores(self, page):
         (row,) = page.table(["recall of slip", "balanced accuracy"])

@@ -22,7 +22,7 @@ std::string page_path(const std::string& name) { return (std::filesystem::path(:
 
 // The data inside a page.
 Json data_of(const std::string& path) {
-  const std::string page = read_text(path);
+  const std::string page = bytes_of(path);
   const std::string mark = "id=\"slipbench-data\">";
   const std::size_t begin = page.find(mark) + mark.size();
   const auto element = [&](std::size_t from) { return Json::parse(page.substr(from, page.find("</script>", from) - from)); };
@@ -194,7 +194,7 @@ TEST(Report, HoldsAGrasp) {
   const Json data = reported("report_grasp", grasp_scene, {sample_grasp(0)});
   EXPECT_EQ(data.at("trials").at(0).at("grasp").at("ideal_force_N"), 2.0);
   EXPECT_EQ(data.at("by_grasp").at("0").at("lift_s"), 3e-3);
-  EXPECT_THAT(read_text(page_path("report_grasp.html")), HasSubstr("class GraspView"));
+  EXPECT_THAT(bytes_of(page_path("report_grasp.html")), HasSubstr("class GraspView"));
 }
 
 // Every trial of a grasp is in the page, where of another 6 are.
@@ -212,7 +212,7 @@ TEST(Report, PaysNothingForAGraspThatIsNotThere) {
   const Json data = reported("report_no_grasp", scene, trials(1));
   EXPECT_FALSE(data.contains("grasps"));
   EXPECT_FALSE(data.at("trials").at(0).contains("grasp"));
-  EXPECT_THAT(read_text(page_path("report_no_grasp.html")), Not(HasSubstr("class GraspView")));
+  EXPECT_THAT(bytes_of(page_path("report_no_grasp.html")), Not(HasSubstr("class GraspView")));
 }
 
 // A soft skin has what its closed form needs, of a sphere its radius, and the page what draws it. Others pay nothing for it.
@@ -223,9 +223,9 @@ TEST(Report, SaysWhatASoftSkinTouches) {
   EXPECT_EQ(flat, Json({{"sensors", {"pad"}}, {"shear_modulus", 1e6}, {"friction", 0.6}, {"sphere_radius", nullptr}}));
   const Json sphere = reported("report_skin", skin + "surface: {shape: sphere, radius: 30 mm}\n", trials(1)).at("skins").at("0");
   EXPECT_EQ(sphere.at("sphere_radius"), 0.03);
-  EXPECT_THAT(read_text(page_path("report_skin.html")), HasSubstr("skinSection = "));
+  EXPECT_THAT(bytes_of(page_path("report_skin.html")), HasSubstr("skinSection = "));
   EXPECT_FALSE(reported("report_no_skin", scene, trials(1)).contains("skins"));
-  EXPECT_THAT(read_text(page_path("report_no_skin.html")), Not(HasSubstr("skinSection = ")));
+  EXPECT_THAT(bytes_of(page_path("report_no_skin.html")), Not(HasSubstr("skinSection = ")));
 }
 
 TEST(Report, ListsEveryTrialOfADataset) {
@@ -317,7 +317,7 @@ TEST(Report, SameDatasetGivesSameBytes) {
   const std::string dataset = write_dataset("report_same.h5", scene, trials(3));
   write_report(dataset, page_path("report_same_1.html"));
   write_report(dataset, page_path("report_same_2.html"));
-  EXPECT_EQ(read_text(page_path("report_same_1.html")), read_text(page_path("report_same_2.html")));
+  EXPECT_EQ(bytes_of(page_path("report_same_1.html")), bytes_of(page_path("report_same_2.html")));
 }
 
 TEST(Report, RefusesATrialThatIsNotThere) {
@@ -330,7 +330,7 @@ TEST(Report, RefusesWhatIsNoDataset) {
   EXPECT_THAT(refusal(page_path("absent.h5"), page_path("x.html")), HasSubstr("absent.h5"));
   write_text(page_path("text.h5"), "not HDF5");
   EXPECT_THAT(refusal(page_path("text.h5"), page_path("x.html")), HasSubstr("text.h5"));
-  const std::string whole = read_text(write_dataset("report_whole.h5", scene, trials(2)));
+  const std::string whole = bytes_of(write_dataset("report_whole.h5", scene, trials(2)));
   write_text(page_path("cut.h5"), whole.substr(0, whole.size() / 2));
   EXPECT_THAT(refusal(page_path("cut.h5"), page_path("x.html")), HasSubstr("cut.h5"));
   EXPECT_FALSE(std::filesystem::exists(page_path("x.html")));
@@ -344,7 +344,7 @@ TEST(Report, RefusesBrokenContent) {
   EXPECT_THAT(refusal(write_dataset("report_params.h5", scene, {sample_trial(0, "speed 4")}), page_path("x.html")),
               HasSubstr("attribute params is not a JSON object: speed 4"));
   const std::string file = write_dataset("report_outcome.h5", scene, trials(1));
-  std::string bytes = read_text(file);
+  std::string bytes = bytes_of(file);
   bytes.replace(bytes.find("{\"dropped"), 1, "[");
   write_text(file, bytes);
   EXPECT_THAT(refusal(file, page_path("x.html")), HasSubstr(file + ": /data/demo_0: outcome is not the JSON object of a trial"));
@@ -367,18 +367,18 @@ TEST(Report, RefusesATargetThatCannotBeWritten) {
 
 TEST(Report, NeverReplacesADataset) {
   const std::string dataset = write_dataset("report_input.h5", scene, trials(1));
-  const std::string before = read_text(dataset);
+  const std::string before = bytes_of(dataset);
   EXPECT_THAT(refusal(dataset, dataset), HasSubstr("is the input"));
   EXPECT_THAT(refusal(dataset, page_path("./report_input.h5")), HasSubstr("is the input"));
   const std::string other = write_dataset("report_other.h5", scene, trials(1));
   EXPECT_THAT(refusal(dataset, other), HasSubstr("report_other.h5 exists and is no report"));
-  EXPECT_EQ(read_text(dataset), before);
-  EXPECT_EQ(read_text(other), before);  // the same trials: the same bytes
+  EXPECT_EQ(bytes_of(dataset), before);
+  EXPECT_EQ(bytes_of(other), before);  // the same trials: the same bytes
   // The page's temporary name is that of a killed run's dataset.
   const std::string killed = page_path("report_killed.h5.partial");
   std::filesystem::copy_file(dataset, killed, std::filesystem::copy_options::overwrite_existing);
   EXPECT_THAT(refusal(killed, page_path("report_killed.h5")), HasSubstr("report_killed.h5.partial is the input"));
-  EXPECT_EQ(read_text(killed), before);
+  EXPECT_EQ(bytes_of(killed), before);
 }
 
 TEST(Report, ReplacesReportsAndNothingElse) {
@@ -389,7 +389,7 @@ TEST(Report, ReplacesReportsAndNothingElse) {
       EXPECT_EQ(refusal(dataset, page_path("report_kept.yaml")),
                 "cannot write " + page_path("report_kept.yaml") + ": " + page_path(name) +
                     " exists and is no report; allowed: a new name, or a report to replace");
-      EXPECT_EQ(read_text(page_path(name)), text);
+      EXPECT_EQ(bytes_of(page_path(name)), text);
       std::filesystem::remove(page_path(name));
     }
   }
@@ -411,7 +411,7 @@ TEST(Report, RefusesArraysOfAnotherDigest) {
 
 // However a file is damaged, the report is made or refused, never ended by a signal.
 TEST(Report, SurvivesDamagedDatasets) {
-  const std::string whole = read_text(write_dataset("report_damage.h5", scene, trials(2)));
+  const std::string whole = bytes_of(write_dataset("report_damage.h5", scene, trials(2)));
   const std::string damaged = page_path("report_damaged.h5");
   std::size_t refused = 0;
   for (std::size_t step = 0; step < 300; ++step) {

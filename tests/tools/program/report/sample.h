@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/files.h"
 #include "tests/tools/base/page/unpack.h"
 #include "tools/base/record/trial_record.h"
 
@@ -28,7 +29,6 @@ std::string write_dataset(const std::string& name, const std::string& scene, con
 
 using page::unpack;
 
-std::string read_text(const std::string& path);
 void write_text(const std::string& path, const std::string& text);
 
 }  // namespace slipbench::report

@@ -9,7 +9,6 @@ import json
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "base/page"))
@@ -72,8 +71,6 @@ FAULTS = r"""(async () => {
   return [...new Set(faults)];
 })()"""
 # How much of the window has another colour than the page's ground, and how light that ground is, 0 to 255.
-READY = """!document.querySelector('#page > .wait') && (!document.querySelector('main') || document.querySelector('main').children.length > 0) &&
-    !(location.hash.startsWith('#trial-') && !document.querySelector('.grid .chart'))"""
 GROUND = "getComputedStyle(document.documentElement).backgroundColor.match(/[0-9]+/g).slice(0, 3).map(Number)"
 # Saves a chart and hands back the file's name and its text, or of a picture its size and how many of its pixels are not the first one's colour.
 SAVE = r"""(async (selector, kind) => {
@@ -116,13 +113,7 @@ class Pages:
         return self.folder / f"{name}.html"
 
     def open(self, page, fragment=""):
-        """Opens a page and waits until all of it has been drawn: the last charts of a trial are those of its units."""
-        self.browser.open(page, fragment)
-        end = time.monotonic() + 60
-        while not self.browser.evaluate(READY):
-            if time.monotonic() > end:
-                raise TimeoutError(f"{page.name}{fragment} is not drawn: {self.browser.complaints()}")
-            time.sleep(0.02)
+        self.browser.open_drawn(page, fragment)
         for _ in range(3):  # frames, in which pictures that wait are drawn
             self.browser.evaluate("new Promise(done => requestAnimationFrame(() => setTimeout(done, 50)))")
 

@@ -22,8 +22,7 @@ namespace {
 
 const std::string scenes = SLIPBENCH_SOURCE_DIR "/scenes/bodies/";
 
-class BodiesRun : public testing::FolderTest {
- protected:
+struct BodiesRun : testing::FolderTest {
   // The summary of a run whose dataset is `output`.
   SweepSummary run(const std::string& scene, const std::string& output, std::size_t jobs = 1,
                    const std::vector<Override>& overrides = {}) const {
@@ -144,7 +143,7 @@ TEST_F(BodiesRun, BytesDoNotDependOnTheJobs) {
                                     {"duration", "0.3 s"}};
   run(scenes + "held_box.yaml", "one.h5", 1, sweep);
   run(scenes + "held_box.yaml", "two.h5", 2, sweep);
-  EXPECT_EQ(testing::bytes_of(path("one.h5")), testing::bytes_of(path("two.h5")));
+  EXPECT_EQ(bytes_of(path("one.h5")), bytes_of(path("two.h5")));
 }
 
 TEST_F(BodiesRun, ArticulatedPadsRunTheSameScene) {

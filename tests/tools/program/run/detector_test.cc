@@ -157,13 +157,11 @@ TEST(DetectorInTrial, ReadsTheSensorThatTheSceneNames) {
 }
 
 TEST(DetectorInTrial, WhatItRefusesHasThePathOfTheScene) {
-  const auto path = [](const std::string& detector) -> std::string {
-    try {
+  const auto path = [](const std::string& detector) {
+    const std::string refusal = scene_refusal_of([&] {
       check_trial(stage_scene({{"sensors.pad.rate", "250 Hz"}, {"detector", detector}}), 0);
-    } catch (const SceneValueError& error) {
-      return error.path();
-    }
-    return "accepted";
+    });
+    return refusal.substr(0, refusal.find(" | "));
   };
   EXPECT_EQ(path("{type: gst_hd, memories: " + published + "}"), "detector.rate");  // 100 Hz does not divide 250 Hz
   EXPECT_EQ(path("{type: gst_hd, rate: 125 Hz, memories: " + published + "}"), "accepted");
@@ -212,8 +210,7 @@ TEST(DetectorInTrial, HardwareIsSeenAfterItsCycles) {
   }
 }
 
-class DetectorSweep : public FolderTest {
- protected:
+struct DetectorSweep : FolderTest {
   SweepSummary run(const std::string& output, std::size_t jobs, const std::vector<Override>& overrides = {}) {
     std::ofstream(path("scene.yaml")) << R"(slipbench: 1
 duration: 0.4 s

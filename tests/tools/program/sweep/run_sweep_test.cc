@@ -43,8 +43,7 @@ sweep:
   trials: 2
 )";
 
-class SweepTest : public FolderTest {
- protected:
+struct SweepTest : FolderTest {
   SweepTest() { std::ofstream(path("scene.yaml")) << scene_text; }
 
   SweepOptions options(const std::string& output, std::size_t jobs = 2) {
@@ -422,25 +421,15 @@ TEST_F(SweepTest, AFileThatChangesEndsTheRun) {
 TEST_F(SweepTest, TrialWithoutMemoryEndsTheRun) {
   SweepOptions large = options("out.h5", 1);
   large.overrides = {{"sweep", "{duration: [0.3 s, 2000 s]}"}};
-  const pid_t child = ::fork();
-  if (child == 0) {
+  const int status = in_child([&] {
     std::size_t pages = 0;  // of the whole process: the first number of statm
     std::ifstream("/proc/self/statm") >> pages;
     rlimit tight{};
     ::getrlimit(RLIMIT_AS, &tight);
     tight.rlim_cur = pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + 400'000'000;
     ::setrlimit(RLIMIT_AS, &tight);
-    std::string message;
-    try {
-      run(large);
-    } catch (const InputError& error) {
-      message = error.what();
-    }
-    std::ofstream(path("message")) << message;
-    ::_exit(0);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
+    std::ofstream(path("message")) << refusal_of([&] { run(large); });
+  });
   EXPECT_EQ(status, 0);
   EXPECT_THAT(bytes_of(path("message")),
               AllOf(StartsWith("trial 1: out of memory; "), HasSubstr("; " + path("out.partial.h5") + " holds 1 of 2 trials")));

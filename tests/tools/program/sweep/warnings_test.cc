@@ -14,8 +14,7 @@
 namespace slipbench::testing {
 namespace {
 
-class Warnings : public FolderTest {
- protected:
+struct Warnings : FolderTest {
   // Of a pad on a stage, whose lines 1 and 2 these are.
   std::vector<Warning> of(const std::string& text, const std::vector<Override>& overrides = {}) {
     std::ofstream(path("s.yaml")) << "slipbench: 1\nsensors: {pad: {type: papillarray}}\n" << text;

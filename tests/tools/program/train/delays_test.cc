@@ -1,5 +1,6 @@
 #include "tools/program/train/sequences.h"
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -15,8 +16,7 @@ constexpr PadState incipient = PadState::incipient;
 constexpr PadState gross = PadState::gross;
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
-class DelaysTest : public ::testing::Test {
- protected:
+struct DelaysTest : ::testing::Test {
   const std::vector<double> time{0.0, 0.1, 0.2, 0.3, 0.4};
   Delays delays;
 };
@@ -33,36 +33,22 @@ TEST_F(DelaysTest, AFrameAtTheOnsetIsNotBeforeIt) {
   EXPECT_THAT(delays.delay, ElementsAre(DoubleEq(0.0)));
 }
 
-TEST_F(DelaysTest, WhatIsCalledAlreadyIsEarly) {
-  delays.add(time, std::vector{non_slip, incipient, incipient, incipient, gross}, 0.15);
-  EXPECT_THAT(delays.delay, IsEmpty());
-  EXPECT_EQ(delays.early, 1U);
-  EXPECT_EQ(delays.slipping, 1U);
-  EXPECT_EQ(delays.false_alarms, 0U);
-}
-
-// The first call decides: one that came and went leaves no delay of the next.
-TEST_F(DelaysTest, WhatWasCalledAndWithdrawnIsEarlyToo) {
-  delays.add(time, std::vector{gross, non_slip, non_slip, gross, gross}, 0.15);
-  delays.add(time, std::vector{gross, non_slip, non_slip, non_slip, non_slip}, 0.15);
-  EXPECT_THAT(delays.delay, IsEmpty());
-  EXPECT_EQ(delays.early, 2U);
-  EXPECT_EQ(delays.missed, 0U);
-}
-
-TEST_F(DelaysTest, WhatIsNeverCalledIsMissed) {
-  delays.add(time, std::vector{non_slip, non_slip, non_slip, non_slip, non_slip}, 0.15);
-  delays.add(time, std::vector{non_slip, non_slip, non_slip, non_slip, non_slip}, 0.5);  // after the last frame
-  EXPECT_EQ(delays.missed, 2U);
-  EXPECT_EQ(delays.slipping, 2U);
-}
-
-TEST_F(DelaysTest, WithoutSlipEveryCallIsFalse) {
-  delays.add(time, std::vector{non_slip, non_slip, non_slip, non_slip, gross}, never);
-  delays.add(time, std::vector{non_slip, non_slip, non_slip, non_slip, non_slip}, never);
-  EXPECT_EQ(delays.false_alarms, 1U);
-  EXPECT_EQ(delays.early + delays.missed + delays.slipping, 0U);
-  EXPECT_EQ(delays.sequences, 2U);
+TEST_F(DelaysTest, TheFirstCallDecides) {
+  using Counts = std::array<std::size_t, 6>;  // seen, early, missed, false alarms; of those that slip; all
+  const auto told = [&](const std::vector<PadState>& called, double onset) {
+    Delays one;
+    one.add(time, called, onset);
+    return Counts{one.delay.size(), one.early, one.missed, one.false_alarms, one.slipping, one.sequences};
+  };
+  const std::vector none(5, non_slip);
+  constexpr Counts early{0, 1, 0, 0, 1, 1}, missed{0, 0, 1, 0, 1, 1};
+  EXPECT_EQ(told({non_slip, incipient, incipient, incipient, gross}, 0.15), early);
+  EXPECT_EQ(told({gross, non_slip, non_slip, gross, gross}, 0.15), early) << "what came and went leaves no delay of the next";
+  EXPECT_EQ(told({gross, non_slip, non_slip, non_slip, non_slip}, 0.15), early);
+  EXPECT_EQ(told(none, 0.15), missed);
+  EXPECT_EQ(told(none, 0.5), missed) << "after the last frame";
+  EXPECT_EQ(told({non_slip, non_slip, non_slip, non_slip, gross}, never), (Counts{0, 0, 0, 1, 0, 1}));
+  EXPECT_EQ(told(none, never), (Counts{0, 0, 0, 0, 0, 1}));
 }
 
 TEST_F(DelaysTest, AddUp) {

@@ -15,8 +15,7 @@
 namespace slipbench::testing {
 namespace {
 
-class SequencesTest : public SmallDatasetTest {
- protected:
+struct SequencesTest : SmallDatasetTest {
   std::string refusal(const std::string& file, const SequenceOptions& options = {}) {
     return refusal_of([&] { read_sequences(file, options); });
   }

@@ -28,8 +28,7 @@ sweep:
   trials: 12
 )";
 
-class SmallDatasetTest : public FolderTest {
- protected:
+struct SmallDatasetTest : FolderTest {
   // Writes the dataset, with some of the scene's values replaced.
   std::string dataset(const std::vector<Override>& overrides = {}, const std::string& name = "data.h5") {
     std::ofstream(path("scene.yaml")) << small_scene;

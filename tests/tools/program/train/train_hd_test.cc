@@ -86,7 +86,7 @@ TEST(Fit, EpochsKeepPrototypesApart) {
   hd::Model model = small_model(hd::Encoding::spatial, false);
   const hd::Memories memories = hd::generate(model, 1);
   const auto turned = [&](hd::Hypervector vector, std::size_t from, std::size_t below, std::size_t bits, std::uint64_t stream) {
-    const std::vector<std::size_t> order = hd::shuffled(below - from, RandomStream(3, stream, "test"));
+    const std::vector<std::size_t> order = shuffled(below - from, RandomStream(3, stream, "test"));
     for (std::size_t k = 0; k < bits; ++k) vector.set(from + order[k], !vector.bit(from + order[k]));
     return vector;
   };
@@ -196,8 +196,7 @@ TEST(CrossValidation, RefusesWhenNothingIsLeftToTest) {
               HasSubstr("draw 0 leaves no frame to test: 1 sequences with contact after a window of 4 frames are too few"));
 }
 
-class TrainTest : public SmallDatasetTest {
- protected:
+struct TrainTest : SmallDatasetTest {
   HdTraining options(const std::string& data, const std::string& folder, std::size_t jobs) {
     HdTraining training;
     training.dataset = data;
@@ -291,7 +290,7 @@ TEST_F(TrainTest, TheShippedMemoryIsNoRuleOfAFewBits) {
   };
   const std::vector<bool> whole = answers();
   for (std::size_t k = 0; k < prototypes.size(); ++k) {
-    const std::vector<std::size_t> order = hd::shuffled(saved.model.dimension, RandomStream(1, k, "worn"));
+    const std::vector<std::size_t> order = shuffled(saved.model.dimension, RandomStream(1, k, "worn"));
     for (std::size_t i = 0; i < 10; ++i) prototypes[k].set(order[i], !prototypes[k].bit(order[i]));
   }
   const std::vector<bool> worn = answers();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include <nlohmann/json.hpp>
 
@@ -16,13 +15,7 @@
 namespace slipbench::train::train_network_test {
 namespace {
 
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-class TrainNetwork : public slipbench::testing::SmallDatasetTest {
- protected:
+struct TrainNetwork : slipbench::testing::SmallDatasetTest {
   NetworkTraining small(const std::string& recipe = "papillarray_gru") {
     NetworkTraining training;
     training.datasets = {dataset()};

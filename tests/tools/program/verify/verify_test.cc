@@ -24,8 +24,7 @@ sensors:
 )";
 constexpr std::size_t pressed = 48, sliding = 88;  // samples, 10 ms each
 
-class VerifyTest : public FolderTest {
- protected:
+struct VerifyTest : FolderTest {
   static const TrialRecord& sound() {
     static const TrialRecord record = run_trial(parsed(scene_text), 0, Recording::full).record;
     return record;

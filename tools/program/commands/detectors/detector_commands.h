@@ -21,8 +21,7 @@
 namespace slipbench {
 
 // `train`: slip detectors taught on datasets.
-class TrainCommand final : public Command {
- public:
+struct TrainCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -56,8 +55,7 @@ class TrainCommand final : public Command {
 };
 
 // `eval`: slip detectors judged on datasets.
-class EvalCommand final : public Command {
- public:
+struct EvalCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -69,8 +67,7 @@ class EvalCommand final : public Command {
 };
 
 // `benchmark`: a board of slip detectors, and submissions to it.
-class BenchmarkCommand final : public Command {
- public:
+struct BenchmarkCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -87,8 +84,7 @@ class BenchmarkCommand final : public Command {
 };
 
 // `calibrate`: a scene fitted to recordings.
-class CalibrateCommand final : public Command {
- public:
+struct CalibrateCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -102,11 +98,8 @@ class CalibrateCommand final : public Command {
   std::optional<std::size_t> jobs_;
 };
 
-// `hd`: what works with the hyperdimensional classifier.
-
 // `hd replay`: quantised input, step by step.
-class HdReplayCommand final : public Command {
- public:
+struct HdReplayCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -118,8 +111,7 @@ class HdReplayCommand final : public Command {
 };
 
 // `hd` by itself says what is below it.
-class HdCommand final : public Command {
- public:
+struct HdCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 

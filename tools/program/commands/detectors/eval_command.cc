@@ -12,9 +12,9 @@
 
 #include "detectors/hd/words.h"
 #include "detectors/network/engine.h"
-#include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/cli/arguments.h"
@@ -75,8 +75,7 @@ void check_libraries(const benchmark::Asked& submitted, const std::vector<Overri
   for (const Override& change : submitted.parameters) {
     const auto names = [&](const Override& own) { return own.path == change.path && own.value == change.value; };
     if (change.path == "library" && std::ranges::none_of(allowed, names))
-      throw InputError(
-          fmt::format("{}: runs a library; allowed: with --set library={}, to run its code here", file, change.value));
+      reject("{}: runs a library; allowed: with --set library={}, to run its code here", file, change.value);
   }
 }
 
@@ -182,8 +181,7 @@ Examples:
           "benchmark: --verify takes what was asked from its file; allowed: it alone, --jobs, and --set library=PATH");
     if (!output.empty() && !submission.empty() &&
         (same_file(output, submission) || same_file(page::json_path(output), submission)))
-      throw InputError(
-          fmt::format("benchmark: --submit {}: --output {} writes that file; allowed: another name", submission, output));
+      reject("benchmark: --submit {}: --output {} writes that file; allowed: another name", submission, output);
     if (verified.empty() && asked.detectors.empty() && !asked.parameters.empty())
       throw InputError("benchmark: --set is of the DETECTOR given, and none is; allowed: a DETECTOR, e.g. shear_rate");
   });

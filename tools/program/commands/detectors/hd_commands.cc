@@ -12,8 +12,8 @@
 
 #include "detectors/hd/memory_files.h"
 #include "detectors/hd/words.h"
-#include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
@@ -32,7 +32,7 @@ hd::SavedModel load_model(const HdReplayCommand& command) {
     if (command.ties) saved.model.ties = *command.ties;
     return saved;
   } catch (const hd::UnnamedModelError& error) {
-    throw InputError(fmt::format("{}, or --encoder {}", error.what(), fmt::join(hd::names_of(hd::compat_words), " or ")));
+    reject("{}, or --encoder {}", error.what(), fmt::join(hd::names_of(hd::compat_words), " or "));
   }
 }
 
@@ -76,14 +76,14 @@ Prints step,class,d1,d2,d3 as CSV: class 1 non-slip, 2 incipient, 3 gross, and t
 on whose window is full. VECTORS.csv has the columns n (step), L0 to L8 (levels, 0 to 20) and ctx (context, 0 to 3); others are left alone.
 
 DIR holds AM.hex, CIM.hex, CM.hex, IM.hex and model.txt. Without model.txt, as the published memories are, --encoder must be given and
-ties go to one; with it, --encoder and --ties replace what it says. cl_gst_hd, where no folder has that name, is the classifier
-that ships with the program.
+ties go to one; with it, --encoder and --ties replace what it says. cl_gst_hd and learn_gst_hd, where no folder has that name, are the
+classifiers that ship with the program.
 
 Examples:
   slipbench hd replay vectors.csv --memories published --encoder published_core --ties one
   slipbench hd replay vectors.csv --memories published --encoder paper --ties zero --engine reference)");
   arguments.text("VECTORS", vectors, "Quantised input (CSV)").required();
-  arguments.text("--memories DIR", memories, "Folder of the classifier, or cl_gst_hd").required();
+  arguments.text("--memories DIR", memories, "Folder of the classifier, cl_gst_hd or learn_gst_hd").required();
   arguments.word("--encoder NAME", compat, "Whose bundle: {}", hd::compat_words);
   arguments.word("--ties NAME", ties, "A bundle that sums to zero becomes {}", hd::ties_words);
   arguments.text("--engine NAME", engine, fmt::format("{} (default: kernel)", fmt::join(hd_engine_names(), " or ")));
@@ -114,8 +114,8 @@ std::vector<HdVector> read_hd_vectors(const std::string& file) {
   check_regular_file(file);
   std::ifstream stream(file);
   std::string line;
-  if (!stream) throw InputError(fmt::format("{}: {}", file, std::strerror(errno)));
-  if (!std::getline(stream, line)) throw InputError(fmt::format("{}:1: the file is empty; needed: n, L0 to L8, ctx", file));
+  if (!stream) reject("{}: {}", file, std::strerror(errno));
+  if (!std::getline(stream, line)) reject("{}:1: the file is empty; needed: n, L0 to L8, ctx", file);
 
   std::vector<Column> columns = needed_columns();
   const std::vector<std::string_view> names = cells_of(line);
@@ -123,8 +123,7 @@ std::vector<HdVector> read_hd_vectors(const std::string& file) {
   for (Column& column : columns) {
     const auto count = std::ranges::count(names, column.name);
     if (count != 1) {
-      throw InputError(fmt::format("{}:1: {} column {}; needed: n, L0 to L8, ctx", file, count == 0 ? "no" : "more than one",
-                                   quote(column.name)));
+      reject("{}:1: {} column {}; needed: n, L0 to L8, ctx", file, count == 0 ? "no" : "more than one", quote(column.name));
     }
     column.index = static_cast<std::size_t>(std::ranges::find(names, column.name) - names.begin());
   }
@@ -132,27 +131,25 @@ std::vector<HdVector> read_hd_vectors(const std::string& file) {
   std::vector<HdVector> vectors;
   for (std::size_t number = 2; std::getline(stream, line); ++number) {
     const std::vector<std::string_view> cells = cells_of(line);
-    if (cells.size() != width)
-      throw InputError(fmt::format("{}:{}: {} cells; the header has {}", file, number, cells.size(), width));
+    if (cells.size() != width) reject("{}:{}: {} cells; the header has {}", file, number, cells.size(), width);
     std::array<std::uint64_t, 1 + hd::pillar_count + 1> values{};
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const std::string_view cell = cells[columns[i].index];
       const auto [stop, status] = std::from_chars(cell.data(), cell.data() + cell.size(), values[i]);
       if (status != std::errc{} || stop != cell.data() + cell.size() || values[i] > columns[i].max) {
-        throw InputError(fmt::format("{}:{}: {} is {}; allowed: a whole number from 0 to {}", file, number, columns[i].name,
-                                     quote(cell), columns[i].max));
+        reject("{}:{}: {} is {}; allowed: a whole number from 0 to {}", file, number, columns[i].name, quote(cell),
+               columns[i].max);
       }
     }
     HdVector vector{values[0], {}};
     for (std::size_t p = 0; p < hd::pillar_count; ++p) vector.frame.level[p] = static_cast<std::uint8_t>(values[1 + p]);
     vector.frame.context = static_cast<std::uint8_t>(values.back());
     if (!vectors.empty() && vector.step != vectors.back().step + 1) {
-      throw InputError(
-          fmt::format("{}:{}: step {} after step {}; a window has no gaps", file, number, vector.step, vectors.back().step));
+      reject("{}:{}: step {} after step {}; a window has no gaps", file, number, vector.step, vectors.back().step);
     }
     vectors.push_back(vector);
   }
-  if (stream.bad()) throw InputError(fmt::format("{}: {}", file, std::strerror(errno)));
+  if (stream.bad()) reject("{}: {}", file, std::strerror(errno));
   return vectors;
 }
 

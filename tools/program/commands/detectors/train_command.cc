@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
@@ -36,13 +36,13 @@ double alarms_a_minute(const std::string& text) {
     if (unit == "/min") return rate;
     if (unit == "/h") return rate / 60.0;
   }
-  throw InputError(fmt::format("train: --alarms is {}; allowed: a number from 0 on and its unit, as 1/min or 10/h", quote(text)));
+  reject("train: --alarms is {}; allowed: a number from 0 on and its unit, as 1/min or 10/h", quote(text));
 }
 
 // One of `names`.
 std::string checked_labels(const std::string& given, const std::string& recipe, const std::vector<std::string>& names) {
   if (std::ranges::find(names, given) != names.end()) return given;
-  throw InputError(fmt::format("train: --labels is {} with the recipe {}{}", quote(given), recipe, allowed_names(given, names)));
+  reject("train: --labels is {} with the recipe {}{}", quote(given), recipe, allowed_names(given, names));
 }
 
 // What a training says as it goes on. A step's time is that since the report before.
@@ -140,7 +140,7 @@ void TrainCommand::read_hd() {
                                     {steps_.has_value(), "--steps"},
                                     {turned_.has_value(), "--turned"},
                                     {resume_, "--resume"}}) {
-    if (given) throw InputError(fmt::format("train: {} is of networks; allowed: it with another --recipe than gst_hd", name));
+    if (given) reject("train: {} is of networks; allowed: it with another --recipe than gst_hd", name);
   }
   if (context_ && no_context_) throw InputError("train: --context and --no-context exclude each other");
   if (!labels_.empty()) options.sequences.labels = parse_slip_rule(checked_labels(labels_, hd_recipe, slip_rule_names()));
@@ -171,21 +171,19 @@ void TrainCommand::read_network() {
                                     {ties_.has_value(), "--ties"},
                                     {quantiser_.has_value(), "--quantiser"},
                                     {jobs_.has_value(), "--jobs"}}) {
-    if (given) throw InputError(fmt::format("train: {} is of gst_hd; allowed: it without --recipe {}", name, recipe_));
+    if (given) reject("train: {} is of gst_hd; allowed: it without --recipe {}", name, recipe_);
   }
   if (turned_.value_or(0) > 0 && recipe.input.sensor != "myrmex")
-    throw InputError(fmt::format("train: --turned is for images of a myrmex, and {} reads a {}; allowed: none of it", recipe_,
-                                 recipe.input.sensor));
+    reject("train: --turned is for images of a myrmex, and {} reads a {}; allowed: none of it", recipe_, recipe.input.sensor);
   if (!labels_.empty())
     recipe.labels = *hd::value_of(train::label_words, checked_labels(labels_, recipe_, hd::names_of(train::label_words)));
   if ((score_ || !alarms_.empty()) && recipe.at_most > 0)
-    throw InputError(fmt::format("train: {} counts what whole recordings say, and {} draws frames of them; allowed: none of it",
-                                 score_ ? "--score" : "--alarms", recipe_));
+    reject("train: {} counts what whole recordings say, and {} draws frames of them; allowed: none of it",
+           score_ ? "--score" : "--alarms", recipe_);
   std::optional<double> alarms;
   if (recipe.at_most == 0 && !score_) alarms = alarms_a_minute(alarms_.empty() ? "1/min" : alarms_);
   if (!options.output.ends_with(".onnx"))
-    throw InputError(
-        fmt::format("train: -o {}: a network is an ONNX file; allowed: a name that ends with .onnx", options.output));
+    reject("train: -o {}: a network is an ONNX file; allowed: a name that ends with .onnx", options.output);
   recipe.split = split_.value_or(recipe.split);
   recipe.turned = turned_.value_or(recipe.turned);
   if (steps_) {

@@ -22,8 +22,6 @@
 namespace slipbench {
 namespace {
 
-std::string rate_text(const Interval& rate) { return fmt::format("{:.3f} to {:.3f}", rate.low, rate.high); }
-
 std::string count_text(std::size_t count, std::size_t of) { return fmt::format("{} of {}", count, of); }
 
 std::string check_text(const SceneCheck& check, const Style& style) {
@@ -34,7 +32,8 @@ std::string check_text(const SceneCheck& check, const Style& style) {
                fmt::format("{:g} % interval", 100.0 * check.confidence), "control", ""});
   for (const ExpectationResult& result : check.expectations) {
     table.add({result.name, result.limit, result.median_text, result.worst_text, std::to_string(result.worst.trial),
-               count_text(result.kept, result.trials), std::to_string(result.needed), rate_text(result.rate),
+               count_text(result.kept, result.trials), std::to_string(result.needed),
+               fmt::format("{:.3f} to {:.3f}", result.rate.low, result.rate.high),
                result.control_kept ? count_text(*result.control_kept, check.control_trials) : "-",
                result.passed() ? "ok" : "FAIL"});
   }

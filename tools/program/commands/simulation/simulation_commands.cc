@@ -12,8 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "tools/base/dataset/shard_set.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -35,7 +35,7 @@ struct Finished {
 class TrialsJson {
  public:
   TrialsJson() : file_(std::tmpfile(), &std::fclose) {
-    if (!file_) throw InputError(fmt::format("cannot make a temporary file: {}", std::strerror(errno)));
+    if (!file_) reject("cannot make a temporary file: {}", std::strerror(errno));
   }
   void add(const TrialSummary& trial) {
     fmt::print(file_.get(), "{}{}", empty_ ? "" : ",", trial_json(trial));
@@ -44,7 +44,7 @@ class TrialsJson {
   // Ends the object `head` with them. Nothing is printed where they could not all be kept.
   void print(const std::string& head) {
     if (std::fflush(file_.get()) != 0 || std::ferror(file_.get()) != 0) {
-      throw InputError(fmt::format("cannot write a temporary file: {}", std::strerror(errno)));
+      reject("cannot write a temporary file: {}", std::strerror(errno));
     }
     std::rewind(file_.get());
     take_stdout_back();
@@ -145,7 +145,7 @@ SweepShard parse_shard_option(const std::string& text) {
   const auto [slash, error] = std::from_chars(text.data(), end, shard.number);
   if (error == std::errc() && slash != end && *slash == '/') std::from_chars(slash + 1, end, shard.count);
   if (shard_text(shard) == text && shard.number >= 1 && shard.number <= shard.count) return shard;
-  throw InputError(fmt::format("sweep: --shard is {}; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8", quote(text)));
+  reject("sweep: --shard is {}; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8", quote(text));
 }
 
 int report_interrupted(const SweepSummary& summary) {

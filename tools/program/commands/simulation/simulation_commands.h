@@ -29,7 +29,6 @@ struct IsolationOptions {
 };
 
 // `run` and `sweep`: trials of a scene.
-
 // What the two have in common.
 class SimulationCommand : public Command {
  public:
@@ -44,19 +43,16 @@ class SimulationCommand : public Command {
   void declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help);
 };
 
-class RunCommand final : public SimulationCommand {
- public:
+struct RunCommand final : SimulationCommand {
   void declare(Arguments& arguments) override;
 };
 
-class SweepCommand final : public SimulationCommand {
- public:
+struct SweepCommand final : SimulationCommand {
   void declare(Arguments& arguments) override;
 };
 
 // `merge`: the shards of a sweep put together.
-class MergeCommand final : public Command {
- public:
+struct MergeCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -65,8 +61,7 @@ class MergeCommand final : public Command {
 };
 
 // `cluster`: a sweep for other machines.
-class ClusterCommand final : public Command {
- public:
+struct ClusterCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -74,8 +69,7 @@ class ClusterCommand final : public Command {
 };
 
 // `check`: the trials of scenes held against what they expect.
-class CheckCommand final : public Command {
- public:
+struct CheckCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -87,8 +81,7 @@ class CheckCommand final : public Command {
 };
 
 // `cost`: what accuracy costs in time.
-class CostCommand final : public Command {
- public:
+struct CostCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -98,8 +91,7 @@ class CostCommand final : public Command {
 };
 
 // `view`: the report of a dataset or of a scene, opened.
-class ViewCommand final : public Command {
- public:
+struct ViewCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
@@ -120,8 +112,6 @@ class ViewCommand final : public Command {
 // The words of --record.
 inline constexpr std::array recording_words{hd::Word<Recording>{"full", Recording::full},
                                             hd::Word<Recording>{"outcome", Recording::outcome}};
-
-// A scene's wish for accuracy, before it runs: for `run`, `sweep` and `check`.
 
 // Where the scene says `accuracy`, appends to `sweep.overrides` the setting that meets it in the trials that `sweep` asks for
 // (tools/program/cost/kept_setting.h), so that from here on it is a scene like any other and its command says how it was computed.

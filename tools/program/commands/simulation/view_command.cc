@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/json.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
@@ -36,9 +36,8 @@ void check_replaceable(const std::string& dataset, const std::string& scene) {
   const std::string own = fmt::format("slipbench {} {}", verb, shell_word(scene));
   if (of_one == own || of_one.starts_with(own + ' ')) return;
   const std::string command = guarded(dataset, [&] { return DatasetReader(dataset).header().command; });
-  throw InputError(fmt::format(
-      "view: {} is there and not one trial of this scene, but of {}; allowed: -o with another name, or slipbench view {}",
-      dataset, command, dataset));
+  reject("view: {} is there and not one trial of this scene, but of {}; allowed: -o with another name, or slipbench view {}",
+         dataset, command, dataset);
 }
 
 }  // namespace
@@ -68,12 +67,11 @@ Examples:
   arguments.then([this] {
     const char* const ending = rerun ? ".rrd" : ".html";
     if (!output.empty() && std::filesystem::path(output).extension() != ending) {
-      throw InputError(fmt::format("view: -o is {}; allowed: a name that ends in {}", quote(output), ending));
+      reject("view: -o is {}; allowed: a name that ends in {}", quote(output), ending);
     }
     if (of_scene()) return;
     const bool simulates = !sweep.overrides.empty() || sweep.seed || sweep.limit > 0 || sweep.jobs > 0;
-    if (simulates)
-      throw InputError(fmt::format("view: {} is simulated already; --set, --seed, --trials and --jobs go with a scene", subject));
+    if (simulates) reject("view: {} is simulated already; --set, --seed, --trials and --jobs go with a scene", subject);
   });
 }
 

@@ -13,10 +13,10 @@
 
 #include "detectors/network/frames.h"
 #include "sim/core/contact_frame.h"
-#include "sim/core/error.h"
 #include "sim/core/random.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"
@@ -86,17 +86,16 @@ std::uint8_t direction_of(const std::string& params) {
   const Json swept = Json::parse(params);
   if (const auto named = swept.find("class"); named != swept.end() && named->is_string()) {
     const auto found = std::ranges::find(directions, named->get<std::string>());
-    if (found == directions.end())
-      throw InputError(fmt::format("its class is {}; allowed: {}", named->dump(), fmt::join(directions, ", ")));
+    if (found == directions.end()) reject("its class is {}; allowed: {}", named->dump(), fmt::join(directions, ", "));
     return static_cast<std::uint8_t>(found - directions.begin());
   }
   const auto number = [&](const char* path) {
     const auto found = swept.find(path);
     if (found == swept.end() || !found->is_number())
-      throw InputError(fmt::format(
+      reject(
           "no {} among what was swept; allowed: trials that sweep motion.speed, motion.rotation and motion.direction, as "
           "scenes/biotac_sp/slip.yaml does",
-          path));
+          path);
     return found->get<double>();
   };
   const double turn = number("motion.rotation"), speed = number("motion.speed"), direction = number("motion.direction");
@@ -120,9 +119,8 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
                                                                        : sensor.labels.state_micro;
   if (states.size() != sensor.time.size()) {
     const bool recorded = states.empty() && sensor.labels.state_paper.size() == sensor.time.size();
-    throw InputError(fmt::format("sensor {}: {} states by the labels {} for {} samples; allowed: {}", sensor.name, states.size(),
-                                 hd::name_of(label_words, rule), sensor.time.size(),
-                                 recorded ? "--labels paper, which are there" : "one each"));
+    reject("sensor {}: {} states by the labels {} for {} samples; allowed: {}", sensor.name, states.size(),
+           hd::name_of(label_words, rule), sensor.time.size(), recorded ? "--labels paper, which are there" : "one each");
   }
   return states;
 }
@@ -176,8 +174,7 @@ void turn_taxels(std::span<float> sample, std::size_t rows, std::size_t columns,
 void check_turnable(const SensorRecord& sensor) {
   const std::vector<std::size_t>& shape = sensor.channels.front().shape;
   if (sensor.type != "myrmex" || shape.size() != 2 || shape[0] < cropped || shape[1] < cropped)
-    throw InputError(fmt::format("sensor {}: is no myrmex of {} x {} taxels or more, which alone can be turned", sensor.name,
-                                 cropped, cropped));
+    reject("sensor {}: is no myrmex of {} x {} taxels or more, which alone can be turned", sensor.name, cropped, cropped);
 }
 
 // Which of the frames stay, in order: at most so many of each class.
@@ -231,9 +228,8 @@ std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const
     if ((options.sensor.empty() || sensor.name == options.sensor) && fits(sensor, options.input)) chosen.push_back(&sensor);
   }
   if (!chosen.empty()) return chosen;
-  throw InputError(fmt::format("{}: no sensor{} fits: has {}; allowed: {}", subject,
-                               options.sensor.empty() ? "" : " '" + options.sensor + "'", fmt::join(there, ", "),
-                               wanted(options.input)));
+  reject("{}: no sensor{} fits: has {}; allowed: {}", subject, options.sensor.empty() ? "" : " '" + options.sensor + "'",
+         fmt::join(there, ", "), wanted(options.input));
 }
 
 std::string packed_units(const std::string& dataset_path, const std::string& wanted, const std::string& channel) {
@@ -271,7 +267,7 @@ std::string packed_examples(const std::string& dataset_path, const ExampleOption
           example.sha256 = trial_identity(reader, record.trial);
           bytes.put(example);
         } catch (const InputError& error) {
-          throw InputError(fmt::format("{}: {}", subject, error.what()));
+          reject("{}: {}", subject, error.what());
         }
       }
     }
@@ -328,8 +324,7 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
     features.insert(features.end(), frames.latest().begin(), frames.latest().end());
   }
   if (ends.empty()) {
-    throw InputError(
-        fmt::format("sensor {}: {} samples are less than a frame of {}", sensor.name, sensor.time.size(), options.input.window));
+    reject("sensor {}: {} samples are less than a frame of {}", sensor.name, sensor.time.size(), options.input.window);
   }
   std::vector<std::uint8_t> all;
   for (const std::size_t row : ends) all.push_back(labels[row]);
@@ -368,8 +363,7 @@ Examples read_examples(std::span<const std::string> dataset_paths, const Example
   for (const std::string& path : dataset_paths.subspan(1)) {
     Examples more = read_examples(path, options);
     if (more.inputs != all.inputs)
-      throw InputError(
-          fmt::format("{}: {} values a frame, in {} {}; allowed: as many", path, more.inputs, dataset_paths.front(), all.inputs));
+      reject("{}: {} values a frame, in {} {}; allowed: as many", path, more.inputs, dataset_paths.front(), all.inputs);
     const std::size_t first = all.all.back().trial + 1;
     for (Example& example : more.all) example.trial += first;
     all.command += "\n" + more.command;
@@ -396,9 +390,8 @@ Examples read_examples(const std::string& dataset_path, const ExampleOptions& op
     if (example.frames.label.empty()) continue;
     const std::size_t inputs = example.frames.features.size() / example.frames.label.size();
     if (examples.inputs != 0 && inputs != examples.inputs)
-      throw InputError(
-          fmt::format("{}: trial {}: sensor {} gives {} values a frame, those before it {}; allowed: as many units in all",
-                      dataset_path, example.trial, example.sensor, inputs, examples.inputs));
+      reject("{}: trial {}: sensor {} gives {} values a frame, those before it {}; allowed: as many units in all", dataset_path,
+             example.trial, example.sensor, inputs, examples.inputs);
     examples.inputs = inputs;
   }
   return examples;

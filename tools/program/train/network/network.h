@@ -213,7 +213,6 @@ bool networks_available();
 std::string network_libraries();
 
 // The offset and scale that frames are learnt with, and seen with in the loop (network::Input).
-
 enum class Scaling {
   standard,  // mean 0 and standard deviation 1 of every feature
   common,    // likewise, with one mean and one deviation for all features
@@ -232,7 +231,6 @@ Scale scale_of(std::span<const FrameSequence* const> sequences, std::size_t inpu
 void apply(const Scale& scale, FrameSequence& sequence);
 
 // A written detector against libtorch.
-
 // Runs the ONNX file at `path` as a loop would, on the scaled frames of one sequence, and compares what it says with the logits of its members,
 // or the mean of their probabilities: 1e-5, of the greater of 1 and the value. Throws std::logic_error where it says something else, InputError as
 // network::load_engine().

@@ -14,13 +14,12 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <fmt/format.h>
 #include <openssl/evp.h>
 #include <torch/torch.h>
 
-#include "sim/core/error.h"
 #include "sim/core/process/regular_file.h"
 #include "sim/core/random.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/train/network/network.h"
 
 namespace slipbench::train {
@@ -464,7 +463,7 @@ class TorchNetwork final : public Network {
     const std::string bytes = std::move(stream).str(), partial = checkpoint.path + ".partial";
     if (!write_synced_file(partial.c_str(), O_TRUNC, digest_of(bytes) + bytes) ||
         std::rename(partial.c_str(), checkpoint.path.c_str()) != 0)
-      throw InputError(fmt::format("{}: cannot be written: {}", partial, std::strerror(errno)));
+      reject("{}: cannot be written: {}", partial, std::strerror(errno));
   }
 
   void load(const Checkpoint& checkpoint, torch::optim::Optimizer& optimiser, Run& run) {

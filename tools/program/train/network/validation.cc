@@ -12,8 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/error.h"
 #include "sim/core/random.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/train/network/examples.h"
 
@@ -38,6 +38,50 @@ std::vector<double> merged(const std::vector<double>& a, const std::vector<doubl
   return all;
 }
 
+// `experiment`: the first trial with the example's truth.
+std::string group_of(const Example& example, std::size_t experiment, Split split) {
+  switch (split) {
+    case Split::trial: return std::to_string(experiment);
+    case Split::material: return example.material;
+    case Split::object: return example.object;
+    case Split::speed:
+      return std::isnan(example.speed) || example.speed <= 0.0 ? ""
+                                                               : fmt::format("{}", std::lround(std::log2(example.speed * 1e3)));
+  }
+  return {};
+}
+
+// What is dealt out apart: which classes occur, and whether something touches.
+using Kinds = std::set<int>;
+
+void add_kinds(Kinds& kinds, const Example& example) {
+  constexpr int touching = -1;
+  if (example.touches) kinds.insert(touching);
+  for (const std::uint8_t label : example.frames.label) {
+    if (label != masked) kinds.insert(label);
+  }
+}
+
+// So many of `items`, shuffled, of each of `kind_of` its share, rounded up all together.
+template <class Item, class Kind>
+std::vector<Item> dealt(std::vector<Item> items, double share, RandomStream& random, Kind&& kind_of) {
+  const auto wanted = static_cast<std::size_t>(std::ceil(share * static_cast<double>(items.size()) - 1e-9));
+  shuffle(items, random);
+  // In turn from each kind by its place within it, so that any beginning has all kinds in proportion.
+  std::map<Kinds, double> size, place;
+  for (const Item& item : items) size[kind_of(item)] += 1.0;
+  std::vector<std::pair<double, Item>> order;
+  for (const Item& item : items) {
+    const Kinds kind = kind_of(item);
+    order.emplace_back((place[kind] + 0.5) / size[kind], item);
+    place[kind] += 1.0;
+  }
+  std::ranges::stable_sort(order, {}, &std::pair<double, Item>::first);
+  std::vector<Item> first;
+  for (std::size_t i = 0; i < wanted; ++i) first.push_back(order[i].second);
+  return first;
+}
+
 }  // namespace
 
 std::vector<std::size_t> folds(std::span<const std::size_t> groups, std::size_t count, std::uint64_t seed) {
@@ -47,9 +91,7 @@ std::vector<std::size_t> folds(std::span<const std::size_t> groups, std::size_t 
   std::vector<std::size_t> fold_of(groups.size());
   RandomStream random(seed, 0, "folds");
   for (auto& [group, items] : members) {
-    for (std::size_t left = items.size(); left > 1; --left) {  // Fisher-Yates
-      std::swap(items[left - 1], items[static_cast<std::size_t>(random.integer(left))]);
-    }
+    shuffle(items, random);
     for (std::size_t i = 0; i < items.size(); ++i) fold_of[items[i]] = i % count;
   }
   return fold_of;
@@ -115,55 +157,6 @@ std::vector<Confusion> counts_of(std::span<const FoldExample> examples, const Ca
   return counts;
 }
 
-namespace {
-
-// `experiment`: the first trial with the example's truth.
-std::string group_of(const Example& example, std::size_t experiment, Split split) {
-  switch (split) {
-    case Split::trial: return std::to_string(experiment);
-    case Split::material: return example.material;
-    case Split::object: return example.object;
-    case Split::speed:
-      return std::isnan(example.speed) || example.speed <= 0.0 ? ""
-                                                               : fmt::format("{}", std::lround(std::log2(example.speed * 1e3)));
-  }
-  return {};
-}
-
-// What is dealt out apart: which classes occur, and whether something touches.
-using Kinds = std::set<int>;
-
-void add_kinds(Kinds& kinds, const Example& example) {
-  constexpr int touching = -1;
-  if (example.touches) kinds.insert(touching);
-  for (const std::uint8_t label : example.frames.label) {
-    if (label != masked) kinds.insert(label);
-  }
-}
-
-// So many of `items`, shuffled, of each of `kind_of` its share, rounded up all together.
-template <class Item, class Kind>
-std::vector<Item> dealt(std::vector<Item> items, double share, RandomStream& random, Kind&& kind_of) {
-  const auto wanted = static_cast<std::size_t>(std::ceil(share * static_cast<double>(items.size()) - 1e-9));
-  for (std::size_t left = items.size(); left > 1; --left)
-    std::swap(items[left - 1], items[random.integer(left)]);  // Fisher-Yates
-  // In turn from each kind by its place within it, so that any beginning has all kinds in proportion.
-  std::map<Kinds, double> size, place;
-  for (const Item& item : items) size[kind_of(item)] += 1.0;
-  std::vector<std::pair<double, Item>> order;
-  for (const Item& item : items) {
-    const Kinds kind = kind_of(item);
-    order.emplace_back((place[kind] + 0.5) / size[kind], item);
-    place[kind] += 1.0;
-  }
-  std::ranges::stable_sort(order, {}, &std::pair<double, Item>::first);
-  std::vector<Item> first;
-  for (std::size_t i = 0; i < wanted; ++i) first.push_back(order[i].second);
-  return first;
-}
-
-}  // namespace
-
 std::vector<Part> split_examples(std::span<const Example> examples, Split split, double held_out, std::uint64_t seed) {
   const std::string word = hd::name_of(split_words, split);
   std::map<std::string, Kinds> groups;
@@ -176,9 +169,8 @@ std::vector<Part> split_examples(std::span<const Example> examples, Split split,
                                        : experiments.try_emplace(example.sensor + example.twin, example.trial).first->second;
     const std::string group = group_of(example, experiment, split);
     if (group.empty())
-      throw InputError(fmt::format(
-          "trial {}: the dataset sweeps no {}, so it cannot be split by it; allowed: trial, or a dataset that sweeps it",
-          example.trial, word));
+      reject("trial {}: the dataset sweeps no {}, so it cannot be split by it; allowed: trial, or a dataset that sweeps it",
+             example.trial, word);
     of_trial.try_emplace(example.trial, group);
     add_kinds(groups[of_trial[example.trial]], example);
     add_kinds(kinds_of_trial[example.trial], example);
@@ -218,9 +210,8 @@ std::vector<Part> split_examples(std::span<const Example> examples, Split split,
     parts.push_back(part);
   }
   if (learning == 0 || validates == 0) {
-    throw InputError(fmt::format(
-        "{} different {} leave nothing to learn from and to validate on; allowed: three or more, or a split by another fact",
-        groups.size(), split == Split::trial ? "experiments" : word + "s"));
+    reject("{} different {} leave nothing to learn from and to validate on; allowed: three or more, or a split by another fact",
+           groups.size(), split == Split::trial ? "experiments" : word + "s");
   }
   return parts;
 }

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 #include "tools/program/train/recipes/recipe.h"
 
 namespace slipbench::train {
@@ -66,39 +66,6 @@ std::string text(const Reshape& layer) { return fmt::format("as {}", fmt::join(l
 std::string text(const Permute& layer) { return fmt::format("axes {}", fmt::join(layer.order, " ")); }
 std::string text(const Last& layer) { return fmt::format("last of {} frames", layer.frames); }
 
-}  // namespace
-
-std::vector<Recipe> papillarray_recipes() {
-  network::ChannelPick force{"force", {}};
-  for (const std::size_t pillar : {0, 1, 2, 3, 5, 6, 7, 8})  // all but the centre one
-    force.values.insert(force.values.end(), {3 * pillar, 3 * pillar + 1});
-  Recipe one = begun_recipe(
-      "papillarray_gru", "Tangential forces of the eight outer pillars, 40 ms at a time, through a GRU",
-      "RedmondLabUCD/Incipient-Slip-Detection-PapillArray: its network, its median filter of 21 rows and its stacks of 40 rows at 1 kHz",
-      "papillarray", 1000.0, {force});
-  one.assumed =
-      "Adam, rate, steps and batch; weights of classes; the label latched until contact is lost, since after a brake true slip ends under "
-      "full shear";
-  one.input.median = 21;
-  one.input.window = 40;
-  one.input.stride = 40;
-  one.scaling = Scaling::common;
-  one.network = {640,
-                 {Linear{1024}, BatchNorm{}, Relu{}, Linear{128}, BatchNorm{}, Relu{}, Gru{128}, Linear{256}, BatchNorm{}, Relu{},
-                  Linear{128}, BatchNorm{}, Relu{}, Linear{2}}};
-  one.labels = LabelRule::latched;
-  one.training = {.steps = 300, .batch = 64, .clip = 9, .optimiser = Optimiser::adam, .learning_rate = 1e-3};
-  one.training.validate_every = 15;
-  one.training.patience = 8;
-  Recipe five = one;
-  five.name = "papillarray_gru5";
-  five.summary = "Five such networks, whose probabilities are averaged in one graph";
-  five.members = 5;
-  return {one, five, grasp_gru(), slip_gru()};
-}
-
-namespace {
-
 constexpr std::size_t taxel_rows = 16, kept = 12, edge = (taxel_rows - kept) / 2, bins = 32;
 
 Recipe myrmex_recipe(const char* name, const char* summary, const char* row, const Layers& layers) {
@@ -134,17 +101,6 @@ Layers network(std::size_t convolutions, std::size_t hidden) {
   append(layers, {Flatten{}, Linear{hidden}, Tanh{}, Linear{3}});
   return layers;
 }
-
-}  // namespace
-
-std::vector<Recipe> myrmex_recipes() {
-  return {
-      myrmex_recipe("myrmex_net1", "Spectra of 12 x 12 taxels through one convolution and 512 units", "net 1", network(1, 512)),
-      myrmex_recipe("myrmex_net2", "The same through two convolutions", "net 2", network(2, 512)),
-      myrmex_recipe("myrmex_net3", "The same through two convolutions and 1024 units", "net 3", network(2, 1024))};
-}
-
-namespace {
 
 constexpr double skin_rate = 10e3;  // Hz
 constexpr double rounding_density =
@@ -214,6 +170,42 @@ Layers four(const Layer& layer, bool relu) {
 }
 
 }  // namespace
+
+std::vector<Recipe> papillarray_recipes() {
+  network::ChannelPick force{"force", {}};
+  for (const std::size_t pillar : {0, 1, 2, 3, 5, 6, 7, 8})  // all but the centre one
+    force.values.insert(force.values.end(), {3 * pillar, 3 * pillar + 1});
+  Recipe one = begun_recipe(
+      "papillarray_gru", "Tangential forces of the eight outer pillars, 40 ms at a time, through a GRU",
+      "RedmondLabUCD/Incipient-Slip-Detection-PapillArray: its network, its median filter of 21 rows and its stacks of 40 rows at 1 kHz",
+      "papillarray", 1000.0, {force});
+  one.assumed =
+      "Adam, rate, steps and batch; weights of classes; the label latched until contact is lost, since after a brake true slip ends under "
+      "full shear";
+  one.input.median = 21;
+  one.input.window = 40;
+  one.input.stride = 40;
+  one.scaling = Scaling::common;
+  one.network = {640,
+                 {Linear{1024}, BatchNorm{}, Relu{}, Linear{128}, BatchNorm{}, Relu{}, Gru{128}, Linear{256}, BatchNorm{}, Relu{},
+                  Linear{128}, BatchNorm{}, Relu{}, Linear{2}}};
+  one.labels = LabelRule::latched;
+  one.training = {.steps = 300, .batch = 64, .clip = 9, .optimiser = Optimiser::adam, .learning_rate = 1e-3};
+  one.training.validate_every = 15;
+  one.training.patience = 8;
+  Recipe five = one;
+  five.name = "papillarray_gru5";
+  five.summary = "Five such networks, whose probabilities are averaged in one graph";
+  five.members = 5;
+  return {one, five, grasp_gru(), slip_gru()};
+}
+
+std::vector<Recipe> myrmex_recipes() {
+  return {
+      myrmex_recipe("myrmex_net1", "Spectra of 12 x 12 taxels through one convolution and 512 units", "net 1", network(1, 512)),
+      myrmex_recipe("myrmex_net2", "The same through two convolutions", "net 2", network(2, 512)),
+      myrmex_recipe("myrmex_net3", "The same through two convolutions and 1024 units", "net 3", network(2, 1024))};
+}
 
 std::vector<Recipe> nib_recipes() {
   Recipe slip = slip_recipe("nib_slip", "How much all electrodes move in 0.1 and 0.3 s, and which way, through a GRU at 100 Hz",
@@ -289,7 +281,7 @@ const Recipe& find_recipe(std::string_view name) {
   if (found != recipes().end()) return *found;
   std::vector<std::string> names{"gst_hd"};
   for (const Recipe& recipe : recipes()) names.push_back(recipe.name);
-  throw InputError(fmt::format("no recipe {}{}", quote(name), allowed_names(name, names)));
+  reject("no recipe {}{}", quote(name), allowed_names(name, names));
 }
 
 std::string layers_text(const Layers& layers) {

@@ -17,8 +17,6 @@
 namespace slipbench::train::network_test {
 namespace {
 
-using slipbench::testing::bytes_of;
-
 const TrainingOptions quick{.steps = 200, .batch = 8, .clip = 32, .learning_rate = 3e-3};
 
 NetworkShape mlp(std::size_t inputs, std::size_t units, std::size_t layers) {

@@ -48,8 +48,7 @@ network::Description description(const NetworkShape& shape) {
   return one;
 }
 
-class Onnx : public slipbench::testing::FolderTest {
- protected:
+struct Onnx : slipbench::testing::FolderTest {
   void expect_same(const std::string& name, const NetworkShape& shape, std::size_t members = 1) {
     SCOPED_TRACE(name);
     std::vector<std::unique_ptr<Network>> networks;
