@@ -61,7 +61,8 @@ SavedModel load_memories(const std::string& path) {
   } catch (const InputError& error) {
     std::error_code ignored;
     const std::string shipped = std::string("; those that ship: ") + default_memories + ", " + learnt_memories;
-    throw SceneValueError("detector.memories", error.what() + (std::filesystem::exists(path, ignored) ? "" : shipped));
+    throw SceneValueError("detector.memories",
+                          error.what() + (std::filesystem::exists(memories_folder(path), ignored) ? "" : shipped));
   }
 }
 

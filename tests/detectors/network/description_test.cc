@@ -145,6 +145,8 @@ TEST(Description, SaysWhatIsWrong) {
        "input.spans: belongs to spreads, levels and units; allowed: with one of these transforms"},
       {R"({"format": 1, "input": {"sensor": "s", "rate": 1, "channels": [{"name": "c"}], "window": 2, "transform": "spreads", "spans": [1]}})",
        "input.spans: a spread of fewer than two samples"},
+      {R"({"format": 1, "input": {"sensor": "s", "rate": 1, "channels": [{"name": "c"}], "window": 2, "transform": "levels"}})",
+       "input: has no key 'spans', which must be there"},
       {with("0.75", "0"), "threshold: 0; allowed: a number above 0, to 1"},
       {with("{\"recipe\": \"fft-gru\"}", "[]"), "trained: an array of 0; allowed: an object"},
       {with("{\"recipe\": \"fft-gru\"}", "{\"a\":" + std::string(40, '[') + std::string(40, ']') + "}"),

@@ -224,9 +224,12 @@ std::string list_html(const std::vector<std::string>& items) {
 }
 
 std::string base64(std::span<const std::uint8_t> bytes) {
-  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL ends it with a zero
-  text.resize(static_cast<std::size_t>(
-      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(), static_cast<int>(bytes.size()))));
+  constexpr std::size_t piece = std::size_t{3} << 20;      // OpenSSL counts by int; without a rest, as what follows asks for
+  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // it ends each piece with a zero
+  auto* to = reinterpret_cast<unsigned char*>(text.data());
+  for (; !bytes.empty(); bytes = bytes.subspan(std::min(piece, bytes.size())))
+    to += EVP_EncodeBlock(to, bytes.data(), static_cast<int>(std::min(piece, bytes.size())));
+  text.pop_back();
   return text;
 }
 

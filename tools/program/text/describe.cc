@@ -177,7 +177,7 @@ std::string input_text(const network::Input& input) {
   if (input.transform == network::Transform::log_psd) text += fmt::format(", log10 of its power spectral density, {}", band);
   if (input.transform == network::Transform::amplitude) text += fmt::format(", amplitude of its spectrum, {}", band);
   if (input.transform == network::Transform::levels)
-    text += fmt::format(", its mean and its changes over {} samples, with their signs", fmt::join(input.spans, ", "));
+    text += fmt::format(", its mean, and its changes over {} samples, with their signs", fmt::join(input.spans, ", "));
   if (input.transform == network::Transform::units)
     text +=
         ", or of any sensor of three-axis units at 200 Hz or more, as many ms each; each unit for itself: force, ratio, changes";

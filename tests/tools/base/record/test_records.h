@@ -129,6 +129,7 @@ inline std::string write_dataset(const std::string& path, const DatasetHeader& h
 // Runs `action` in a child process and hands back its wait status: of exit 3 where it throws.
 inline int in_child(const std::function<void()>& action) {
   const pid_t child = ::fork();
+  if (child < 0) throw std::runtime_error("no process");
   if (child == 0) {
     try {
       action();

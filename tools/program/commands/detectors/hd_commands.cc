@@ -76,8 +76,8 @@ Prints step,class,d1,d2,d3 as CSV: class 1 non-slip, 2 incipient, 3 gross, and t
 on whose window is full. VECTORS.csv has the columns n (step), L0 to L8 (levels, 0 to 20) and ctx (context, 0 to 3); others are left alone.
 
 DIR holds AM.hex, CIM.hex, CM.hex, IM.hex and model.txt. Without model.txt, as the published memories are, --encoder must be given and
-ties go to one; with it, --encoder and --ties replace what it says. cl_gst_hd and learn_gst_hd, where no folder has that name, are the
-classifiers that ship with the program.
+ties go to one; with it, --encoder and --ties replace what it says. cl_gst_hd and learn_gst_hd are the classifiers that
+ship with the program; a folder of that name is ./cl_gst_hd.
 
 Examples:
   slipbench hd replay vectors.csv --memories published --encoder published_core --ties one
