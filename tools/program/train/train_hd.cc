@@ -235,9 +235,16 @@ Classifier::Classifier(const hd::Model& model, const hd::Memories& memories) {
 }
 
 PadState Classifier::classify(const Sample& sample) const {
-  const auto from_the_highest = prototypes_[sample.context] | std::views::reverse;
-  const auto distance = [&](const hd::Hypervector& prototype) { return hd::hamming(sample.query, prototype); };
-  return static_cast<PadState>(from_the_highest.end() - std::ranges::min_element(from_the_highest, {}, distance));
+  const std::vector<hd::Hypervector>& prototypes = prototypes_[sample.context];
+  std::size_t nearest = 0;
+  std::size_t least = hd::hamming(sample.query, prototypes[0]);
+  for (std::size_t k = 1; k < prototypes.size(); ++k) {
+    const std::size_t distance = hd::hamming(sample.query, prototypes[k]);
+    if (distance > least) continue;
+    least = distance;
+    nearest = k;
+  }
+  return static_cast<PadState>(nearest + 1);
 }
 
 std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
