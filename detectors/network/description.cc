@@ -217,8 +217,7 @@ void parse_spectrum(const Object& object, Input& input) {
   if (spans) {
     input.spans = object.indices(object.need("spans"), "spans");
     if (input.spans.empty() || std::ranges::min(input.spans) < 2 || input.window < 2)
-      object.refuse("spans",
-                    "a spread of fewer than two samples; allowed: one span at least, and a window, of 2 samples or more");
+      object.refuse("spans", "a span of fewer than two samples; allowed: one span at least, and a window, of 2 samples or more");
     if (input.centre || object.has("pixels"))
       object.refuse("transform", "spreads, levels and units know no centre and no pixels; allowed: another transform with them");
     input.floor = object.number(

@@ -144,7 +144,7 @@ TEST(Description, SaysWhatIsWrong) {
       {with("\"floor\"", "\"spans\": [3], \"floor\""),
        "input.spans: belongs to spreads, levels and units; allowed: with one of these transforms"},
       {R"({"format": 1, "input": {"sensor": "s", "rate": 1, "channels": [{"name": "c"}], "window": 2, "transform": "spreads", "spans": [1]}})",
-       "input.spans: a spread of fewer than two samples"},
+       "input.spans: a span of fewer than two samples"},
       {R"({"format": 1, "input": {"sensor": "s", "rate": 1, "channels": [{"name": "c"}], "window": 2, "transform": "levels"}})",
        "input: has no key 'spans', which must be there"},
       {with("0.75", "0"), "threshold: 0; allowed: a number above 0, to 1"},
