@@ -16,20 +16,33 @@
 namespace slipbench {
 namespace {
 
-thread_local std::jmp_buf* way_back = nullptr;
+// The call that a thread is in. What is of a thread has no destructor: see OfThread.
+struct Call {
+  std::jmp_buf* way_back;
+  std::exception_ptr carried;
+};
+thread_local Call* under_way = nullptr;
 thread_local std::array<char, 1024> text;
-thread_local std::exception_ptr carried;
 
 void on_error(const char* message) {
-  if (way_back == nullptr) {  // not called by way of call_mujoco(): what MuJoCo itself would do
+  if (under_way == nullptr) {  // not called by way of call_mujoco(): what MuJoCo itself would do
     std::fprintf(stderr, "ERROR: %s\n", message);
     std::exit(EXIT_FAILURE);
   }
   std::snprintf(text.data(), text.size(), "%s", message);
-  std::longjmp(*way_back, 1);
+  std::longjmp(*under_way->way_back, 1);
 }
 
 void on_warning(const char*) {}
+
+// Whether MuJoCo left the action by its error handler.
+bool jumps_back(Call& call, void (*action)(void*), void* context) {
+  std::jmp_buf here;
+  call.way_back = &here;
+  if (setjmp(here) != 0) return true;
+  action(context);
+  return false;
+}
 
 }  // namespace
 
@@ -55,22 +68,18 @@ void call_mujoco(void (*action)(void* context), void* context) {
     mju_user_warning = on_warning;
     return true;
   }();
-  std::jmp_buf here;
-  std::jmp_buf* const outer = way_back;
-  if (setjmp(here) == 0) {
-    way_back = &here;
-    action(context);
-    way_back = outer;
-    return;
-  }
-  way_back = outer;
-  if (carried) std::rethrow_exception(std::exchange(carried, nullptr));
+  Call call{};
+  Call* const outer = std::exchange(under_way, &call);
+  const bool failed = jumps_back(call, action, context);
+  under_way = outer;
+  if (!failed) return;
+  if (call.carried) std::rethrow_exception(call.carried);
   if (std::string_view(text.data()).find("Could not allocate memory") != std::string_view::npos) throw std::bad_alloc();
   throw InputError(text.data());
 }
 
 void carry_to_caller(std::exception_ptr error) {
-  if (way_back != nullptr) carried = std::move(error);
+  if (under_way != nullptr) under_way->carried = std::move(error);
 }
 
 }  // namespace slipbench

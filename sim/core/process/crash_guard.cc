@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "sim/core/process/of_thread.h"
+
 namespace slipbench {
 namespace {
 
@@ -97,8 +99,8 @@ class Landing {
 
 int run_guarded(void (*call)(void*), void* context) {
   static const Handlers handlers;
-  static thread_local const SignalStack stack;
-  static_cast<void>(handlers), static_cast<void>(stack);
+  static OfThread<SignalStack> stacks;
+  static_cast<void>(handlers), static_cast<void>(stacks.get());
   sigjmp_buf here;
   const Landing armed(&here);
   const int signal = sigsetjmp(here, 0);

@@ -25,7 +25,7 @@
 namespace slipbench {
 
 // Runs call(context). Returns 0, or the signal by which it crashed: no destructor of what the call had begun has run then. Lets
-// exceptions pass.
+// exceptions pass. The first call of a thread throws std::bad_alloc where no stack for the handlers is to be had.
 int run_guarded(void (*call)(void*), void* context);
 
 // The same for anything that can be called.
