@@ -10,7 +10,7 @@ namespace {
 
 // Keys that only a scene with bodies that move by forces may have: of the scene, and of its sensors.
 constexpr std::array<std::string_view, 5> dynamic_keys{"controls", "field_solver", "gravity", "hold", "integrator"};
-constexpr std::array<std::string_view, 4> dynamic_sensor_keys{"damping", "follows", "site", "touches"};
+constexpr std::array<std::string_view, 5> dynamic_sensor_keys{"ahead", "damping", "follows", "site", "touches"};
 
 // What an override writes to take a key back: the key then counts as absent.
 struct Withdrawal {
@@ -124,8 +124,11 @@ class DynamicsReader : EntryReader {
     for (SensorScene& sensor : scene.sensors) {
       const YamlNode& node = *sensors.find(sensor.name);
       const YamlNode* follows = node.find("follows");
-      if (follows == nullptr) continue;
+      const YamlNode* ahead = node.find("ahead");
       const std::string path = "sensors." + sensor.name;
+      if (follows == nullptr && ahead != nullptr)
+        fail(ahead->key_origin, "'ahead' in " + path + " is for a sensor that says 'follows'; leave it out");
+      if (follows == nullptr) continue;
       const std::string& name = text_of(*follows, path + ".follows", "the name of a sensor that has a pad of its own");
       if (std::ranges::find(pads, name) == pads.end()) {
         fail(follows->origin, path + ".follows: no pad " + quote(name) + allowed_names(name, pads));
@@ -141,6 +144,7 @@ class DynamicsReader : EntryReader {
       }
       record(path + ".follows", name);
       sensor.follows = name;
+      if (ahead != nullptr) sensor.ahead = number(ahead, path + ".ahead", ahead_spec);
     }
   }
 

@@ -27,6 +27,7 @@ struct SensorScene {
 
   // In a scene whose bodies move by forces:
   std::string follows = {};  // the pad whose contact it reads, and presses on nothing; empty: it has a pad of its own
+  double ahead = 0.0;        // m, how far it stands before that pad, if it follows one
   std::string site = {};     // of the model, its frame is the pad frame P; empty: the pad rides on the stage
   std::vector<std::string> touches = {};       // geoms or bodies that the pad may touch
   double damping = 0.0;                        // s, time of a dashpot beside each spring

@@ -206,7 +206,8 @@ class SceneReader : EntryReader {
     sensor.type = text_of(*type, path + ".type", "the name of a sensor");
     const Entry& entry = named(catalogues_.sensors, sensor.type, type->origin, "sensor");
     record(path + ".type", sensor.type);
-    sensor.parameters = parameters(&node, path, path, entry, {"damping", "electronics", "follows", "site", "touches", "type"});
+    sensor.parameters =
+        parameters(&node, path, path, entry, {"ahead", "damping", "electronics", "follows", "site", "touches", "type"});
     sensor.electronics = read_electronics(node.find("electronics"), sensor.type, path + ".electronics");
     return sensor;
   }

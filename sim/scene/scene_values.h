@@ -29,6 +29,8 @@ inline const ParameterSpec integrator_spec =
                 "How MuJoCo steps the bodies; auto: as the model or the simulation says.", "free");
 inline const ParameterSpec damping_spec =
     number_spec("damping", Quantity::time, "1 ms", non_negative, "Time constant of a dashpot beside each spring.", "assumed");
+inline const ParameterSpec ahead_spec = number_spec("ahead", Quantity::length, "0 mm", {0.0, 0.01},
+                                                    "How far a sensor stands before the pad that it follows.", "free");
 inline const ParameterSpec control_time_spec =
     number_spec("time", Quantity::time, "0 s", non_negative, "Time at which a control has a value.", "free");
 

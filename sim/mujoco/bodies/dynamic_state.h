@@ -43,9 +43,9 @@ namespace slipbench {
 // of the simulation, else the mean of the step.
 class PadFollower {
  public:
-  // `followed` must outlive the follower, `model` the constructor. `layout`, `rate` [Hz]: of the sensor. `speed`: the fastest that the pad
+  // `followed` must outlive the follower, `model` the constructor. `layout`, `ahead` [m] before the pad, `rate` [Hz]: of the sensor. `speed`: the fastest that the pad
   // moves [m/s], as effects ask it; `bench_step` [s]. Throws SceneValueError where an effect does not suit the pad.
-  PadFollower(const mjModel* model, const PadInstance& followed, const PadLayout& layout, double rate, double speed,
+  PadFollower(const mjModel* model, const PadInstance& followed, const PadLayout& layout, double ahead, double rate, double speed,
               double bench_step);
   PadFollower(const PadFollower&) = delete;
   PadFollower& operator=(const PadFollower&) = delete;

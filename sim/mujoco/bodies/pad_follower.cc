@@ -22,11 +22,12 @@ Pose between(const Pose& from, const Pose& to, double share) {
 
 }  // namespace
 
-PadFollower::PadFollower(const mjModel* model, const PadInstance& followed, const PadLayout& layout, double rate, double speed,
-                         double bench_step)
+PadFollower::PadFollower(const mjModel* model, const PadInstance& followed, const PadLayout& layout, double ahead, double rate,
+                         double speed, double bench_step)
     : followed_(followed), labels_(layout), slack_(same_time * bench_step), shown_(&labels_.frame()) {
   const PadConfig& config = followed.config();
-  const PadLayout springs = without_dashpots(layout);
+  PadLayout springs = without_dashpots(layout);
+  for (Element& element : springs.elements) element.tip.z() -= ahead;
   double longest = std::numeric_limits<double>::infinity();
   for (const int geom : config.geoms) {
     const GeomSurface surface = surface_of_geom(model, geom);

@@ -40,7 +40,7 @@ TEST(SceneMessages, AnAliasWithoutAnAnchorIsRefused) {
 const std::string scene_keys =
     "accuracy, bodies, box, contact, controller, controls, description, detector, duration, effects, expect, fidelity, field_solver, friction, gravity, grip, hold, integrator, model, motion, scatter, seed, sensors, slipbench, split, surface, sweep, time_step";
 const std::string sensor_keys =
-    "bias, bristle_spread, bristles, corner_drop, damping, edge_drop, electronics, follows, profile, rate, site, touches, type";
+    "ahead, bias, bristle_spread, bristles, corner_drop, damping, edge_drop, electronics, follows, profile, rate, site, touches, type";
 const std::string materials =
     "acrylic, cardboard, felt, glass, masonite, paper, ptfe, rubber, soaped_wavy_acrylic, wavy_acrylic, wet_felt, wet_paper, wet_ptfe, wet_rubber";
 
@@ -271,6 +271,10 @@ TEST(SceneMessages, OfBodies) {
        "5: sensors.skin.follows: no pad 'nib'; allowed: pad"},
       {"  skin: {type: papillarray, follows: pad, touches: [box]}",
        "5: 'touches' in sensors.skin is that of the pad that it follows; leave it out"},
+      {"  skin: {type: papillarray, ahead: 1 mm, touches: [box]}",
+       "5: 'ahead' in sensors.skin is for a sensor that says 'follows'; leave it out"},
+      {"  skin: {type: papillarray, follows: pad, ahead: -1 mm}",
+       "5: sensors.skin.ahead: '-1 mm' is out of range; allowed: >= 0 m and <= 10 mm"},
       {"  skin: {type: papillarray, follows: pad}\nfidelity: articulated",
        "5: 'follows' in sensors.skin: an articulated pad has no field to be read beside it; allowed with 'fidelity: field'"},
       {"controls: [1]", "5: controls is a sequence; allowed: a map of actuators of the model, such as 'grip: 4 N'"},

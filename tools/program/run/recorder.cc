@@ -33,8 +33,8 @@ std::size_t fastest_of(const Scene& scene, std::span<const std::unique_ptr<Senso
 // Rows that a channel has of `samples` samples of its sensor.
 std::size_t rows_of(const Channel& channel, std::size_t samples) { return samples / channel.every; }
 
-// `scale`: of the trial's friction.
-void describe_units(const PadLayout& layout, const FrictionScene& friction, double scale, LabelRecord& labels) {
+// `ahead` [m]: of a follower. `scale`: of the trial's friction.
+void describe_units(const PadLayout& layout, double ahead, const FrictionScene& friction, double scale, LabelRecord& labels) {
   for (const UnitRange& unit : layout.units) {
     Eigen::Vector3d tip = Eigen::Vector3d::Zero();
     double k_normal = 0.0;
@@ -45,7 +45,7 @@ void describe_units(const PadLayout& layout, const FrictionScene& friction, doub
       k_tangential += layout.elements[i].k_tangential;
     }
     labels.unit_positions.insert(labels.unit_positions.end(), {tip.x(), tip.y()});
-    labels.unit_heights.push_back(tip.z());
+    labels.unit_heights.push_back(tip.z() - ahead);
     labels.k_normal.push_back(k_normal);
     labels.k_tangential.push_back(k_tangential);
   }
@@ -204,7 +204,7 @@ TrialRecord new_record(const Scene& scene, std::span<const std::unique_ptr<Senso
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
     SensorRecord& sensor = record.sensors.emplace_back();
     sensor.name = scene.sensors[pad].name;
-    describe_units(sensors[pad]->layout(), scene.friction, simulation.friction_scale(), sensor.labels);
+    describe_units(sensors[pad]->layout(), scene.sensors[pad].ahead, scene.friction, simulation.friction_scale(), sensor.labels);
   }
   if (const auto pad = control_pad(scene)) {
     ControlRecord& control = record.control.emplace();

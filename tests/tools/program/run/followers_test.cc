@@ -91,6 +91,28 @@ TEST(Followers, LeaveEveryByteOfTwoFingersThatHoldABox) {
   expect_each_as_alone(with, "bodies/held_box.yaml", "", effects, followers, 2);
 }
 
+// A spring that is longer by h is pressed by h more: k h of force. The box leans by less than 0.03, and 1 - cos(0.03) is 4.5e-4.
+TEST(Followers, StandAheadOfThePad) {
+  constexpr double h = 0.2e-3;
+  const std::vector<Override> changes{{"duration", "2.4 s"},
+                                      {"friction", "{static: 0.9, kinetic: 0.9}"},
+                                      {"sensors.even", "{type: papillarray, follows: pad}"},
+                                      {"sensors.proud", "{type: papillarray, follows: pad, ahead: 0.2 mm}"}};
+  const TrialRecord record = run("grasp/lift.yaml", "{type: truth, sensor: pad}", changes);
+  const LabelRecord &even = record.sensors[1].labels, &proud = record.sensors[2].labels;
+  ASSERT_EQ(even.force.size(), proud.force.size());
+  const std::size_t units = even.k_normal.size();
+  for (std::size_t u = 0; u < units; ++u) EXPECT_DOUBLE_EQ(proud.unit_heights[u], even.unit_heights[u] - h);
+  std::size_t pressed = 0;
+  for (std::size_t i = 2; i < even.force.size(); i += 3) {
+    if (even.force[i] <= 0.0) continue;
+    ++pressed;
+    const double more = even.k_normal[i / 3 % units] * h;
+    EXPECT_NEAR(proud.force[i] - even.force[i], more, 4.5e-4 * more) << i;
+  }
+  EXPECT_GT(pressed, even.force.size() / 9);
+}
+
 // A detector may read a follower, and the controller goes by it; its rows are the follower's samples, and what it sees at the gripper's ticks
 // is what is there by then.
 TEST(Followers, MayBeWhatTheDetectorReads) {
