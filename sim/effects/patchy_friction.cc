@@ -7,6 +7,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/of_thread.h"
+#include "sim/core/quad_math.h"
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
@@ -50,13 +51,16 @@ class RandomMap {
   [[nodiscard]] double period() const { return cell_ * static_cast<double>(cells); }
 
   // Bilinear between the grid's points.
-  [[nodiscard]] double at(double x, double y) const {
-    const double u = x / cell_, v = y / cell_;
-    const std::int64_t row = floor_of(v), column = floor_of(u);
-    const double du = u - static_cast<double>(column), dv = v - static_cast<double>(row);
-    const std::size_t i = wrap(column), j = wrap(row), i1 = (i + 1) % cells, j1 = (j + 1) % cells;
-    return (1.0 - dv) * ((1.0 - du) * table_[j * cells + i] + du * table_[j * cells + i1]) +
-           dv * ((1.0 - du) * table_[j1 * cells + i] + du * table_[j1 * cells + i1]);
+  [[nodiscard, gnu::always_inline]] Quad at(const Quad& x, const Quad& y) const {
+    const Quad u = x / cell_, v = y / cell_;
+    Quad du, dv, near, right, up, far;
+    for (std::size_t lane = 0; lane < quad; ++lane) {
+      const std::int64_t row = floor_of(v[lane]), column = floor_of(u[lane]);
+      du[lane] = u[lane] - static_cast<double>(column), dv[lane] = v[lane] - static_cast<double>(row);
+      const std::size_t i = wrap(column), j = wrap(row) * cells, i1 = (i + 1) % cells, j1 = (j + cells) % (cells * cells);
+      near[lane] = table_[j + i], right[lane] = table_[j + i1], up[lane] = table_[j1 + i], far[lane] = table_[j1 + i1];
+    }
+    return (1.0 - dv) * ((1.0 - du) * near + du * right) + dv * ((1.0 - du) * up + du * far);
   }
 
  private:
@@ -75,19 +79,31 @@ class RandomMap {
   std::vector<double> table_;
 };
 
+// Each face of a box has its own two coordinates and its own place in the map, which repeats: the top that of a plane. The steps between
+// the places are no simple parts of its period, so that no two faces look at the same piece.
+SLIPBENCH_DISPATCHED void scale_all(const RandomMap& map, double sd, const ElementColumns& e, double* mu_s, double* mu_k) {
+  for (std::size_t i = 0; i < e.count; i += quad) {
+    const auto at = [i](const double* column) SLIPBENCH_INLINE_BODY { return vector_at<Quad>(column + i); };
+    const auto pressed = at(e.normal_force) != 0.0;
+    if (!any(pressed)) continue;
+    const Quad x = at(e.x), y = at(e.y), z = at(e.z), nx = at(e.nx), ny = at(e.ny), nz = at(e.nz), none{};
+    const auto on_x = nx * nx >= ny * ny, on_z = (nz * nz >= nx * nx) & (nz * nz >= ny * ny);
+    const Quad beside = on_x ? (nx > 0.0 ? none + 2.0 : none + 3.0) : (ny > 0.0 ? none + 4.0 : none + 5.0);
+    const Quad face = on_z ? (nz > 0.0 ? none : none + 1.0) : beside;
+    const Quad u = (on_z | ~on_x ? x : y) + face * 0.3819660113 * map.period(), v = (on_z ? y : z) + face * 0.1459 * map.period();
+    // Of an argument below 512: a map's values are below 7, sd 2 at most.
+    const Quad factor = pressed ? exp_of(sd * map.at(u, v) - 0.5 * sd * sd) : none + 1.0;
+    put_vector(mu_s + i, at(mu_s) * factor);
+    put_vector(mu_k + i, at(mu_k) * factor);
+  }
+}
+
 class PatchyFriction final : public FrictionEffect {
  public:
   PatchyFriction(const Parameters& p, const EffectContext& context)
       : sd_(p.number("sd")), shortest_(p.number("shortest")), map_(map_of(shortest_, p.number("longest"), context)) {}
 
-  void scale(const ElementColumns& elements, double* mu_s, double* mu_k) override {
-    for (std::size_t i = 0; i < elements.count; ++i) {
-      if (elements.normal_force[i] == 0.0) continue;
-      const double factor = std::exp(sd_ * map_at(elements, i) - 0.5 * sd_ * sd_);
-      mu_s[i] *= factor;
-      mu_k[i] *= factor;
-    }
-  }
+  void scale(const ElementColumns& elements, double* mu_s, double* mu_k) override { scale_all(*map_, sd_, elements, mu_s, mu_k); }
 
   [[nodiscard]] double longest_step(double speed) const override { return step_per_wave(shortest_, speed); }
 
@@ -101,19 +117,6 @@ class PatchyFriction final : public FrictionEffect {
       last = {key, std::make_shared<const RandomMap>(shortest, longest, context.stream("patchy_friction"))};
     }
     return last.second;
-  }
-
-  // Each face of a box has its own two coordinates and its own place in the map, which repeats: the top that of a plane. The steps between
-  // the places are no simple parts of its period, so that no two faces look at the same piece.
-  [[nodiscard]] double map_at(const ElementColumns& elements, std::size_t i) const {
-    const double x = elements.x[i], y = elements.y[i], z = elements.z[i];
-    const double nx = elements.nx[i], ny = elements.ny[i], nz = elements.nz[i];
-    const auto place = [this](double face, double u, double v) {
-      return map_->at(u + face * 0.3819660113 * map_->period(), v + face * 0.1459 * map_->period());
-    };
-    if (std::abs(nz) >= std::abs(nx) && std::abs(nz) >= std::abs(ny)) return nz > 0.0 ? map_->at(x, y) : place(1.0, x, y);
-    if (std::abs(nx) >= std::abs(ny)) return place(nx > 0.0 ? 2.0 : 3.0, y, z);
-    return place(ny > 0.0 ? 4.0 : 5.0, x, z);
   }
 
   double sd_, shortest_;

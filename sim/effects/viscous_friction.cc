@@ -1,11 +1,61 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
+#include "sim/core/quad_math.h"
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {
+
+// y = 1 + w/speed > 1 of b y + ln y = a + b, a > 0, b > 0: with z = b y Wright's omega function. Near the root the fourth-order step of
+// Fritsch, Shafer and Crowley (Commun. ACM 16 (1973) 123), elsewhere Newton's, which from below never overshoots: the left side is
+// concave. `y`: of the step before, 0 for none; of several, each as if alone. In a steady slide one logarithm.
+SLIPBENCH_INLINE Quad solve(const Quad& a, const Quad& b, decltype(Quad{} < Quad{}) wanted, Quad y) {
+  const Quad one = Quad{} + 1.0;
+  for (std::size_t lane = 0; lane < quad; ++lane) {
+    if (!(y[lane] >= 1.0))
+      y[lane] = wanted[lane] != 0 ? std::max(1.0, 1.0 / (std::exp(-a[lane]) + b[lane] / (a[lane] + b[lane]))) : 1.0;
+  }
+  for (int iteration = 0; iteration < 100 && any(wanted); ++iteration) {
+    const Quad z1 = 1.0 + b * y, r = a + b * (1.0 - y) - log_of(y);
+    const Quad newton = r / z1, p = 2.0 * z1 * (z1 + 2.0 / 3.0 * r);
+    const auto near = (newton < 0.5) & (newton > -0.5);
+    const Quad change = near ? newton * (p - r) / (p - 2.0 * r) : newton, next = y * (1.0 + change);
+    y = wanted ? (next > 1.0 ? next : one) : y;
+    wanted &= ~(near & (change < 1e-4) & (change > -1e-4));
+  }
+  return y;
+}
+
+// RateEffect::strengthen(). `ratio`: 1 + w/speed of the step before and of this one, 0 in stick.
+SLIPBENCH_DISPATCHED void strengthen_all(double gain, double dt, double speed, std::size_t count, const double* trial,
+                                         const double* stiffness, const double* limit, double* ratio, double* factor) {
+  const Quad none{}, one = none + 1.0;
+  for (std::size_t i = 0; i < count; i += quad) {
+    const std::size_t bytes = std::min(quad, count - i) * sizeof(double);
+    const auto at = [&](const double* column) SLIPBENCH_INLINE_BODY {
+      if (bytes == sizeof(Quad)) return vector_at<Quad>(column + i);
+      Quad some{};
+      std::memcpy(&some, column + i, bytes);
+      return some;
+    };
+    const auto put = [&](double* column, const Quad& values) SLIPBENCH_INLINE_BODY {
+      bytes == sizeof(Quad) ? put_vector(column + i, values) : static_cast<void>(std::memcpy(column + i, &values, bytes));
+    };
+    const Quad held = at(limit), scale = gain * held;
+    const auto slips = (at(trial) > held) & (scale > 0.0);
+    Quad y{};
+    if (any(slips)) {
+      const Quad excess = slips ? (at(trial) - held) / scale : one, step = slips ? at(stiffness) * dt * speed / scale : one;
+      y = solve(excess, step, slips, at(ratio));
+      put(factor, at(factor) * (slips ? 1.0 + gain * (excess + step * (1.0 - y)) : one));
+      y = slips ? y : none;
+    }
+    put(ratio, y);
+  }
+}
 
 // g(w) = 1 + gain log10(1 + w/speed).
 class ViscousFriction final : public RateEffect {
@@ -15,18 +65,7 @@ class ViscousFriction final : public RateEffect {
 
   void strengthen(std::size_t first, std::size_t count, double dt, const double* trial, const double* stiffness,
                   const double* limit, double* factor) override {
-    if (gain_ == 0.0) return;
-    for (std::size_t i = 0; i < count; ++i) {
-      double& ratio = ratio_[first + i];
-      const double scale = gain_ * limit[i];
-      if (!(trial[i] > limit[i] && scale > 0.0)) {
-        ratio = 0.0;
-        continue;
-      }
-      const double excess = (trial[i] - limit[i]) / scale, step = stiffness[i] * dt * speed_ / scale;
-      ratio = solve(excess, step, ratio);
-      factor[i] *= 1.0 + gain_ * (excess + step * (1.0 - ratio));
-    }
+    if (gain_ != 0.0) strengthen_all(gain_, dt, speed_, count, trial, stiffness, limit, ratio_.data() + first, factor);
   }
 
   [[nodiscard]] double factor(double speed) const override { return 1.0 + gain_ * std::log(1.0 + speed / speed_); }
@@ -35,25 +74,6 @@ class ViscousFriction final : public RateEffect {
   [[nodiscard]] std::span<double> memory() override { return ratio_; }
 
  private:
-  // y = 1 + w/speed > 1 of b y + ln y = a + b, a > 0, b > 0: with z = b y Wright's omega function. Near the root the fourth-order step of
-  // Fritsch, Shafer and Crowley (Commun. ACM 16 (1973) 123), elsewhere Newton's, which from below never overshoots: the left side is
-  // concave. `guess`: y of the step before, 0 for none. In a steady slide one logarithm.
-  static double solve(double a, double b, double guess) {
-    double y = guess >= 1.0 ? guess : std::max(1.0, 1.0 / (std::exp(-a) + b / (a + b)));
-    for (int iteration = 0; iteration < 100; ++iteration) {
-      const double z1 = 1.0 + b * y, r = a + b * (1.0 - y) - std::log(y);
-      const double newton = r / z1;
-      double change = newton;
-      if (std::abs(newton) < 0.5) {
-        const double p = 2.0 * z1 * (z1 + 2.0 / 3.0 * r);
-        change = newton * (p - r) / (p - 2.0 * r);
-      }
-      y = std::max(1.0, y * (1.0 + change));
-      if (std::abs(change) < 1e-4 && std::abs(newton) < 0.5) break;
-    }
-    return y;
-  }
-
   double gain_, speed_;        // per factor e, m/s
   std::vector<double> ratio_;  // 1 + w/speed of the step before, 0 in stick
 };

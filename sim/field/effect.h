@@ -14,7 +14,7 @@ namespace slipbench {
 
 struct PadLayout;
 
-// Read-only columns of a field with `count` elements, in the surface frame S.
+// Read-only columns of a field with `count` elements, in the surface frame S; the entries up to a multiple of kernel::lanes are there, and say nothing.
 struct ElementColumns {
   std::size_t count;
   double dt;                   // s, 0 in the first step

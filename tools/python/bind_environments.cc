@@ -70,8 +70,11 @@ Truth truth_of(const GraspEnvironment& environment) {
 
 // Observation, reward, dropped, ended, truth.
 using Result = nb::typed<nb::tuple, nb::ndarray<nb::numpy, float>, double, bool, bool, Truth>;
-// Of each environment: its result, whether an episode has begun, what was drawn for it.
-using Results = nb::typed<nb::list, nb::typed<nb::tuple, Result, bool, std::string>>;
+// Of several: their observations; reward, time, grip_force, ideal_force and slip_distance; dropped, ended and lifting; number of the
+// episode; what was drawn for it; and by place the outcomes of those that are over.
+using Results =
+    nb::typed<nb::tuple, nb::ndarray<nb::numpy, float>, nb::ndarray<nb::numpy, double>, nb::ndarray<nb::numpy, std::uint8_t>,
+              nb::typed<nb::list, int>, nb::typed<nb::list, std::string>, nb::typed<nb::dict, int, std::string>>;
 
 Result result_of(const GraspEnvironment& environment) {
   const EnvironmentStep& step = environment.latest();
@@ -109,14 +112,12 @@ class Grasps {
   Grasps(const std::string& path, const Pairs& overrides, const std::string& action, std::size_t count, std::size_t threads)
       : environments_(scene_file(path, overrides), action_named(action), count, threads) {}
 
-  Results reset(const std::vector<std::uint64_t>& seeds, const std::vector<std::uint64_t>& episodes,
-                const std::vector<std::uint8_t>& chosen) {
+  Results reset(const std::vector<std::uint64_t>& seeds, const std::vector<std::uint64_t>& episodes) {
     check(seeds.size(), "seeds");
     check(episodes.size(), "episodes");
-    check(chosen.size(), "chosen");
     {
       const nb::gil_scoped_release release;
-      environments_.reset(seeds, episodes, chosen);
+      environments_.reset(seeds, episodes);
     }
     return results();
   }
@@ -137,11 +138,26 @@ class Grasps {
                        " environments");
   }
   Results results() {
-    Results all;
-    for (std::size_t i = 0; i < environments_.size(); ++i)
-      all.append(
-          nb::make_tuple(result_of(environments_.environment(i)), environments_.began(i), environments_.environment(i).params()));
-    return all;
+    std::vector<float> observations;
+    std::vector<double> numbers;
+    std::vector<std::uint8_t> flags;
+    nb::list episodes, drawn;
+    nb::dict outcomes;
+    using Step = EnvironmentStep;
+    const std::size_t count = environments_.size();
+    for (const auto number : {&Step::reward, &Step::time, &Step::grip_force, &Step::ideal_force, &Step::slip_distance})
+      for (std::size_t i = 0; i < count; ++i) numbers.push_back(environments_.environment(i).latest().*number);
+    for (const auto flag : {&Step::dropped, &Step::ended, &Step::lifting})
+      for (std::size_t i = 0; i < count; ++i) flags.push_back(environments_.environment(i).latest().*flag ? 1 : 0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const GraspEnvironment& one = environments_.environment(i);
+      observations.insert(observations.end(), one.observation().begin(), one.observation().end());
+      episodes.append(environments_.episode(i));
+      drawn.append(one.params());
+      if (one.over()) outcomes[nb::int_(i)] = one.outcome();
+    }
+    return nb::make_tuple(copied<float>(observations), copied<double>(numbers), copied<std::uint8_t>(flags), episodes, drawn,
+                          outcomes);
   }
 
   VectorEnvironment environments_;

@@ -20,8 +20,8 @@ namespace slipbench {
 // the nearest in distance, so that a pillar close to an edge presses on the top and not on the side. That is what one position
 // tells; what an element does whose face changes under way is the field's to say (Field::keep_energy).
 
-// What at() says, of one element or of as many as a vector of the compiler's (kernel::Lanes) holds. met() is without a branch, since every
-// element may be another case; each is worked out in the order in which a branch would.
+// What at() says, of one element or of as many as a vector of the compiler's (kernel::Lanes) holds. met() has no branch for one of several, since every
+// element may be another case, but for what none of them needs; each is worked out in the order in which a branch would.
 template <class Real>
 struct Met {
   Real gap, nx, ny, nz, faces;
@@ -83,39 +83,44 @@ struct Box {
       beyond += excess > 0.0 ? face_bit(k, sides[k]) : none;
     }
 
-    Real looks[3], way_back = none, way_ahead = none, entry = none, exit = none;
-    for (int k = 0; k < 3; ++k) {
-      looks[k] = a[k] < 0.0 ? one : -one;  // the face of this pair that looks at the element
-      const Real slope = a[k] < 0.0 ? -a[k] : a[k];
-      const Real back = slope == 0.0 ? none + infinite : (half[k] - looks[k] * p[k]) / slope;
-      const Real ahead = slope == 0.0 ? none + infinite : (half[k] + looks[k] * p[k]) / slope;
-      if (k == 0) {
-        way_back = back;
-        way_ahead = ahead;
-        continue;
-      }
-      entry = back < way_back ? none + k : entry;
-      way_back = back < way_back ? back : way_back;
-      exit = ahead < way_ahead ? none + k : exit;
-      way_ahead = ahead < way_ahead ? ahead : way_ahead;
-    }
-    const auto looks_in = way_back <= way_ahead;  // else it looks out through a nearer face than it could have come in by
-    const Real face = looks_in ? entry : exit;
-
+    Real n[3] = {none, none, none}, gap = none, faces = none;
     const auto is_outside = distance2 > 0.0;
-    const Real distance = root_of(distance2);
-    Real n[3], depth = none, within = none;
-    for (int k = 0; k < 3; ++k) {
-      const auto here = face == static_cast<double>(k);
-      const Real side = looks_in ? looks[k] : -looks[k];
-      depth = here ? half[k] - side * p[k] : depth;
-      within = here ? face_bit(k, side) : within;
-      const Real beside = (p[k] < 0.0 ? -outside[k] : outside[k]) / distance, behind = here ? side : none;
-      n[k] = is_outside ? beside : behind;
+    if (any_of(!is_outside)) {
+      Real looks[3], way_back = none, way_ahead = none, entry = none, exit = none;
+      for (int k = 0; k < 3; ++k) {
+        looks[k] = a[k] < 0.0 ? one : -one;  // the face of this pair that looks at the element
+        const Real slope = a[k] < 0.0 ? -a[k] : a[k];
+        const Real back = slope == 0.0 ? none + infinite : (half[k] - looks[k] * p[k]) / slope;
+        const Real ahead = slope == 0.0 ? none + infinite : (half[k] + looks[k] * p[k]) / slope;
+        if (k == 0) {
+          way_back = back;
+          way_ahead = ahead;
+          continue;
+        }
+        entry = back < way_back ? none + k : entry;
+        way_back = back < way_back ? back : way_back;
+        exit = ahead < way_ahead ? none + k : exit;
+        way_ahead = ahead < way_ahead ? ahead : way_ahead;
+      }
+      const auto looks_in = way_back <= way_ahead;  // else it looks out through a nearer face than it could have come in by
+      const Real face = looks_in ? entry : exit;
+      for (int k = 0; k < 3; ++k) {
+        const auto here = face == static_cast<double>(k);
+        const Real side = looks_in ? looks[k] : -looks[k];
+        gap = here ? half[k] - side * p[k] : gap;
+        faces = here ? face_bit(k, side) : faces;
+        n[k] = here ? side : none;
+      }
+      gap = looks_in ? -gap : gap;
+      faces = looks_in ? faces : none;
     }
-    const Real inside = looks_in ? -depth : depth;
-    within = looks_in ? within : none;
-    return {is_outside ? distance : inside, n[0], n[1], n[2], is_outside ? beyond : within};
+    if (any_of(is_outside)) {
+      const Real distance = root_of(distance2);
+      for (int k = 0; k < 3; ++k) n[k] = is_outside ? (p[k] < 0.0 ? -outside[k] : outside[k]) / distance : n[k];
+      gap = is_outside ? distance : gap;
+      faces = is_outside ? beyond : faces;
+    }
+    return {gap, n[0], n[1], n[2], faces};
   }
 
   [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {

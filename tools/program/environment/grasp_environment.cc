@@ -237,13 +237,10 @@ void VectorEnvironment::for_each(const std::function<void(Place&, std::size_t)>&
   }
 }
 
-void VectorEnvironment::reset(std::span<const std::uint64_t> seeds, std::span<const std::uint64_t> episodes,
-                              std::span<const std::uint8_t> chosen) {
+void VectorEnvironment::reset(std::span<const std::uint64_t> seeds, std::span<const std::uint64_t> episodes) {
   for_each([&](Place& place, std::size_t i) {
-    if (chosen[i] == 0) return;
     place.seed = seeds[i];
     place.episode = episodes[i];
-    place.began = true;
     place.environment->reset(place.seed, place.episode);
   });
 }
@@ -254,8 +251,7 @@ void VectorEnvironment::step(std::span<const double> actions) {
     if (!places_[i].environment->over()) GraspEnvironment::check_action(actions[i]);
   }
   for_each([&](Place& place, std::size_t i) {
-    place.began = place.environment->over();
-    if (place.began) {
+    if (place.environment->over()) {
       place.environment->reset(place.seed, ++place.episode);
     } else {
       place.environment->step(actions[i]);

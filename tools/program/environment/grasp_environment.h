@@ -113,11 +113,11 @@ class VectorEnvironment {
 
   [[nodiscard]] std::size_t size() const { return places_.size(); }
   [[nodiscard]] GraspEnvironment& environment(std::size_t i) { return *places_[i].environment; }
-  // Whether its latest step began an episode.
-  [[nodiscard]] bool began(std::size_t i) const { return places_[i].began; }
+  // Number of its episode.
+  [[nodiscard]] std::uint64_t episode(std::size_t i) const { return places_[i].episode; }
 
-  // Begins episodes[i] of seeds[i] in each whose `chosen` is not 0. Throws what any of them throws.
-  void reset(std::span<const std::uint64_t> seeds, std::span<const std::uint64_t> episodes, std::span<const std::uint8_t> chosen);
+  // Begins episodes[i] of seeds[i] in each. Throws what any of them throws.
+  void reset(std::span<const std::uint64_t> seeds, std::span<const std::uint64_t> episodes);
   // actions: [size()]
   void step(std::span<const double> actions);
 
@@ -125,7 +125,6 @@ class VectorEnvironment {
   struct Place {
     std::unique_ptr<GraspEnvironment> environment;
     std::uint64_t seed = 0, episode = 0;
-    bool began = false;
   };
 
   // Does `work` for each place, on all threads. Throws the first thing, by place, that went wrong.

@@ -43,6 +43,7 @@ def _refuse_pictures(render_mode: str | None, allowed: str) -> None:
         raise _core.InputError(f"render_mode {render_mode!r}; allowed: {allowed}")
 
 
+_TRUTHS = ("time", "grip_force", "ideal_force", "slip_distance", "lifting")
 _GREATEST = np.finfo(np.float32).max  # what a sensor's float32 may be: it has no other bound
 _BOUNDS = {"gripper.position": 255.0, "gripper.moving": 1.0, "gripper.stopped": 1.0, "slip.state": 3.0}
 
@@ -166,39 +167,30 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
             raise _core.InputError(f"options {options!r}; allowed: None")
         for i, one in enumerate([_seed(one) for one in seeds]):
             self._seeds[i], self._episodes[i] = (self._seeds[i], self._episodes[i] + 1) if one is None else (one, 0)
-        told = self._grasps.reset(self._seeds, self._episodes, [1] * self.num_envs)
-        observations, _, _, _, infos = self._batch(told)
+        observations, _, _, _, infos = self._batch(self._grasps.reset(self._seeds, self._episodes))
         return observations, infos
 
     def step(self, actions: Observation) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Commands each with its row of `actions` [num_envs, 1], but where its episode has ended: there the next one begins, and the action counts for
         nothing."""
-        told = self._grasps.step([float(action) for action in np.asarray(actions).reshape(self.num_envs)])
-        for i, (_, began, _) in enumerate(told):
-            self._episodes[i] += bool(began)
-        return self._batch(told)
+        return self._batch(self._grasps.step(np.asarray(actions, np.float64).reshape(self.num_envs).tolist()))
 
-    def _batch(self, told: list[Any]) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        observations = np.stack([result[0] for result, _, _ in told])
-        rewards = np.array([result[1] for result, _, _ in told], np.float64)
-        terminated = np.array([result[2] for result, _, _ in told], np.bool_)
-        truncated = np.array([result[3] for result, _, _ in told], np.bool_)
+    def _batch(self, told: Any) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        observations, numbers, flags, self._episodes, drawn, outcomes = told
+        rewards, *truths = numbers.reshape(-1, self.num_envs)
+        terminated, truncated, lifting = flags.view(np.bool_).reshape(-1, self.num_envs)
         # As `_add_info` puts them together, of which each call takes as long as a step of a grasp: so once an episode, for what lasts that long.
-        truths = [result[4] for result, _, _ in told]
         infos: dict[str, Any] = {}
-        for name in ("time", "grip_force", "ideal_force", "slip_distance", "lifting"):
-            infos[name] = np.array([truth[name] for truth in truths])
-            infos[f"_{name}"] = np.ones(self.num_envs, np.bool_)
-        drawn = [params for _, _, params in told]
+        for name, truth, told_of in zip(_TRUTHS, (*truths, lifting), np.ones((len(_TRUTHS), self.num_envs), np.bool_), strict=True):
+            infos[name], infos[f"_{name}"] = truth, told_of
         if drawn != self._drawn:
             self._drawn, self._params = drawn, {}
             for i, params in enumerate(drawn):
                 self._params = self._add_info(self._params, {"params": json.loads(params)}, i)
         infos.update(copy.deepcopy(self._params))
-        for i, truth in enumerate(truths):
-            if "outcome" in truth:
-                infos = self._add_info(infos, {"outcome": json.loads(truth["outcome"])}, i)
-        return observations, rewards, terminated, truncated, infos
+        for i, outcome in outcomes.items():
+            infos = self._add_info(infos, {"outcome": json.loads(outcome)}, i)
+        return observations.reshape(self.num_envs, -1), rewards, terminated, truncated, infos
 
 
 class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
