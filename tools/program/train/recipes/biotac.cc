@@ -165,7 +165,17 @@ std::vector<Recipe> biotac_recipes() {
   slip.training.steps = 1500;
   slip.training.clip = 75;
   slip.training.onset_frames = 10;
-  return {cnn, gcn, lstm, conv_lstm, spreads, slip};
+
+  Recipe grasp = slip_recipe(
+      "biotac_grasp", "How each electrode and the pressure change in 20 to 300 ms, with their signs, through two GRUs at 100 Hz",
+      "biotac_sp", 100.0, {{"electrodes", {}}, {"pdc", {}}, {"pac", {}}});
+  constexpr std::size_t values = electrodes + 21;
+  grasp.input.window = 2;
+  grasp.input.transform = network::Transform::levels;
+  grasp.input.spans = {2, 4, 8, 30};
+  grasp.input.floor = 3.0;  // counts, the noise
+  grasp.network = {5 * values, {Reshape{{5, values}}, Linear{16}, Flatten{}, Linear{48}, Relu{}, Gru{48}, Gru{48}, Linear{2}}};
+  return {cnn, gcn, lstm, conv_lstm, spreads, slip, grasp};
 }
 
 }  // namespace slipbench::train
