@@ -195,10 +195,7 @@ void count(const TrialOutcome& outcome, const std::string& sensor, const StateCo
 
 }  // namespace
 
-template <MaybeConst<Warning> Value>
-auto fields_of(Value& warning) {
-  return std::tie(warning.about, warning.text);
-}
+SLIPBENCH_FIELDS(Warning, about, text)
 
 std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers, bool build) {
   const std::vector<std::size_t> trials = spread(numbers, most_read);

@@ -18,11 +18,7 @@
 
 namespace slipbench {
 
-template <MaybeConst<Sequence> Value>
-auto fields_of(Value& sequence) {
-  auto& [trial, motion, onset, time, displacements, label, moving] = sequence;
-  return std::tie(trial, motion, onset, time, displacements, label, moving);
-}
+SLIPBENCH_FIELDS(Sequence, trial, motion, onset, time, displacements, label, moving)
 
 namespace {
 

@@ -25,13 +25,8 @@
 
 namespace slipbench::train {
 
-// The one list of what goes through the pipe: a binding that leaves a member out does not compile.
-template <MaybeConst<Example> Value>
-auto fields_of(Value& example) {
-  auto& [trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, frames, turn] = example;
-  auto& [features, label] = frames;
-  return std::tie(trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, features, label, turn);
-}
+SLIPBENCH_FIELDS(FrameSequence, features, label)
+SLIPBENCH_FIELDS(Example, trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, frames, turn)
 
 namespace {
 
