@@ -14,7 +14,6 @@
 #include "tools/base/files/reject.h"
 #include "tools/base/record/trial_record.h"
 #include "tools/base/workers/child_process.h"
-#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 

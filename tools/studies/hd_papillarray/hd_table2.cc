@@ -2,7 +2,6 @@
 #include "tools/studies/hd_papillarray/hd_tables.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
