@@ -15,6 +15,7 @@
 
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
+#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/workers/isolated_worker.h"
@@ -28,9 +29,7 @@ namespace {
 // One number of every unit; nlohmann writes NaN as null.
 template <class Number>
 Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) {
-  Json values = Json::array();
-  for (const UnitOutcome& unit : units) values.push_back(unit.*member);
-  return values;
+  return of_each<Json>(units, [&](const UnitOutcome& unit) { return unit.*member; });
 }
 
 void add_trial(DetectorScore& score, const TrialOutcome& outcome, const Confusion& confusion) {
@@ -292,9 +291,9 @@ std::vector<Warning> converter_warnings(const std::vector<TrialSummary>& trials)
 }
 
 Json warnings_json(const std::vector<Warning>& warnings) {
-  Json json = Json::array();
-  for (const Warning& warning : warnings) json.push_back({{"about", warning.about}, {"text", warning.text}});
-  return json;
+  return of_each<Json>(warnings, [](const Warning& warning) -> Json {
+    return {{"about", warning.about}, {"text", warning.text}};
+  });
 }
 
 std::string trial_json(const TrialSummary& trial) {
