@@ -22,6 +22,9 @@ struct Decision {
   bool operator==(const Decision&) const = default;
 };
 
+// Throws std::out_of_range for a level or context that does not exist: what memories hold nothing of.
+void check(const Frame& frame);
+
 class Engine {
  public:
   virtual ~Engine() = default;

@@ -17,7 +17,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "detectors/hd/features.h"
 #include "detectors/hd/memories.h"

@@ -86,12 +86,7 @@ class Reference : public Engine, public Encoder {
  private:
   // Whether the window is full.
   bool take(const Frame& frame) {
-    for (const std::uint8_t level : frame.level) {
-      if (level >= level_count) throw std::out_of_range("hd engine: level " + std::to_string(level) + " of 0 to 20");
-    }
-    if (frame.context >= context_count) {
-      throw std::out_of_range("hd engine: context " + std::to_string(frame.context) + " of 0 to 3");
-    }
+    check(frame);
     frames_.push_back(frame);
     if (frames_.size() > model_.frames()) frames_.pop_front();
     return frames_.size() == model_.frames();
@@ -142,6 +137,15 @@ class Reference : public Engine, public Encoder {
 };
 
 }  // namespace
+
+void check(const Frame& frame) {
+  for (const std::uint8_t level : frame.level) {
+    if (level >= level_count) throw std::out_of_range("hd engine: level " + std::to_string(level) + " of 0 to 20");
+  }
+  if (frame.context >= context_count) {
+    throw std::out_of_range("hd engine: context " + std::to_string(frame.context) + " of 0 to 3");
+  }
+}
 
 std::unique_ptr<Engine> make_reference(const Model& model, const Memories& memories) {
   check(model, memories, true);

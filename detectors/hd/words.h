@@ -10,6 +10,7 @@
 
 #include "detectors/hd/features.h"
 #include "detectors/hd/model.h"
+#include "sim/core/of_each.h"
 
 namespace slipbench::hd {
 
@@ -41,9 +42,7 @@ std::string name_of(const Words& words, Value value) {
 // All words of a table.
 template <class Words>
 std::vector<std::string> names_of(const Words& words) {
-  std::vector<std::string> names;
-  for (const auto& word : words) names.emplace_back(word.name);
-  return names;
+  return of_each<std::string>(words, [](const auto& word) { return word.name; });
 }
 
 // What a word stands for, if it stands in the table.

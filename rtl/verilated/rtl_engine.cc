@@ -33,16 +33,6 @@ class VerilatedEngine : public RtlEngine {
   [[nodiscard]] unsigned cycles() const override { return cycles_; }
 
  private:
-  // The core would read beyond its memories.
-  static void check(const Frame& frame) {
-    for (const std::uint8_t level : frame.level) {
-      if (level >= level_count) throw std::out_of_range("hd engine: level " + std::to_string(level) + " of 0 to 20");
-    }
-    if (frame.context >= context_count) {
-      throw std::out_of_range("hd engine: context " + std::to_string(frame.context) + " of 0 to 3");
-    }
-  }
-
   // The core is idle: it accepts at once, and the next decision is this one.
   Decision decide(const CoreInputs& inputs, const Frame& frame) {
     trace();

@@ -72,4 +72,11 @@ ProfilePoint Profile::at(double t) const {
           piece->velocity + piece->acceleration * since};
 }
 
+ProfilePoint come_down(double t, double start, double time) {
+  if (t <= start) return {0.0, 0.0};
+  if (t >= start + time) return {1.0, 0.0};
+  const double s = (t - start) / time;
+  return {s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / time};
+}
+
 }  // namespace slipbench

@@ -42,4 +42,7 @@ class Profile {
   std::vector<Piece> pieces_;  // the last one has no acceleration and no end
 };
 
+// How far something has come down that begins at `start` and takes `time` [s]: 3 s^2 - 2 s^3 of the share s of it that has passed.
+ProfilePoint come_down(double t, double start, double time);
+
 }  // namespace slipbench

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/motion/profile.h"
 
 namespace slipbench {
 namespace rub {
@@ -255,7 +256,8 @@ class Rub final : public Motion {
   }
 
   [[nodiscard]] BodyState pad_at(double t) const override {
-    const Point down = come_down(t), load = restless_.at(Restlessness::load, t), way = restless_.way(t);
+    const ProfilePoint down = come_down(t, start_, approach_);
+    const Point load = restless_.at(Restlessness::load, t), way = restless_.way(t);
     const double asked = compression_ * std::exp(load_sd_ * load.value), share = std::tanh(asked / deepest_);
     const double pressed = deepest_ * share, pressing = (1.0 - share * share) * asked * load_sd_ * load.rate;
     const Spot spot = spot_at(t);
@@ -267,8 +269,8 @@ class Rub final : public Motion {
     pad.angular_velocity =
         rotation_ * way.rate * Eigen::Vector3d::UnitZ() + spot.pitch.rate * turned.col(1) + spot.roll.rate * pitched.col(0);
     Eigen::Vector3d touch = speed_ * way.value, touch_rate = speed_ * way.rate;
-    touch.z() = gap_ * (1.0 - down.value) - pressed * down.value;
-    touch_rate.z() = -(gap_ + pressed) * down.rate - pressing * down.value;
+    touch.z() = gap_ * (1.0 - down.position) - pressed * down.position;
+    touch_rate.z() = -(gap_ + pressed) * down.velocity - pressing * down.position;
     const Eigen::Vector3d arm = pad.pose.rotation * spot.place;
     pad.pose.position = touch - arm;
     pad.velocity = touch_rate - pad.angular_velocity.cross(arm) - pad.pose.rotation * spot.rate;
@@ -317,14 +319,6 @@ class Rub final : public Motion {
   [[nodiscard]] Point wandered(std::size_t k, const Point& process) const {
     const double bounded = std::tanh(wander_[k] * process.value / room_[k]);
     return {site_[k] + room_[k] * bounded, (1.0 - bounded * bounded) * wander_[k] * process.rate};
-  }
-
-  // How far the finger has come down, from 0 to 1.
-  [[nodiscard]] Point come_down(double t) const {
-    if (t <= start_) return {0.0, 0.0};
-    if (t >= start_ + approach_) return {1.0, 0.0};
-    const double s = (t - start_) / approach_;
-    return {s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / approach_};
   }
 
   // The spot is centre + (x, k b sin g, -k c cos g) with k = sqrt(1 - (x/a)^2); the outward normal there is along

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/motion/profile.h"
+
 namespace slipbench {
 namespace {
 
@@ -86,10 +88,10 @@ class Wander final : public Motion {
   }
 
   [[nodiscard]] BodyState pad_at(double t) const override {
-    const Wave::Point down = come_down(t);
+    const ProfilePoint down = come_down(t, start_, approach_);
     const Wave::Point press = waves_[0].at(t);
-    const Wave::Point share{down.value * 0.5 * (1.0 + press.value),
-                            down.rate * 0.5 * (1.0 + press.value) + down.value * 0.5 * press.rate};
+    const Wave::Point share{down.position * 0.5 * (1.0 + press.value),
+                            down.velocity * 0.5 * (1.0 + press.value) + down.position * 0.5 * press.rate};
     std::array<Wave::Point, 5> way{};
     for (std::size_t i = 0; i < way.size(); ++i) {
       const Wave::Point wave = waves_[1 + i].at(t);
@@ -99,8 +101,8 @@ class Wander final : public Motion {
     const Eigen::Matrix3d turned = Eigen::AngleAxisd(about_z.value, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     const Eigen::Matrix3d pitched = turned * Eigen::AngleAxisd(about_y.value, Eigen::Vector3d::UnitY());
     BodyState pad;
-    pad.pose.position = {x.value, y.value, gap_ * (1.0 - down.value) - compression_ * share.value};
-    pad.velocity = {x.rate, y.rate, -gap_ * down.rate - compression_ * share.rate};
+    pad.pose.position = {x.value, y.value, gap_ * (1.0 - down.position) - compression_ * share.value};
+    pad.velocity = {x.rate, y.rate, -gap_ * down.velocity - compression_ * share.rate};
     pad.pose.rotation = pitched * Eigen::AngleAxisd(about_x.value, Eigen::Vector3d::UnitX());
     pad.angular_velocity = about_z.rate * Eigen::Vector3d::UnitZ() + about_y.rate * turned.col(1) + about_x.rate * pitched.col(0);
     return pad;
@@ -118,14 +120,6 @@ class Wander final : public Motion {
   [[nodiscard]] bool turns() const override { return limits_.back() > 0.0; }
 
  private:
-  // How far the pad has come down, from 0 to 1.
-  [[nodiscard]] Wave::Point come_down(double t) const {
-    if (t <= start_) return {0.0, 0.0};
-    if (t >= start_ + approach_) return {1.0, 0.0};
-    const double s = (t - start_) / approach_;
-    return {s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / approach_};
-  }
-
   double start_, approach_, gap_, compression_;
   std::array<double, 5> limits_;  // m, m, rad, rad, rad: along X and Y, about X, Y and Z
   std::vector<Wave> waves_;       // of the compression, then of the limits

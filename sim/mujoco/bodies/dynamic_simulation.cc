@@ -176,8 +176,8 @@ void DynamicSimulation::State::refuse_implicit() const {
 
 // With every element of every pad stuck, as stiff as it can get, where a pad that is away would come down on what it touches: from
 // afar it would turn the object by a lever that it will never have. Or with the elements that touch, where they are.
-DynamicSimulation::State::StuckPads DynamicSimulation::State::stuck_pads(bool touching_only) const {
-  StuckPads stuck;
+PadTangents DynamicSimulation::State::stuck_pads(bool touching_only) const {
+  PadTangents stuck;
   for (const Contact& contact : contacts) {
     const Pad& pad = pads[contact.pad];
     const Field& field = pad.instance->fields()[contact.field];
@@ -226,7 +226,7 @@ void DynamicSimulation::State::check_limit(double time) {
     read_bodies();  // what follows rounds centres of mass otherwise
     call_mujoco([this] { FreeBodies::factor(m(), d()); });
   }
-  const StuckPads stuck = stuck_pads(true);
+  const PadTangents stuck = stuck_pads(true);
   if (dt <= limit_slack * longest_right_step(vibration_bound(m(), d(), stuck.bodies, stuck.tangents))) return;
   const double longest = limit_slack * longest_right_step(fastest_vibration(m(), d(), stuck.bodies, stuck.tangents));
   if (dt > longest) {
@@ -403,7 +403,7 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
   std::string limited_by = "the scene's effects";
   limited = options.refuse_long_steps && !implicit;
   if (limited) {
-    const StuckPads stuck = stuck_pads(false);
+    const PadTangents stuck = stuck_pads(false);
     const Vibration fastest = fastest_vibration(m(), d(), stuck.bodies, stuck.tangents);
     averages = springs_known && choose_implicit(scene, options.hand_solver, rates, longest, fastest);
     if (const double limit = longest_right_step(fastest); limit < longest) {

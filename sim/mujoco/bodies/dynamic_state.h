@@ -252,11 +252,7 @@ struct DynamicSimulation::State {
   [[nodiscard]] double longest_right_step(const Vibration& vibration) const {
     return averages ? longest_averaged_step(vibration) : longest_explicit_step(vibration);
   }
-  struct StuckPads {
-    std::vector<PadOnBodies> bodies;
-    std::vector<PadTangent> tangents;
-  };
-  [[nodiscard]] StuckPads stuck_pads(bool touching_only) const;
+  [[nodiscard]] PadTangents stuck_pads(bool touching_only) const;
   void check_limit(double time);
   [[nodiscard]] static const ContactFrame& truth_of(const Pad& pad, FramePart part) {
     return pad.pillars ? pad.pillars->frame() : pad.instance->truth(part);

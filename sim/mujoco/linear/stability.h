@@ -16,6 +16,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -125,6 +126,12 @@ struct PadOnBodies {
   int pad_body;
   int object_body;
   Eigen::Vector3d point;
+};
+
+// Pads, and the tangent of each.
+struct PadTangents {
+  std::vector<PadOnBodies> bodies;
+  std::vector<PadTangent> tangents;
 };
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

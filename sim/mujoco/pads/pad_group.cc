@@ -159,10 +159,9 @@ void PadGroup::copy_from(const PadGroup& other) {
 }
 
 double PadGroup::longest_step(const mjModel* model, mjData* data) const {
-  std::vector<PadOnBodies> bodies;
-  std::vector<PadTangent> tangents;
-  for (const PadInstance* pad : explicit_) pad->add_stuck_tangent(model, data, bodies, tangents);
-  return bearable * longest_explicit_step(fastest_vibration(model, data, bodies, tangents));
+  PadTangents pads;
+  for (const PadInstance* pad : explicit_) pad->add_stuck_tangent(model, data, pads);
+  return bearable * longest_explicit_step(fastest_vibration(model, data, pads.bodies, pads.tangents));
 }
 
 // The step is judged when more elements of a pad touch than in the step before. Before the first commit nothing is thrown, since MuJoCo's
@@ -184,10 +183,9 @@ void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
     }
   }
   if (more) {
-    std::vector<PadOnBodies> bodies;
-    std::vector<PadTangent> tangents;
-    for (const PadInstance* pad : explicit_) pad->add_touching_tangents(model, data, bodies, tangents);
-    const Vibration vibration = fastest_vibration(model, data, bodies, tangents);
+    PadTangents pads;
+    for (const PadInstance* pad : explicit_) pad->add_touching_tangents(model, data, pads);
+    const Vibration vibration = fastest_vibration(model, data, pads.bodies, pads.tangents);
     const double longest = bearable * longest_explicit_step(vibration);
     if (!(model->opt.timestep <= longest)) {
       pending_ = fmt::format(

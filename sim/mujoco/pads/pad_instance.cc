@@ -447,8 +447,7 @@ void PadInstance::add_force(const mjModel* model, mjData* data) {
 
 bool PadInstance::placed(const mjModel* model, mjData* data) const { return is_placed(parts(model, data).fields); }
 
-void PadInstance::add_touching_tangents(const mjModel* model, const mjData* data, std::vector<PadOnBodies>& bodies,
-                                        std::vector<PadTangent>& tangents) const {
+void PadInstance::add_touching_tangents(const mjModel* model, const mjData* data, PadTangents& pads) const {
   const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
   if (rested_) return;
   for (std::size_t k = 0; k < fields_.size(); ++k) {
@@ -459,13 +458,12 @@ void PadInstance::add_touching_tangents(const mjModel* model, const mjData* data
       touching.elements.back().k_tangential += fields_[k].stop_stiffness();
     }
     if (touching.elements.empty()) continue;
-    bodies.push_back({model->site_bodyid[config_.site], touched_[k].body, pad.position});
-    tangents.push_back(stuck_tangent(touching, pad, pad.position, config_.damping));
+    pads.bodies.push_back({model->site_bodyid[config_.site], touched_[k].body, pad.position});
+    pads.tangents.push_back(stuck_tangent(touching, pad, pad.position, config_.damping));
   }
 }
 
-void PadInstance::add_stuck_tangent(const mjModel* model, mjData* data, std::vector<PadOnBodies>& bodies,
-                                    std::vector<PadTangent>& tangents) const {
+void PadInstance::add_stuck_tangent(const mjModel* model, mjData* data, PadTangents& pads) const {
   const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
   PadOnBodies on{};
   PadTangent tangent;
@@ -489,8 +487,8 @@ void PadInstance::add_stuck_tangent(const mjModel* model, mjData* data, std::vec
     on = candidate;
     tangent = stuck;
   }
-  bodies.push_back(on);
-  tangents.push_back(tangent);
+  pads.bodies.push_back(on);
+  pads.tangents.push_back(tangent);
 }
 
 void PadInstance::describe(const mjModel* model, std::vector<ImplicitPad>& pads) const {

@@ -172,11 +172,9 @@ class PadInstance {
   // After add_force(): how many elements touch the geom of field `k`.
   [[nodiscard]] std::size_t touching(std::size_t k) const { return rested_ ? 0 : fields_[k].touching(); }
   // The tangent of every touched geom's elements that touch in the trial, taken as stuck.
-  void add_touching_tangents(const mjModel* model, const mjData* data, std::vector<PadOnBodies>& bodies,
-                             std::vector<PadTangent>& tangents) const;
+  void add_touching_tangents(const mjModel* model, const mjData* data, PadTangents& pads) const;
   // The pad's tangent with all elements stuck on that body among the touched ones on which it vibrates fastest, put down on it where it is away.
-  void add_stuck_tangent(const mjModel* model, mjData* data, std::vector<PadOnBodies>& bodies,
-                         std::vector<PadTangent>& tangents) const;
+  void add_stuck_tangent(const mjModel* model, mjData* data, PadTangents& pads) const;
   // What implicit.h wants to know of a pad before there is any motion: one entry a touched geom.
   void describe(const mjModel* model, std::vector<ImplicitPad>& pads) const;
   // Instead of add_force(): the trial at the present pose, one entry a touched geom. The fields are the solver's until forget_trial().

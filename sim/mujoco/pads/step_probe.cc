@@ -34,7 +34,8 @@ struct StepProbe::State {
     return data;
   }
   // The pads' tangents as their fields stand, which must have been tried in the present pose.
-  void tangents(const mjData* data, std::vector<PadOnBodies>& bodies, std::vector<PadTangent>& of_pads) const {
+  [[nodiscard]] PadTangents tangents(const mjData* data) const {
+    PadTangents pads;
     for (int instance = 0; instance < static_cast<int>(model->nplugin); ++instance) {
       const PadInstance* pad = pad_of(model.get(), data, instance);
       if (pad == nullptr) continue;
@@ -43,10 +44,11 @@ struct StepProbe::State {
       const Eigen::Vector3d origin = Eigen::Map<const Eigen::Vector3d>(data->site_xpos + 3 * config.site);
       const Pose pose{Matrix(data->site_xmat + 9 * config.site), origin};
       for (std::size_t k = 0; k < pad->fields().size(); ++k) {
-        bodies.push_back({model->site_bodyid[config.site], model->geom_bodyid[config.geoms[k]], origin});
-        of_pads.push_back(field_tangent(pad->fields()[k], pose * pad->pad_in_surface(k).inverse(), origin, config.damping));
+        pads.bodies.push_back({model->site_bodyid[config.site], model->geom_bodyid[config.geoms[k]], origin});
+        pads.tangents.push_back(field_tangent(pad->fields()[k], pose * pad->pad_in_surface(k).inverse(), origin, config.damping));
       }
     }
+    return pads;
   }
 };
 
@@ -72,19 +74,15 @@ StepProbe::~StepProbe() = default;
 
 Vibration StepProbe::vibration() {
   const DataPointer data = state_->placed(still);
-  std::vector<PadOnBodies> bodies;
-  std::vector<PadTangent> tangents;
-  state_->tangents(data.get(), bodies, tangents);
-  return fastest_vibration(state_->model.get(), data.get(), bodies, tangents);
+  const PadTangents pads = state_->tangents(data.get());
+  return fastest_vibration(state_->model.get(), data.get(), pads.bodies, pads.tangents);
 }
 
 double StepProbe::predicted_step() {
   const DataPointer data = state_->placed(still);
-  std::vector<PadOnBodies> bodies;
-  std::vector<PadTangent> tangents;
-  state_->tangents(data.get(), bodies, tangents);
+  const PadTangents pads = state_->tangents(data.get());
   const mjModel* m = state_->model.get();
-  return divergence_step(linear_model(m, data.get(), bodies, tangents), stepping_of(m));
+  return divergence_step(linear_model(m, data.get(), pads.bodies, pads.tangents), stepping_of(m));
 }
 
 bool StepProbe::bounded(double step) {

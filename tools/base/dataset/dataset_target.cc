@@ -16,7 +16,6 @@
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/shard.h"
-#include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/hdf5/crash_safe_file.h"
 

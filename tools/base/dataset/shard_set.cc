@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/core/of_each.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/stored_trials.h"
 #include "tools/base/dataset/writer.h"
@@ -148,9 +149,7 @@ std::vector<std::pair<std::size_t, std::string>> ShardSet::list() {
 const DatasetHeader& ShardSet::header() const { return shards_.front()->about().header; }
 
 std::vector<std::string> ShardSet::paths() const {
-  std::vector<std::string> names;
-  for (const auto& shard : shards_) names.push_back(shard->path());
-  return names;
+  return of_each<std::string>(shards_, [](const auto& shard) { return shard->path(); });
 }
 
 std::vector<std::string> ShardSet::files() const {
@@ -160,9 +159,7 @@ std::vector<std::string> ShardSet::files() const {
 }
 
 std::vector<FailedTrial> ShardSet::failed() const {
-  std::vector<FailedTrial> failed;
-  for (const auto& [trial, one] : failed_) failed.push_back(one);
-  return failed;
+  return of_each(failed_, [](const auto& failed) { return failed.second; });
 }
 
 std::vector<StoredTrials*> ShardSet::at_least() {

@@ -242,8 +242,6 @@ TrialEncoder::TrialEncoder() : state_(std::make_unique<State>()) {
   if (!state_->compressor) throw std::bad_alloc();
 }
 TrialEncoder::~TrialEncoder() = default;
-TrialEncoder::TrialEncoder(TrialEncoder&&) noexcept = default;
-TrialEncoder& TrialEncoder::operator=(TrialEncoder&&) noexcept = default;
 
 EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
   EncodedTrial trial;

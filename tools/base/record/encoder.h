@@ -176,8 +176,6 @@ class TrialEncoder {
 
   TrialEncoder();
   ~TrialEncoder();
-  TrialEncoder(TrialEncoder&&) noexcept;
-  TrialEncoder& operator=(TrialEncoder&&) noexcept;
 
   // Throws std::logic_error when a column's length does not fit the number of samples: that is a bug.
   EncodedTrial encode(const TrialRecord& record);

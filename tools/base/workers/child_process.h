@@ -22,14 +22,19 @@ namespace slipbench {
 
 // Values as bytes on their way from a child process to its caller. Both are the same program.
 
-// What Packed is told of a type that it cannot copy: fields_of(value) is std::tie() of its members, for
-// `template <MaybeConst<Type> Value> auto fields_of(Value& value)`.
+// What Packed is told of a type that it cannot copy: all its members, in their order, in its namespace. A list that leaves one out does not compile.
+#define SLIPBENCH_FIELDS(Type, ...) \
+  template <MaybeConst<Type> Value> \
+  auto fields_of(Value& of_these) { \
+    auto& [__VA_ARGS__] = of_these; \
+    return std::tie(__VA_ARGS__);   \
+  }
+template <class Value, class Type>
+concept MaybeConst = std::is_same_v<std::remove_const_t<Value>, Type>;
 template <class Value>
 concept HasFields = requires(Value& value) {
   fields_of(value);
 };
-template <class Value, class Type>
-concept MaybeConst = std::is_same_v<std::remove_const_t<Value>, Type>;
 
 // What is put is taken in the same order: values that can be copied as bytes, those that have fields_of(), and of both texts, vectors, maps, optionals
 // and variants.

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/of_each.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/guarded.h"
@@ -23,7 +24,6 @@
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/benchmark/entrants.h"
-#include "tools/program/benchmark/protocol.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/doctor/doctor.h"
 #include "tools/program/eval/metrics.h"
@@ -213,8 +213,7 @@ Json row_json(const Board& board, const Seat& seat) {
   const std::vector<Part> parts = parts_of(board, seat);
   const Score score = score_of(parts, board.held);
   const Interval interval = score_interval(parts, board.held);
-  std::vector<eval::Judgement> judgements;
-  for (const Answer& answer : seat.answers) judgements.push_back(answer.judgement);
+  const std::vector<eval::Judgement> judgements = of_each(seat.answers, &Answer::judgement);
   Json row = {{"rank", nullptr},
               {"detector", seat.entrant->name},
               {"kind", kind_word(seat.entrant->kind)},
@@ -264,9 +263,7 @@ Json groups_json(const Board& board) {
       Json scores = Json::array();
       for (const Seat& seat : board.seats) {
         const std::vector<Part> all = parts_of(board, seat);
-        std::vector<Part> parts;
-        for (const std::size_t k : trials) parts.push_back(all[k]);
-        scores.push_back(score_of(parts, board.held).value);
+        scores.push_back(score_of(of_each(trials, [&](std::size_t k) { return all[k]; }), board.held).value);
       }
       list.push_back({{"name", name}, {"trials", trials.size()}, {"scores", std::move(scores)}});
     }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/of_each.h"
 #include "sim/core/random.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/calibrate/recordings.h"
@@ -220,9 +221,7 @@ Json residuals_json(const Compared& data, const Disturbances& disturbances, cons
 }
 
 Json rounded(const VectorXd& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(std::stod(fmt::format("{:.5g}", value)));
-  return list;
+  return of_each<Json>(values, [&](const double value) { return std::stod(fmt::format("{:.5g}", value)); });
 }
 
 // Of each component the mean over the units and the unit that is worst fitted.

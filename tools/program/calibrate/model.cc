@@ -1,3 +1,4 @@
+#include "sim/core/of_each.h"
 #include "tools/program/calibrate/search.h"
 
 #include <algorithm>
@@ -328,9 +329,7 @@ std::string FitKey::text(double value, int digits) const {
 std::vector<FitKey> parse_fit_keys(const std::string& text) {
   const YamlNode root = parse_yaml(text, "--fit " + text, false);
   require_map(root, "--fit", "KEY: {min: .., max: ..}");
-  std::vector<FitKey> keys;
-  for (const YamlNode& child : root.children) keys.push_back(read_fit_key(child));
-  return keys;
+  return of_each(root.children, read_fit_key);
 }
 
 std::string fitted_scene(const SceneFile& file, const std::vector<FitKey>& keys, const Json& result) {

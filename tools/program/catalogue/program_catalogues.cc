@@ -10,6 +10,7 @@
 #include "detectors/hd/words.h"
 #include "detectors/nib/slip_detectors.h"
 #include "rtl/verilated/rtl_engine.h"
+#include "sim/core/of_each.h"
 #include "tools/program/catalogue/registry.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
@@ -95,11 +96,7 @@ Registry<ControllerMaker>& registered_controllers() {
   return registry;
 }
 
-std::vector<Entry> own_entries() {
-  std::vector<Entry> entries;
-  for (const ControllerKind& kind : controller_catalogue()) entries.push_back(kind.about);
-  return entries;
-}
+std::vector<Entry> own_entries() { return of_each(controller_catalogue(), &ControllerKind::about); }
 
 using Comparison = ExpectationKind::Comparison;
 
@@ -236,17 +233,14 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
 }
 
 std::vector<Entry> detector_entries() {
-  std::vector<Entry> entries;
-  for (const DetectorKind& kind : detector_catalogue()) entries.push_back(kind.about);
+  std::vector<Entry> entries = of_each(detector_catalogue(), &DetectorKind::about);
   for (const Entry& entry : registered_detectors().entries()) entries.push_back(entry);
   for (Entry& entry : entries) entry.parameters.push_back(flip_spec());
   return entries;
 }
 
 void register_detector(const Entry& about, DetectorMaker make) {
-  std::vector<Entry> taken;
-  for (const DetectorKind& kind : detector_catalogue()) taken.push_back(kind.about);
-  registered_detectors().put("detector", about, std::move(make), taken);
+  registered_detectors().put("detector", about, std::move(make), of_each(detector_catalogue(), &DetectorKind::about));
 }
 
 std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source, const Simulation& simulation) {

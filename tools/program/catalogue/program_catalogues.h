@@ -1,7 +1,6 @@
 // Everything that a scene may name in this program, put together in one place: catalogues, detectors, controllers, what it may expect.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>

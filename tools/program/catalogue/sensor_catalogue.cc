@@ -1,5 +1,6 @@
 #include "tools/program/catalogue/sensor_catalogue.h"
 
+#include "sim/core/of_each.h"
 #include "sim/simulation/stage_setup.h"
 #include "tools/program/catalogue/registry.h"
 
@@ -37,9 +38,7 @@ Registry<SensorMaker>& registered_sensors() {
 }  // namespace
 
 void register_sensor(const Entry& about, SensorMaker make) {
-  std::vector<Entry> taken;
-  for (const SensorKind& kind : sensor_catalogue()) taken.push_back(kind.about);
-  registered_sensors().put("sensor", about, std::move(make), taken);
+  registered_sensors().put("sensor", about, std::move(make), of_each(sensor_catalogue(), &SensorKind::about));
 }
 
 Catalogues pad_catalogues() {

@@ -20,6 +20,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/record/encoder.h"
@@ -38,15 +39,13 @@ const TextKind kept_kind{"record of settings for a scene's accuracy", [](std::st
                          }};
 
 Json overrides_as_json(const std::vector<Override>& overrides) {
-  Json json = Json::array();
-  for (const Override& change : overrides) json.push_back({change.path, change.value});
-  return json;
+  return of_each<Json>(overrides, [](const Override& change) -> Json { return {change.path, change.value}; });
 }
 
 std::vector<Override> overrides_of(const Json& json) {
-  std::vector<Override> overrides;
-  for (const Json& change : json) overrides.push_back({change.at(0).get<std::string>(), change.at(1).get<std::string>()});
-  return overrides;
+  return of_each(json, [](const Json& change) {
+    return Override{change.at(0).get<std::string>(), change.at(1).get<std::string>()};
+  });
 }
 
 Json errors_as_json(const Errors& errors) {

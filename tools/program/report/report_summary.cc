@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim/core/contact_frame.h"
+#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -149,9 +150,7 @@ std::optional<std::pair<double, std::string>> number_with_unit(const std::string
 }  // namespace
 
 Json numbers_or_null(const std::vector<double>& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(or_null(value));
-  return list;
+  return of_each<Json>(values, [](double value) { return or_null(value); });
 }
 
 std::vector<double> touch_times(const LabelRecord& labels) {

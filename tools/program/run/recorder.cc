@@ -5,7 +5,6 @@
 #include <numbers>
 #include <numeric>
 #include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 

@@ -21,7 +21,6 @@
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"
-#include "tools/base/workers/isolated_worker.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"
@@ -30,48 +29,15 @@
 
 namespace slipbench {
 // What a trial consists of, for its way from the process that has simulated it (tools/base/workers/child_process.h).
-template <MaybeConst<EncodedArray> Value>
-auto fields_of(Value& array) {
-  return std::tie(array.path, array.unit, array.codes, array.type, array.shape, array.chunk_rows, array.chunks);
-}
-
-template <MaybeConst<EncodedAttribute::Doubles> Value>
-auto fields_of(Value& doubles) {
-  return std::tie(doubles.shape, doubles.values);
-}
-
-template <MaybeConst<EncodedAttribute> Value>
-auto fields_of(Value& attribute) {
-  return std::tie(attribute.path, attribute.name, attribute.value);
-}
-
-template <MaybeConst<EncodedTrial> Value>
-auto fields_of(Value& trial) {
-  return std::tie(trial.trial, trial.material, trial.arrays, trial.attributes, trial.digest);
-}
-
-template <MaybeConst<TrialOutcome> Value>
-auto fields_of(Value& outcome) {
-  return std::tie(outcome.touch_time, outcome.first_micro_slip_time, outcome.first_slip_time, outcome.gross_slip_time,
-                  outcome.max_slip_distance, outcome.false_alarm_time, outcome.detection_time, outcome.detection_delay,
-                  outcome.judged_slip_time, outcome.detection, outcome.grasp, outcome.hold, outcome.saturated);
-}
-
-template <MaybeConst<SensorSummary> Value>
-auto fields_of(Value& sensor) {
-  return std::tie(sensor.name, sensor.units, sensor.state_count, sensor.state_micro_count);
-}
-
-template <MaybeConst<DetectorSummary> Value>
-auto fields_of(Value& detector) {
-  return std::tie(detector.type, detector.sensor, detector.confusion);
-}
-
-template <MaybeConst<TrialSummary> Value>
-auto fields_of(Value& summary) {
-  return std::tie(summary.trial, summary.params, summary.outcome, summary.sensors, summary.detector, summary.controller,
-                  summary.resumed);
-}
+SLIPBENCH_FIELDS(EncodedArray, path, unit, codes, type, shape, chunk_rows, chunks)
+SLIPBENCH_FIELDS(EncodedAttribute::Doubles, shape, values)
+SLIPBENCH_FIELDS(EncodedAttribute, path, name, value)
+SLIPBENCH_FIELDS(EncodedTrial, trial, material, arrays, attributes, digest)
+SLIPBENCH_FIELDS(TrialOutcome, touch_time, first_micro_slip_time, first_slip_time, gross_slip_time, max_slip_distance,
+                 false_alarm_time, detection_time, detection_delay, judged_slip_time, detection, grasp, hold, saturated)
+SLIPBENCH_FIELDS(SensorSummary, name, units, state_count, state_micro_count)
+SLIPBENCH_FIELDS(DetectorSummary, type, sensor, confusion)
+SLIPBENCH_FIELDS(TrialSummary, trial, params, outcome, sensors, detector, controller, resumed)
 
 namespace {
 
@@ -105,10 +71,7 @@ struct FinishedTrial {
   std::string failure = {};  // why the trial failed; empty: it did not
 };
 
-template <MaybeConst<FinishedTrial> Value>
-auto fields_of(Value& trial) {
-  return std::tie(trial.summary, trial.duration, trial.computed, trial.encoded, trial.failure);
-}
+SLIPBENCH_FIELDS(FinishedTrial, summary, duration, computed, encoded, failure)
 
 FinishedTrial failed_trial(std::size_t trial, std::string why) {
   FinishedTrial failed;
@@ -212,10 +175,7 @@ struct CheckedTrial {
   std::vector<std::string> files;  // that it names
 };
 
-template <MaybeConst<CheckedTrial> Value>
-auto fields_of(Value& checked) {
-  return std::tie(checked.bytes, checked.files);
-}
+SLIPBENCH_FIELDS(CheckedTrial, bytes, files)
 
 CheckedTrial check_one(const TrialPlan& plan, std::size_t index, std::size_t asked, const Catalogues& catalogues) {
   try {

@@ -15,6 +15,7 @@
 
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
+#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/workers/isolated_worker.h"
@@ -28,9 +29,7 @@ namespace {
 // One number of every unit; nlohmann writes NaN as null.
 template <class Number>
 Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) {
-  Json values = Json::array();
-  for (const UnitOutcome& unit : units) values.push_back(unit.*member);
-  return values;
+  return of_each<Json>(units, [&](const UnitOutcome& unit) { return unit.*member; });
 }
 
 void add_trial(DetectorScore& score, const TrialOutcome& outcome, const Confusion& confusion) {
@@ -195,10 +194,7 @@ void count(const TrialOutcome& outcome, const std::string& sensor, const StateCo
 
 }  // namespace
 
-template <MaybeConst<Warning> Value>
-auto fields_of(Value& warning) {
-  return std::tie(warning.about, warning.text);
-}
+SLIPBENCH_FIELDS(Warning, about, text)
 
 std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers, bool build) {
   const std::vector<std::size_t> trials = spread(numbers, most_read);
@@ -295,9 +291,9 @@ std::vector<Warning> converter_warnings(const std::vector<TrialSummary>& trials)
 }
 
 Json warnings_json(const std::vector<Warning>& warnings) {
-  Json json = Json::array();
-  for (const Warning& warning : warnings) json.push_back({{"about", warning.about}, {"text", warning.text}});
-  return json;
+  return of_each<Json>(warnings, [](const Warning& warning) -> Json {
+    return {{"about", warning.about}, {"text", warning.text}};
+  });
 }
 
 std::string trial_json(const TrialSummary& trial) {

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/detector.h"
+#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_values.h"
@@ -148,8 +149,7 @@ std::vector<CatalogueItem> items_of(const std::vector<CatalogueItem>& items, con
 }
 
 std::vector<std::string> kind_names() {
-  std::vector<std::string> names;
-  for (const CatalogueKind& kind : kinds) names.emplace_back(kind.plural);
+  std::vector<std::string> names = of_each<std::string>(kinds, &CatalogueKind::plural);
   names.emplace_back("recipes");  // which is no catalogue of scenes
   return names;
 }
@@ -197,9 +197,7 @@ std::string scaling_text(train::Scaling scaling) {
 }
 
 std::string classes_text(const train::Recipe& recipe) {
-  std::vector<std::string> names;
-  for (const network::Class& one : train::classes_of(recipe.classes, recipe.labels)) names.push_back(one.name);
-  return fmt::format("{}", fmt::join(names, ", "));
+  return fmt::format("{}", fmt::join(of_each(train::classes_of(recipe.classes, recipe.labels), &network::Class::name), ", "));
 }
 
 std::string training_text(const train::TrainingOptions& training) {
@@ -288,8 +286,7 @@ std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, c
     if (item.entry.name == name) found.push_back(item);
   }
   if (found.empty()) {
-    std::vector<std::string> names;
-    for (const CatalogueItem& item : items) names.push_back(item.entry.name);
+    std::vector<std::string> names = of_each(items, [](const CatalogueItem& item) { return item.entry.name; });
     names.insert(names.end(), others.begin(), others.end());
     reject("describe: unknown name {}{} `slipbench list` shows all names", quote(name), suggestion(name, names));
   }

@@ -16,6 +16,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/detector.h"
+#include "sim/core/of_each.h"
 #include "sim/core/sensor.h"
 #include "tools/base/statistics/confusion.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
@@ -380,26 +381,24 @@ std::string detectors_text(const std::vector<DetectorScore>& scores, const Style
 }
 
 Json detectors_json(const std::vector<DetectorScore>& scores) {
-  Json list = Json::array();
-  for (const DetectorScore& score : scores) {
-    list.push_back({{"type", score.type},
-                    {"oracle", score.type == oracle_type},
-                    {"recall_of_slip", recall_of_slip(score.confusion)},
-                    {"balanced_accuracy", balanced_accuracy(score.confusion)},
-                    {"constant_balanced_accuracy", constant_balanced_accuracy(score.confusion)},
-                    {"median_delay_s", median(score.delays)},
-                    {"worst_delay_s", quantile(score.delays, 1.0)},
-                    {"trials", score.trials},
-                    {"slipping", score.slipping},
-                    {"seen", score.seen()},
-                    {"early", score.early},
-                    {"missed", score.missed},
-                    {"false_alarms", score.false_alarms},
-                    {"accuracy", accuracy(score.confusion)},
-                    {"constant_accuracy", constant_accuracy(score.confusion)},
-                    {"confusion", score.confusion}});
-  }
-  return list;
+  return of_each<Json>(scores, [](const DetectorScore& score) -> Json {
+    return {{"type", score.type},
+            {"oracle", score.type == oracle_type},
+            {"recall_of_slip", recall_of_slip(score.confusion)},
+            {"balanced_accuracy", balanced_accuracy(score.confusion)},
+            {"constant_balanced_accuracy", constant_balanced_accuracy(score.confusion)},
+            {"median_delay_s", median(score.delays)},
+            {"worst_delay_s", quantile(score.delays, 1.0)},
+            {"trials", score.trials},
+            {"slipping", score.slipping},
+            {"seen", score.seen()},
+            {"early", score.early},
+            {"missed", score.missed},
+            {"false_alarms", score.false_alarms},
+            {"accuracy", accuracy(score.confusion)},
+            {"constant_accuracy", constant_accuracy(score.confusion)},
+            {"confusion", score.confusion}};
+  });
 }
 
 std::vector<GraspRow> grasp_rows(const SweepSummary& summary) {
@@ -424,18 +423,16 @@ std::vector<GraspRow> grasp_rows(const SweepSummary& summary) {
 }
 
 Json grasp_json(const std::vector<GraspRow>& rows) {
-  Json list = Json::array();
-  for (const GraspRow& row : rows) {
-    list.push_back({{"name", row.name},
-                    {"trials", row.trials},
-                    {"held", row.held},
-                    {"held_share_95", {row.held_share.low, row.held_share.high}},
-                    {"median_slip_translation_m", row.slip_translation},
-                    {"median_slip_rotation_rad", row.slip_rotation},
-                    {"median_force_ratio", row.force_ratio},
-                    {"median_reaction_time_s", row.reaction_time}});
-  }
-  return list;
+  return of_each<Json>(rows, [](const GraspRow& row) -> Json {
+    return {{"name", row.name},
+            {"trials", row.trials},
+            {"held", row.held},
+            {"held_share_95", {row.held_share.low, row.held_share.high}},
+            {"median_slip_translation_m", row.slip_translation},
+            {"median_slip_rotation_rad", row.slip_rotation},
+            {"median_force_ratio", row.force_ratio},
+            {"median_reaction_time_s", row.reaction_time}};
+  });
 }
 
 std::string speed_text(const SweepSummary& summary, double elapsed) {

@@ -14,15 +14,10 @@
 #include "tools/base/files/reject.h"
 #include "tools/base/record/trial_record.h"
 #include "tools/base/workers/child_process.h"
-#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 
-template <MaybeConst<Sequence> Value>
-auto fields_of(Value& sequence) {
-  auto& [trial, motion, onset, time, displacements, label, moving] = sequence;
-  return std::tie(trial, motion, onset, time, displacements, label, moving);
-}
+SLIPBENCH_FIELDS(Sequence, trial, motion, onset, time, displacements, label, moving)
 
 namespace {
 

@@ -6,16 +6,15 @@
 #include <memory>
 #include <set>
 #include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/of_each.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/json.h"
-#include "tools/program/train/network/network.h"
 
 namespace slipbench::train {
 namespace {
@@ -248,9 +247,8 @@ network::Description described(const Recipe& recipe, const Scale& scale, const s
 
 // The scale of the frames that teach.
 Scale scale_of_learning(const Lesson& lesson, Scaling scaling) {
-  std::vector<const FrameSequence*> frames;
-  for (const Example* example : lesson.learning) frames.push_back(&example->frames);
-  return scale_of(frames, lesson.examples.inputs, scaling);
+  return scale_of(of_each<const FrameSequence*>(lesson.learning, [](const Example* example) { return &example->frames; }),
+                  lesson.examples.inputs, scaling);
 }
 
 struct Ensemble {

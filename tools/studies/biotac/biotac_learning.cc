@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/of_each.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
@@ -376,9 +377,7 @@ std::vector<std::size_t> folds_by_object(std::span<const std::string> objects, s
   const std::vector<std::size_t> dealt = train::folds(std::vector<std::size_t>(different.size()), count, seed);
   std::map<std::string, std::size_t> fold_of;
   for (const std::string& object : different) fold_of.emplace(object, dealt[fold_of.size()]);
-  std::vector<std::size_t> folds;
-  for (const std::string& object : objects) folds.push_back(fold_of.at(object));
-  return folds;
+  return of_each(objects, [&](const std::string& object) { return fold_of.at(object); });
 }
 
 }  // namespace slipbench::reproduce::biotac

@@ -1,8 +1,8 @@
 // Table II of the paper: grasp and lift in the closed loop, with every detector and controller, the oracle and the negative control.
+#include "sim/core/of_each.h"
 #include "tools/studies/hd_papillarray/hd_tables.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -290,9 +290,7 @@ std::size_t drops(const Grasps& trials) {
 
 // `scale`: to the table's unit.
 Spread spread_of(const Grasps& trials, double GraspFigures::*figure, double scale = 1.0) {
-  std::vector<double> values;
-  for (const GraspFigures& trial : trials) values.push_back(trial.*figure * scale);
-  return spread(std::move(values));
+  return spread(of_each(trials, [&](const GraspFigures& trial) { return trial.*figure * scale; }));
 }
 
 std::string number(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2f}", value); }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/of_each.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/benchmark/benchmark.h"
@@ -32,9 +33,9 @@ struct Subject {
 };
 
 std::vector<Override> at(std::initializer_list<std::pair<const char*, const char*>> values) {
-  std::vector<Override> held;
-  for (const auto& [path, value] : values) held.push_back({fmt::format("sweep.{}", path), fmt::format("[{}]", value)});
-  return held;
+  return of_each(values, [](const auto& value) {
+    return Override{fmt::format("sweep.{}", value.first), fmt::format("[{}]", value.second)};
+  });
 }
 
 const std::vector<Subject>& subjects() {

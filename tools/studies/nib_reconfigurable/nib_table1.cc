@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "sim/core/of_each.h"
 #include "sim/simulation/stage_simulation.h"
 #include "tools/base/project/project_file.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -75,9 +76,7 @@ CalibrationSplit split_of(const CalibrationCase& one, const LoadRecordings& reco
 }
 
 CalibrationRecording recording_of(const CalibrationCase& one, const LoadRecordings& recordings) {
-  std::vector<CalibrationRecording> parts;
-  for (const CalibrationLoad load : one.loads) parts.push_back(recordings[load]);
-  return joined(parts);
+  return joined(of_each(one.loads, [&](CalibrationLoad load) { return recordings[load]; }));
 }
 
 PadWrench error_of(const CalibrationCase& one, const LoadRecordings& recordings, SplitKind kind, std::uint64_t seed) {

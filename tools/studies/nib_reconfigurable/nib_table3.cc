@@ -1,4 +1,5 @@
 // Table III of the nib pad's paper: a box turned up by rotational slip and released, over weights, centres of mass and surfaces.
+#include "sim/core/of_each.h"
 #include "tools/studies/nib_reconfigurable/nib_tables.h"
 
 #include <algorithm>
@@ -85,8 +86,7 @@ std::vector<ReorientCell> all_cells() {
 
 std::vector<ReorientRuns> run_reorientations(const std::vector<ReorientCell>& cells, std::size_t trials,
                                              const ReproduceOptions& options) {
-  std::vector<GridCell> grid;
-  for (const ReorientCell& cell : cells) grid.push_back(cell.grid(trials));
+  const std::vector<GridCell> grid = of_each(cells, [&](const ReorientCell& cell) { return cell.grid(trials); });
   return run_grid<ReorientRun>(grid, options, [target = reorient_defaults().number("target")](const GridTrial& trial) {
     const TrialRecord record = trial.record();
     const GraspOutcome& grasp = record.outcome.grasp.value();

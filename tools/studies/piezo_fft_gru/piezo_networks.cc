@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "detectors/spectral/spectral_features.h"
+#include "sim/core/of_each.h"
 #include "sim/core/pad_state.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/train/recipes/recipe.h"
@@ -79,9 +80,7 @@ Confusion all_of(const GroupCounts& fold) {
 
 template <class Of>
 MeanSd over(const std::vector<GroupCounts>& folds, Of&& of) {
-  std::vector<double> values;
-  for (const GroupCounts& fold : folds) values.push_back(of(fold));
-  return mean_sd(values);
+  return mean_sd(of_each<double>(folds, of));
 }
 
 template <class Of>
@@ -238,9 +237,8 @@ std::vector<train::FoldExample> examples_of(const std::vector<PiezoRecording>& r
 }
 
 std::vector<std::size_t> groups_of(const std::vector<PiezoRecording>& recordings) {
-  std::vector<std::size_t> groups;
-  for (const PiezoRecording& recording : recordings) groups.push_back(recording.motors_only ? motors_alone : with_slip);
-  return groups;
+  return of_each<std::size_t>(recordings,
+                              [](const PiezoRecording& recording) { return recording.motors_only ? motors_alone : with_slip; });
 }
 
 NetworkFigures on_slip(const std::vector<GroupCounts>& folds) {

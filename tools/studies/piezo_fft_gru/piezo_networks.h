@@ -83,16 +83,8 @@ struct Told {
 };
 
 // For a child process to hand them over.
-template <MaybeConst<PiezoFrames> Value>
-auto fields_of(Value& frames) {
-  auto& [features, truth, paper] = frames;
-  return std::tie(features, truth, paper);
-}
-template <MaybeConst<PiezoRecording> Value>
-auto fields_of(Value& recording) {
-  auto& [level, tip, motors_only, slip_time, label_time, inputs, time, contact, motors] = recording;
-  return std::tie(level, tip, motors_only, slip_time, label_time, inputs, time, contact, motors);
-}
+SLIPBENCH_FIELDS(PiezoFrames, features, truth, paper)
+SLIPBENCH_FIELDS(PiezoRecording, level, tip, motors_only, slip_time, label_time, inputs, time, contact, motors)
 
 // Frames of the piezoelectric skin's signal: how loud each is, and what happens within it.
 

@@ -13,6 +13,7 @@
 
 #include "detectors/network/frames.h"
 #include "sim/core/contact_frame.h"
+#include "sim/core/of_each.h"
 #include "sim/core/random.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
@@ -25,13 +26,8 @@
 
 namespace slipbench::train {
 
-// The one list of what goes through the pipe: a binding that leaves a member out does not compile.
-template <MaybeConst<Example> Value>
-auto fields_of(Value& example) {
-  auto& [trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, frames, turn] = example;
-  auto& [features, label] = frames;
-  return std::tie(trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, features, label, turn);
-}
+SLIPBENCH_FIELDS(FrameSequence, features, label)
+SLIPBENCH_FIELDS(Example, trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, frames, turn)
 
 namespace {
 
@@ -213,8 +209,7 @@ std::string wanted(const network::Input& input) {
   for (const network::ChannelPick& pick : input.channels) {
     for (const std::size_t value : pick.values) values = std::max(values, value + 1);
   }
-  std::vector<std::string> names;
-  for (const network::ChannelPick& pick : input.channels) names.push_back(pick.name);
+  const std::vector<std::string> names = of_each(input.channels, &network::ChannelPick::name);
   return fmt::format("a {} at {} Hz (within 1 %) with {}{}", input.sensor, input.rate, fmt::join(names, ", "),
                      values > 0 ? fmt::format(" of {} values or more", values) : std::string());
 }

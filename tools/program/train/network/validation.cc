@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/of_each.h"
 #include "sim/core/random.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/statistics/descriptive.h"
@@ -109,9 +110,8 @@ Logits logits_in_fold(std::span<const FoldExample> examples, std::span<const std
     validating.push_back(std::move(learnt.back()));
     learnt.pop_back();
   }
-  std::vector<const FrameSequence*> scaled_by;
-  for (const FrameSequence& sequence : learnt) scaled_by.push_back(&sequence);
-  const Scale scale = scale_of(scaled_by, validation.shape.inputs, validation.scaling);
+  const Scale scale = scale_of(of_each(learnt, [](const FrameSequence& sequence) { return &sequence; }), validation.shape.inputs,
+                               validation.scaling);
   for (std::vector<FrameSequence>* part : {&learnt, &validating}) {
     for (FrameSequence& sequence : *part) apply(scale, sequence);
   }
@@ -176,8 +176,7 @@ std::vector<Part> split_examples(std::span<const Example> examples, Split split,
     add_kinds(kinds_of_trial[example.trial], example);
   }
   RandomStream random(seed, 0, "split");
-  std::vector<std::string> names;
-  for (const auto& [name, kinds] : groups) names.push_back(name);
+  const std::vector<std::string> names = of_each(groups, [](const auto& group) { return group.first; });
   const std::vector<std::string> judging = dealt(names, held_out, random, [&](const std::string& name) { return groups[name]; });
   std::vector<std::string> left;
   std::ranges::copy_if(names, std::back_inserter(left),
