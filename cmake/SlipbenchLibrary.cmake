@@ -18,18 +18,22 @@ function(slipbench_precompile)
   endif()
 endfunction()
 
+# Where a library or a test names no SOURCES they are its folder's.
+macro(slipbench_sources)
+  if(NOT ARG_SOURCES)
+    file(GLOB ARG_SOURCES CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cc)
+  endif()
+endmacro()
+
 # slipbench_library(NAME core SOURCES a.cc b.cc DEPENDS Eigen3::Eigen PRIVATE fmt::fmt)
 # One target a folder: slipbench_<NAME>, alias slipbench::<NAME>, installed and exported with its headers.
-# SOURCES: all .cc files of the folder where it says none.
 # COLD: runs once a command and not once a step, so that the time to compile it counts and its own speed does not (-O1, stack
 # protector, containers that check their indices).
 # GUARDED: reads the files of others (stack protector; the precompiled headers are of libraries without it).
 function(slipbench_library)
   cmake_parse_arguments(ARG "COLD;GUARDED" "NAME" "SOURCES;DEPENDS;PRIVATE" ${ARGN})
   set(target slipbench_${ARG_NAME})
-  if(NOT ARG_SOURCES)
-    file(GLOB ARG_SOURCES CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cc)
-  endif()
+  slipbench_sources()
   add_library(${target} STATIC ${ARG_SOURCES})
   add_library(slipbench::${ARG_NAME} ALIAS ${target})
   target_include_directories(${target} PUBLIC
@@ -79,6 +83,7 @@ endfunction()
 function(slipbench_test)
   cmake_parse_arguments(ARG "" "NAME" "SOURCES;DEPENDS" ${ARGN})
   set(target ${ARG_NAME}_test)
+  slipbench_sources()
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE ${ARG_DEPENDS} GTest::gmock GTest::gtest_main slipbench_flags)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1> $<$<CONFIG:Debug>:-O0>)
