@@ -447,7 +447,7 @@ void DynamicSimulation::State::find_followers(const Scene& scene, std::span<cons
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     if (!sensors[i].follows) continue;
     const PadInstance* pad = pad_of(m(), d(), mj_name2id(m(), mjOBJ_PLUGIN, scene.sensors[i].follows.c_str()));
-    const double speed = motion ? motion->top_speed(reach_of(*pad_layouts[i])) : 0.0;
+    const double speed = motion ? motion->top_speed(reach_of(*pad_layouts[i]) + scene.sensors[i].ahead) : 0.0;
     followers.push_back(std::make_unique<PadFollower>(m(), *pad, *pad_layouts[i], scene.sensors[i].ahead, rates[i], speed, dt));
   }
 }
