@@ -24,6 +24,7 @@
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/benchmark/entrants.h"
+#include "tools/program/benchmark/protocol.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/doctor/doctor.h"
 #include "tools/program/eval/metrics.h"

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "tools/base/page/svg.h"
+#include "tools/program/eval/metrics.h"
 #include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::eval {

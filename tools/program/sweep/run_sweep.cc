@@ -21,6 +21,7 @@
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"
+#include "tools/base/workers/isolated_worker.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"

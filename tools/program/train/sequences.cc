@@ -14,6 +14,7 @@
 #include "tools/base/files/reject.h"
 #include "tools/base/record/trial_record.h"
 #include "tools/base/workers/child_process.h"
+#include "tools/program/samples/samples.h"
 
 namespace slipbench {
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "detectors/hd/engine.h"
+#include "detectors/hd/memories.h"
 #include "sim/core/random.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/workers/ordered_workers.h"
