@@ -16,13 +16,21 @@
 namespace slipbench {
 namespace {
 
+struct Call;
 // The call that a thread is in. What is of a thread has no destructor: see OfThread.
-struct Call {
-  std::jmp_buf* way_back;
-  std::exception_ptr carried;
-};
 thread_local Call* under_way = nullptr;
 thread_local std::array<char, 1024> text;
+
+struct Call {
+  Call() = default;
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+  ~Call() { under_way = outer; }
+
+  Call* outer = std::exchange(under_way, this);
+  std::jmp_buf* way_back = nullptr;
+  std::exception_ptr carried;
+};
 
 void on_error(const char* message) {
   if (under_way == nullptr) {  // not called by way of call_mujoco(): what MuJoCo itself would do
@@ -68,11 +76,8 @@ void call_mujoco(void (*action)(void* context), void* context) {
     mju_user_warning = on_warning;
     return true;
   }();
-  Call call{};
-  Call* const outer = std::exchange(under_way, &call);
-  const bool failed = jumps_back(call, action, context);
-  under_way = outer;
-  if (!failed) return;
+  Call call;
+  if (!jumps_back(call, action, context)) return;
   if (call.carried) std::rethrow_exception(call.carried);
   if (std::string_view(text.data()).find("Could not allocate memory") != std::string_view::npos) throw std::bad_alloc();
   throw InputError(text.data());

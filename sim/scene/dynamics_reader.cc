@@ -176,7 +176,7 @@ class DynamicsReader : EntryReader {
     const auto refuse = [](const YamlNode& map, const std::string& where, const auto& keys) {
       for (const std::string_view key : keys) {
         if (const YamlNode* node = find_kept(map, key)) {
-          fail(node->key_origin, quote(key) + where + " needs bodies that move by forces: a scene with 'model' or 'bodies'");
+          fail(node->key_origin, quote(key) + where + " needs bodies moved by forces: a scene with 'box', 'model' or 'bodies'");
         }
       }
     };

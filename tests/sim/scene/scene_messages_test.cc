@@ -53,7 +53,7 @@ const std::string bodies_head =
     "slipbench: 1\nbodies: {box: {shape: box}, table: {shape: plane}}\nsensors:\n  pad: {type: papillarray, touches: [box]}\n";
 const std::string pad = "slipbench: 1\nsensors: {pad: {type: papillarray, ";
 const std::string contact = head + "fidelity: mujoco_contact\ncontact: ";
-const std::string needs_forces = " needs bodies that move by forces: a scene with 'model' or 'bodies'";
+const std::string needs_forces = " needs bodies moved by forces: a scene with 'box', 'model' or 'bodies'";
 
 std::string paths_of(int count) {
   std::string text = "{";

@@ -1,0 +1,17 @@
+#include "sim/mujoco/mujoco_call.h"
+
+#include <new>
+
+#include <gtest/gtest.h>
+
+namespace slipbench {
+namespace {
+
+// What a thread notes of a call must be gone with it: an error of MuJoCo's outside of one would jump into its dead frame.
+TEST(MujocoCall, AnExceptionOfOurOwnEndsItToo) {
+  EXPECT_THROW(call_mujoco([] { throw std::bad_alloc(); }), std::bad_alloc);
+  EXPECT_EXIT(mju_error("outside of a call"), testing::ExitedWithCode(1), "ERROR: outside of a call");
+}
+
+}  // namespace
+}  // namespace slipbench
