@@ -137,6 +137,7 @@ Judged taught_and_judged(const Task& task, ReproduceOptions options) {
   train::NetworkTraining training;
   training.datasets = {dataset};
   training.recipe = train::find_recipe(task.subject->recipe);
+  training.recipe.members = 1;  // what data buy, not what several networks do
   if (!options.full) training.recipe.training.steps /= quick_part;
   training.seed = options.seed.value_or(1);
   training.by_score = true;

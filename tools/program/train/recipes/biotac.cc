@@ -165,6 +165,7 @@ std::vector<Recipe> biotac_recipes() {
   slip.training.steps = 1500;
   slip.training.clip = 75;
   slip.training.onset_frames = 10;
+  slip.members = 3;
 
   Recipe grasp = slip_recipe(
       "biotac_grasp", "How each electrode and the pressure change in 20 to 300 ms, with their signs, through two GRUs at 100 Hz",

@@ -144,6 +144,7 @@ Recipe piezo_slip() {
   slip.input.floor = rounding_density;
   const std::size_t bins = 31;  // 0 to 1500 Hz, 50 Hz each
   slip.network = {bins, {Linear{48}, Relu{}, Gru{48}, Gru{48}, Linear{2}}};
+  slip.members = 3;
   return slip;
 }
 
