@@ -303,11 +303,12 @@ std::string ImplicitFields::apply(const mjModel* m, mjData* d, std::span<const I
   tau_ = viscous_time;
   const auto nv = static_cast<Index>(m->nv);
   jacobians_.resize(block(contacts.size()), nv);
+  start_.resize(block(contacts.size()));
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    relative_jacobian(m, d, {contacts[i].pad_body, contacts[i].object_body, contacts[i].pad.position},
-                      jacobians_.row(block(i)).data());
+    auto rows = jacobians_.middleRows<6>(block(i));
+    relative_jacobian(m, d, {contacts[i].pad_body, contacts[i].object_body, contacts[i].pad.position}, rows.data());
+    if (contacts[i].field != nullptr) start_.segment<6>(block(i)).noalias() = rows * Eigen::Map<const VectorXd>(d->qvel, nv);
   }
-  start_ = jacobians_ * Eigen::Map<const VectorXd>(d->qvel, nv);
   find_active(contacts, memory);
   iterations_ = 0;
   converged_ = true;
