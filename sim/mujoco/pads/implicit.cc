@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <random>
 
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
 
+#include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/mujoco_differences.h"
 
 namespace slipbench {
@@ -120,15 +120,11 @@ std::string implicit_refusal(const mjModel* m, std::span<const ImplicitPad> pads
 }
 
 std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pads) {
-  struct Freed {
-    void operator()(mjModel* model) const { mj_deleteModel(model); }
-    void operator()(mjData* data) const { mj_deleteData(data); }
-  };
-  const std::unique_ptr<mjModel, Freed> copy(mj_copyModel(nullptr, m));
+  const ModelPointer copy(mj_copyModel(nullptr, m));
   copy->nplugin = 0;  // the fields themselves are plugins
   std::fill_n(&copy->actuator_plugin[0], static_cast<Index>(copy->nactuator), -1);
   copy->opt.disableflags |= mjDSBL_CONSTRAINT;  // MuJoCo's short cuts past the metric are those without constraints
-  const std::unique_ptr<mjData, Freed> data(mj_makeData(copy.get()));
+  const DataPointer data(mj_makeData(copy.get()));
   mjData* d = data.get();
   const auto nv = static_cast<Index>(copy->nv);
   const double h = copy->opt.timestep;
@@ -187,10 +183,7 @@ Pose ImplicitFields::move(const ImplicitContact& contact, const Vector6d& w) con
 
 bool ImplicitFields::touches(const ImplicitContact& contact, const Vector6d& w) const {
   move(contact, w);
-  for (std::size_t i = 0; i < contact.field->size(); ++i) {
-    if (contact.field->state(i) != ElementState::detached) return true;
-  }
-  return false;
+  return contact.field->touching() > 0;
 }
 
 void ImplicitFields::evaluate(const ImplicitContact& contact, const Vector6d& w, Linear& linear) const {

@@ -555,18 +555,11 @@ void PadInstance::write_sensors(const mjModel* model, mjData* data) {
   const Parts state = parts(model, data);
   // RK4 commits at the end of a step, so that at the beginning of the next one nothing has moved since: what was seen then still
   // holds.
-  const auto show_kept = [&] {
+  if ((is_placed(state.fields) && data->time == state.header[committed_time]) || rests(model, data, state, data->time)) {
     for (const int address : outputs_) {
       mjtNum* const out = std::copy(state.held.begin(), state.held.end(), data->sensordata + address);
       std::copy(state.truth.begin(), state.truth.end(), out);
     }
-  };
-  if (is_placed(state.fields) && data->time == state.header[committed_time]) {
-    show_kept();
-    return;
-  }
-  if (rests(model, data, state, data->time)) {
-    show_kept();
     return;
   }
   evaluated_ = locate(model, data);
