@@ -298,7 +298,7 @@ std::string ImplicitFields::apply(const mjModel* m, mjData* d, std::span<const I
   jacobians_.resize(block(contacts.size()), nv);
   start_.resize(block(contacts.size()));
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    auto rows = jacobians_.middleRows<6>(block(i));
+    auto rows = jacobians_.middleRows(block(i), 6);  // not of six by type: Eigen would add up in another order
     relative_jacobian(m, d, {contacts[i].pad_body, contacts[i].object_body, contacts[i].pad.position}, rows.data());
     if (contacts[i].field != nullptr) start_.segment<6>(block(i)).noalias() = rows * Eigen::Map<const VectorXd>(d->qvel, nv);
   }
