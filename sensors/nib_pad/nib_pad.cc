@@ -326,7 +326,8 @@ class NibPad final : public PadSensor {
     double change = 0.0;
     for (const Electrode& electrode : electrodes_[v]) {
       const auto nib = static_cast<Eigen::Index>(electrode.nib);
-      change += capacitor_.change(truth.force(2, nib), truth.displacement(0, nib), truth.displacement(1, nib), electrode.side);
+      const double force = truth.force(2, nib), qx = truth.displacement(0, nib), qy = truth.displacement(1, nib);
+      if (force != 0.0 || qx != 0.0 || qy != 0.0) change += capacitor_.change(force, qx, qy, electrode.side);
     }
     signals()[v] = gain_[v] * change;
   }

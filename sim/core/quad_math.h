@@ -42,11 +42,12 @@ SLIPBENCH_INLINE Quad log_of(const Quad& x) {
   }
   if (any(~near)) {
     const auto bits = reinterpret_cast<QuadBits>(x), beyond = bits - 0x3fe6000000000000;
-    Quad inverse, log, high, low, k;
+    // At a power of two the last bits are a whole number.
+    const Quad k = reinterpret_cast<Quad>(beyond >> 52 | 0x4330000000000000) - 0x1p52;
+    Quad inverse, log, high, low;
     for (std::size_t lane = 0; lane < quad; ++lane) {
       const double* const entry = d + 18 + 2 * (beyond[lane] >> 45 & 127);
       inverse[lane] = entry[0], log[lane] = entry[1], high[lane] = entry[256], low[lane] = entry[257];
-      k[lane] = static_cast<double>(static_cast<int>(beyond[lane] >> 52));
     }
     const Quad r = (reinterpret_cast<Quad>(bits - (beyond & 0xfff0000000000000)) - high - low) * inverse, r2 = r * r;
     const Quad w = k * d[0] + log, sum = w + r;

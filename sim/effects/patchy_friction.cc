@@ -52,28 +52,28 @@ class RandomMap {
 
   // Bilinear between the grid's points.
   [[nodiscard, gnu::always_inline]] Quad at(const Quad& x, const Quad& y) const {
-    const Quad u = x / cell_, v = y / cell_;
-    Quad du, dv, near, right, up, far;
-    for (std::size_t lane = 0; lane < quad; ++lane) {
-      const std::int64_t row = floor_of(v[lane]), column = floor_of(u[lane]);
-      du[lane] = u[lane] - static_cast<double>(column), dv[lane] = v[lane] - static_cast<double>(row);
-      const std::size_t i = wrap(column), j = wrap(row) * cells, i1 = (i + 1) % cells, j1 = (j + cells) % (cells * cells);
-      near[lane] = table_[j + i], right[lane] = table_[j + i1], up[lane] = table_[j1 + i], far[lane] = table_[j1 + i1];
-    }
+    const Quad u = x / cell_, v = y / cell_, column = floor_of(u), row = floor_of(v), du = u - column, dv = v - row;
+    const QuadBits i = whole_of(column) % cells, j = whole_of(row) % cells * cells;
+    const QuadBits i1 = (i + 1) % cells, j1 = (j + cells) % (cells * cells);
+    Quad near, right, up, far;
+    for (std::size_t k = 0; k < quad; ++k)
+      near[k] = table_[j[k] + i[k]], right[k] = table_[j[k] + i1[k]], up[k] = table_[j1[k] + i[k]],
+      far[k] = table_[j1[k] + i1[k]];
     return (1.0 - dv) * ((1.0 - du) * near + du * right) + dv * ((1.0 - du) * up + du * far);
   }
 
  private:
-  static constexpr std::size_t cells = 128;  // a power of two: wrap() of what is negative counts on it
+  static constexpr std::size_t cells = 128;  // a power of two: at() of what is negative counts on it
   static constexpr std::size_t waves = 24;
   static constexpr double cells_per_wave = 8.0;
 
-  // As std::floor, which is a call to a library on a CPU that may be any x86-64. No surface has 2^63 cells.
-  static std::int64_t floor_of(double value) {
-    const auto truncated = static_cast<std::int64_t>(value);
-    return static_cast<double>(truncated) > value ? truncated - 1 : truncated;
+  // No surface has 2^51 cells. Beside this a whole number stands in the last bits, a negative one as its complement.
+  static constexpr double shift = 0x1.8p52;
+  SLIPBENCH_INLINE static Quad floor_of(const Quad& value) {
+    const Quad nearest = value + shift - shift;
+    return nearest > value ? nearest - 1.0 : nearest;
   }
-  static std::size_t wrap(std::int64_t index) { return static_cast<std::size_t>(index) % cells; }
+  SLIPBENCH_INLINE static QuadBits whole_of(const Quad& value) { return reinterpret_cast<QuadBits>(value + shift); }
 
   double cell_;  // m
   std::vector<double> table_;

@@ -54,6 +54,8 @@ class FrictionEffect : public Effect {
  public:
   // Multiplies mu_s and mu_k of every element that is pressed (normal_force > 0); those of the others are not looked at.
   virtual void scale(const ElementColumns& elements, double* mu_s, double* mu_k) = 0;
+  // Whether it looks at velocities.
+  [[nodiscard]] virtual bool by_speed() const { return false; }
 };
 
 // Strengthens the friction of a tip with the speed w at which it slips itself: mu_k g(w), g(0) = 1, g never falling. An element is then a

@@ -93,6 +93,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   if (!block_) throw std::bad_alloc();
   std::memset(block_.get(), 0, bytes);
   for (std::size_t c = 0; c < columns; ++c) columns_[c] = block_.get() + c * stride;
+  if (!has_memory()) columns_[h_x] = nullptr;
 
   for (std::size_t i = 0; i < count_; ++i) {
     const Element& element = layout_.elements[i];
@@ -115,49 +116,44 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
     columns_[k_normal_spring] = columns_[k_normal];
     columns_[k_tangential_spring] = columns_[k_tangential];
   }
+  may_stay_apart_ = extended_ && !on_plane() && !effects_.cone && !effects_.lean && !effects_.tip && !effects_.skin &&
+                    !has_memory() && effects_.surface.empty() &&
+                    std::ranges::all_of(effects_.friction, [](const auto& effect) { return effect->memory().empty(); });
   if (effects_.skin) prepare_skin();
   if (effects_.tip) transmitted_ = transmitted_x;
   std::fill(columns_[normal_z], columns_[normal_z] + padded_, 1.0);
-  state_size_ = 1 + (kept.size() + (on_plane() ? 0 : kept_of_faces.size())) * count_;
-  if (effects_.skin) state_size_ += kept_by_skin(on_plane()).size() * count_ + skin_pose().size();
-  effects_.for_each([this](Effect& effect) { state_size_ += effect.memory().size(); });
+  for_each_kept([this](std::span<const double> part) { state_size_ += part.size(); });
   const bool springs_alone = !extended_ && !effects_.cone;
   plain_ = springs_alone && on_plane() && contacts_.flat_pad();
   if (springs_alone && !on_plane() && count_ >= ActiveSet::least_elements) active_set_.emplace(layout_);
+}
+
+// Calls visit() for each part of the state, in order.
+template <class Visit>
+void Field::for_each_kept(Visit&& visit) {
+  const auto visit_all = [&](std::span<const Column> all) {
+    for (const Column column : all) visit(std::span(columns_[column], count_));
+  };
+  visit_all(kept);
+  if (!on_plane()) visit_all(kept_of_faces);
+  if (effects_.skin) {
+    visit_all(kept_by_skin(on_plane()));
+    visit(skin_pose());
+  }
+  effects_.for_each([&](Effect& effect) { visit(effect.memory()); });
 }
 
 void Field::save_state(std::span<double> state) {
   if (active_set_) active_set_->update_all(contacts_, columns_);
   state[0] = placed_ ? 1.0 : 0.0;
   auto out = state.begin() + 1;
-  const auto save = [&](Column column) { out = std::copy_n(columns_[column], count_, out); };
-  std::for_each(kept.begin(), kept.end(), save);
-  if (!on_plane()) std::for_each(kept_of_faces.begin(), kept_of_faces.end(), save);
-  if (effects_.skin) {
-    std::ranges::for_each(kept_by_skin(on_plane()), save);
-    out = std::ranges::copy(skin_pose(), out).out;
-  }
-  effects_.for_each([&](Effect& effect) { out = std::ranges::copy(effect.memory(), out).out; });
+  for_each_kept([&out](std::span<const double> part) { out = std::ranges::copy(part, out).out; });
 }
 
 void Field::load_state(std::span<const double> state) {
   placed_ = state[0] != 0.0;
   auto in = state.begin() + 1;
-  const auto load = [&](Column column) {
-    std::copy_n(in, count_, columns_[column]);
-    in += static_cast<std::ptrdiff_t>(count_);
-  };
-  std::for_each(kept.begin(), kept.end(), load);
-  if (!on_plane()) std::for_each(kept_of_faces.begin(), kept_of_faces.end(), load);
-  const auto load_all = [&](std::span<double> memory) {
-    std::copy_n(in, memory.size(), memory.begin());
-    in += static_cast<std::ptrdiff_t>(memory.size());
-  };
-  if (effects_.skin) {
-    std::ranges::for_each(kept_by_skin(on_plane()), load);
-    load_all(skin_pose());
-  }
-  effects_.for_each([&](Effect& effect) { load_all(effect.memory()); });
+  for_each_kept([&in](std::span<double> part) { in = std::ranges::copy_n(in, std::ssize(part), part.begin()).in; });
   count_states(all());
   if (active_set_) active_set_->reset();
 }
@@ -189,12 +185,10 @@ void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
 
 void Field::step_in_stages(double dt, const Twist* motion) {
   if (!on_plane()) keep_as_before(faces, faces_before);
-  kernel::Groups candidates = all();
-  if (active_set_) {
-    candidates = active_set_->begin_step(contacts_, columns_, pose_);
-  } else {
-    contacts_.find(columns_, pose_, candidates);
-  }
+  const kernel::Groups candidates = active_set_ ? active_set_->begin_step(contacts_, columns_, pose_) : all();
+  if (!active_set_) contacts_.find(columns_, pose_, candidates);
+  step_ = dt;
+  if (may_stay_apart_ && touching_ == 0 && kernel::stay_apart(columns_, padded_)) return;
   if (extended_) place_tips();
   for (const auto& effect : effects_.surface) {
     effect->displace(count_, columns_[place_x], columns_[place_y], columns_[normal_z], columns_[gap]);
@@ -215,7 +209,6 @@ void Field::step_in_stages(double dt, const Twist* motion) {
       if (columns_[mode_before][i] == 0.0 && raw_normal_force(i) > 0.0) anchor_touched(i);
     });
   }
-  step_ = dt;
   map_to_cone();
   if (has_memory()) commit_rheology(dt);
 }
@@ -305,7 +298,8 @@ void Field::rate_friction(double dt, const Twist* motion) {
   std::copy_n(columns_[mu_static_surface], count_, columns_[mu_static]);
   std::copy_n(columns_[mu_kinetic_surface], count_, columns_[mu_kinetic]);
   if (effects_.friction.empty()) return;
-  kernel::rate(columns_, pose_, motion, dt, has_memory(), padded_);
+  const bool speeds = std::ranges::any_of(effects_.friction, [](const auto& effect) { return effect->by_speed(); });
+  kernel::rate(columns_, pose_, motion, dt, has_memory(), speeds, padded_);
   if (effects_.lean) {
     for (std::size_t i = 0; i < count_; ++i) {
       const double drop = effects_.lean->drop((vector(contact_x, i) - vector(place_x, i)).norm());
@@ -362,29 +356,15 @@ double Field::onset_fraction(std::size_t i) const {
 void Field::move_tips(double dt) {
   kernel::load_tips(columns_, padded_);
   const kernel::Columns& c = columns_;
-  const TipColumns tips{count_,
-                        padded_,
-                        dt,
-                        c[contact_x],
-                        c[contact_y],
-                        c[contact_before_x],
-                        c[contact_before_y],
-                        c[f_normal],
-                        c[f_normal_before],
-                        c[limit],
-                        c[limit_before],
-                        c[mu_kinetic],
-                        c[mode_before],
-                        c[anchor_x],
-                        c[anchor_y],
-                        c[slip_x],
-                        c[slip_y],
-                        c[path],
-                        c[force_x],
-                        c[force_y],
-                        c[transmitted_x],
-                        c[transmitted_y],
-                        c[mode]};
+  TipColumns tips{};
+  tips.count = count_, tips.padded = padded_, tips.dt = dt;
+  tips.x = c[contact_x], tips.y = c[contact_y], tips.x_before = c[contact_before_x], tips.y_before = c[contact_before_y];
+  tips.f_normal = c[f_normal], tips.f_normal_before = c[f_normal_before], tips.limit = c[limit],
+  tips.limit_before = c[limit_before];
+  tips.mu_kinetic = c[mu_kinetic], tips.mode_before = c[mode_before], tips.mode = c[mode];
+  tips.tip_x = c[anchor_x], tips.tip_y = c[anchor_y], tips.slip_x = c[slip_x], tips.slip_y = c[slip_y], tips.path = c[path];
+  tips.friction_x = c[force_x], tips.friction_y = c[force_y];
+  tips.transmitted_x = c[transmitted_x], tips.transmitted_y = c[transmitted_y];
   effects_.tip->move(tips, events_);
   for (const auto& effect : effects_.ringing) effect->ring(tips);
 }
@@ -428,20 +408,14 @@ void Field::resolve_event(std::size_t i) {
 }
 
 ElementColumns Field::view(double dt) const {
-  return {count_,
-          dt,
-          columns_[place_x],
-          columns_[place_y],
-          columns_[place_z],
-          columns_[normal_x],
-          columns_[normal_y],
-          columns_[normal_z],
-          columns_[depth],
-          columns_[load],
-          columns_[velocity_x],
-          columns_[velocity_y],
-          columns_[velocity_z],
-          columns_[mode_before]};
+  const kernel::Columns& c = columns_;
+  ElementColumns seen{};
+  seen.count = count_, seen.dt = dt, seen.mode = c[mode_before];
+  seen.x = c[place_x], seen.y = c[place_y], seen.z = c[place_z], seen.nx = c[normal_x], seen.ny = c[normal_y],
+  seen.nz = c[normal_z];
+  seen.penetration = c[depth], seen.normal_force = c[load];
+  seen.vx = c[velocity_x], seen.vy = c[velocity_y], seen.vz = c[velocity_z];
+  return seen;
 }
 
 bool Field::level() const {

@@ -154,7 +154,8 @@ class Field {
   // What the springs of all elements together do to the pad, hold, and have lost by slip in the last step. Where a rheology takes
   // part or columns lean the energy is not what is held.
   [[nodiscard]] kernel::SpringSums spring_sums() const {
-    return effects_.skin ? skin_sums() : kernel::sum_springs(columns_, active());
+    if (effects_.skin) return skin_sums();
+    return touching_ == 0 ? kernel::SpringSums{{0.0, 0.0, 0.0}, 0.0, 0.0} : kernel::sum_springs(columns_, active());
   }
 
   // The groups of all elements.
@@ -192,6 +193,8 @@ class Field {
   using Column = kernel::Column;
 
   [[nodiscard]] static ElementState state_in(double mode) { return static_cast<ElementState>(static_cast<int>(mode)); }
+  template <class Visit>
+  void for_each_kept(Visit&& visit);
   void step_in_stages(double dt, const Twist* motion);
   void prepare_skin();
   // Where the pad was in the last step, as a skin remembers it: rotation and position.
@@ -237,7 +240,7 @@ class Field {
   Friction friction_;
   FieldEffects effects_;
   std::size_t count_;
-  std::size_t state_size_ = 0;
+  std::size_t state_size_ = 1;
   std::size_t padded_;  // count_ rounded up to whole SIMD vectors; the rest has no stiffness and so never touches
   struct Free {
     void operator()(double* block) const;
@@ -248,6 +251,7 @@ class Field {
   Pose pose_;
   Column transmitted_ = force_x;         // the tangential force that the pad feels: of a spring with a massless tip the friction
   bool extended_;                        // the columns from plain_columns on are there
+  bool may_stay_apart_;                  // what its effects remember of a step without contact is nothing
   bool plain_;                           // springs on a plane, and no effect: one pass does it all
   std::optional<ActiveSet> active_set_;  // of many plain springs on no plane
   bool placed_ = false;

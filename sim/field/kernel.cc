@@ -184,6 +184,26 @@ SLIPBENCH_DISPATCHED bool all_keep_faces(const Columns& c, const Groups& groups)
   return !any(changed);
 }
 
+SLIPBENCH_DISPATCHED bool stay_apart(const Columns& c, std::size_t count) {
+  Mask near{};
+  for (std::size_t i = 0; i < count; i += lanes) near |= (at(c, gap, i) < 0.0) | (at(c, depth_offset, i) != 0.0);
+  if (any(near)) return false;
+  const Lanes none{};
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const auto t = trial_of<Lanes, false, true>(c, i);
+    put(c, f_normal, i, t.raw);
+    const Lanes pulled[3] = {t.tx, t.ty, t.tz};
+    for (const std::size_t axis : {0U, 1U, 2U}) {
+      put_lanes(c[slip_x + axis] + i, none * pulled[axis]);
+      put_lanes(c[anchor_x + axis] + i, lanes_at(c[contact_x + axis] + i));
+      put_lanes(c[force_x + axis] + i, none);
+    }
+    put(c, limit, i, none);
+    put(c, mode, i, none);
+  }
+  return true;
+}
+
 SLIPBENCH_DISPATCHED bool any_touches(const Columns& c, bool memory, std::size_t count) {
   Mask touched{};
   for (std::size_t i = 0; i < count; i += lanes) {
@@ -262,29 +282,31 @@ SLIPBENCH_DISPATCHED void add_elements(const Columns& c, const Eigen::Matrix3d& 
   }
 }
 
-SLIPBENCH_DISPATCHED void rate(const Columns& c, const Pose& pose, const Twist* motion, double dt, bool memory,
+SLIPBENCH_DISPATCHED void rate(const Columns& c, const Pose& pose, const Twist* motion, double dt, bool memory, bool speeds,
                                std::size_t count) {
   const Eigen::Matrix3d& r = pose.rotation;
   const Lanes none{};
   for (std::size_t i = 0; i < count; i += lanes) {
-    Lanes vx = none, vy = none, vz = none;
-    if (motion != nullptr) {
-      const Eigen::Vector3d &v = motion->linear, &w = motion->angular;
-      const Lanes x = at(c, tip_x, i), y = at(c, tip_y, i), z = at(c, tip_z, i);
-      const Lanes ax = turned(r, 0, x, y, z), ay = turned(r, 1, x, y, z), az = turned(r, 2, x, y, z);
-      vx = v.x() + (w.y() * az - w.z() * ay);
-      vy = v.y() + (w.z() * ax - w.x() * az);
-      vz = v.z() + (w.x() * ay - w.y() * ax);
-    } else if (dt > 0.0) {
-      vx = (at(c, contact_x, i) - at(c, contact_before_x, i)) / dt;
-      vy = (at(c, contact_y, i) - at(c, contact_before_y, i)) / dt;
-      vz = (at(c, contact_z, i) - at(c, contact_before_z, i)) / dt;
+    if (speeds) {
+      Lanes vx = none, vy = none, vz = none;
+      if (motion != nullptr) {
+        const Eigen::Vector3d &v = motion->linear, &w = motion->angular;
+        const Lanes x = at(c, tip_x, i), y = at(c, tip_y, i), z = at(c, tip_z, i);
+        const Lanes ax = turned(r, 0, x, y, z), ay = turned(r, 1, x, y, z), az = turned(r, 2, x, y, z);
+        vx = v.x() + (w.y() * az - w.z() * ay);
+        vy = v.y() + (w.z() * ax - w.x() * az);
+        vz = v.z() + (w.x() * ay - w.y() * ax);
+      } else if (dt > 0.0) {
+        vx = (at(c, contact_x, i) - at(c, contact_before_x, i)) / dt;
+        vy = (at(c, contact_y, i) - at(c, contact_before_y, i)) / dt;
+        vz = (at(c, contact_z, i) - at(c, contact_before_z, i)) / dt;
+      }
+      const Lanes nx = at(c, normal_x, i), ny = at(c, normal_y, i), nz = at(c, normal_z, i);
+      const Lanes away = nx * vx + (ny * vy + nz * vz);
+      put(c, velocity_x, i, vx - nx * away);
+      put(c, velocity_y, i, vy - ny * away);
+      put(c, velocity_z, i, vz - nz * away);
     }
-    const Lanes nx = at(c, normal_x, i), ny = at(c, normal_y, i), nz = at(c, normal_z, i);
-    const Lanes away = nx * vx + (ny * vy + nz * vz);
-    put(c, velocity_x, i, vx - nx * away);
-    put(c, velocity_y, i, vy - ny * away);
-    put(c, velocity_z, i, vz - nz * away);
     const Lanes history = memory ? at(c, h_normal, i) : none;
     const Lanes inward = -at(c, gap, i), raw = raw_normal_force(at(c, gap, i), at(c, k_normal, i), history);
     put(c, depth, i, inward > 0.0 ? inward : none);

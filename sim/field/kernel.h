@@ -39,7 +39,7 @@ enum Column : std::size_t {
   plain_columns,
   // only where effects or dashpots ask for them; without them the first two are the springs themselves
   k_normal_spring = plain_columns, k_tangential_spring, mu_static_surface, mu_kinetic_surface,  // before effects
-  h_normal, h_x, h_y, h_z,                                  // history of the rheology: f = k u + h [N]
+  h_normal, h_x, h_y, h_z,                                  // history of the rheology: f = k u + h [N]; without one h_x is null
   velocity_x, velocity_y, velocity_z, depth, load, stretch_x, stretch_y, stretch_z,     // what effects look at
   place_x, place_y, place_z,                                // where the tip meets effects (SurfaceEffect) [m]
   transmitted_x, transmitted_y, transmitted_z,                                   // of spring and dashpot on a tip with mass [N]
@@ -85,6 +85,9 @@ void meet_cylinder(const Columns& columns, const Cylinder& cylinder, const Pose&
 bool all_keep_faces(const Columns& columns, const Groups& groups);
 bool any_touches(const Columns& columns, bool memory, std::size_t count);
 
+// Of columns with effects, on no plane, of which nothing touched before: whether nothing touches now, and then, to the bit, what map() makes of that.
+bool stay_apart(const Columns& columns, std::size_t count);
+
 // Between the passes, for effects: the places of the tips (SurfaceEffect).
 void place_tips(const Columns& columns, std::size_t count);
 
@@ -110,9 +113,9 @@ void view_from_pad(const Columns& columns, const Eigen::Matrix3d& rotation, Colu
 void add_elements(const Columns& columns, const Eigen::Matrix3d& to_pad, const Groups& groups, double* depth,
                   const std::array<double*, 3>& shear, std::size_t count);
 
-// What friction effects look at: tangential velocity of the undeformed tips, depth and load. `motion`: of the pad in the surface, null for
-// the mean one of a step of `dt`, 0: none. `memory`: there is a history of the rheology.
-void rate(const Columns& columns, const Pose& pose, const Twist* motion, double dt, bool memory, std::size_t count);
+// What friction effects look at: depth and load, and if `speeds` tangential velocity of the undeformed tips. `motion`: of the pad in the surface,
+// null for the mean one of a step of `dt`, 0: none. `memory`: there is a history of the rheology.
+void rate(const Columns& columns, const Pose& pose, const Twist* motion, double dt, bool memory, bool speeds, std::size_t count);
 
 // What all springs together do and hold; entries that do not touch hold nothing.
 struct SpringSums {

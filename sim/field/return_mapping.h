@@ -53,18 +53,20 @@ SLIPBENCH_INLINE TrialOf<Real> trial_of(const Columns& c, std::size_t i) {
   t.ty = k * t.uy;
   if constexpr (!kPlane) t.tz = k * t.uz;
   if constexpr (kExtended) {
-    t.hx = at(h_x);
-    t.hy = at(h_y);
-    if constexpr (!kPlane) {  // the history was made in an earlier tangent plane
-      t.hz = at(h_z);
-      const Real along = t.hx * nx + t.hy * ny + t.hz * nz;
-      t.hx -= along * nx;
-      t.hy -= along * ny;
-      t.hz -= along * nz;
-      t.tz += t.hz;
+    if (c[h_x] != nullptr) {
+      t.hx = at(h_x);
+      t.hy = at(h_y);
+      if constexpr (!kPlane) {  // the history was made in an earlier tangent plane
+        t.hz = at(h_z);
+        const Real along = t.hx * nx + t.hy * ny + t.hz * nz;
+        t.hx -= along * nx;
+        t.hy -= along * ny;
+        t.hz -= along * nz;
+      }
     }
-    t.tx += t.hx;
+    t.tx += t.hx;  // also 0, which takes the sign off a zero
     t.ty += t.hy;
+    if constexpr (!kPlane) t.tz += t.hz;
   }
   return t;
 }

@@ -72,16 +72,9 @@ void FreeBodies::place(const mjModel* m, mjData* d) const {
     vector_at(d->xanchor + 3 * body.joint) = frame.position;
     const Pose centre = frame * body.centre;
     put(centre, d->xipos + 3 * body.body, d->ximat + 9 * body.body);
-    mju_mulQuat(d->xiquat + 4 * body.body, quat, m->body_iquat + 4 * body.body);
     vector_at(d->subtree_com + 3 * body.body) = centre.position;
-    for (const Fixed& geom : body.geoms) {
-      put(frame * geom.pose, d->geom_xpos + 3 * geom.id, d->geom_xmat + 9 * geom.id);
-      mju_mulQuat(d->geom_xquat + 4 * geom.id, quat, m->geom_quat + 4 * geom.id);
-    }
-    for (const Fixed& site : body.sites) {
-      put(frame * site.pose, d->site_xpos + 3 * site.id, d->site_xmat + 9 * site.id);
-      mju_mulQuat(d->site_xquat + 4 * site.id, quat, m->site_quat + 4 * site.id);
-    }
+    for (const Fixed& geom : body.geoms) put(frame * geom.pose, d->geom_xpos + 3 * geom.id, d->geom_xmat + 9 * geom.id);
+    for (const Fixed& site : body.sites) put(frame * site.pose, d->site_xpos + 3 * site.id, d->site_xmat + 9 * site.id);
 
     // A free joint's translations are the world's, its rotations the body's own; all refer to the centre of mass.
     const Vector3d arm = centre.position - frame.position;

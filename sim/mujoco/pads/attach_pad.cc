@@ -126,14 +126,6 @@ void exclude(mjSpec* spec, const std::string& pad_body, const std::string& body,
   mjs_setString(added->bodyname2, body.c_str());
 }
 
-void set_options_of_implicit(mjSpec* spec, const std::vector<SitePair>& pairs) {
-  prepare_implicit(spec, pairs);
-  mjOption& option = spec->option;
-  option.iterations = std::max(option.iterations, implicit_iterations);
-  option.impratio = std::max(option.impratio, implicit_impratio);
-  option.cone = mjCONE_ELLIPTIC;
-}
-
 // Adds a plugin instance and the sensor that reads it. By XML, since MuJoCo's setter of attributes takes a map of the C++ library that MuJoCo itself
 // was built with. Attached with a part of the name as prefix, because MuJoCo warns of an empty one.
 void add_instance(mjSpec* spec, const std::string& own, const std::vector<std::pair<std::string, std::string>>& attributes) {
@@ -230,7 +222,11 @@ void complete_pad(mjSpec* spec, const AttachedPad& pad) {
       tendons.push_back({name_of(site), there});
     }
   }
-  if (pad.implicit) set_options_of_implicit(spec, tendons);
+  if (!pad.implicit) return;
+  prepare_implicit(spec, tendons);
+  spec->option.iterations = std::max(spec->option.iterations, implicit_iterations);
+  spec->option.impratio = std::max(spec->option.impratio, implicit_impratio);
+  spec->option.cone = mjCONE_ELLIPTIC;
 }
 
 void prepare_implicit(mjSpec* spec, std::span<const SitePair> pairs) {

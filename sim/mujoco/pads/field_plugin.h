@@ -50,6 +50,7 @@ class PadGroup {
   std::vector<std::size_t> touching_,
       touching_now_;  // elements of each explicit pad and touched geom in the step before, and in this one
   std::vector<ImplicitPad> described_;
+  std::vector<ImplicitContact> contacts_;  // of the step in progress
   ImplicitFields solver_;
   std::vector<double> memory_;  // of the solver, gathered from the pads' states
   std::size_t unconverged_ = 0;

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <random>
 
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
 
+#include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/mujoco_differences.h"
 
 namespace slipbench {
@@ -120,15 +120,11 @@ std::string implicit_refusal(const mjModel* m, std::span<const ImplicitPad> pads
 }
 
 std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pads) {
-  struct Freed {
-    void operator()(mjModel* model) const { mj_deleteModel(model); }
-    void operator()(mjData* data) const { mj_deleteData(data); }
-  };
-  const std::unique_ptr<mjModel, Freed> copy(mj_copyModel(nullptr, m));
+  const ModelPointer copy(mj_copyModel(nullptr, m));
   copy->nplugin = 0;  // the fields themselves are plugins
   std::fill_n(&copy->actuator_plugin[0], static_cast<Index>(copy->nactuator), -1);
   copy->opt.disableflags |= mjDSBL_CONSTRAINT;  // MuJoCo's short cuts past the metric are those without constraints
-  const std::unique_ptr<mjData, Freed> data(mj_makeData(copy.get()));
+  const DataPointer data(mj_makeData(copy.get()));
   mjData* d = data.get();
   const auto nv = static_cast<Index>(copy->nv);
   const double h = copy->opt.timestep;
@@ -187,10 +183,7 @@ Pose ImplicitFields::move(const ImplicitContact& contact, const Vector6d& w) con
 
 bool ImplicitFields::touches(const ImplicitContact& contact, const Vector6d& w) const {
   move(contact, w);
-  for (std::size_t i = 0; i < contact.field->size(); ++i) {
-    if (contact.field->state(i) != ElementState::detached) return true;
-  }
-  return false;
+  return contact.field->touching() > 0;
 }
 
 void ImplicitFields::evaluate(const ImplicitContact& contact, const Vector6d& w, Linear& linear) const {
@@ -303,11 +296,12 @@ std::string ImplicitFields::apply(const mjModel* m, mjData* d, std::span<const I
   tau_ = viscous_time;
   const auto nv = static_cast<Index>(m->nv);
   jacobians_.resize(block(contacts.size()), nv);
+  start_.resize(block(contacts.size()));
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    relative_jacobian(m, d, {contacts[i].pad_body, contacts[i].object_body, contacts[i].pad.position},
-                      jacobians_.row(block(i)).data());
+    auto rows = jacobians_.middleRows(block(i), 6);  // not of six by type: Eigen would add up in another order
+    relative_jacobian(m, d, {contacts[i].pad_body, contacts[i].object_body, contacts[i].pad.position}, rows.data());
+    if (contacts[i].field != nullptr) start_.segment<6>(block(i)).noalias() = rows * Eigen::Map<const VectorXd>(d->qvel, nv);
   }
-  start_ = jacobians_ * Eigen::Map<const VectorXd>(d->qvel, nv);
   find_active(contacts, memory);
   iterations_ = 0;
   converged_ = true;

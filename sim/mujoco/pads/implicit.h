@@ -128,7 +128,7 @@ class ImplicitFields {
   double h_ = 0.0;                   // s, of the step
   double tau_ = 0.0;                 // s, viscous time
   RowMatrix jacobians_;              // [6 n, nv] of all contacts
-  Eigen::VectorXd start_;            // [6 n] J v
+  Eigen::VectorXd start_;            // [6 n] J v, where there is a field
   Eigen::VectorXd free_;             // [6 a] J v + h alpha of the active contacts
   std::vector<std::size_t> active_;  // contacts that touch now or would without their force
   Eigen::MatrixXd delassus_;         // [6 a, 6 a]

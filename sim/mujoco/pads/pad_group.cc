@@ -107,18 +107,17 @@ PadGroup::PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads) 
 void PadGroup::add_force(const mjModel* model, mjData* data) {
   if (guarded_ && !explicit_.empty()) refuse_long_step(model, data);
   if (implicit_.empty()) return;
-  // Options may have been changed since the mjData was made.
-  if (const std::string refusal = implicit_refusal(model, described_); !refusal.empty()) {
-    throw InputError(fmt::format("plugins {}: solver='implicit' {}", names_of(implicit_), refusal));
-  }
-  std::vector<ImplicitContact> contacts;
+  contacts_.clear();
   double* gathered = memory_.data();
   for (PadInstance* pad : implicit_) {
-    pad->begin_implicit(model, data, contacts);
+    pad->begin_implicit(model, data, contacts_);
     const std::span<const double> memory = pad->implicit_memory(model, data);
     gathered = std::copy(memory.begin(), memory.end(), gathered);
   }
-  const std::string failure = solver_.apply(model, data, contacts, memory_, implicit_.front()->config().damping);
+  // Options may have been changed since the mjData was made. Tendons matter where something may touch.
+  const bool idle = std::ranges::all_of(contacts_, [](const ImplicitContact& contact) { return contact.field == nullptr; });
+  std::string failure = implicit_refusal(model, idle ? std::span<const ImplicitPad>() : described_);
+  if (failure.empty()) failure = solver_.apply(model, data, contacts_, memory_, implicit_.front()->config().damping);
   for (PadInstance* pad : implicit_) pad->forget_trial();
   if (!failure.empty()) throw InputError(fmt::format("plugins {}: solver='implicit' {}", names_of(implicit_), failure));
 }

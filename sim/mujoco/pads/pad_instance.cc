@@ -338,7 +338,6 @@ void PadInstance::rest(const mjData* data, const Parts& state, double time) {
   for (const Touched& touched : touched_)
     to = save_frame(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom, to);
   kept.back() = phase::resting;
-  std::ranges::copy(kept, began_with_.end() - static_cast<std::ptrdiff_t>(kept.size()));
   evaluated_ = false;
 }
 
@@ -504,19 +503,18 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
   refuse_what_cannot_work(model);
   const Parts state = parts(model, data);
   computed_at_ = data->time;
-  evaluated_ = locate(model, data);
-  if (rests(model, data, state, data->time) && stays_clear(state)) {
-    const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
+  if (rests(model, data, state, data->time) && stays_clear(model, data, state)) {
     for (const Touched& touched : touched_) {
       contacts.push_back({nullptr, {}, model->site_bodyid[config_.site], touched.body, pad, Pose{}});
     }
     return;
   }
+  evaluated_ = locate(model, data);
   evaluate(state, data->time);
   if (!config_.unchecked) check_site(model, is_placed(state.fields));
   ended_with_.resize(began_with_.size());
   std::span<double> rest = ended_with_;
-  const Pose pad = pose_at(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site);
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     const std::span<double> ended = rest.first(fields_[k].state_size());
     rest = rest.subspan(ended.size());
@@ -529,13 +527,23 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
 
 // Whether the pad touches nothing at the end of the step either, as the implicit solver foresees it: with the velocity that it has, and with the
 // relative acceleration of its memory. A tip's way is no longer than its path.
-bool PadInstance::stays_clear(const Parts& state) const {
+bool PadInstance::stays_clear(const mjModel* model, const mjData* data, const Parts& state) {
+  const MjVector pad(data->site_xpos + 3 * config_.site);
+  const Eigen::Vector3d motion = velocity_of(model, data, model->site_bodyid[config_.site], pad.data()).linear;
+  const auto gained = [&](std::size_t k) { return state.implicit.data() + ImplicitFields::memory_per_contact * k; };
+  bool far = true;
+  for (std::size_t k = 0; far && k < touched_.size(); ++k) {
+    const Eigen::Vector3d speed = motion - velocity_of(model, data, touched_[k].body, pad.data()).linear;
+    const double way = step_ * (speed.norm() + step_ * MjVector(gained(k)).norm()), apart = touched_[k].reach + way;
+    far = touched_[k].reach > 0.0 && (pad - MjVector(data->geom_xpos + 3 * touched_[k].geom)).squaredNorm() > apart * apart;
+  }
+  if (far) return true;
+  evaluated_ = locate(model, data);
   for (std::size_t k = 0; k < touched_.size(); ++k) {
     const Touched& touched = touched_[k];
-    const Eigen::Map<const Vector6d> gained(state.implicit.data() + ImplicitFields::memory_per_contact * k);
     const double radius = touched.watch.radius();
     const double speed = touched.motion.linear.norm() + touched.motion.angular.norm() * radius +
-                         step_ * (gained.head<3>().norm() + gained.tail<3>().norm() * radius);
+                         step_ * (MjVector(gained(k)).norm() + MjVector(gained(k) + 3).norm() * radius);
     if (!(touched.watch.clearance(touched.shape, touched.pad_in_surface) > step_ * speed)) return false;
   }
   return true;
@@ -547,18 +555,11 @@ void PadInstance::write_sensors(const mjModel* model, mjData* data) {
   const Parts state = parts(model, data);
   // RK4 commits at the end of a step, so that at the beginning of the next one nothing has moved since: what was seen then still
   // holds.
-  const auto show_kept = [&] {
+  if ((is_placed(state.fields) && data->time == state.header[committed_time]) || rests(model, data, state, data->time)) {
     for (const int address : outputs_) {
       mjtNum* const out = std::copy(state.held.begin(), state.held.end(), data->sensordata + address);
       std::copy(state.truth.begin(), state.truth.end(), out);
     }
-  };
-  if (is_placed(state.fields) && data->time == state.header[committed_time]) {
-    show_kept();
-    return;
-  }
-  if (rests(model, data, state, data->time)) {
-    show_kept();
     return;
   }
   evaluated_ = locate(model, data);

@@ -229,7 +229,7 @@ class PadInstance {
   [[nodiscard]] bool rests(const mjModel* model, const mjData* data, const Parts& state, double time);
   void rest(const mjData* data, const Parts& state, double time);
   [[nodiscard]] bool sample_is_due(double time, double next) const;
-  [[nodiscard]] bool stays_clear(const Parts& state) const;
+  [[nodiscard]] bool stays_clear(const mjModel* model, const mjData* data, const Parts& state);
   void check_site(const mjModel* model, bool placed);
   void judge(const Parts& state);
   void measure(const Parts& state);

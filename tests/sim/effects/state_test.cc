@@ -67,5 +67,32 @@ TEST(EffectState, EveryEffectGoesOnFromASavedState) {
   expect_to_go_on_alike(in_one, "all of elastic skins");
 }
 
+// Of a pad that touches nothing less is worked out, unless an effect has a memory. Nobody may see that.
+TEST(EffectState, APadApartIsWhatItWouldBe) {
+  struct Remembers final : FrictionEffect {
+    std::vector<double> nothing = std::vector<double>(1);
+    void scale(const ElementColumns& /*elements*/, double* /*mu_s*/, double* /*mu_k*/) override {}
+    std::span<double> memory() override { return nothing; }
+  };
+  int apart = 0, touching = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    RandomStream draw(seed, 0, "apart");
+    const PadLayout pad = testing_field::random_pad(draw, 40, false);
+    const auto [surface, facing] = testing_field::target(testing_field::Shape::box);
+    FieldEffects whole = installed(pad, {{"patchy_friction", {}}, {"stribeck", {}}, {"viscous_friction", {}}});
+    whole.friction.push_back(std::make_unique<Remembers>());
+    Field field(pad, surface, {0.5, 0.4}, installed(pad, {{"patchy_friction", {}}, {"stribeck", {}}, {"viscous_friction", {}}})),
+        never(pad, surface, {0.5, 0.4}, std::move(whole));
+    const testing_field::RandomMotion motion(draw, facing * testing_field::at(0.0, 0.0, 0.3e-3));
+    for (int tick = 0; tick < 400; ++tick) {
+      for (Field* one : {&field, &never}) one->step(motion.at(tick * 2e-3), 2e-3);
+      ASSERT_TRUE(testing_field::same_bits(field, never)) << "seed " << seed << ", tick " << tick;
+      (field.touching() == 0 ? apart : touching) += 1;
+    }
+  }
+  EXPECT_GT(apart, 500);
+  EXPECT_GT(touching, 500);
+}
+
 }  // namespace
 }  // namespace slipbench::testing_effects::state_test

@@ -128,9 +128,6 @@ TEST(FreeBodies, AreWhatMuJoCoMakesOfThem) {
   expect_same("subtree_com", own->subtree_com + 3, d->subtree_com + 3, 3 * several);
   expect_same("cdof", own->cdof, d->cdof, 6 * static_cast<int>(m->nv));
   expect_same("cvel", own->cvel + 6, d->cvel + 6, 6 * several);
-  expect_same("xiquat", own->xiquat + 4, d->xiquat + 4, 4 * several);
-  expect_same("geom_xquat", own->geom_xquat, d->geom_xquat, 4 * static_cast<int>(m->ngeom));
-  expect_same("site_xquat", own->site_xquat, d->site_xquat, 4 * static_cast<int>(m->nsite));
   expect_same("geom_xpos", own->geom_xpos, d->geom_xpos, 3 * static_cast<int>(m->ngeom));
   expect_same("site_xmat", own->site_xmat, d->site_xmat, 9 * static_cast<int>(m->nsite));
   expect_same("qfrc_bias", own->qfrc_bias, d->qfrc_bias, static_cast<int>(m->nv));
