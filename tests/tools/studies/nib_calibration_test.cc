@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -22,9 +21,7 @@ Eigen::MatrixXd random_rows(Eigen::Index rows, Eigen::Index columns, const char*
 }
 
 std::vector<Eigen::Index> rows_from(Eigen::Index first, Eigen::Index end) {
-  std::vector<Eigen::Index> rows(static_cast<std::size_t>(end - first));
-  std::iota(rows.begin(), rows.end(), first);
-  return rows;
+  return of_numbers<Eigen::Index>(static_cast<std::size_t>(end - first), [&](auto k) { return first + static_cast<Eigen::Index>(k); });
 }
 
 TEST(QuadraticFit, FindsAQuadraticAgain) {
