@@ -25,7 +25,8 @@ auto of_those(Range&& range, const Chosen& chosen, const Make& make = {}) {
 // Of all of them: of_each(channels, &Channel::name).
 template <class Value = void, class Range, class Make>
 auto of_each(Range&& range, const Make& make) {
-  return of_those<Value>(range, [](const auto&) { return true; }, make);
+  return of_those<Value>(
+      range, [](const auto&) { return true; }, make);
 }
 
 // Of 0 to `count` - 1; without `make` these numbers.

@@ -168,9 +168,7 @@ constexpr std::size_t tight_cost = 2;     // as `cost` shows it for scenes/soft_
 const Override no_wish{"accuracy", "none"};
 
 // So many of `size` trials.
-std::vector<std::size_t> spread_trials(std::size_t size, std::size_t most) {
-  return spread_over(of_numbers(size), most);
-}
+std::vector<std::size_t> spread_trials(std::size_t size, std::size_t most) { return spread_over(of_numbers(size), most); }
 
 Measure measure_named(const std::string& name) {
   const auto found = std::ranges::find(measure_table(), name, &MeasureInfo::name);

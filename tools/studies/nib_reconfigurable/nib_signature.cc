@@ -100,9 +100,7 @@ std::vector<KindRun> kind_runs(std::size_t trials, const ReproduceOptions& optio
 using Score = double (*)(const KindRun&);
 using Chosen = bool (*)(const KindRun&);
 
-std::vector<double> scores(const std::vector<KindRun>& runs, Score score, Chosen chosen) {
-  return of_those(runs, chosen, score);
-}
+std::vector<double> scores(const std::vector<KindRun>& runs, Score score, Chosen chosen) { return of_those(runs, chosen, score); }
 
 bool is_linear(const KindRun& run) { return run.slips && !run.rotational; }
 bool is_rotational(const KindRun& run) { return run.slips && run.rotational; }
