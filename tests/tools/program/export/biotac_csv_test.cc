@@ -1,14 +1,13 @@
 // The layouts of the public recordings of BioTac SP. Slip: folder and name from what the scene commands, rows from where the motion has come up. Grasps:
 // which row of the log is taken, what counts as slipped. What both refuse.
 #include <algorithm>
-#include <sstream>
 #include <vector>
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/program/export/export.h"
 
-namespace slipbench::slip_csv_test {
+namespace slipbench::biotac_csv_test {
 namespace {
 
 using slipbench::testing::make_record;
@@ -69,9 +68,7 @@ TEST_F(SlipCsv, NameStaysInTheFolder) {
 // The motion is up at start + 2 approach = 0.05 + 0.2 s, which is row 24: rows 24 to 39 are written.
 TEST_F(SlipCsv, BeginsWhereTheMotionHasComeUp) {
   const std::string file = exported(finger("{}"), "slipbench: 1\nmotion: {kind: rub, start: 50 ms, approach: 0.1 s}\n").front();
-  std::istringstream text(bytes_of(file));
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  const std::vector<std::string> lines = lines_of(bytes_of(file));
   ASSERT_EQ(lines.size(), 1u + 16u);
   EXPECT_THAT(lines[0], StartsWith("ff_e1,ff_e2,"));
   EXPECT_THAT(lines[0], EndsWith(",ff_e24"));
@@ -94,8 +91,6 @@ TEST_F(SlipCsv, RefusesWhatIsNoClass) {
   other.sensors[0].type = "papillarray";
   EXPECT_THAT(message(other), HasSubstr("is a papillarray; allowed: a biotac_sp"));
 }
-
-using slipbench::testing::make_record;
 
 constexpr std::size_t rows = 6;
 
@@ -138,9 +133,7 @@ struct GraspCsv : slipbench::testing::FolderTest {
 };
 
 TEST_F(GraspCsv, HasARowAGraspOfTheLastReadingBeforeItHasToHold) {
-  std::istringstream text(exported({grasp(0, true), grasp(1, false)}));
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  const std::vector<std::string> lines = lines_of(exported({grasp(0, true), grasp(1, false)}));
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_THAT(lines[0], StartsWith("object,slipped,ff_biotac_1,ff_biotac_2,"));
   EXPECT_THAT(lines[0], HasSubstr(",ff_biotac_24,mf_biotac_1,"));
@@ -167,4 +160,4 @@ TEST_F(GraspCsv, RefusesWhatIsNoSuchGrasp) {
 }
 
 }  // namespace
-}  // namespace slipbench::slip_csv_test
+}  // namespace slipbench::biotac_csv_test
