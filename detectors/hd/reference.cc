@@ -3,6 +3,7 @@
 #include <string>
 
 #include "detectors/hd/engine.h"
+#include "sim/core/of_each.h"
 
 namespace slipbench::hd {
 namespace {
@@ -17,9 +18,7 @@ Vector bipolar(const Hypervector& bits) {
 }
 
 std::vector<Vector> bipolar(const std::vector<Hypervector>& memory) {
-  std::vector<Vector> vectors;
-  for (const Hypervector& row : memory) vectors.push_back(bipolar(row));
-  return vectors;
+  return of_each<Vector>(memory, [](const Hypervector& row) { return bipolar(row); });
 }
 
 Vector operator*(Vector a, const Vector& b) {

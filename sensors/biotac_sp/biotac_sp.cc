@@ -9,6 +9,7 @@
 #include "sensors/electronics/band_pass.h"
 #include "sensors/electronics/electronics.h"
 #include "sim/core/error.h"
+#include "sim/core/of_each.h"
 #include "sim/core/sensor.h"
 
 namespace slipbench {
@@ -204,11 +205,7 @@ SignalModel vibration_model(double rate) {
 
 // The parts among `all` that are, or are not, one of `named`.
 std::vector<Named> parts(const std::vector<Named>& all, std::initializer_list<std::string_view> named, bool are) {
-  std::vector<Named> found;
-  for (const Named& part : all) {
-    if ((std::ranges::find(named, part.name) != named.end()) == are) found.push_back(part);
-  }
-  return found;
+  return of_those(all, [&](const Named& part) { return (std::ranges::find(named, part.name) != named.end()) == are; });
 }
 
 class BioTacSp final : public Sensor {

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "sim/core/of_each.h"
 #include "sim/scene/scene_values.h"
 #include "sim/scene/section_readers.h"
 
@@ -192,9 +193,7 @@ class SceneReader : EntryReader {
     if (node->children.size() > max_sensors) {
       fail(node->origin, std::to_string(node->children.size()) + " sensors; allowed: at most " + std::to_string(max_sensors));
     }
-    std::vector<SensorScene> sensors;
-    for (const YamlNode& child : node->children) sensors.push_back(read_sensor(child));
-    return sensors;
+    return of_each<SensorScene>(node->children, [&](const YamlNode& child) { return read_sensor(child); });
   }
 
   SensorScene read_sensor(const YamlNode& node) {
@@ -308,11 +307,9 @@ class SceneReader : EntryReader {
       const std::array<std::string_view, 2> allowed{"ideal", "typical"};
       fail(node->origin, path + ": unknown value " + quote(choice) + allowed_names(choice, allowed) + ", or a sequence of parts");
     }
-    std::vector<Named> typical;
-    for (const Entry& entry : parts) {
-      typical.push_back({entry.name, parameters(nullptr, path + "." + entry.name, path, entry, {})});
-    }
-    return typical;
+    return of_each(parts, [&](const Entry& entry) {
+      return Named{entry.name, parameters(nullptr, path + "." + entry.name, path, entry, {})};
+    });
   }
 
   const Catalogues& catalogues_;

@@ -12,6 +12,7 @@
 #include <yaml-cpp/parser.h>
 
 #include "sim/core/error.h"
+#include "sim/core/of_each.h"
 #include "sim/core/process/regular_file.h"
 
 namespace slipbench {
@@ -129,8 +130,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   static void refuse_duplicates(const YamlNode& map) {
-    std::vector<const YamlNode*> sorted;
-    for (const YamlNode& child : map.children) sorted.push_back(&child);
+    std::vector<const YamlNode*> sorted = of_each<const YamlNode*>(map.children, [](const YamlNode& child) { return &child; });
     std::ranges::stable_sort(sorted, {}, [](const YamlNode* child) -> const std::string& { return child->key; });
     const auto twin =
         std::ranges::adjacent_find(sorted, {}, [](const YamlNode* child) -> const std::string& { return child->key; });
@@ -229,8 +229,7 @@ struct Place {
 };
 
 std::vector<Place> places_of(const std::vector<std::string>& header, const std::vector<TableColumn>& columns, const Origin& at) {
-  std::vector<std::string> names;
-  for (const TableColumn& column : columns) names.push_back(column.name);
+  const std::vector<std::string> names = of_each<std::string>(columns, &TableColumn::name);
   std::vector<Place> places;
   for (const std::string& cell : header) {
     const std::size_t bracket = std::min(cell.find('['), cell.size());

@@ -29,11 +29,7 @@ std::string sha256_of(std::string_view bytes) {
   return {reinterpret_cast<const char*>(digest.data()), digest.size()};
 }
 
-std::string first_line(const std::string& of) {
-  Sha256 sha;
-  sha.update(of.data(), of.size());
-  return fmt::format("{}{}\n", beginning, hexadecimal(sha.finish()));
-}
+std::string first_line(const std::string& of) { return fmt::format("{}{}\n", beginning, text_sha256(of)); }
 
 [[noreturn]] void fail_to_write(const std::string& path) {
   reject("cannot write {}: {}", path, std::generic_category().message(errno));

@@ -24,12 +24,7 @@ struct MemoryFiles : testing::Test {
     saved_.memories = random_memories(saved_.model, 1);
   }
 
-  [[nodiscard]] std::vector<std::string> lines(const std::string& file) const {
-    std::ifstream stream(folder_ + "/" + file);
-    std::vector<std::string> all;
-    for (std::string line; std::getline(stream, line);) all.push_back(line);
-    return all;
-  }
+  [[nodiscard]] std::vector<std::string> lines(const std::string& file) const { return lines_of(bytes_of(folder_ + "/" + file)); }
 
   void write(const std::string& file, const std::vector<std::string>& all) const {
     std::ofstream stream(folder_ + "/" + file);

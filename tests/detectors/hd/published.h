@@ -1,13 +1,13 @@
 // The published memories and vectors of tests/detectors/hd/data.
 #pragma once
 
-#include <fstream>
 #include <map>
-#include <sstream>
+#include <ranges>
 #include <string>
 #include <vector>
 
 #include "detectors/hd/engine.h"
+#include "tests/files.h"
 
 namespace slipbench::hd {
 
@@ -17,19 +17,11 @@ inline const std::string published_folder = std::string(SLIPBENCH_SOURCE_DIR) + 
 using PublishedRow = std::map<std::string, int>;
 
 inline std::vector<PublishedRow> published_rows() {
-  std::ifstream file(published_folder + "/vectors.csv");
-  const auto cells = [](const std::string& line) {
-    std::vector<std::string> parts;
-    std::istringstream stream(line);
-    for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
-    return parts;
-  };
-  std::string line;
-  std::getline(file, line);
-  const std::vector<std::string> names = cells(line);
+  const std::vector<std::string> lines = lines_of(bytes_of(published_folder + "/vectors.csv"));
+  const std::vector<std::string> names = parts_of(lines.at(0), ',');
   std::vector<PublishedRow> rows;
-  while (std::getline(file, line)) {
-    const std::vector<std::string> values = cells(line);
+  for (const std::string& line : lines | std::views::drop(1)) {
+    const std::vector<std::string> values = parts_of(line, ',');
     PublishedRow row;
     for (std::size_t i = 0; i < names.size(); ++i) row[names[i]] = std::stoi(values.at(i));
     rows.push_back(row);

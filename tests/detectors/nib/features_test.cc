@@ -1,7 +1,13 @@
-// What is read from frames: tare, touch, bands, and what is refused.
+// What is read from frames: tare, touch, bands, and what is refused. Normal load, shear and curl of made-up images, and spectra, against closed forms:
+// Hamming's transform, the line that is taken away, bands and hops.
 #include "detectors/nib/features.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
 
 #include "tests/detectors/nib/nib_frames.h"
 #include "tests/expect.h"
@@ -108,6 +114,148 @@ TEST(Features, RefuseWhatTheyCannotBeMadeOf) {
   EXPECT_NE(refusal(nib_source(), "hop", 1e-3).find("no whole number"), std::string::npos);
   EXPECT_NE(refusal(nib_source(), "window", 0.3).find("wider than the band"), std::string::npos);
   EXPECT_NE(refusal(nib_source(10.0)).find("at least twice"), std::string::npos);
+}
+
+// The field of a function of place, in taxel distances east and north of the centre.
+ShearField field_of(const std::function<Eigen::Vector2d(double, double)>& shear) {
+  ShearField field;
+  for (std::size_t taxel = 0; taxel < taxels; ++taxel) {
+    field.shear[taxel] = shear(static_cast<double>(taxel % 3) - 1.0, 1.0 - static_cast<double>(taxel / 3));
+  }
+  return field;
+}
+
+TEST(ShearField, SumsAndSubtractsElectrodes) {
+  std::array<double, taxels * electrodes> change{};
+  // Taxel 5, east of the centre: W 1, N 20, E 300, S 4000.
+  change[20] = 1.0;
+  change[21] = 20.0;
+  change[22] = 300.0;
+  change[23] = 4000.0;
+  const ShearField field = shear_field(change);
+  EXPECT_EQ(field.normal[5], 4321.0);
+  EXPECT_EQ(field.shear[5], Eigen::Vector2d(299.0, -3980.0));
+  EXPECT_EQ(field.total_normal(), 4321.0);
+  EXPECT_EQ(field.total_shear(), Eigen::Vector2d(299.0, -3980.0));
+}
+
+TEST(Curl, OfATranslationIsNothing) {
+  const ShearField field = field_of([](double, double) { return Eigen::Vector2d(30.0, -70.0); });
+  EXPECT_NEAR(curl(field), 0.0, 1e-12);
+  EXPECT_NEAR(normalised_curl(field), 0.0, 1e-13);
+  EXPECT_EQ(normalised_curl(ShearField{}), 0.0);
+}
+
+// F = w (-y, x) has curl 2 w. Its vectors have the lengths w (four of them), sqrt(2) w (four) and 0.
+TEST(Curl, OfARigidRotationIsTwiceItsRate) {
+  for (const double w : {12.5, -3.0}) {
+    const ShearField field = field_of([w](double x, double y) { return Eigen::Vector2d(-w * y, w * x); });
+    EXPECT_NEAR(curl(field), 2.0 * w, 1e-12);
+    EXPECT_NEAR(normalised_curl(field), std::copysign(9.0 / (2.0 + 2.0 * std::sqrt(2.0)), w), 1e-12);
+  }
+}
+
+// About a centre that is off by c the rotation has a translation more, whose curl is nothing: the counts stay, their share falls.
+TEST(Curl, OfARotationAboutAnotherPointIsTheSameInCounts) {
+  const ShearField field = field_of([](double x, double y) { return Eigen::Vector2d(-5.0 * y, 5.0 * (x + 100.0)); });
+  EXPECT_NEAR(curl(field), 10.0, 1e-10);
+  EXPECT_NEAR(normalised_curl(field), 10.0 / 500.0, 1e-5);  // the mean length is 500 (1 + order 1e-4/3)
+}
+
+// A spread, F = (x, y), a shear with no rotation, F = (y, x), and a saddle, F = (x, -y), have none.
+TEST(Curl, SeesNoSpreadAndNoStrain) {
+  EXPECT_NEAR(curl(field_of([](double x, double y) { return Eigen::Vector2d(x, y); })), 0.0, 1e-12);
+  EXPECT_NEAR(curl(field_of([](double x, double y) { return Eigen::Vector2d(y, x); })), 0.0, 1e-12);
+  EXPECT_NEAR(curl(field_of([](double x, double y) { return Eigen::Vector2d(x, -y); })), 0.0, 1e-12);
+}
+
+// Tangential shear at the corners alone: sum r F/6 over 4 F/9 is sqrt(2) 9/6, the most that there is.
+TEST(Curl, HasABound) {
+  const ShearField field =
+      field_of([](double x, double y) { return x != 0.0 && y != 0.0 ? Eigen::Vector2d(-y, x) : Eigen::Vector2d(0.0, 0.0); });
+  EXPECT_NEAR(normalised_curl(field), 1.5 * std::sqrt(2.0), 1e-12);
+}
+
+constexpr std::size_t window = 150;
+constexpr double rate = 300.0, size = 150.0;
+
+// A cosine with `k` whole periods in the window, even about its middle: its mean and its slope are zero, so that the line takes nothing.
+std::vector<double> tone(double k, double amplitude) {
+  std::vector<double> samples(window);
+  for (std::size_t n = 0; n < window; ++n) {
+    samples[n] = amplitude * std::cos(2.0 * std::numbers::pi * k * (static_cast<double>(n) - 0.5 * (size - 1.0)) / size);
+  }
+  return samples;
+}
+
+// The window's three lines in frequency are 0.54 and twice -0.23, so the tone's own bin has 0.54 N A/2, its neighbours 0.23 N A/2 and
+// all others nothing.
+TEST(WindowSpectrum, OfAToneHasHammingsCoherentGain) {
+  WindowSpectrum spectrum(window, rate);
+  EXPECT_EQ(spectrum.bin_width(), 2.0);
+  const double amplitude = 7.0, whole = 0.5 * size * amplitude;
+  const std::span<const double> magnitudes = spectrum.magnitudes(tone(5.0, amplitude));
+  ASSERT_EQ(magnitudes.size(), 76u);
+  for (std::size_t k = 0; k < magnitudes.size(); ++k) {
+    const double expected = k == 5 ? 0.54 * whole : k == 4 || k == 6 ? 0.23 * whole : 0.0;
+    EXPECT_NEAR(magnitudes[k], expected, 1e-12 * whole) << k;
+  }
+}
+
+TEST(WindowSpectrum, OfAStraightLineIsNothing) {
+  WindowSpectrum spectrum(window, rate);
+  std::vector<double> line(window);
+  for (std::size_t n = 0; n < window; ++n) line[n] = 6960.0 - 2.5 * static_cast<double>(n);
+  // Each of N terms is rounded to a part in 2^53 of what it was computed from.
+  for (const double magnitude : spectrum.magnitudes(line)) EXPECT_LT(magnitude, size * 7000.0 * 0x1p-52);
+}
+
+// A ramp under a tone changes nothing: the ramp of a pull must not look like slip.
+TEST(WindowSpectrum, SeesAToneThroughARamp) {
+  WindowSpectrum spectrum(window, rate);
+  std::vector<double> samples = tone(2.0, 3.0);
+  for (std::size_t n = 0; n < window; ++n) samples[n] += 100.0 + 4.0 * static_cast<double>(n);
+  const std::span<const double> magnitudes = spectrum.magnitudes(samples);
+  EXPECT_NEAR(magnitudes[2], 0.54 * 0.5 * size * 3.0, 1e-9);
+  EXPECT_NEAR(magnitudes[4], 0.0, 1e-9);
+}
+
+TEST(WindowSpectrum, RefusesAnotherLength) {
+  WindowSpectrum spectrum(window, rate);
+  EXPECT_THROW(spectrum.magnitudes(std::vector<double>(window + 1)), std::invalid_argument);
+  EXPECT_THROW(WindowSpectrum(3, rate), std::invalid_argument);
+}
+
+TEST(SlidingSpectrum, IsDueWhenTheWindowIsFullAndThenEveryHop) {
+  SlidingSpectrum sliding(window, 30, rate);
+  std::vector<int> due;
+  for (int n = 1; n <= 240; ++n) {
+    if (sliding.push(0.0)) due.push_back(n);
+  }
+  EXPECT_EQ(due, (std::vector<int>{150, 180, 210, 240}));
+}
+
+TEST(SlidingSpectrum, IsThatOfTheLatestWindow) {
+  SlidingSpectrum sliding(window, 30, rate);
+  for (int n = 0; n < 180; ++n) sliding.push(1e3 * n * n);  // what has gone by
+  const std::vector<double> latest = tone(5.0, 7.0);
+  for (const double sample : latest) sliding.push(sample);  // ends at 330, where a spectrum is due
+  WindowSpectrum alone(window, rate);
+  EXPECT_TRUE(std::ranges::equal(sliding.magnitudes(), alone.magnitudes(latest)));
+}
+
+// A tone at 4 Hz, bin 2: bins 0, 2, 4 and 6 Hz have 0, 0.23, 0.54 and 0.23 of N A/2, a mean of 0.25; 6 and 8 Hz have 0.23 and 0.
+TEST(SlidingSpectrum, TakesTheMeanOfABand) {
+  SlidingSpectrum sliding(window, 30, rate);
+  EXPECT_EQ(sliding.band_mean(0.0, 6.0), 0.0);
+  for (const double sample : tone(2.0, 8.0)) sliding.push(sample);
+  const double whole = 0.5 * size * 8.0;
+  EXPECT_NEAR(sliding.band_mean(0.0, 6.0), 0.25 * whole, 1e-9);
+  EXPECT_NEAR(sliding.band_mean(6.0, 8.0), 0.115 * whole, 1e-9);
+  EXPECT_NEAR(sliding.band_mean(4.0, 4.0), 0.54 * whole, 1e-9);
+  EXPECT_THROW((void)sliding.band_mean(4.1, 5.9), std::invalid_argument);
+  EXPECT_THROW((void)sliding.band_mean(0.0, 152.0), std::invalid_argument);
+  EXPECT_THROW((void)sliding.band_mean(-2.0, 6.0), std::invalid_argument);
 }
 
 }  // namespace

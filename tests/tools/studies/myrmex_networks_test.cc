@@ -1,5 +1,6 @@
 // Windows, splits and figures of the Myrmex networks, of made-up trials.
 #include "tools/studies/myrmex_tactile_cnn/myrmex_networks.h"
+#include "sim/core/of_each.h"
 
 #include <algorithm>
 #include <array>
@@ -218,16 +219,12 @@ TEST(MyrmexValidations, JudgeEveryWindowOfTheFoldsThatAreAskedFor) {
 
 // 500 Hz for 4 s.
 std::vector<double> times() {
-  std::vector<double> t;
-  for (int k = 0; k < 2000; ++k) t.push_back(k / 500.0);
-  return t;
+  return of_numbers<double>(2000, [](int k) { return k / 500.0; });
 }
 
 // A sum of 100 that falls from 3 s on by 50 a second.
 std::vector<double> falling(const std::vector<double>& time) {
-  std::vector<double> sum;
-  for (const double t : time) sum.push_back(t < 3.0 ? 100.0 : 100.0 - 50.0 * (t - 3.0));
-  return sum;
+  return of_each<double>(time, [](const double t) { return t < 3.0 ? 100.0 : 100.0 - 50.0 * (t - 3.0); });
 }
 
 TEST(DecreaseOnset, IsWhereTheSumLeavesItsLevelForGood) {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/of_each.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/content_digest.h"
@@ -167,9 +168,7 @@ StoredTrials::StoredTrials(std::string path, std::optional<FileAbout> about) : p
 }
 
 std::vector<std::string> StoredTrials::files() const {
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < *about_.shards; ++k) names.push_back(shard_path(path_, k));
-  return names;
+  return of_numbers<std::string>(*about_.shards, [&](std::size_t k) { return shard_path(path_, k); });
 }
 
 void StoredTrials::open(std::size_t file) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "sim/core/of_each.h"
 #include "tools/base/statistics/descriptive.h"
 
 namespace slipbench {
@@ -13,11 +14,9 @@ constexpr std::array slip_states{PadState::incipient, PadState::gross};
 
 // The recalls of the states that occur.
 std::vector<double> recalls(const Confusion& confusion) {
-  std::vector<double> found;
-  for (const PadState truth : contact_states) {
-    if (samples_in(confusion, truth) > 0) found.push_back(recall(confusion, truth));
-  }
-  return found;
+  return of_those<double>(
+      contact_states, [&](const PadState truth) { return samples_in(confusion, truth) > 0; },
+      [&](const PadState truth) { return recall(confusion, truth); });
 }
 
 }  // namespace

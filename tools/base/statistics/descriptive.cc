@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/core/of_each.h"
 #include "sim/core/random.h"
 
 namespace slipbench {
@@ -123,11 +124,9 @@ std::vector<Interval> bootstrap_intervals(std::size_t groups, std::size_t draws,
       if (!std::isnan(found[k])) values[k].push_back(found[k]);
     }
   }
-  std::vector<Interval> intervals;
-  for (const std::vector<double>& of_figure : values) {
-    intervals.push_back(groups < 2 ? Interval{nan, nan} : Interval{quantile(of_figure, 0.025), quantile(of_figure, 0.975)});
-  }
-  return intervals;
+  return of_each<Interval>(values, [&](const std::vector<double>& of_figure) {
+    return groups < 2 ? Interval{nan, nan} : Interval{quantile(of_figure, 0.025), quantile(of_figure, 0.975)};
+  });
 }
 
 Interval clopper_pearson(std::size_t k, std::size_t n, double confidence) {
@@ -194,8 +193,7 @@ Auc auc(std::span<const double> positives, std::span<const std::size_t> positive
 }
 
 Auc auc(std::span<const double> positives, std::span<const double> negatives) {
-  std::vector<std::size_t> alone(positives.size() + negatives.size());
-  std::iota(alone.begin(), alone.end(), std::size_t{0});
+  const std::vector<std::size_t> alone = of_numbers(positives.size() + negatives.size());
   const std::span<const std::size_t> all(alone);
   return auc(positives, all.first(positives.size()), negatives, all.last(negatives.size()));
 }
@@ -218,10 +216,7 @@ std::vector<RocPoint> roc_curve(std::span<const double> positives, std::span<con
     points.push_back({values[i].first, static_cast<double>(wrong) / static_cast<double>(negatives.size()),
                       static_cast<double>(right) / static_cast<double>(positives.size())});
   }
-  if (points.size() <= most) return points;
-  std::vector<RocPoint> kept;
-  for (std::size_t k = 0; k < most; ++k) kept.push_back(points[k * (points.size() - 1) / (most - 1)]);
-  return kept;
+  return spread_over(points, most);
 }
 
 std::vector<CalibrationBin> calibration(std::span<const double> positives, std::span<const double> negatives, std::size_t parts) {

@@ -1,6 +1,7 @@
 // What a sample of values comes to.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -8,7 +9,16 @@
 #include <span>
 #include <vector>
 
+#include "sim/core/of_each.h"
+
 namespace slipbench {
+
+// At most so many of a list, at equal distances, the first and the last among them.
+template <class List>
+auto spread_over(const List& all, std::size_t most) {
+  const std::size_t count = std::min(all.size(), most);
+  return of_numbers(count, [&](std::size_t k) { return all[count == 1 ? 0 : k * (all.size() - 1) / (count - 1)]; });
+}
 
 // part/all; NaN where that is none.
 inline double share_of(std::size_t part, std::size_t all) {

@@ -302,9 +302,7 @@ Json board_json(Json json, Board board) {
 // The trials of a plan that are judged: all, or some of them spread over it.
 std::vector<std::size_t> chosen_trials(std::size_t planned, std::size_t wanted) {
   const std::size_t count = wanted == 0 ? planned : std::min(wanted, planned);
-  std::vector<std::size_t> trials;
-  for (std::size_t k = 0; k < count; ++k) trials.push_back(k * planned / count);
-  return trials;
+  return of_numbers<std::size_t>(count, [&](std::size_t k) { return k * planned / count; });
 }
 
 std::vector<std::size_t> places_of(const std::vector<std::string>& names, const TrialRecord& record) {

@@ -167,13 +167,8 @@ constexpr std::size_t tight_cost = 2;     // as `cost` shows it for scenes/soft_
 
 const Override no_wish{"accuracy", "none"};
 
-// So many of `size` trials, spread evenly from the first to the last.
-std::vector<std::size_t> spread_trials(std::size_t size, std::size_t most) {
-  const std::size_t count = std::min(size, most);
-  std::vector<std::size_t> trials;
-  for (std::size_t k = 0; k < count; ++k) trials.push_back(count == 1 ? 0 : k * (size - 1) / (count - 1));
-  return trials;
-}
+// So many of `size` trials.
+std::vector<std::size_t> spread_trials(std::size_t size, std::size_t most) { return spread_over(of_numbers(size), most); }
 
 Measure measure_named(const std::string& name) {
   const auto found = std::ranges::find(measure_table(), name, &MeasureInfo::name);

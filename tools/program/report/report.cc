@@ -18,6 +18,7 @@
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/report/report_parts.h"
 #include "tools/program/run/recorded_scene.h"
@@ -103,10 +104,7 @@ class CurveShares {
 // The trials whose curves go into the page: the one asked for and others at equal distances over the file.
 std::vector<std::size_t> embedded_trials(const std::vector<std::size_t>& trials, std::size_t count,
                                          const std::optional<std::size_t>& asked) {
-  std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < count; ++i) {
-    chosen.push_back(trials[count == 1 ? 0 : i * (trials.size() - 1) / (count - 1)]);
-  }
+  std::vector<std::size_t> chosen = spread_over(trials, count);
   if (asked && std::find(chosen.begin(), chosen.end(), *asked) == chosen.end()) {
     // It takes the place of the nearest one.
     const auto distance = [&](std::size_t trial) { return trial > *asked ? trial - *asked : *asked - trial; };

@@ -8,7 +8,6 @@
 #include <memory>
 #include <mutex>
 #include <new>
-#include <numeric>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -16,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/of_each.h"
 #include "sim/scene/section_readers.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
@@ -337,9 +337,7 @@ std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const Sweep
       return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
     });
   }
-  std::vector<std::size_t> trials(options.only ? 1 : planned.asked);
-  std::iota(trials.begin(), trials.end(), options.only.value_or(0));
-  return trials;
+  return options.only ? std::vector{*options.only} : of_numbers(planned.asked);
 }
 
 // A sweep on its way: its trials, where they go, and what has come of them so far.

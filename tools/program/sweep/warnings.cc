@@ -15,9 +15,9 @@
 
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/header.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/isolated_worker.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/recorded_scene.h"
@@ -59,14 +59,6 @@ struct Usual {
 constexpr std::array<Usual, 2> usual{{{Quantity::mass, 1e-6, 1e3}, {Quantity::length, 1e-6, 10.0}}};
 // Sensors and effects have lengths of all sizes.
 constexpr std::array<std::string_view, 5> bodily{"bodies.", "box.", "grip.", "motion.", "surface."};
-
-// So many of `numbers`, spread evenly from the first to the last.
-std::vector<std::size_t> spread(std::span<const std::size_t> numbers, std::size_t most) {
-  const std::size_t count = std::min(numbers.size(), most);
-  std::vector<std::size_t> chosen;
-  for (std::size_t k = 0; k < count; ++k) chosen.push_back(numbers[count == 1 ? 0 : k * (numbers.size() - 1) / (count - 1)]);
-  return chosen;
-}
 
 class Collector {
  public:
@@ -197,8 +189,8 @@ void count(const TrialOutcome& outcome, const std::string& sensor, const StateCo
 SLIPBENCH_FIELDS(Warning, about, text)
 
 std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers, bool build) {
-  const std::vector<std::size_t> trials = spread(numbers, most_read);
-  const std::vector<std::size_t> built = spread(trials, build ? most_built : 0);
+  const std::vector<std::size_t> trials = spread_over(numbers, most_read);
+  const std::vector<std::size_t> built = spread_over(trials, build ? most_built : 0);
   Collector found(plan, trials.size());
   for (const std::size_t trial : trials) {
     try {
@@ -218,7 +210,7 @@ std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::
 std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers) {
   std::vector<std::pair<std::size_t, std::string>> trials;
   std::optional<SplitRule> rule;
-  for (const std::size_t trial : spread(numbers, most_split)) {
+  for (const std::size_t trial : spread_over(numbers, most_split)) {
     try {
       const TrialPlan::Trial planned = plan.trial(trial);
       rule = split_rule(planned.scene);
@@ -250,11 +242,7 @@ std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::
 
 std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& sweep) {
   const PlannedTrials& planned = read.planned;
-  std::vector<std::size_t> numbers{sweep.only.value_or(0)};
-  if (!sweep.only) {
-    numbers.resize(planned.asked);
-    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-  }
+  const std::vector<std::size_t> numbers = sweep.only ? std::vector{*sweep.only} : of_numbers(planned.asked);
   std::vector<Warning> warnings;
   try {
     warnings = IsolatedWorker::made(sweep.isolate, sweep.limits, [&] { return scene_warnings(planned.plan, numbers, true); });

@@ -281,10 +281,7 @@ std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
 
 std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, const std::string& name,
                                       const std::vector<std::string>& others) {
-  std::vector<CatalogueItem> found;
-  for (const CatalogueItem& item : items) {
-    if (item.entry.name == name) found.push_back(item);
-  }
+  const std::vector<CatalogueItem> found = of_those(items, [&](const CatalogueItem& item) { return item.entry.name == name; });
   if (found.empty()) {
     std::vector<std::string> names = of_each(items, [](const CatalogueItem& item) { return item.entry.name; });
     names.insert(names.end(), others.begin(), others.end());

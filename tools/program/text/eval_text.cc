@@ -1,3 +1,4 @@
+#include "sim/core/of_each.h"
 #include "tools/program/text/sweep_text.h"
 
 #include <algorithm>
@@ -42,11 +43,7 @@ constexpr std::array shown{Measure::onset, Measure::force, Measure::label, Measu
 constexpr std::size_t most_named = 3;
 
 std::vector<Measure> measures_of(const Exploration& exploration) {
-  std::vector<Measure> measures;
-  for (const Measure measure : shown) {
-    if (at(exploration.own().errors, measure)) measures.push_back(measure);
-  }
-  return measures;
+  return of_those(shown, [&](const Measure measure) { return at(exploration.own().errors, measure); });
 }
 
 std::string number_text(double number) { return number < 100.0 ? fmt::format("{:.2g}", number) : cost::ratio_text(number); }

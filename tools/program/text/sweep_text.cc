@@ -115,10 +115,9 @@ std::string gross_text(const TrialOutcome& outcome, const Style& style) {
 
 // A row of the sweep's table: how many trials came to this, and when.
 std::vector<std::string> stage_row(const std::string& name, const std::vector<TrialSummary>& trials, double TrialOutcome::*time) {
-  std::vector<double> times;
-  for (const TrialSummary& trial : trials) {
-    if (!std::isnan(trial.outcome.*time)) times.push_back(trial.outcome.*time);
-  }
+  const std::vector<double> times = of_those<double>(
+      trials, [&](const TrialSummary& trial) { return !std::isnan(trial.outcome.*time); },
+      [&](const TrialSummary& trial) { return trial.outcome.*time; });
   if (times.empty()) return {name, "0", "-", "-", "-"};
   const auto [first, last] = std::ranges::minmax(times);
   return {name, std::to_string(times.size()), onset_text(first), onset_text(median(times)), onset_text(last)};
@@ -204,8 +203,7 @@ NamedGrasps named_grasps(const std::vector<TrialSummary>& trials, bool parameter
 // Of the values that are there; NaN: none is.
 template <class Value>
 double median_of(const std::vector<const TrialSummary*>& trials, const Value& value) {
-  std::vector<double> values;
-  for (const TrialSummary* trial : trials) values.push_back(value(*trial->outcome.grasp));
+  std::vector<double> values = of_each<double>(trials, [&](const TrialSummary* trial) { return value(*trial->outcome.grasp); });
   std::erase_if(values, [](double found) { return std::isnan(found); });
   return median(std::move(values));
 }

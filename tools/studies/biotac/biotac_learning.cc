@@ -20,10 +20,8 @@ namespace slipbench::reproduce::biotac {
 namespace {
 
 MeanSd over_folds(const std::vector<Figures>& folds, double Figures::*member) {
-  std::vector<double> values;
-  for (const Figures& fold : folds) {
-    if (!std::isnan(fold.*member)) values.push_back(fold.*member);
-  }
+  const std::vector<double> values = of_those<double>(
+      folds, [&](const Figures& fold) { return !std::isnan(fold.*member); }, [&](const Figures& fold) { return fold.*member; });
   return mean_sd(values);
 }
 

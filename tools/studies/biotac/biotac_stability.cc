@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -19,8 +18,7 @@ std::vector<double> nearest_graph(std::size_t k) {
   const auto& places = biotac_sp::electrode_places();
   std::vector<double> adjacency(electrodes * electrodes, 0.0);
   for (std::size_t node = 0; node < electrodes; ++node) {
-    std::vector<std::size_t> order(electrodes);
-    std::iota(order.begin(), order.end(), 0U);
+    std::vector<std::size_t> order = of_numbers(electrodes);
     std::ranges::stable_sort(order, {}, [&](std::size_t other) { return (places[other] - places[node]).squaredNorm(); });
     for (std::size_t i = 0; i <= k; ++i) adjacency[node * electrodes + order[i]] = 1.0 / static_cast<double>(k + 1);
   }

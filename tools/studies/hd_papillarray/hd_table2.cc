@@ -412,10 +412,9 @@ Json cell_json(const GraspCell& cell, const Grasps& trials, std::uint64_t seed) 
 
 // "grip: clearance 1 mm, ...": what the catalogues call assumed, at the defaults that the scene leaves them at.
 std::string assumed_text(const Entry& entry) {
-  std::vector<std::string> values;
-  for (const ParameterSpec& spec : entry.parameters) {
-    if (spec.source.starts_with("assumed")) values.push_back(spec.name + " " + spec.default_text);
-  }
+  const std::vector<std::string> values = of_those<std::string>(
+      entry.parameters, [](const ParameterSpec& spec) { return spec.source.starts_with("assumed"); },
+      [](const ParameterSpec& spec) { return spec.name + " " + spec.default_text; });
   return fmt::format("Assumed, {}: {}.", entry.name, fmt::join(values, ", "));
 }
 

@@ -1,6 +1,5 @@
 // Table I of the nib pad's paper: forces and moments out of the 36 capacitances, under uniform and under partial loads.
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -308,9 +307,7 @@ std::vector<Eigen::Index> draw(std::vector<Eigen::Index> rows, std::size_t count
 }
 
 std::vector<Eigen::Index> range(std::size_t first, std::size_t end) {
-  std::vector<Eigen::Index> rows(end - first);
-  std::iota(rows.begin(), rows.end(), static_cast<Eigen::Index>(first));
-  return rows;
+  return of_numbers<Eigen::Index>(end - first, [&](std::size_t k) { return static_cast<Eigen::Index>(first + k); });
 }
 
 }  // namespace

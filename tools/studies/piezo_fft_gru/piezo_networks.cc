@@ -131,11 +131,9 @@ std::vector<float> without_trend(std::span<const float> values) {
     square += t * t;
   }
   slope /= square;
-  std::vector<float> left;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    left.push_back(static_cast<float>(static_cast<double>(values[i]) - mean - slope * (static_cast<double>(i) - middle)));
-  }
-  return left;
+  return of_numbers<float>(values.size(), [&](std::size_t i) {
+    return static_cast<float>(static_cast<double>(values[i]) - mean - slope * (static_cast<double>(i) - middle));
+  });
 }
 
 // Power in the band of one frame at a time.

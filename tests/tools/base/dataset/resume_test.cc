@@ -8,6 +8,7 @@
 
 #include <hdf5.h>
 
+#include "sim/core/of_each.h"
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/writer.h"
@@ -48,9 +49,7 @@ struct ResumeTest : FolderTest {
   }
   // Every file by its name and the digest of its bytes.
   std::vector<std::string> all_bytes() {
-    std::vector<std::string> files;
-    for (const std::string& name : names()) files.push_back(name + " " + text_sha256(bytes_of(path(name))));
-    return files;
+    return of_each<std::string>(names(), [&](const std::string& name) { return name + " " + text_sha256(bytes_of(path(name))); });
   }
   // What a run that nobody disturbs writes.
   std::vector<std::string> undisturbed() {

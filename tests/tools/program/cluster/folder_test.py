@@ -59,7 +59,8 @@ class FolderTest(unittest.TestCase):
         cluster = self.cluster("cluster", 2)
         own = cluster / "attempts/1.same"
         own.mkdir(parents=True)
-        with subprocess.Popen(["flock", own, "sleep", "60"]) as earlier:
+        # Without a fork: a sleep that goes on would hold the test's output open, for which CTest waits.
+        with subprocess.Popen(["flock", "--no-fork", own, "sleep", "60"]) as earlier:
             while subprocess.run(["flock", "--nonblock", own, "true"], check=False).returncode == 0:
                 pass
             self.script(cluster / "shard.sh", 1, "same")

@@ -3,24 +3,14 @@
 import os
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "sweep"))
+from short_sweep import scene_text  # noqa: E402
+
 SHARDS = 8
-SCENE = """slipbench: 1
-description: short sweep
-duration: 1 s
-time_step: 1 ms
-seed: 7
-surface: {material: acrylic}
-motion: {kind: stage, gap: 0 mm, compression: 0.1 mm, approach_speed: 10 mm/s, start: 0.1 s, speed: 4 mm/s, acceleration: 1 m/s2}
-sensors:
-  pad: {type: papillarray, rate: 1 kHz, electronics: typical, bristles: 6}
-sweep:
-  motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]
-  motion.direction: {draw: uniform, min: 0 deg, max: 360 deg}
-  trials: 240
-"""
 OUTCOMES = ("--record", "outcome")  # arrays would take longer to verify than to simulate
 PATIENCE = 300  # s, after which a scheduler is taken to hang
 
@@ -41,7 +31,7 @@ class SweepFolder:
     def __init__(self, program, folder):
         self.program, self.folder = program, Path(folder)
         self.scene = self.folder / "scene.yaml"
-        self.scene.write_text(SCENE, encoding="ascii")
+        self.scene.write_text(scene_text(trials=240, duration="1 s", bristles=6), encoding="ascii")
         self.whole = self.folder / "whole.h5"
         self.run("sweep", "scene.yaml", *OUTCOMES, "-o", self.whole, "--quiet")
 

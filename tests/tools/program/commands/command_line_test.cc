@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/core/of_each.h"
 #include "tests/expect.h"
 #include "tools/program/cli/command.h"
 #include "tools/program/commands/command_table.h"
@@ -35,9 +36,7 @@ std::string refusal(const std::vector<std::string>& words) {
 }
 
 std::vector<std::string> paths(const std::vector<Override>& overrides) {
-  std::vector<std::string> result;
-  for (const Override& change : overrides) result.push_back(change.path + " -> " + change.value);
-  return result;
+  return of_each<std::string>(overrides, [](const Override& change) { return change.path + " -> " + change.value; });
 }
 
 std::vector<std::string> run_paths(const std::vector<std::string>& words) {

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sim/core/of_each.h"
 #include "tests/expect.h"
 #include "tests/tools/program/commands/child_process.h"
 
@@ -103,11 +104,9 @@ struct LearnedCheck : LearnedLoop {
     std::vector<std::string> words{"check", SLIPBENCH_SOURCE_DIR "/scenes/grasp/check_learned.yaml", "--trials", "10", "--json"};
     words.insert(words.end(), more.begin(), more.end());
     const Json check = Json::parse(run_program_file(words).out, nullptr, false);
-    std::vector<std::string> names;
-    for (const Json& expectation : check["scenes"][0]["expectations"]) {
-      if (!expectation["passed"]) names.push_back(expectation["name"]);
-    }
-    return names;
+    return of_those<std::string>(
+        check["scenes"][0]["expectations"], [](const Json& expectation) { return !expectation["passed"]; },
+        [](const Json& expectation) { return expectation["name"]; });
   }
 };
 

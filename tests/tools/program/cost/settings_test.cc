@@ -1,3 +1,4 @@
+#include "sim/core/of_each.h"
 #include "tools/program/cost/explore.h"
 
 #include <algorithm>
@@ -22,11 +23,8 @@ std::set<std::string> series_of(const std::vector<Setting>& settings) {
 }
 
 std::vector<std::string> labels_of(const std::vector<Setting>& settings, const std::string& series) {
-  std::vector<std::string> labels;
-  for (const Setting& setting : settings) {
-    if (setting.series == series) labels.push_back(setting.label);
-  }
-  return labels;
+  return of_those<std::string>(
+      settings, [&](const Setting& setting) { return setting.series == series; }, &Setting::label);
 }
 
 TEST(CostSettings, WhatMovesAsPrescribedHasNoIntegratorAndNoSolver) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/core/of_each.h"
 #include "tests/scenes.h"
 #include "tools/program/eval/metrics.h"
 #include "tools/program/eval/replay.h"
@@ -12,9 +13,7 @@
 namespace slipbench::eval::testing {
 
 inline std::vector<std::uint8_t> codes(const std::vector<PadState>& states) {
-  std::vector<std::uint8_t> result;
-  for (const PadState state : states) result.push_back(static_cast<std::uint8_t>(state));
-  return result;
+  return of_each<std::uint8_t>(states, [](const PadState state) { return static_cast<std::uint8_t>(state); });
 }
 
 // What the loop saw in a trial of the scene, and what the replay of its record sees. Returns the replay.

@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <sstream>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -58,13 +57,6 @@ struct AnySensor : slipbench::testing::FolderTest {
     return export_dataset(path("a.h5"), path(out), options);
   }
 };
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
 
 // FL = N - S = 7000 + 3 r - (7000 + r) = 2 r, FR = 6000 - (6000 + r) = -r.
 TEST(TableCsv, FormsThePapersDifferences) {

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <sstream>
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
@@ -74,13 +73,7 @@ void set_state(TrialRecord& record, std::size_t row, std::size_t pillar, UnitSta
 
 std::vector<std::vector<std::string>> table_of(const std::string& path) {
   std::vector<std::vector<std::string>> table;
-  std::istringstream file(bytes_of(path));
-  for (std::string line; std::getline(file, line);) {
-    std::vector<std::string> cells;
-    std::istringstream text(line);
-    for (std::string cell; std::getline(text, cell, ',');) cells.push_back(cell);
-    table.push_back(std::move(cells));
-  }
+  for (const std::string& line : lines_of(bytes_of(path))) table.push_back(parts_of(line, ','));
   return table;
 }
 

@@ -1,15 +1,15 @@
-"""The sweep that kill_test.py and shards_test.py share: three speeds times `trials`, some 10 ms each."""
+"""The sweep that tests of killed and divided sweeps share: three speeds times `trials`, some 10 ms each."""
 
-def scene_text(trials):
+def scene_text(trials, duration="0.3 s", bristles=3):
     return f"""slipbench: 1
 description: short sweep
-duration: 0.3 s
+duration: {duration}
 time_step: 1 ms
 seed: 7
 surface: {{material: acrylic}}
 motion: {{kind: stage, gap: 0 mm, compression: 0.1 mm, approach_speed: 10 mm/s, start: 0.1 s, speed: 4 mm/s, acceleration: 1 m/s2}}
 sensors:
-  pad: {{type: papillarray, rate: 1 kHz, electronics: typical, bristles: 3}}
+  pad: {{type: papillarray, rate: 1 kHz, electronics: typical, bristles: {bristles}}}
 sweep:
   motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]
   motion.direction: {{draw: uniform, min: 0 deg, max: 360 deg}}

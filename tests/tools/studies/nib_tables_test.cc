@@ -1,19 +1,22 @@
-// The nib pad's calibration: polynomial, split, reference, and what makes partial loads worse.
+// The nib pad's tables. Calibration: polynomial, split, reference, and what makes partial loads worse. Reorientation: what is asked for is what runs, the page
+// says what the figures say, and what a record says became of a box that was to be turned up.
 #include "tests/expect.h"
-#include "tests/scenes.h"
-#include "tools/program/run/run_trial.h"
-#include "tools/studies/nib_reconfigurable/nib_tables.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <numbers>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
-#include <gtest/gtest.h>
+#include "tests/scenes.h"
+#include "tests/tools/base/record/test_records.h"
+#include "tools/program/run/run_trial.h"
+#include "tools/studies/nib_reconfigurable/nib_tables.h"
+#include "tools/studies/study_catalogue.h"
 
-namespace slipbench::reproduce::nib_calibration_test {
+namespace slipbench::reproduce::nib_tables_test {
 namespace {
 
 Eigen::MatrixXd random_rows(Eigen::Index rows, Eigen::Index columns, const char* name) {
@@ -22,9 +25,8 @@ Eigen::MatrixXd random_rows(Eigen::Index rows, Eigen::Index columns, const char*
 }
 
 std::vector<Eigen::Index> rows_from(Eigen::Index first, Eigen::Index end) {
-  std::vector<Eigen::Index> rows(static_cast<std::size_t>(end - first));
-  std::iota(rows.begin(), rows.end(), first);
-  return rows;
+  return of_numbers<Eigen::Index>(static_cast<std::size_t>(end - first),
+                                  [&](auto k) { return first + static_cast<Eigen::Index>(k); });
 }
 
 TEST(QuadraticFit, FindsAQuadraticAgain) {
@@ -263,5 +265,117 @@ TEST(ReorientSummary, MediansLeaveOutWhatIsNone) {
   EXPECT_TRUE(std::isnan(summary_of({}).tilt));
 }
 
+constexpr double target = 0.1;  // m
+constexpr double degree = 0.017453292519943295;
+
+// One row of a trial: what the arm is told, how high it is, the grip force, the box's tilt against the vertical.
+struct Row {
+  float sideways, up, height, force;
+  double tilt;  // degrees
+};
+
+// A turn about X by b lifts the axis Y by b: its tilt against the vertical is 90 degrees less b.
+TrialRecord record_of(const std::vector<Row>& rows, bool standing = false) {
+  TrialRecord record;
+  GraspOutcome& grasp = record.outcome.grasp.emplace();
+  TurnOutcome turn{.tilt = rows.back().tilt * degree, .least_tilt = 90.0 * degree, .standing = standing};
+  GripRecord& grip = record.control.emplace().grip;
+  record.bodies = {{"arm", {}, {}}, {"box", {}, {}}};
+  for (const Row& row : rows) {
+    turn.least_tilt = std::min(turn.least_tilt, row.tilt * degree);
+    record.body_time.push_back(0.02 * static_cast<double>(record.body_time.size()));
+    grip.arm.insert(grip.arm.end(), {row.sideways, row.up});
+    grip.grip_force.push_back(row.force);
+    const double half = 0.5 * (90.0 - row.tilt) * degree;
+    record.bodies[0].pose.insert(record.bodies[0].pose.end(), {0.0F, 0.0F, row.height, 1.0F, 0.0F, 0.0F, 0.0F});
+    record.bodies[1].pose.insert(record.bodies[1].pose.end(), {0.0F, 0.0F, 0.0F, static_cast<float>(std::cos(half)),
+                                                               static_cast<float>(std::sin(half)), 0.0F, 0.0F});
+  }
+  grasp.turn = turn;
+  return record;
+}
+
+const Row before_touch{0, 0, 0, 0, 90}, rises{0, 0.01F, 0.05F, 4, 50};
+
+TEST(TurnLoss, SaysHowATrialEnded) {
+  const auto end_of = [](const std::vector<Row>& rows, bool standing = false) {
+    return turn_of(record_of(rows, standing), target).end;
+  };
+  const Row told{0.01F, 0, 0.06F, 4, 30}, at_target{0.01F, 0, 0.1F, 4, 30}, up{0.01F, 0, 0.1F, 1, 10};
+  const Row stands{0, 0, 0.1F, 0, 0}, lies{0, 0, 0.1F, 0, 90}, slipped{0, 0.01F, 0.06F, 0, 85}, leans{0, 0, 0.1F, 0.2F, 1};
+  EXPECT_EQ(end_of({before_touch, rises, told, stands}, true), TurnEnd::standing);
+  EXPECT_EQ(end_of({before_touch, rises, slipped, lies}), TurnEnd::lost);
+  EXPECT_EQ(end_of({before_touch, rises, slipped, at_target, lies}), TurnEnd::lost);  // though the arm goes on
+  EXPECT_EQ(end_of({before_touch, rises, told, lies}), TurnEnd::told_early);
+  EXPECT_EQ(end_of({before_touch, rises, at_target, lies}), TurnEnd::not_turned);
+  EXPECT_EQ(end_of({before_touch, rises, told, up, lies}), TurnEnd::fell);
+  EXPECT_EQ(end_of({before_touch, rises, at_target, up, leans}), TurnEnd::not_let_go);
+  EXPECT_EQ(end_of({before_touch, rises, rises}), TurnEnd::not_released);
+}
+
+TEST(TurnLoss, ReadsTiltAndForceWhereTheReleaseBegins) {
+  const Turn turn = turn_of(record_of({before_touch, rises, {0.01F, 0, 0.1F, 3, 25}, {0.01F, 0, 0.1F, 1, 5}}, true), target);
+  EXPECT_NEAR(turn.tilt, 25.0 * degree, 1e-6);  // of a quaternion of floats
+  EXPECT_EQ(turn.force, 3.0);
+  EXPECT_TRUE(std::isnan(turn_of(record_of({before_touch, rises}), target).tilt));
+}
+
+TEST(TurnLoss, RefusesARecordWithoutItsRows) {
+  TrialRecord record = record_of({before_touch, rises});
+  record.control->grip.arm.pop_back();
+  EXPECT_THROW(turn_of(record, target), std::logic_error);
+  record = record_of({before_touch, {0.01F, 0, 0.1F, 3, 25}});
+  record.bodies.pop_back();
+  EXPECT_THROW(turn_of(record, target), InputError);
+}
+
+ReproduceOptions one_trial_of(const std::string& cell) {
+  ReproduceOptions options;
+  options.trials = 1;
+  options.jobs = 1;
+  options.only = {cell};
+  return options;
+}
+
+TEST(NibTable3, NamesThatNothingHasAreRefused) {
+  const std::string said = refusal_of([&] { nib_table3(one_trial_of("com_hi")); });
+  EXPECT_THAT(said, HasSubstr("--only: unknown name 'com_hi'"));
+  EXPECT_THAT(said, HasSubstr("allowed: 200g, 100g, 300g, com_low, com_high, masonite, wavy, fl_slip_x0.5"));
+}
+
+#ifdef SLIPBENCH_WITH_MUJOCO
+
+TEST(NibTable3, IsTheSameOnAnyNumberOfThreads) {
+  ReproduceOptions options = one_trial_of("com_low");
+  const Result one = nib_table3(options);
+  options.jobs = 2;
+  const Result two = nib_table3(options);
+  EXPECT_EQ(one.figures, two.figures);
+  ASSERT_THAT(one.tables, SizeIs(2));
+  for (const ResultTable& table : one.tables) {
+    ASSERT_THAT(table.rows, SizeIs(1));
+    EXPECT_THAT(table.rows, Each(SizeIs(table.head.size())));
+  }
+  EXPECT_EQ(one.tables[0].rows[0][1], "11 of 11");
+  const Json& cell = one.figures["cells"][0];
+  EXPECT_EQ(cell["name"], "com_low");
+  EXPECT_EQ(cell["published"], 11);
+  EXPECT_EQ(cell["trials"], 1);
+  int ended = 0;
+  for (const Json& n : cell["ends"]) ended += n.get<int>();
+  EXPECT_EQ(ended, 1);
+  EXPECT_EQ(cell["ends"]["standing"], cell["standing"]);
+  EXPECT_LE(cell["median_least_tilt_rad"], cell["median_tilt_rad"]);
+  EXPECT_THAT(cell["command"].get<std::string>(), HasSubstr("--set 'box.weight_place=[0 mm, 41.08 mm, 0 mm]'"));
+}
+
+// With half of fl_slip the grip is firm enough for the decrements that turning takes: the box comes up, whatever becomes of it then.
+TEST(NibTable3, AFirmerGripTurnsTheBoxUp) {
+  const Result result = nib_table3(one_trial_of("fl_slip_x0.5"));
+  EXPECT_LT(result.figures["cells"][0]["median_least_tilt_rad"].get<double>(), 20.0 * std::numbers::pi / 180.0);
+}
+
+#endif
+
 }  // namespace
-}  // namespace slipbench::reproduce::nib_calibration_test
+}  // namespace slipbench::reproduce::nib_tables_test
