@@ -1,6 +1,7 @@
 // A list made of another one.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <iterator>
 #include <numeric>

@@ -19,6 +19,7 @@ class Ageing final : public FrictionEffect {
     }
   }
 
+  [[nodiscard]] bool by_speed() const override { return false; }
   [[nodiscard]] std::span<double> memory() override { return stuck_for_; }
 
  private:

@@ -18,6 +18,7 @@ class LoadDependentFriction final : public FrictionEffect {
       mu_k[i] *= factor;
     }
   }
+  [[nodiscard]] bool by_speed() const override { return false; }
 
  private:
   double reference_, exponent_;

@@ -105,6 +105,7 @@ class PatchyFriction final : public FrictionEffect {
 
   void scale(const ElementColumns& elements, double* mu_s, double* mu_k) override { scale_all(*map_, sd_, elements, mu_s, mu_k); }
 
+  [[nodiscard]] bool by_speed() const override { return false; }
   [[nodiscard]] double longest_step(double speed) const override { return step_per_wave(shortest_, speed); }
 
  private:

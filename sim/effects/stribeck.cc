@@ -17,7 +17,6 @@ class Stribeck final : public FrictionEffect {
       mu_k[i] *= 1.0 - weakening_ * -std::expm1(-std::pow(v / speed_, exponent_));
     }
   }
-  [[nodiscard]] bool by_speed() const override { return true; }
 
  private:
   double weakening_, speed_, exponent_;

@@ -54,8 +54,8 @@ class FrictionEffect : public Effect {
  public:
   // Multiplies mu_s and mu_k of every element that is pressed (normal_force > 0); those of the others are not looked at.
   virtual void scale(const ElementColumns& elements, double* mu_s, double* mu_k) = 0;
-  // Whether it looks at velocities.
-  [[nodiscard]] virtual bool by_speed() const { return false; }
+  // Whether scale() may look at velocities. Where no effect of a field does they are not worked out.
+  [[nodiscard]] virtual bool by_speed() const { return true; }
 };
 
 // Strengthens the friction of a tip with the speed w at which it slips itself: mu_k g(w), g(0) = 1, g never falling. An element is then a
@@ -63,7 +63,8 @@ class FrictionEffect : public Effect {
 // L = mu_k f_n
 //   T - k dt w = L g(w),
 // which has one root w > 0 when T > L and none else, at any step and however steep g is. So slip begins at mu_s f_n, without a jump where
-// mu_s = mu_k, and one that has begun goes on until the tip has stopped; a pad that is left alone creeps, and its tips say so.
+// mu_s = mu_k, and one that has begun goes on until the tip has stopped; a pad that is left alone creeps, and its tips say so. Of a field that
+// touches nothing it is not asked: what it remembers is then as after the step that let go.
 class RateEffect : public Effect {
  public:
   // Solves that for `count` elements from `first` on, of which the arrays are, dt > 0 [s]: multiplies `factor` by g(w) of `trial` T [N],

@@ -1,5 +1,6 @@
 #include "sim/field/field.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdlib>

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -11,6 +12,8 @@ namespace {
 // Keys that only a scene with bodies that move by forces may have: of the scene, and of its sensors.
 constexpr std::array<std::string_view, 5> dynamic_keys{"controls", "field_solver", "gravity", "hold", "integrator"};
 constexpr std::array<std::string_view, 5> dynamic_sensor_keys{"ahead", "damping", "follows", "site", "touches"};
+// Those of both that a grasp has no use for.
+constexpr std::array<std::string_view, 4> keys_of_models{"controls", "hold", "site", "touches"};
 
 // What an override writes to take a key back: the key then counts as absent.
 struct Withdrawal {
@@ -176,7 +179,9 @@ class DynamicsReader : EntryReader {
     const auto refuse = [](const YamlNode& map, const std::string& where, const auto& keys) {
       for (const std::string_view key : keys) {
         if (const YamlNode* node = find_kept(map, key)) {
-          fail(node->key_origin, quote(key) + where + " needs bodies moved by forces: a scene with 'box', 'model' or 'bodies'");
+          const bool in_grasps = std::ranges::find(keys_of_models, key) == keys_of_models.end();
+          fail(node->key_origin, quote(key) + where + " needs bodies moved by forces: a scene with " +
+                                     (in_grasps ? "'box', 'model' or 'bodies'" : "'model' or 'bodies'"));
         }
       }
     };

@@ -20,7 +20,8 @@ class FreeBodies {
   explicit FreeBodies(const mjModel_* m);
 
   // What mj_kinematics, mj_comPos, mj_comVel and mj_rne make of d->qpos and d->qvel, by Newton's and Euler's equations of a rigid body: frames of
-  // bodies, inertia, geoms and sites, quaternions of the first alone; subtree_com, but the world's; cdof, cvel, qfrc_bias. All else stays as it is, the mass matrix too.
+  // bodies, inertia, geoms and sites; of quaternions xquat alone; subtree_com, but the world's; cdof, cvel, qfrc_bias. All else stays as
+  // it is, the mass matrix too.
   void place(const mjModel_* m, mjData_* d) const;
 
   // After place(): from d->qfrc_smooth to d->qacc.

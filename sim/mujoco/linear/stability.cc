@@ -92,14 +92,15 @@ PadTangent field_tangent(const Field& field, const Pose& surface, const Eigen::V
 void relative_jacobian(const mjModel* m, const mjData* d, const PadOnBodies& pad, double* rows) {
   Eigen::Map<RowMatrix> jacobian(rows, 6, static_cast<Eigen::Index>(m->nv));
   std::fill_n(rows, jacobian.size(), 0.0);
-  for (const int body : {pad.pad_body, pad.object_body}) {
+  for (const bool of_pad : {true, false}) {
+    const int body = of_pad ? pad.pad_body : pad.object_body;
     const int moving = m->body_weldid[body];
     const Eigen::Vector3d arm = pad.point - Eigen::Map<const Eigen::Vector3d>(d->subtree_com + 3 * m->body_rootid[body]);
     for (int dof = moving == 0 ? -1 : m->body_dofadr[moving] + m->body_dofnum[moving] - 1; dof >= 0; dof = m->dof_parentid[dof]) {
       const Eigen::Map<const Eigen::Vector3d> turn(d->cdof + 6 * dof), shift(d->cdof + 6 * dof + 3);
       Vector6d column;
       column << turn.cross(arm) + shift, turn;
-      body == pad.pad_body ? jacobian.col(dof) = column : jacobian.col(dof) -= column;
+      of_pad ? jacobian.col(dof) = column : jacobian.col(dof) -= column;
     }
   }
 }

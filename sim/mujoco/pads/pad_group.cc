@@ -107,6 +107,10 @@ PadGroup::PadGroup(const mjModel* model, const std::vector<PadInstance*>& pads) 
 void PadGroup::add_force(const mjModel* model, mjData* data) {
   if (guarded_ && !explicit_.empty()) refuse_long_step(model, data);
   if (implicit_.empty()) return;
+  const auto refuse = [this](const std::string& failure) {
+    if (!failure.empty()) throw InputError(fmt::format("plugins {}: solver='implicit' {}", names_of(implicit_), failure));
+  };
+  refuse(implicit_refusal(model, {}));  // options may have been changed since the mjData was made
   contacts_.clear();
   double* gathered = memory_.data();
   for (PadInstance* pad : implicit_) {
@@ -114,12 +118,12 @@ void PadGroup::add_force(const mjModel* model, mjData* data) {
     const std::span<const double> memory = pad->implicit_memory(model, data);
     gathered = std::copy(memory.begin(), memory.end(), gathered);
   }
-  // Options may have been changed since the mjData was made. Tendons matter where something may touch.
+  // Tendons matter where something may touch.
   const bool idle = std::ranges::all_of(contacts_, [](const ImplicitContact& contact) { return contact.field == nullptr; });
-  std::string failure = implicit_refusal(model, idle ? std::span<const ImplicitPad>() : described_);
+  std::string failure = idle ? "" : implicit_refusal(model, described_);
   if (failure.empty()) failure = solver_.apply(model, data, contacts_, memory_, implicit_.front()->config().damping);
   for (PadInstance* pad : implicit_) pad->forget_trial();
-  if (!failure.empty()) throw InputError(fmt::format("plugins {}: solver='implicit' {}", names_of(implicit_), failure));
+  refuse(failure);
 }
 
 void PadGroup::finish(const mjModel* model, mjData* data) {

@@ -53,6 +53,7 @@ const std::string bodies_head =
     "slipbench: 1\nbodies: {box: {shape: box}, table: {shape: plane}}\nsensors:\n  pad: {type: papillarray, touches: [box]}\n";
 const std::string pad = "slipbench: 1\nsensors: {pad: {type: papillarray, ";
 const std::string contact = head + "fidelity: mujoco_contact\ncontact: ";
+const std::string needs_bodies = " needs bodies moved by forces: a scene with 'model' or 'bodies'";  // a grasp refuses it, too
 const std::string needs_forces = " needs bodies moved by forces: a scene with 'box', 'model' or 'bodies'";
 
 std::string paths_of(int count) {
@@ -235,16 +236,16 @@ TEST(SceneMessages, OfBodies) {
       {"model: ''", "3: model is empty; allowed: the path of an MJCF file, from the scene's own folder"},
       {"model: {}", "3: model is a map; allowed: the path of an MJCF file, from the scene's own folder"},
       {"gravity: 9.81", "3: 'gravity'" + needs_forces},
-      {"controls: {}", "3: 'controls'" + needs_forces},
+      {"controls: {}", "3: 'controls'" + needs_bodies},
       {"field_solver: implicit", "3: 'field_solver'" + needs_forces},
-      {"hold: {}", "3: 'hold'" + needs_forces},
+      {"hold: {}", "3: 'hold'" + needs_bodies},
       {"integrator: RK4", "3: 'integrator'" + needs_forces},
       {"field_solver: explicit", "3: 'field_solver'" + needs_forces},
   };
   expect_answers(head, below_head);
   const std::vector<Case> of_the_pad = {
-      {"site: tip", "2: 'site' in sensors.pad" + needs_forces},
-      {"touches: [box]", "2: 'touches' in sensors.pad" + needs_forces},
+      {"site: tip", "2: 'site' in sensors.pad" + needs_bodies},
+      {"touches: [box]", "2: 'touches' in sensors.pad" + needs_bodies},
       {"damping: 1 ms", "2: 'damping' in sensors.pad" + needs_forces},
   };
   expect_answers(pad, of_the_pad, "}}\n");

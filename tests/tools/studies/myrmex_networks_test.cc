@@ -1,6 +1,5 @@
 // Windows, splits and figures of the Myrmex networks, of made-up trials.
 #include "tools/studies/myrmex_tactile_cnn/myrmex_networks.h"
-#include "sim/core/of_each.h"
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/core/of_each.h"
 #include "sim/simulation/stage_setup.h"
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"

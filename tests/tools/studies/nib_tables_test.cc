@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/core/of_each.h"
 #include "tests/scenes.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/program/run/run_trial.h"

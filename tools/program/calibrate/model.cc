@@ -1,4 +1,3 @@
-#include "sim/core/of_each.h"
 #include "tools/program/calibrate/search.h"
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sensors/electronics/electronics.h"
+#include "sim/core/of_each.h"
 #include "sim/core/random.h"
 #include "sim/scene/section_readers.h"
 #include "sim/scene/sweep.h"

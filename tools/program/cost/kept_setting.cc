@@ -25,6 +25,7 @@
 #include "tools/base/files/output_file.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {

@@ -15,6 +15,7 @@
 
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
+#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/statistics/descriptive.h"

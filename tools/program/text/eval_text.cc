@@ -1,4 +1,3 @@
-#include "sim/core/of_each.h"
 #include "tools/program/text/sweep_text.h"
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/of_each.h"
 #include "tools/program/eval/evaluate.h"
 
 namespace slipbench {

@@ -10,6 +10,7 @@
 
 #include "sensors/biotac_sp/skin.h"
 #include "sim/core/error.h"
+#include "sim/core/of_each.h"
 
 namespace slipbench::reproduce::biotac {
 

@@ -1,5 +1,4 @@
 // Table II of the paper: grasp and lift in the closed loop, with every detector and controller, the oracle and the negative control.
-#include "sim/core/of_each.h"
 #include "tools/studies/hd_papillarray/hd_tables.h"
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include <fmt/ranges.h>
 #include <Eigen/Core>
 
+#include "sim/core/of_each.h"
 #include "sim/core/pad_state.h"
 #include "sim/motion/motion.h"
 #include "tools/base/project/project_file.h"

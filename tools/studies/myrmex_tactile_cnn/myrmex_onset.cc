@@ -1,4 +1,3 @@
-#include "sim/core/of_each.h"
 #include "tools/studies/myrmex_tactile_cnn/myrmex_networks.h"
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include "sensors/myrmex/foam_cell.h"
 #include "sim/core/error.h"
+#include "sim/core/of_each.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/studies/grid.h"
 

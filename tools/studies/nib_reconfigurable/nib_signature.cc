@@ -1,4 +1,3 @@
-#include "sim/core/of_each.h"
 #include "tools/studies/nib_reconfigurable/nib_tables.h"
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "detectors/nib/slip_detectors.h"
+#include "sim/core/of_each.h"
 #include "sim/effects/effect_catalogue.h"
 #include "tools/program/samples/samples.h"
 #include "tools/studies/grid.h"

@@ -1,5 +1,4 @@
 // Table III of the nib pad's paper: a box turned up by rotational slip and released, over weights, centres of mass and surfaces.
-#include "sim/core/of_each.h"
 #include "tools/studies/nib_reconfigurable/nib_tables.h"
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/of_each.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/studies/grid.h"
 

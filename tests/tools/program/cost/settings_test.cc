@@ -1,10 +1,10 @@
-#include "sim/core/of_each.h"
 #include "tools/program/cost/explore.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
+#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"

@@ -1,9 +1,9 @@
 #include "tools/program/report/report.h"
-#include "sim/core/of_each.h"
 
 #include <filesystem>
 #include <limits>
 
+#include "sim/core/of_each.h"
 #include "tests/expect.h"
 #include "tests/tools/program/report/sample.h"
 #include "tools/base/dataset/writer.h"
