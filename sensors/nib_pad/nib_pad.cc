@@ -327,6 +327,7 @@ class NibPad final : public PadSensor {
     for (const Electrode& electrode : electrodes_[v]) {
       const auto nib = static_cast<Eigen::Index>(electrode.nib);
       const double force = truth.force(2, nib), qx = truth.displacement(0, nib), qy = truth.displacement(1, nib);
+      // Most nibs are at rest, where the change is 0.
       if (force != 0.0 || qx != 0.0 || qy != 0.0) change += capacitor_.change(force, qx, qy, electrode.side);
     }
     signals()[v] = gain_[v] * change;

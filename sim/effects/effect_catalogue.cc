@@ -3,19 +3,21 @@
 namespace slipbench {
 
 const std::vector<EffectKind>& effect_catalogue() {
-  static const std::vector<EffectKind> effects{ageing(),
-                                               anisotropic_friction(),
-                                               asperities(),
-                                               elastic_skin(),
-                                               inertia(),
-                                               lean(),
-                                               load_dependent_friction(),
-                                               patchy_friction(),
-                                               roughness(),
-                                               stribeck(),
-                                               texture(),
-                                               viscoelastic(),
-                                               viscous_friction()};
+  static const std::vector<EffectKind> effects{
+      ageing(),
+      anisotropic_friction(),
+      asperities(),
+      elastic_skin(),
+      inertia(),
+      lean(),
+      load_dependent_friction(),
+      patchy_friction(),
+      roughness(),
+      stribeck(),
+      texture(),
+      viscoelastic(),
+      viscous_friction(),
+  };
   return effects;
 }
 

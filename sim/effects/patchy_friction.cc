@@ -56,9 +56,10 @@ class RandomMap {
     const QuadBits i = whole_of(column) % cells, j = whole_of(row) % cells * cells;
     const QuadBits i1 = (i + 1) % cells, j1 = (j + cells) % (cells * cells);
     Quad near, right, up, far;
-    for (std::size_t k = 0; k < quad; ++k)
-      near[k] = table_[j[k] + i[k]], right[k] = table_[j[k] + i1[k]], up[k] = table_[j1[k] + i[k]],
-      far[k] = table_[j1[k] + i1[k]];
+    for (std::size_t k = 0; k < quad; ++k) {
+      near[k] = table_[j[k] + i[k]], right[k] = table_[j[k] + i1[k]];
+      up[k] = table_[j1[k] + i[k]], far[k] = table_[j1[k] + i1[k]];
+    }
     return (1.0 - dv) * ((1.0 - du) * near + du * right) + dv * ((1.0 - du) * up + du * far);
   }
 

@@ -357,15 +357,29 @@ double Field::onset_fraction(std::size_t i) const {
 void Field::move_tips(double dt) {
   kernel::load_tips(columns_, padded_);
   const kernel::Columns& c = columns_;
-  TipColumns tips{};
-  tips.count = count_, tips.padded = padded_, tips.dt = dt;
-  tips.x = c[contact_x], tips.y = c[contact_y], tips.x_before = c[contact_before_x], tips.y_before = c[contact_before_y];
-  tips.f_normal = c[f_normal], tips.f_normal_before = c[f_normal_before], tips.limit = c[limit],
-  tips.limit_before = c[limit_before];
-  tips.mu_kinetic = c[mu_kinetic], tips.mode_before = c[mode_before], tips.mode = c[mode];
-  tips.tip_x = c[anchor_x], tips.tip_y = c[anchor_y], tips.slip_x = c[slip_x], tips.slip_y = c[slip_y], tips.path = c[path];
-  tips.friction_x = c[force_x], tips.friction_y = c[force_y];
-  tips.transmitted_x = c[transmitted_x], tips.transmitted_y = c[transmitted_y];
+  const TipColumns tips{.count = count_,
+                        .padded = padded_,
+                        .dt = dt,
+                        .x = c[contact_x],
+                        .y = c[contact_y],
+                        .x_before = c[contact_before_x],
+                        .y_before = c[contact_before_y],
+                        .f_normal = c[f_normal],
+                        .f_normal_before = c[f_normal_before],
+                        .limit = c[limit],
+                        .limit_before = c[limit_before],
+                        .mu_kinetic = c[mu_kinetic],
+                        .mode_before = c[mode_before],
+                        .tip_x = c[anchor_x],
+                        .tip_y = c[anchor_y],
+                        .slip_x = c[slip_x],
+                        .slip_y = c[slip_y],
+                        .path = c[path],
+                        .friction_x = c[force_x],
+                        .friction_y = c[force_y],
+                        .transmitted_x = c[transmitted_x],
+                        .transmitted_y = c[transmitted_y],
+                        .mode = c[mode]};
   effects_.tip->move(tips, events_);
   for (const auto& effect : effects_.ringing) effect->ring(tips);
 }
@@ -410,13 +424,20 @@ void Field::resolve_event(std::size_t i) {
 
 ElementColumns Field::view(double dt) const {
   const kernel::Columns& c = columns_;
-  ElementColumns seen{};
-  seen.count = count_, seen.dt = dt, seen.mode = c[mode_before];
-  seen.x = c[place_x], seen.y = c[place_y], seen.z = c[place_z], seen.nx = c[normal_x], seen.ny = c[normal_y],
-  seen.nz = c[normal_z];
-  seen.penetration = c[depth], seen.normal_force = c[load];
-  seen.vx = c[velocity_x], seen.vy = c[velocity_y], seen.vz = c[velocity_z];
-  return seen;
+  return {.count = count_,
+          .dt = dt,
+          .x = c[place_x],
+          .y = c[place_y],
+          .z = c[place_z],
+          .nx = c[normal_x],
+          .ny = c[normal_y],
+          .nz = c[normal_z],
+          .penetration = c[depth],
+          .normal_force = c[load],
+          .vx = c[velocity_x],
+          .vy = c[velocity_y],
+          .vz = c[velocity_z],
+          .mode = c[mode_before]};
 }
 
 bool Field::level() const {

@@ -16,22 +16,28 @@
 namespace slipbench::reproduce {
 namespace {
 
+// By one thread, which has to say what three say. Every row is as long as its table's head.
+Result same_on_any_threads(Result (*table_of)(const ReproduceOptions&), ReproduceOptions options) {
+  options.jobs = 1;
+  Result one = table_of(options);
+  options.jobs = 3;
+  const Result three = table_of(options);
+  EXPECT_EQ(result_page("t", one), result_page("t", three));
+  EXPECT_EQ(one.figures, three.figures);
+  for (const ResultTable& table : one.tables) EXPECT_THAT(table.rows, Each(SizeIs(table.head.size()))) << table.title;
+  return one;
+}
+
 class Table1Test : public ::slipbench::testing::SmallDatasetTest {};
 
 // On a given dataset: what needs fresh ones is left out.
 TEST_F(Table1Test, IsTheSameOnAnyNumberOfThreads) {
   ReproduceOptions options;
   options.data = dataset();
-  options.jobs = 1;
-  const Result one = hd_table1(options);
-  options.jobs = 3;
-  const Result three = hd_table1(options);
-  EXPECT_EQ(result_page("t", one), result_page("t", three));
-  EXPECT_EQ(one.figures, three.figures);
+  const Result one = same_on_any_threads(hd_table1, options);
 
   ASSERT_THAT(one.tables, SizeIs(4));
   EXPECT_THAT(one.tables[0].rows, SizeIs(5));  // four models, and the best constant answer
-  for (const ResultTable& table : one.tables) EXPECT_THAT(table.rows, Each(SizeIs(table.head.size()))) << table.title;
   EXPECT_EQ(one.tables[0].rows[3][0], "CL-gstHDC");
   EXPECT_EQ(one.tables[0].head[1], "recall of slip");
   EXPECT_EQ(one.tables[0].head[4], "accuracy: paper");
@@ -285,16 +291,10 @@ TEST(Table2, RefusesAFolderThatHoldsNoMemories) {
 }
 
 TEST(Table2, IsTheSameOnAnyNumberOfThreads) {
-  ReproduceOptions options = small({"as_recorded", "light", "heavy", "rubber", "hold_preset", "gst_hd"});
-  const Result one = hd_table2(options);
-  options.jobs = 3;
-  const Result three = hd_table2(options);
-  EXPECT_EQ(result_page("t", one), result_page("t", three));
-  EXPECT_EQ(one.figures, three.figures);
+  const Result one = same_on_any_threads(hd_table2, small({"as_recorded", "light", "heavy", "rubber", "hold_preset", "gst_hd"}));
 
   // For either box its displacements and its forces.
   ASSERT_THAT(one.tables, SizeIs(4));
-  for (const ResultTable& table : one.tables) EXPECT_THAT(table.rows, Each(SizeIs(table.head.size()))) << table.title;
   ASSERT_THAT(one.tables[0].rows, SizeIs(3));
   EXPECT_EQ(one.tables[0].rows[0][0], "rubber: published");
   EXPECT_EQ(one.tables[0].rows[0][7], "1.34 +- 3.35");

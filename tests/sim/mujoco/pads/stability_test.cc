@@ -41,6 +41,27 @@ std::string body(const std::string& name, const std::string& joint, double mass,
          " " + i + " " + i + "'/></body>";
 }
 
+// Against MuJoCo's own Jacobians of both bodies, for every two of a model with joints of each kind, a welded body and a mocap one.
+TEST(Stability, RelativeJacobianIsTheDifferenceOfMuJoCos) {
+  const std::string inertial = "<inertial pos='.01 .02 .03' mass='1' diaginertia='1 1 1'/>";
+  const Bodies bodies("<body pos='.1 .2 .3'><freejoint/>" + inertial + "<body pos='.1 0 0' euler='20 0 0'><joint type='ball'/>" +
+                      inertial + "<body pos='0 .1 0'>" + inertial + "</body></body></body><body pos='1 0 0' euler='0 30 0'>" +
+                      "<joint axis='1 1 0'/><joint type='slide' axis='0 1 1'/>" + inertial +
+                      "</body><body mocap='true' pos='0 0 2'/>");
+  const mjModel* m = bodies.model.get();
+  const Eigen::Vector3d point(0.4, -0.3, 0.2);
+  RowMatrix own(6, m->nv), other(6, m->nv), found(6, m->nv);
+  ASSERT_EQ(m->nbody, 6);
+  for (int a = 0; a < m->nbody; ++a) {
+    for (int b = 0; b < m->nbody; ++b) {
+      mj_jac(m, bodies.data.get(), own.data(), own.row(3).data(), point.data(), a);
+      mj_jac(m, bodies.data.get(), other.data(), other.row(3).data(), point.data(), b);
+      relative_jacobian(m, bodies.data.get(), {a, b, point}, found.data());
+      EXPECT_EQ(found, own - other) << "bodies " << a << " and " << b;
+    }
+  }
+}
+
 // Two pads above and below a free body that is hard to turn: along their normals the stiffness is 2 * 9 k_n.
 TEST(Stability, BodyBetweenTwoPads) {
   const Bodies bodies(body("box", "<freejoint/>", 0.1, 10.0));
