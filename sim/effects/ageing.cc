@@ -21,6 +21,9 @@ class Ageing final : public FrictionEffect {
 
   [[nodiscard]] bool by_speed() const override { return false; }
   [[nodiscard]] std::span<double> memory() override { return stuck_for_; }
+  void pass_on(std::size_t i, Effect& next, const Eigen::Matrix3d& /*turn*/) override {
+    static_cast<Ageing&>(next).stuck_for_[i] = std::exchange(stuck_for_[i], 0.0);
+  }
 
  private:
   double rate_, time_;

@@ -40,6 +40,19 @@ class Viscoelastic final : public RheologyEffect {
   }
 
   [[nodiscard]] std::span<double> memory() override { return memory_; }
+  void pass_on(std::size_t i, Effect& next, const Eigen::Matrix3d& turn) override {
+    auto& there = static_cast<Viscoelastic&>(next);
+    const auto pass =
+        [&](std::size_t first) {  // four deflections from `first` on, the last three of them a vector of the surface's frame
+          double *const from = memory_.data() + 2 * deflections * i + first, *const to = there.memory_.data() +
+                                                                                         2 * deflections * i + first;
+          Eigen::Map<Eigen::Vector3d>(to + 1) = turn * Eigen::Map<const Eigen::Vector3d>(from + 1);
+          to[0] = from[0];
+          std::fill_n(from, deflections, 0.0);
+        };
+    pass(0);
+    pass(deflections);
+  }
 
  private:
   static constexpr std::size_t deflections = 4;

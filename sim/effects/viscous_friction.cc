@@ -72,6 +72,9 @@ class ViscousFriction final : public RateEffect {
   [[nodiscard]] double growth(double speed) const override { return gain_ / ((speed_ + speed) * factor(speed)); }
 
   [[nodiscard]] std::span<double> memory() override { return ratio_; }
+  void pass_on(std::size_t i, Effect& next, const Eigen::Matrix3d& /*turn*/) override {
+    static_cast<ViscousFriction&>(next).ratio_[i] = std::exchange(ratio_[i], 0.0);
+  }
 
  private:
   double gain_, speed_;        // per factor e, m/s

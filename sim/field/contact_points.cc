@@ -21,8 +21,42 @@ bool outside(const DistanceGrid& /*shape*/, const Eigen::Vector3d& /*p*/) { retu
 }  // namespace
 
 ContactPoints::ContactPoints(const PadLayout& layout, const Surface& surface)
-    : surface_(surface), count_(layout.elements.size()), axis_(layout.elements.front().axis) {
+    : surface_(surface),
+      count_(layout.elements.size()),
+      axis_(layout.elements.front().axis),
+      column_(std::isfinite(layout.unit_height) ? layout.unit_height : 0.0) {
   flat_pad_ = std::ranges::all_of(layout.elements, [this](const Element& e) { return e.axis == axis_; });
+}
+
+SurfacePoint ContactPoints::at(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis) const {
+  return std::visit(
+      [&](const auto& shape) {
+        if constexpr (requires { shape.is_thin(column_); }) {
+          return shape.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z(), column_);
+        } else {
+          return shape.at(tip.x(), tip.y(), tip.z(), axis.x(), axis.y(), axis.z());
+        }
+      },
+      surface_);
+}
+
+bool ContactPoints::is_thin() const {
+  return std::visit(
+      [this](const auto& shape) {
+        if constexpr (requires { shape.is_thin(column_); }) {
+          return shape.is_thin(column_);
+        } else {
+          return false;
+        }
+      },
+      surface_);
+}
+
+// A grid tells the side by the sign of the gap of one of two opposite axes.
+bool ContactPoints::is_inside(const Eigen::Vector3d& p) const {
+  const DistanceGrid* const grid = std::get_if<DistanceGrid>(&surface_);
+  if (grid == nullptr) return !is_outside(p);
+  return std::min(grid->at(p.x(), p.y(), p.z(), 0.0, 0.0, -1.0).gap, grid->at(p.x(), p.y(), p.z(), 0.0, 0.0, 1.0).gap) < 0.0;
 }
 
 bool ContactPoints::is_outside(const Eigen::Vector3d& p) const {
@@ -34,9 +68,9 @@ void ContactPoints::find(const kernel::Columns& columns, const Pose& pose, const
     kernel::plane_gap(columns, pose, groups.count * kernel::lanes);
     if (!flat_pad_ || !looks_at_plane(pose)) kernel::turn_away(columns, pose, groups.count * kernel::lanes);
   } else if (const Box* box = std::get_if<Box>(&surface_)) {
-    kernel::meet_box(columns, *box, pose, groups);
+    kernel::meet_box(columns, *box, pose, groups, column_);
   } else if (const Cylinder* cylinder = std::get_if<Cylinder>(&surface_)) {
-    kernel::meet_cylinder(columns, *cylinder, pose, groups);
+    kernel::meet_cylinder(columns, *cylinder, pose, groups, column_);
   } else {
     std::visit([&](const auto& shape) { meet(shape, columns, pose, groups); }, surface_);
   }

@@ -27,6 +27,12 @@ class ContactPoints {
   [[nodiscard]] bool flat_pad() const { return flat_pad_; }
   // Whether the axes of a flat pad look at the plane.
   [[nodiscard]] bool looks_at_plane(const Pose& pose) const { return pose.rotation.row(2).dot(axis_) < 0.0; }
+  // Where an element with its tip at `tip` [m] and the unit vector `axis`, both in S, meets the surface.
+  [[nodiscard]] SurfacePoint at(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis) const;
+  // Whether a column may stick out of both sides of the surface. The gap of a tip beyond the far side may then change by more than the tip moves.
+  [[nodiscard]] bool is_thin() const;
+  // Whether the point p of S [m] is inside of the surface.
+  [[nodiscard]] bool is_inside(const Eigen::Vector3d& p) const;
   // Whether the point p of S [m] is outside the surface; false where the gap's slope may exceed 1: between the nodes of a grid.
   [[nodiscard]] bool is_outside(const Eigen::Vector3d& p) const;
 
@@ -38,6 +44,7 @@ class ContactPoints {
   std::size_t count_;
   Eigen::Vector3d axis_;  // of the first element, in P
   bool flat_pad_;
+  double column_;  // m, length of an element behind its tip: the units' height, 0 where it is not known
 };
 
 }  // namespace slipbench

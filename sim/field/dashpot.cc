@@ -34,6 +34,13 @@ class Dashpots final : public RheologyEffect {
   }
 
   [[nodiscard]] std::span<double> memory() override { return before_; }
+  void pass_on(std::size_t i, Effect& next, const Eigen::Matrix3d& turn) override {
+    double *const from = before_.data() + deflections * i, *const to =
+                                                               static_cast<Dashpots&>(next).before_.data() + deflections * i;
+    to[0] = from[0];
+    Eigen::Map<Eigen::Vector3d>(to + 1) = turn * Eigen::Map<const Eigen::Vector3d>(from + 1);
+    std::fill_n(from, deflections, 0.0);
+  }
 
  private:
   static constexpr std::size_t deflections = 4;

@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 namespace slipbench {
 
 struct PadLayout;
@@ -34,6 +36,9 @@ class Effect {
   // All that the effect carries from one step to the next, to be saved and overwritten by whoever keeps the field's state (Field::save_state).
   // Always the same length; all zero is a field that has not been stepped. Empty: the effect has no memory.
   [[nodiscard]] virtual std::span<double> memory() { return {}; }
+  // Element `i` goes on at another surface of the pad (Field::hand_over): what is remembered of it moves to `next`, the same effect there, whose
+  // frame `turn` turns vectors into. Without a memory of elements there is nothing to do.
+  virtual void pass_on(std::size_t /*i*/, Effect& /*next*/, const Eigen::Matrix3d& /*turn*/) {}
 };
 
 // Changes where the surface is: texture, waviness.

@@ -126,7 +126,7 @@ Field::Field(const PadLayout& layout, const Surface& surface, Friction friction,
   for_each_kept([this](std::span<const double> part) { state_size_ += part.size(); });
   const bool springs_alone = !extended_ && !effects_.cone;
   plain_ = springs_alone && on_plane() && contacts_.flat_pad();
-  if (springs_alone && !on_plane() && count_ >= ActiveSet::least_elements) active_set_.emplace(layout_);
+  if (springs_alone && !on_plane() && !contacts_.is_thin() && count_ >= ActiveSet::least_elements) active_set_.emplace(layout_);
 }
 
 // Calls visit() for each part of the state, in order.
@@ -160,9 +160,32 @@ void Field::load_state(std::span<const double> state) {
 }
 
 void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
+  begin_step(pad_in_surface, dt);
+  if (plain_ && touching_ == count_ && excluded_.empty() && contacts_.looks_at_plane(pose_)) {
+    kernel::slide_on_plane(columns_, pose_, padded_);
+  } else {
+    find_contacts();
+    find_forces(motion);
+  }
+  end_step();
+}
+
+void Field::approach(const Pose& pad_in_surface, double dt) {
+  begin_step(pad_in_surface, dt);
+  find_contacts();
+}
+
+void Field::finish(const Twist* motion) {
+  find_forces(motion);
+  end_step();
+}
+
+void Field::begin_step(const Pose& pad_in_surface, double dt) {
   pose_.rotation = pad_in_surface.rotation;  // apart: as a whole it waits for the position to be written
   pose_.position = pad_in_surface.position;
+  step_ = placed_ ? dt : 0.0;
   events_.clear();
+  lost_.reset();
   for (const std::size_t k : {0U, 1U, 2U}) {
     std::swap(columns_[contact_x + k], columns_[contact_before_x + k]);
     std::swap(columns_[force_x + k], columns_[force_before_x + k]);
@@ -171,36 +194,37 @@ void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
   keep_as_before(gap, gap_before);
   keep_as_before(limit, limit_before);
   keep_as_before(mode, mode_before);
+}
 
-  if (plain_ && touching_ == count_ && contacts_.looks_at_plane(pose_)) {
-    kernel::slide_on_plane(columns_, pose_, padded_);
-  } else if (effects_.skin) {
-    step_on_skin(placed_ ? dt : 0.0, motion);
-  } else {
-    step_in_stages(placed_ ? dt : 0.0, motion);
-  }
+void Field::find_contacts() {
+  if (effects_.skin) return approach_on_skin();
+  if (!on_plane()) keep_as_before(faces, faces_before);
+  candidates_ = active_set_ ? active_set_->begin_step(contacts_, columns_, pose_) : all();
+  if (!active_set_) contacts_.find(columns_, pose_, candidates_);
+}
+
+void Field::find_forces(const Twist* motion) { effects_.skin ? step_on_skin(motion) : step_in_stages(motion); }
+
+void Field::end_step() {
   if (kernel::any_changes(columns_, active())) resolve_events();
   if (active_set_) active_set_->end_step(contacts_, columns_);
   placed_ = true;
 }
 
-void Field::step_in_stages(double dt, const Twist* motion) {
-  if (!on_plane()) keep_as_before(faces, faces_before);
-  const kernel::Groups candidates = active_set_ ? active_set_->begin_step(contacts_, columns_, pose_) : all();
-  if (!active_set_) contacts_.find(columns_, pose_, candidates);
-  step_ = dt;
+void Field::step_in_stages(const Twist* motion) {
   if (may_stay_apart_ && touching_ == 0 && kernel::stay_apart(columns_, padded_)) return;
   if (extended_) place_tips();
   for (const auto& effect : effects_.surface) {
     effect->displace(count_, columns_[place_x], columns_[place_y], columns_[normal_z], columns_[gap]);
   }
-  if (!on_plane() && !kernel::all_keep_faces(columns_, candidates)) {
-    for_each_element(candidates, [this](std::size_t i) { keep_energy(i); });
+  open_excluded();
+  if (!on_plane() && !kernel::all_keep_faces(columns_, candidates_)) {
+    for_each_element(candidates_, [this](std::size_t i) { keep_energy(i); });
   }
-  if (has_memory()) prepare_rheology(dt);
-  if (!effects_.friction.empty() || effects_.rate) rate_friction(dt, motion);
+  if (has_memory()) prepare_rheology(step_);
+  if (!effects_.friction.empty() || effects_.rate) rate_friction(step_, motion);
   if (effects_.tip) {
-    move_tips(dt);
+    move_tips(step_);
     return;
   }
   const bool touches =
@@ -211,7 +235,83 @@ void Field::step_in_stages(double dt, const Twist* motion) {
     });
   }
   map_to_cone();
-  if (has_memory()) commit_rheology(dt);
+  if (has_memory()) commit_rheology(step_);
+}
+
+// What another surface holds is as far outside of this one as it is inside, and meets no face of it.
+void Field::open_excluded() {
+  for (const std::uint32_t i : excluded_) {
+    if (columns_[gap][i] >= 0.0) continue;
+    columns_[gap][i] = -columns_[gap][i];
+    if (!on_plane()) columns_[faces][i] = 0.0;
+  }
+}
+
+bool Field::is_near() const {
+  if (touching_ > 0) return true;
+  for (std::size_t k = 0; k < candidates_.count; ++k) {
+    const double* const gaps = columns_[gap] + candidates_[k];
+    if (std::any_of(gaps, gaps + kernel::lanes, [](double each) { return each < 0.0; })) return true;
+  }
+  return false;
+}
+
+double Field::way_inside(std::size_t i) const {
+  const Eigen::Vector3d axis = pose_.rotation * layout_.elements[i].axis;
+  return columns_[gap][i] / normal(i).dot(axis);
+}
+
+double Field::travel(std::size_t i) const {
+  const double offset = on_plane() ? 0.0 : columns_[depth_offset][i];
+  return (vector(contact_x, i) - vector(contact_before_x, i)).norm() +
+         std::abs(columns_[gap][i] + offset - columns_[gap_before][i]);
+}
+
+// The element's columns of "before" become those that it would have, had it touched `next` all the time. Its tip has come from the surface held
+// here, taken as a plane, so both depths are known at one place: what `next` has more is the offset s of field.h.
+void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
+  const kernel::Columns &from = columns_, &to = next.columns_;
+  const auto in_plane = [](const Eigen::Vector3d& v, const Eigen::Vector3d& n) { return Eigen::Vector3d(v - v.dot(n) * n); };
+  const auto put = [i](const kernel::Columns& c, Column x, const Eigen::Vector3d& v) {
+    for (const std::size_t k : {0U, 1U, 2U}) c[x + k][i] = v[static_cast<Eigen::Index>(k)];
+  };
+  if (effects_.skin) return;
+  const Eigen::Vector3d axis = pose_.rotation * layout_.elements[i].axis, tip = pose_ * layout_.elements[i].tip;
+  const Eigen::Vector3d contact = vector(contact_before_x, i), anchor = vector(anchor_x, i);
+  const SurfacePoint held = contacts_.at(contact, axis);
+  const Eigen::Vector3d n(held.nx, held.ny, held.nz), there = next.normal(i);
+  const double offset = on_plane() ? 0.0 : from[depth_offset][i], beyond = (tip - contact).dot(n);
+  const Eigen::Vector3d root = tip - beyond * n;  // where the element would meet the surface held here
+  const Eigen::Vector3d stretch = in_plane(here_in_next.rotation * (root - anchor), there);
+  const Eigen::Vector3d way = in_plane(here_in_next.rotation * (root - contact), there);
+  put(to, anchor_x, next.vector(contact_x, i) - stretch);
+  put(to, contact_before_x, next.vector(contact_x, i) - way);
+  put(to, force_before_x, in_plane(here_in_next.rotation * vector(force_before_x, i), there));
+  for (const Column c : {gap_before, f_normal_before, limit_before, mode_before}) to[c][i] = from[c][i];
+  if (!next.on_plane()) {
+    to[faces_before][i] = to[faces][i];
+    to[depth_offset][i] = std::max(0.0, -to[gap][i] - std::max(0.0, -beyond - offset));
+  }
+  const auto pass_on = [&](const auto& mine, const auto& others) {
+    for (std::size_t k = 0; k < mine.size(); ++k) mine[k]->pass_on(i, *others[k], here_in_next.rotation);
+  };
+  pass_on(effects_.friction, next.effects_.friction);
+  pass_on(effects_.rheology, next.effects_.rheology);
+  if (effects_.rate) effects_.rate->pass_on(i, *next.effects_.rate, here_in_next.rotation);
+  --touching_;
+  ++next.touching_;
+  if (state_before(i) == ElementState::slip) {
+    --slipping_;
+    ++next.slipping_;
+  }
+  put(from, force_before_x, Eigen::Vector3d::Zero());
+  from[gap_before][i] = std::abs(from[gap_before][i]);
+  from[f_normal_before][i] = -std::abs(from[f_normal_before][i]);
+  from[limit_before][i] = from[mode_before][i] = 0.0;
+  if (!on_plane()) from[depth_offset][i] = 0.0;
+  from[mode][i] = 1.0;  // of two steps ago: the group of a sparse field stays active in this step (ActiveSet)
+  ++changes_;
+  ++next.changes_;
 }
 
 // The return mapping.
@@ -420,6 +520,19 @@ void Field::resolve_event(std::size_t i) {
     fraction = onset_fraction(i);
   }
   events_.push_back({fraction, static_cast<std::uint32_t>(i), from, to});
+  if (to == ElementState::detached && !on_plane() && placed_) note_lost(i);
+}
+
+// An element that comes out of the face that it has pressed on goes on looking at that face, or is beside the surface. One that does not has come
+// through: it faces the far side, or is deep inside and looks out.
+void Field::note_lost(std::size_t i) {
+  constexpr double least_depth = 1e-5;  // m: less is lost than positions of bodies are known by
+  constexpr double far_side = 0.5;      // cosine between axis and normal
+  const double depth = -columns_[gap_before][i];
+  const double looks_away = normal(i).dot(pose_.rotation * layout_.elements[i].axis);
+  if (depth < least_depth || looks_away < 0.0) return;
+  const bool deep_inside = columns_[gap][i] > 0.5 * depth && contacts_.is_inside(pose_ * layout_.elements[i].tip);
+  if (deep_inside || looks_away > far_side) lost_ = Lost{i, depth};
 }
 
 ElementColumns Field::view(double dt) const {

@@ -37,6 +37,7 @@
 #include "sim/core/pad_layout.h"
 #include "sim/core/pose.h"
 #include "sim/field/active_set.h"
+#include "sim/field/contact_points.h"
 #include "sim/field/effect.h"
 #include "sim/field/kernel.h"
 #include "sim/field/surface/surface.h"
@@ -63,6 +64,36 @@ class Field {
   // laws that depend on speed; without it they see the mean velocity of the step.
   // Throws InputError where columns lean (effect.h) and one is loaded beyond what its stop holds.
   void step(const Pose& pad_in_surface, double dt, const Twist* motion = nullptr);
+
+  // The two halves of step(), for a pad that may touch several surfaces (several_surfaces.h): approach() finds where the elements meet this
+  // surface, finish() does the rest. In between an element may be handed over to another surface's field or excluded.
+  void approach(const Pose& pad_in_surface, double dt);
+  void finish(const Twist* motion = nullptr);
+  // Elements that touch nothing here, because they touch another surface, until the next call.
+  void exclude(std::span<const std::uint32_t> elements) { excluded_.assign(elements.begin(), elements.end()); }
+  // True if, after approach(), an element may touch, or touched in the step before.
+  [[nodiscard]] bool is_near() const;
+  // Where element i meets the surface when the pad is at `pad_in_surface`.
+  [[nodiscard]] SurfacePoint meet(std::size_t i, const Pose& pad_in_surface) const {
+    return contacts_.at(pad_in_surface * layout_.elements[i].tip, pad_in_surface.rotation * layout_.elements[i].axis);
+  }
+  // True if element i, after approach(), is inside of the surface and looks at it, wherever its springs begin.
+  [[nodiscard]] bool is_inside(std::size_t i) const { return columns_[gap][i] < 0.0; }
+  // How far the tip of an element that is_inside() has come along its axis since it entered, to first order [m].
+  [[nodiscard]] double way_inside(std::size_t i) const;
+  // How far the tip of an element that touched has come in the step, at least to first order [m].
+  [[nodiscard]] double travel(std::size_t i) const;
+  // After approach() of both: element i, which touched this surface in the step before, goes on at `next`, where it is_inside(), with the stretch
+  // that it has and no more depth than it has. `here_in_next`: this surface's frame in that of `next`. A pad with an elastic skin begins anew there.
+  void hand_over(std::size_t i, Field& next, const Pose& here_in_next);
+
+  // An element that let go in the last step although its tip did not come out of the surface by the face that it had pressed on: it has come
+  // through to where it looks out of another face. The force then vanished without a cause.
+  struct Lost {
+    std::size_t element;
+    double depth;  // m, in the step before
+  };
+  [[nodiscard]] const std::optional<Lost>& lost() const { return lost_; }
 
   // The state: all that the next step needs of those before. save_state() writes state_size() values and load_state() takes them
   // back, so that the steps after it are the same to the bit; what the accessors below say of the last step is not part of it.
@@ -192,15 +223,21 @@ class Field {
   using enum kernel::Column;
   using Column = kernel::Column;
 
+  void begin_step(const Pose& pad_in_surface, double dt);
+  void find_contacts();
+  void find_forces(const Twist* motion);
+  void end_step();
+  void open_excluded();
   [[nodiscard]] static ElementState state_in(double mode) { return static_cast<ElementState>(static_cast<int>(mode)); }
   template <class Visit>
   void for_each_kept(Visit&& visit);
-  void step_in_stages(double dt, const Twist* motion);
+  void step_in_stages(const Twist* motion);
   void prepare_skin();
   // Where the pad was in the last step, as a skin remembers it: rotation and position.
   [[nodiscard]] std::span<double> skin_pose() { return std::span(skin_).last(12); }
   [[nodiscard]] bool skin_rests();
-  void step_on_skin(double dt, const Twist* motion);
+  void approach_on_skin();
+  void step_on_skin(const Twist* motion);
   void rest_on_skin();
   void shear_skin();
   void add_sunk(double* depth_of) const;
@@ -227,6 +264,7 @@ class Field {
   void count_states(const kernel::Groups& groups);
   void resolve_events();
   void resolve_event(std::size_t i);
+  void note_lost(std::size_t i);
   [[nodiscard]] double onset_fraction(std::size_t i) const;
   [[nodiscard]] ElementColumns view(double dt) const;
   [[nodiscard]] bool has_memory() const { return !effects_.rheology.empty(); }
@@ -255,9 +293,13 @@ class Field {
   bool plain_;                           // springs on a plane, and no effect: one pass does it all
   std::optional<ActiveSet> active_set_;  // of many plain springs on no plane
   bool placed_ = false;
-  std::vector<double> skin_;  // of an elastic body: its elements' frames and what its step works with (skin.cc)
-  bool one_axis_ = false;     // its elements all point one way
-  double step_ = 0.0;         // s, the last one in stages
+  std::vector<double> skin_;             // of an elastic body: its elements' frames and what its step works with (skin.cc)
+  bool one_axis_ = false;                // its elements all point one way
+  bool at_rest_ = false;                 // its pad has not moved in this step
+  double step_ = 0.0;                    // s, the last one
+  std::vector<std::uint32_t> excluded_;  // elements that touch another surface
+  kernel::Groups candidates_{};          // of approach()
+  std::optional<Lost> lost_;
   std::size_t touching_ = 0, slipping_ = 0;
   std::uint64_t changes_ = 0;
 };

@@ -77,9 +77,10 @@ void plane_gap(const Columns& columns, const Pose& pose, std::size_t count);
 // Opens the gaps of elements whose axis does not look at the plane.
 void turn_away(const Columns& columns, const Pose& pose, std::size_t count);
 
-// Pass 1 against a box and a cylinder: contact points, gaps, normals and faces. `pose`: of the pad in the surface.
-void meet_box(const Columns& columns, const Box& box, const Pose& pose, const Groups& groups);
-void meet_cylinder(const Columns& columns, const Cylinder& cylinder, const Pose& pose, const Groups& groups);
+// Pass 1 against a box and a cylinder: contact points, gaps, normals and faces. `pose`: of the pad in the surface; `column`: length of an
+// element behind its tip [m] (surface.h).
+void meet_box(const Columns& columns, const Box& box, const Pose& pose, const Groups& groups, double column);
+void meet_cylinder(const Columns& columns, const Cylinder& cylinder, const Pose& pose, const Groups& groups, double column);
 
 // Whether nothing is for Field::keep_energy() to do, and whether an element touches that did not before: nearly always, and nearly never.
 bool all_keep_faces(const Columns& columns, const Groups& groups);

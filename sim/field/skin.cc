@@ -264,27 +264,36 @@ void Field::prepare_skin() {
   one_axis_ = std::ranges::all_of(layout_.elements, [&](const Element& e) { return e.axis == layout_.elements.front().axis; });
 }
 
-void Field::step_on_skin(double dt, const Twist* motion) {
-  step_ = dt;
-  if (skin_rests()) return rest_on_skin();
-  SkinEffect& skin = *effects_.skin;
+void Field::approach_on_skin() {
+  candidates_ = all();
+  at_rest_ = skin_rests();
+  if (at_rest_) return rest_on_skin();
   const SkinTable t{skin_.data(), padded_};
-  const SkinEffect::Solution s = skin.solution();
-  const auto take = [&](SkinColumn column, const double* from) { std::copy_n(from, count_, t[column]); };
-  take(shift_x, s.shift_x);
-  take(shift_y, s.shift_y);
+  const SkinEffect::Solution s = effects_.skin->solution();
+  std::copy_n(s.shift_x, count_, t[shift_x]);
+  std::copy_n(s.shift_y, count_, t[shift_y]);
   const Frames in_pad(t, one_axis_, {}), frames(t, one_axis_, pose_);
   place_loaded(columns_, in_pad, frames, count_);
   contacts_.find(columns_, pose_, all());
   for (const auto& effect : effects_.surface) {
     effect->displace(count_, columns_[contact_x], columns_[contact_y], columns_[normal_z], columns_[gap]);
   }
+}
+
+void Field::step_on_skin(const Twist* motion) {
+  if (at_rest_) return;
+  open_excluded();
+  SkinEffect& skin = *effects_.skin;
+  const SkinTable t{skin_.data(), padded_};
+  const SkinEffect::Solution s = skin.solution();
+  const auto take = [&](SkinColumn column, const double* from) { std::copy_n(from, count_, t[column]); };
+  const Frames frames(t, one_axis_, pose_);
   look_along_axes(columns_, frames, on_plane(), count_);
   skin.press(t[axial_gap]);
   take(pressure, s.pressure);
   take(sunk, s.sunk);
   take_pressure(columns_, t, 1.0 / skin.own_normal(), count_);
-  if (!effects_.friction.empty()) rate_friction(dt, motion);
+  if (!effects_.friction.empty()) rate_friction(step_, motion);
   aim(columns_, frames, placed_ ? 1.0 : 0.0, count_);
   shear_skin();
   take(shift_x, s.shift_x);

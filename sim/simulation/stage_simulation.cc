@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -14,22 +13,12 @@
 #include "sim/effects/effect_catalogue.h"
 #include "sim/field/contact_labels.h"
 #include "sim/field/field.h"
+#include "sim/field/surface/thickness.h"
 #include "sim/simulation/stage_setup.h"
 #include "sim/simulation/step_plan.h"
 
 namespace slipbench {
 namespace {
-
-// How deep a tip may be in a shape until the far side is nearer than the one by which it came in [m].
-struct HalfThickness {
-  double operator()(const Plane&) const { return std::numeric_limits<double>::infinity(); }
-  double operator()(const Box& box) const { return box.half.minCoeff(); }
-  double operator()(const Cylinder& cylinder) const { return std::min(cylinder.radius, cylinder.half_length); }
-  double operator()(const Sphere& sphere) const { return sphere.radius; }
-  double operator()(const Capsule& capsule) const { return capsule.radius; }
-  double operator()(const Ellipsoid& ellipsoid) const { return ellipsoid.half.minCoeff(); }
-  double operator()(const DistanceGrid&) const { return std::numeric_limits<double>::infinity(); }  // it knows of no thickness
-};
 
 bool same_bits(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   std::uint64_t differ = 0;
@@ -39,17 +28,13 @@ bool same_bits(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return differ == 0;
 }
 
-// An element of a pad deeper than that would come out on the far side without having let go.
-void refuse_too_deep(const Field& field, double half_thickness, double time) {
-  constexpr double margin = 0.9;  // of the half thickness: a step must not lead over the rest of it
-  for (std::size_t i = 0; i < field.size(); ++i) {
-    if (field.penetration(i) > margin * half_thickness) {
-      throw InputError(fmt::format(
-          "surface: at {} the pad is {} deep in a shape whose half thickness is {}; allowed: up to {} % of that, by a larger shape or less motion.compression",
-          format_quantity(time, Quantity::time), format_quantity(field.penetration(i), Quantity::length),
-          format_quantity(half_thickness, Quantity::length), 100.0 * margin));
-    }
-  }
+// The force of an element that has come through a round shape would vanish without a word.
+void refuse_lost(const Field& field, double thickness, double time) {
+  const std::optional<Field::Lost>& lost = field.lost();
+  if (!lost) return;
+  throw InputError(fmt::format(
+      "surface: at {} element {} of the pad was {:.3g} mm deep in a shape that is {:.3g} mm thick and has come through its middle, where its force would vanish; choose a larger shape or less motion.compression",
+      format_quantity(time, Quantity::time), lost->element, 1e3 * lost->depth, 1e3 * thickness));
 }
 
 }  // namespace
@@ -63,7 +48,7 @@ struct StageSimulation::State {
 
   std::unique_ptr<Motion> motion;
   Pose world_in_surface;
-  double half_thickness = 0.0;  // m, of the surface's shape
+  double thickness = 0.0;  // m, of the surface's shape
   std::vector<Pad> pads;
   PadClocks clocks;
   std::vector<NamedBody> bodies;
@@ -80,7 +65,7 @@ StageSimulation::StageSimulation(const Scene& scene, std::span<const PadLayout* 
   const std::optional<MotorSettings> motors = s.motion->motors();
   const PlacedSurface& surface = stage.surface;
   s.world_in_surface = surface.pose.inverse();
-  s.half_thickness = std::visit(HalfThickness{}, surface.shape);
+  s.thickness = thickness_of(surface.shape);
 
   for (std::size_t i = 0; i < pads.size(); ++i) {
     FieldEffects effects = install_effects(scene.effects, *pads[i], surface.shape, scene.seed, trial);
@@ -129,7 +114,7 @@ void StageSimulation::step() {
     State::Pad& pad = s.pads[i];
     const double dt = s.clocks.time_step(i);
     pad.field.step(s.pad_in_surface, dt);
-    if (!pad.field.on_plane()) refuse_too_deep(pad.field, s.half_thickness, time);
+    refuse_lost(pad.field, s.thickness, time);
     pad.labels.ride(stage.pose.position.array(), pad.motors ? pad.motors->force(stage, pad.field.touching() > 0, dt) : 0.0);
     pad.labels.judge({&pad.field, 1}, time, dt);
     pad.labels.settle({&pad.field, 1}, dt);

@@ -183,7 +183,7 @@ SurfacePoint DistanceGrid::at(double x, double y, double z, double ax, double ay
   const double gx = sum_of_products(slope_x, along_z.value), gy = sum_of_products(slope_y, along_z.value),
                gz = sum_of_products(value, along_z.slope);
   const double steepness = std::sqrt(gx * gx + gy * gy + gz * gz);
-  if (steepness == 0.0) return {std::abs(gap), -ax, -ay, -az};
+  if (steepness == 0.0) return {std::abs(gap), ax, ay, az};
   const double nx = gx / steepness, ny = gy / steepness, nz = gz / steepness;
   return {nx * ax + ny * ay + nz * az < 0.0 ? gap : std::abs(gap), nx, ny, nz};
 }

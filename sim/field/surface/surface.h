@@ -19,6 +19,11 @@ namespace slipbench {
 // faces the face met is the one through which the element entered: the nearest one seen backwards along the element's axis, not
 // the nearest in distance, so that a pillar close to an edge presses on the top and not on the side. That is what one position
 // tells; what an element does whose face changes under way is the field's to say (Field::keep_energy).
+//
+// Box and Cylinder also take the length of the element's column [m]: how far behind its tip the column is fixed to the pad. A
+// column meets the first flat face that it enters, however thin the shape is behind that face, so an element goes on pressing on
+// a card that is thinner than the element is deep, even with its undeformed tip beyond the far side. With a length of 0 nothing
+// is known of the column: a tip nearer to a face that it looks out of than to the one by which it came in meets nothing.
 
 // What at() says, of one element or of as many as a vector of the compiler's (kernel::Lanes) holds. met() has no branch for one of several, since every
 // element may be another case, but for what none of them needs; each is worked out in the order in which a branch would.
@@ -60,7 +65,7 @@ struct Sphere {
 
   [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
     const double r = std::sqrt(x * x + y * y + z * z);
-    if (r == 0.0) return {radius, -ax, -ay, -az};  // the centre has no nearest point
+    if (r == 0.0) return {radius, ax, ay, az};  // the centre has no nearest point: nothing there looks at a face
     const double nx = x / r, ny = y / r, nz = z / r;
     const double gap = r - radius;
     return {nx * ax + ny * ay + nz * az < 0.0 ? gap : std::abs(gap), nx, ny, nz};
@@ -71,7 +76,7 @@ struct Box {
   Eigen::Vector3d half;  // m, half extents along x, y, z; centre at the origin
 
   template <class Real>
-  [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3]) const {
+  [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3], double column) const {
     constexpr double infinite = std::numeric_limits<double>::infinity();
     const Real none{}, one = none + 1.0;
     Real outside[3], sides[3], distance2 = none, beyond = none;
@@ -102,7 +107,8 @@ struct Box {
         exit = ahead < way_ahead ? none + k : exit;
         way_ahead = ahead < way_ahead ? ahead : way_ahead;
       }
-      const auto looks_in = way_back <= way_ahead;  // else it looks out through a nearer face than it could have come in by
+      // Else it looks out through a nearer face than it could have come in by.
+      const auto looks_in = (way_back <= way_ahead) | (way_back <= column);
       const Real face = looks_in ? entry : exit;
       for (int k = 0; k < 3; ++k) {
         const auto here = face == static_cast<double>(k);
@@ -119,16 +125,41 @@ struct Box {
       for (int k = 0; k < 3; ++k) n[k] = is_outside ? (p[k] < 0.0 ? -outside[k] : outside[k]) / distance : n[k];
       gap = is_outside ? distance : gap;
       faces = is_outside ? beyond : faces;
+      if (is_thin(column)) {
+        for (int k = 0; k < 3; ++k) {  // the tip is beyond the face opposite to the one by which its column came in
+          const Real looks = a[k] < 0.0 ? one : -one, slope = a[k] < 0.0 ? -a[k] : a[k], depth = half[k] - looks * p[k];
+          const Real lateral = distance2 - outside[k] * outside[k];
+          const auto through = (slope >= upright) & (lateral == 0.0) & (depth > 2.0 * half[k]) & (depth <= column * slope) &
+                               enters_by(k, p, a, depth / slope);
+          gap = through ? -depth : gap;
+          for (int j = 0; j < 3; ++j) n[j] = through ? (j == k ? looks : none) : n[j];
+          faces = through ? face_bit(k, looks) : faces;
+        }
+      }
     }
     return {gap, n[0], n[1], n[2], faces};
   }
 
-  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
-    const Met<double> point = met({x, y, z}, {ax, ay, az});
+  // True if a column of that length [m] may stick out of both sides.
+  [[nodiscard]] bool is_thin(double column) const { return 2.0 * half.minCoeff() < column; }
+
+  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az, double column = 0.0) const {
+    const Met<double> point = met({x, y, z}, {ax, ay, az}, column);
     return {point.gap, point.nx, point.ny, point.nz, static_cast<unsigned>(point.faces)};
   }
 
  private:
+  // Least cosine between the axis of an element and the face through whose whole thickness its column goes: 60 deg.
+  static constexpr double upright = 0.5;
+
+  // True where the column at the distance `way` behind the tip is within the edges of the faces of pair k.
+  template <class Real>
+  [[gnu::always_inline]] inline auto enters_by(int k, const Real (&p)[3], const Real (&a)[3], const Real& way) const {
+    const int u = (k + 1) % 3, v = (k + 2) % 3;
+    const Real x = p[u] - way * a[u], y = p[v] - way * a[v];
+    return (x <= half[u]) & (x >= -half[u]) & (y <= half[v]) & (y >= -half[v]);
+  }
+
   // Above only_face, which stands for surfaces without edges. `side`: 1 or -1.
   template <class Real>
   [[gnu::always_inline]] static inline Real face_bit(int k, const Real& side) {
@@ -142,7 +173,7 @@ struct Cylinder {
   double half_length;  // m
 
   template <class Real>
-  [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3]) const {
+  [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3], double column) const {
     const Real none{}, one = none + 1.0;
     const Real r = root_of(p[0] * p[0] + p[1] * p[1]);
     const Real way = r > 0.0 ? r : one;
@@ -157,7 +188,7 @@ struct Cylinder {
     const Real depth = half_length - looks * p[2];
     const auto by_side = (towards_side > 0.0) & (-side * towards_cap <= depth * towards_side);
     // It came in through the cap, unless it looks out through the side and leaves by it sooner.
-    const auto by_cap = depth * -towards_side <= -side * towards_cap;
+    const auto by_cap = (depth * -towards_side <= -side * towards_cap) | (depth <= column * towards_cap);
     const Real behind_gap = by_cap ? -depth : -side, behind_z = by_cap ? looks : none,
                behind_faces = by_cap ? cap_bit(looks) : none;
     const Real inside_gap = by_side ? side : behind_gap, inside_z = by_side ? none : behind_z;
@@ -174,17 +205,37 @@ struct Cylinder {
       out = beyond ? side / corner : one;
     }
     const Real out_faces = beyond ? none + side_bit + cap_bit(end) : none + side_bit;
-    const Real share = beside ? out : past;
-    return {beside ? out_gap : past_gap, share * nx, share * ny, beside ? out_z : past_z, beside ? out_faces : past_faces};
+    Real share = beside ? out : past;
+    Real gap = beside ? out_gap : past_gap, nz = beside ? out_z : past_z, faces = beside ? out_faces : past_faces;
+    if (is_thin(column)) {  // the tip is beyond the cap opposite to the one by which its column came in
+      const auto through = (towards_cap >= upright) & (side <= 0.0) & (depth > 2.0 * half_length) &
+                           (depth <= column * towards_cap) & enters_by_cap(p, a, depth / towards_cap);
+      gap = through ? -depth : gap;
+      share = through ? none : share;
+      nz = through ? looks : nz;
+      faces = through ? cap_bit(looks) : faces;
+    }
+    return {gap, share * nx, share * ny, nz, faces};
   }
 
-  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
-    const Met<double> point = met({x, y, z}, {ax, ay, az});
+  // True if a column of that length [m] may stick out of both caps.
+  [[nodiscard]] bool is_thin(double column) const { return 2.0 * half_length < column; }
+
+  [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az, double column = 0.0) const {
+    const Met<double> point = met({x, y, z}, {ax, ay, az}, column);
     return {point.gap, point.nx, point.ny, point.nz, static_cast<unsigned>(point.faces)};
   }
 
  private:
+  static constexpr double upright = 0.5;  // as of a Box
   static constexpr double side_bit = 2.0;
+
+  // True where the column at the distance `way` behind the tip is within the edge of the caps.
+  template <class Real>
+  [[gnu::always_inline]] inline auto enters_by_cap(const Real (&p)[3], const Real (&a)[3], const Real& way) const {
+    const Real x = p[0] - way * a[0], y = p[1] - way * a[1];
+    return x * x + y * y <= radius * radius;
+  }
   template <class Real>
   [[gnu::always_inline]] static inline Real cap_bit(const Real& end) {
     const Real none{};
@@ -224,7 +275,7 @@ struct Ellipsoid {
       s = std::max(s, std::abs(scaled[k]) - excess[k]);  // one term of F alone is 1 here, so the root lies beyond
     }
     // Up to rounding on the disc (or rod, or centre) from which there are two or more nearest points: nothing is met.
-    if (s == lowest && !(newton_step(scaled, excess, s) > 0.0)) return {half.minCoeff(), -ax, -ay, -az};
+    if (s == lowest && !(newton_step(scaled, excess, s) > 0.0)) return {half.minCoeff(), ax, ay, az};
     s = std::max(s, least + newton_step(scaled, excess, least));  // the step from the surface, where most tips are
     double step = s;
     while (step > 1e-9 * s) {  // the error is then of the order of the step's square

@@ -80,6 +80,8 @@ class PadFollower {
   const PadInstance& followed_;
   std::vector<Field> fields_;  // one a touched geom
   std::vector<Way> ways_;
+  std::vector<Pose> poses_;  // of the last step, one a field
+  std::vector<Twist> motions_;
   ContactLabels labels_;
   double step_ = 0.0, slack_;  // s
   std::size_t stride_ = 1, tick_ = 0;

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/effects/effect_catalogue.h"
+#include "sim/field/several_surfaces.h"
 #include "sim/mujoco/pads/geom_surface.h"
 
 namespace slipbench {
@@ -37,6 +38,8 @@ PadFollower::PadFollower(const mjModel* model, const PadInstance& followed, cons
     fields_.emplace_back(springs, surface.shape, config.friction, std::move(effects));
   }
   ways_.resize(fields_.size());
+  poses_.resize(fields_.size());
+  motions_.resize(fields_.size());
   // No step is longer than one of the simulation.
   if (bench_step > longest) stride_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(1.0 / (rate * longest))));
   step_ = 1.0 / rate / static_cast<double>(stride_);
@@ -57,8 +60,10 @@ void PadFollower::go_to(double time, bool arrives) {
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     const Way& way = ways_[k];
     const Pose pose = arrives ? way.to : between(way.from, way.to, (time - before_) / (now_ - before_));
-    fields_[k].step(pose, dt, arrives ? &followed_.motion(k) : nullptr);
+    poses_[k] = pose;
+    motions_[k] = followed_.motion(k);
   }
+  step_on_surfaces(fields_, poses_, dt, arrives ? std::span<const Twist>(motions_) : std::span<const Twist>());
   labels_.update(fields_, time, dt);
   time_ = time;
   placed_ = true;

@@ -11,6 +11,8 @@
 
 #include "sim/core/error.h"
 #include "sim/effects/effect_catalogue.h"
+#include "sim/field/several_surfaces.h"
+#include "sim/field/surface/thickness.h"
 #include "sim/mujoco/mujoco_differences.h"
 #include "sim/mujoco/pads/geom_surface.h"
 
@@ -191,6 +193,8 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
   for (const std::span<double> memory : sensor_memory_) first_memory_.insert(first_memory_.end(), memory.begin(), memory.end());
   may_rest_ = !config_.unchecked && config_.effects.empty() && config_.sensor.electronics.empty() && first_memory_.empty();
   constexpr std::size_t seen_of_a_frame = 21;
+  pads_in_surfaces_.resize(fields_.size());
+  motions_.resize(fields_.size());
   seen_.resize(seen_of_a_frame * (1 + config_.geoms.size()));
   sees_.resize(seen_.size());
   truth_ = truth_values(config_, *sensor_);
@@ -297,10 +301,15 @@ void PadInstance::evaluate(const Parts& state, double time) {
     const Pose pad = pose_at(frame, frame + 3);
     for (std::size_t k = 0; k < fields_.size(); ++k) {
       frame += frame_values;
+      fields_[k].exclude({});
       fields_[k].step((pose_at(frame, frame + 3) * touched_[k].surface_in_geom).inverse() * pad, step_);
     }
   }
-  for (std::size_t k = 0; k < fields_.size(); ++k) fields_[k].step(touched_[k].pad_in_surface, dt, &touched_[k].motion);
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    pads_in_surfaces_[k] = touched_[k].pad_in_surface;
+    motions_[k] = touched_[k].motion;
+  }
+  step_on_surfaces(fields_, pads_in_surfaces_, dt, motions_);
   fields_hold_state_ = false;
   evaluated_ = true;
   judged_ = measured_ = false;
@@ -522,6 +531,23 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
     const Touched& touched = touched_[k];
     const Pose geom = pose_at(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom);
     contacts.push_back({&fields_[k], ended, model->site_bodyid[config_.site], touched.body, pad, geom * touched.surface_in_geom});
+    pads_in_surfaces_[k].position += step_ * touched.motion.linear;
+  }
+  exclude_all_but_first(fields_, pads_in_surfaces_);  // the solver steps one field at a time
+}
+
+// The force of an element that has come through a thin or round body would vanish without a word.
+void PadInstance::refuse_lost(const mjModel* model) const {
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    const std::optional<Field::Lost>& lost = fields_[k].lost();
+    if (!lost) continue;
+    const int geom = touched_[k].geom;
+    const char* const body = mj_id2name(model, mjOBJ_BODY, touched_[k].body);
+    const double thickness = thickness_of(touched_[k].shape);
+    throw InputError(fmt::format(
+        "plugin '{}': at {:.6g} s element {} was {:.3g} mm deep in geom '{}' of body '{}' and has come through its middle, where the nearest side is another one and its force would vanish{}; press less or make the body thicker",
+        config_.name, time_, lost->element, 1e3 * lost->depth, name_of_geom(model, geom), body == nullptr ? "" : body,
+        std::isfinite(thickness) ? fmt::format("; the geom is {:.3g} mm thick", 1e3 * thickness) : ""));
   }
 }
 
@@ -585,6 +611,7 @@ void PadInstance::commit(const mjModel* model, mjData* data) {
     evaluated_ = locate(model, data);
     evaluate(state, computed_at_);
   }
+  refuse_lost(model);
   state.header[committed_time] = time_;
   if (watched_) remember_readings(state);
   evaluated_ = false;

@@ -231,6 +231,7 @@ class PadInstance {
   [[nodiscard]] bool sample_is_due(double time, double next) const;
   [[nodiscard]] bool stays_clear(const mjModel* model, const mjData* data, const Parts& state);
   void check_site(const mjModel* model, bool placed);
+  void refuse_lost(const mjModel* model) const;
   void judge(const Parts& state);
   void measure(const Parts& state);
   void remember_readings(const Parts& state);
@@ -242,7 +243,9 @@ class PadInstance {
   std::vector<std::span<double>> sensor_memory_;
   std::vector<double> first_memory_;  // as the sensor was made: what a state of zeros stands for
   std::vector<Touched> touched_;
-  std::vector<Field> fields_;  // one a touched geom
+  std::vector<Field> fields_;           // one a touched geom
+  std::vector<Pose> pads_in_surfaces_;  // of the last trial
+  std::vector<Twist> motions_;
   ContactLabels labels_;
   std::size_t readings_;      // how many numbers the sensor and the truth give
   std::size_t truth_;         // of them the truth

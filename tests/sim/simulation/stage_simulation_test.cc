@@ -162,19 +162,31 @@ TEST(StageSimulation, RefusesWhatItCannotDo) {
   EXPECT_NE(refusal(asked, {1000.0}).find("needs a flat surface"), std::string::npos);
 }
 
-TEST(StageSimulation, RefusesToPressThroughAShape) {
-  // 1 mm into a plate of 1.5 mm: past 0.75 mm the far face is the nearer one. 0.9 of that, 0.675 mm, is reached on the way.
+TEST(StageSimulation, RefusesToPressThroughARoundShape) {
+  // The dome of the pad reaches 0.8 mm and more below its lowest pillars' first touch: past the middle of a rod of 0.7 mm.
   Scene asked = scene();
-  asked.surface = named(surface_catalogue(), "box", {{"size", std::vector{60e-3, 60e-3, 1.5e-3}}});
+  asked.surface = named(surface_catalogue(), "cylinder", {{"radius", 0.7e-3}});
   StageSimulation thin = simulation(asked, {&pillars}, {1000.0});
   EXPECT_THAT(refusal_of([&] {
                 for (std::size_t tick = 0; tick < thin.ticks(0); ++tick) thin.step();
               }),
-              HasSubstr("deep in a shape whose half thickness is 750 um; allowed: up to 90 % of that"));
-  asked.surface = named(surface_catalogue(), "box", {{"size", std::vector{60e-3, 60e-3, 2.5e-3}}});  // 0.9 x 1.25 mm > 1 mm
-  StageSimulation thick = simulation(asked, {&pillars}, {1000.0});
-  for (std::size_t tick = 0; tick < thick.ticks(0); ++tick) thick.step();
-  EXPECT_EQ(thick.contact(0).state, PadState::gross);
+              AllOf(HasSubstr("deep in a shape that is 1.4 mm thick"), HasSubstr("less motion.compression")));
+}
+
+TEST(StageSimulation, PressesOnAThinPlateByDepthTimesStiffness) {
+  // 1 mm into a plate, deeper than half of it and deeper than all of it: as on a plate of 20 mm.
+  PadLayout high = pillars;
+  high.unit_height = 5e-3;
+  const auto force_on = [&](double thickness) {
+    Scene asked = scene();
+    asked.surface = named(surface_catalogue(), "box", {{"size", std::vector{60e-3, 60e-3, thickness}}});
+    StageSimulation stage = simulation(asked, {&high}, {1000.0});
+    for (std::size_t tick = 0; tick < stage.ticks(0); ++tick) stage.step();
+    return Eigen::Array3Xd(stage.contact(0).force);
+  };
+  const Eigen::Array3Xd thick = force_on(20e-3);
+  EXPECT_GT(thick.row(2).maxCoeff(), 0.1);
+  for (const double thickness : {1.5e-3, 0.5e-3}) EXPECT_LT((force_on(thickness) - thick).abs().maxCoeff(), 1e-9) << thickness;
 }
 
 TEST(StageSimulation, TrialAndSeedKeyTheEffectsDraws) {

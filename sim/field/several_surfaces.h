@@ -1,0 +1,29 @@
+// A pad that may touch several surfaces: each of its elements meets one of them at a time.
+//
+// Objects made of several primitives, and convex decompositions of meshes, overlap as a rule. What an element meets is the union of all that it
+// may touch: a spring for each surface would count the same load twice.
+// - An element that touches nothing meets, of all surfaces that its tip is inside of, the one whose face it passed first along its axis; of two
+//   at the same place, the first one in the list.
+// - An element that touches keeps its surface as long as its tip is inside of that, unless the face of another one comes to lie before it. A face
+//   that comes from below, as where a slope begins, does so by no more than the tip moves in the step. One that lies before by more was met from
+//   the side, which no element feels (field.h), and is not taken.
+// - Where the surface changes, the element goes on with the stretch that it has and no more depth than it has (Field::hand_over): nothing is let
+//   go of on a seam between two level faces, and no energy comes from a step.
+#pragma once
+
+#include <span>
+
+#include "sim/core/pose.h"
+#include "sim/field/field.h"
+
+namespace slipbench {
+
+// Steps `fields`, one for each surface that the pad may touch, all of one layout. `pads`: the pad's pose in each surface at the end of the step;
+// `dt`, `motions` (one a surface, or empty): as in Field::step(). With one field this is Field::step().
+void step_on_surfaces(std::span<Field> fields, std::span<const Pose> pads, double dt, std::span<const Twist> motions);
+
+// For steps that take one field at a time, to poses near `pads`: excludes every element from all surfaces but the one that it touches, or, where it
+// touches none, the one that it would meet first along its axis. An element that crosses a seam in such a step is let go of in this step.
+void exclude_all_but_first(std::span<Field> fields, std::span<const Pose> pads);
+
+}  // namespace slipbench

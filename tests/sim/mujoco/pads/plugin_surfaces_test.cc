@@ -1,0 +1,138 @@
+// Pads of the plugin on geoms that overlap, and on thin ones.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/sim/mujoco/pads/plugin_rig.h"
+
+namespace slipbench::testing_plugin {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double k_n = 3000.0, k_t = 500.0;  // of nine_pillars()
+
+// A free object of 1 kg, held up by nothing but what is tested, under a pad that a motor of `force` presses on it from above. The object stands on
+// a stiff slide along Z.
+std::string pressed(const std::string& geoms, const std::string& touch, const std::string& solver,
+                    const std::string& pad = nine_pillars()) {
+  const bool implicit = solver == "implicit";
+  return "<mujoco><option timestep='2e-4' gravity='0 0 0' " +
+         std::string(implicit ? "integrator='discrete' iterations='20'" : "integrator='implicitfast'") +
+         "/><extension><plugin plugin='slipbench.field'><instance name='pad'>" + config("pad", "pad") + config("touch", touch) +
+         pad + config("friction", "{static: 0.6}") + config("truth", "true") + config("solver", solver) +
+         "</instance></plugin></extension><worldbody><body name='object'>"
+         "<joint name='stand' type='slide' axis='0 0 1' stiffness='1e5' damping='200'/><inertial pos='0 0 0' mass='1' diaginertia='1e-3 1e-3 1e-3'/><site name='there'/>" +
+         geoms +
+         "</body><body name='pad' pos='0 0 0.0001'><joint name='press' type='slide' axis='0 0 1' damping='50'/>"
+         "<joint name='shear' type='slide' axis='1 0 0' damping='50'/><inertial pos='0 0 0' mass='0.2' diaginertia='1e-4 1e-4 1e-4'/>"
+         "<site name='pad'/><plugin instance='pad'/></body></worldbody>"
+         "<actuator><motor name='press' joint='press'/><motor name='shear' joint='shear'/></actuator>" +
+         std::string(implicit ? "<tendon><spatial damping='1e-9'><site site='pad'/><site site='there'/></spatial></tendon>"
+                              : "") +
+         "<sensor><plugin name='pad' instance='pad'/></sensor></mujoco>";
+}
+
+std::string box(const std::string& name, const std::string& size, const std::string& place) {
+  return "<geom name='" + name + "' type='box' contype='0' conaffinity='0' size='" + size + "' pos='" + place + "'/>";
+}
+
+class PluginSurfaces : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, PluginSurfaces, testing::Values("explicit", "implicit"));
+
+TEST_P(PluginSurfaces, OverlappingGeomsBearTheLoadOnce) {
+  // 9 pillars under 8.1 N are F/(9 k_n) = 0.3 mm deep, each with 0.9 N, whatever number of geoms they stand on; 0.9 N of shear is k_t u, so it
+  // moves by F/(9 k_t) = 0.2 mm.
+  const double force = 8.1, shear = 0.9;
+  const std::string one = box("a", ".02 .02 .01", "0 0 -.01"), bars = box("a", ".03 .004 .01", "0 0 -.01") +
+                                                                      box("b", ".004 .03 .01", "0 0 -.01") +
+                                                                      box("c", ".02 .02 .008", "0 0 -.008");
+  const std::string capsule =
+      "<geom name='b' type='capsule' contype='0' conaffinity='0' size='.01 .01' pos='0 0 -.01' euler='90 0 0'/>";
+  const std::vector<std::pair<const char*, std::string>> objects{
+      {"one box", one},
+      {"two boxes in one place", one + box("b", ".02 .02 .01", "0 0 -.01")},
+      {"three boxes", one + box("b", ".02 .02 .01", ".005 0 -.01") + box("c", ".02 .02 .01", "0 .004 -.01")},
+      {"a cross of two bars on a plate", bars},
+      {"halves, flush under the middle pillars", box("a", ".01 .02 .01", "-.01 0 -.01") + box("b", ".01 .02 .01", ".01 0 -.01")},
+      {"box and capsule with level tops", one + capsule}};
+  for (const auto& [what, geoms] : objects) {
+    const Model model = load(pressed(geoms, "body:object", GetParam()));
+    const Data data = data_of(model);
+    for (int k = 0; k < 10000; ++k) {
+      data->ctrl[0] = -force * std::min(1.0, k / 1000.0);
+      data->ctrl[1] = shear * std::min(1.0, std::max(0.0, (k - 5000) / 1000.0));
+      mj_step(model.get(), data.get());
+    }
+    const ContactFrame& frame = pad_of(model.get(), data.get(), 0)->truth(FramePart::all);
+    for (Eigen::Index unit = 0; unit < 9; ++unit) {
+      EXPECT_NEAR(frame.force(2, unit), force / 9.0, 1e-5) << what << ", unit " << unit;
+      EXPECT_NEAR(frame.displacement(2, unit), force / (9.0 * k_n), 1e-8) << what << ", unit " << unit;
+      // Elements that leave a capsule's crest for the box do so once the crest is 1 nm lower, 4.5 um further on a radius of 10 mm. Until then their
+      // normal leans by up to 4.5e-4, and 0.9 N presses with that share of it on a spring of 500 N/m: 0.8 um, of which a fraction stays.
+      EXPECT_NEAR(frame.displacement(0, unit), -shear / (9.0 * k_t), 2e-7) << what << ", unit " << unit;
+    }
+    EXPECT_NEAR(data->qpos[0], -force / 1e5, 1e-8) << what << ": the object bears the pad's load";
+  }
+}
+
+TEST_P(PluginSurfaces, AThinCardBearsWhatPressesOnIt) {
+  // Beyond its middle a card of 0.3 mm bears what one of 20 mm bears: 40 N, with which a PapillArray's pillars are 0.5 to 1.2 mm deep.
+  const auto forces_on = [&](double half) {
+    const Model model = load(pressed(box("card", ".02 .02 " + std::to_string(half), "0 0 -" + std::to_string(half)), "card",
+                                     GetParam(), real_pillars()));
+    const Data data = data_of(model);
+    for (int k = 0; k < 5000; ++k) {
+      data->ctrl[0] = -40.0 * std::min(1.0, k / 1000.0);
+      mj_step(model.get(), data.get());
+    }
+    return Eigen::Array3Xd(pad_of(model.get(), data.get(), 0)->truth(FramePart::all).force);
+  };
+  const Eigen::Array3Xd card = forces_on(0.15e-3), plate = forces_on(10e-3);
+  EXPECT_NEAR(plate.row(2).sum(), 40.0, 1e-6);
+  EXPECT_GT(plate.row(2).minCoeff(), 1.0);
+  EXPECT_LT((card - plate).abs().maxCoeff(), 1e-6);
+}
+
+TEST_P(PluginSurfaces, AnElementThatComesThroughARoundBodyIsRefused) {
+  // A wire of 0.6 mm along Y under the middle pillars, pressed until they are past its middle.
+  const Model model = load(pressed(
+      "<geom name='wire' type='capsule' contype='0' conaffinity='0' size='.0003 .02' pos='0.00001 0 -.0003' euler='90 0 0'/>",
+      "wire", GetParam()));
+  const Data data = data_of(model);
+  mjModel* const m = model.get();
+  mjData* const d = data.get();
+  std::string refused;
+  for (int k = 0; k < 5000 && refused.empty(); ++k) {
+    d->ctrl[0] = -3.0 * k / 1000.0;
+    refused = mju_error_of([=] { mj_step(m, d); });
+  }
+  EXPECT_THAT(refused, HasSubstr("deep in geom 'wire' of body 'object'"));
+  EXPECT_THAT(refused, HasSubstr("the geom is 0.6 mm thick"));
+}
+
+TEST(PluginSurfaces, ACardBetweenTwoPadsIsHeldAtAnyGrip) {
+  // 0.76 mm thick, as a bank card: the nearest tips come past its middle from 3 N on, past its far side from 7 N on.
+  for (const double force : {4.0, 8.0, 15.0, 30.0, 60.0}) {
+    Grip grip{.mass = 0.005, .dt = 5e-5, .left = real_pillars(), .right = real_pillars(), .perturbed = false};
+    std::string xml = grip_xml(grip);
+    const auto replace = [&xml](const std::string& from, const std::string& to) { xml.replace(xml.find(from), from.size(), to); };
+    replace("size='0.015 0.02 0.06'", "size='0.00038 0.02 0.04'");
+    replace("pos='-0.0151 0 0'", "pos='-0.0005 0 0'");
+    replace("pos='0.0151 0 0'", "pos='0.0005 0 0'");
+    const Model model = load(xml);
+    const Data data = data_of(model);
+    for (int k = 0; k < 8000; ++k) {
+      data->ctrl[0] = force * std::min(1.0, k / 4000.0);
+      mj_step(model.get(), data.get());
+    }
+    for (const int pad : {0, 1}) {
+      EXPECT_NEAR(std::abs(force_of_pad(model.get(), data.get(), pad).x()), force, 1e-3 * force) << force << " N, pad " << pad;
+      const ContactFrame& frame = pad_of(model.get(), data.get(), pad)->truth(FramePart::all);
+      EXPECT_EQ(frame.unit_state[4], UnitState::stick) << force;
+      EXPECT_EQ(frame.force.row(2).maxCoeff(), frame.force(2, 4)) << force << " N: the middle pillar is the highest";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace slipbench::testing_plugin
