@@ -19,12 +19,13 @@ struct About {
   const char* name;
   const char* of;  // what is counted
 };
-constexpr std::array<About, 6> about{{{"digests", "trials"},
+constexpr std::array<About, 7> about{{{"digests", "trials"},
                                       {"order", "trials"},
                                       {"times", "samples"},
                                       {"values", "values"},
                                       {"events", "samples of units"},
-                                      {"cone", "samples of units"}}};
+                                      {"cone", "samples of units"},
+                                      {"contact", "samples of units"}}};
 
 // An event at the instant of a sample may stand on either side of it [s].
 constexpr double same_instant = 1e-9;

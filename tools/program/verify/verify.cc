@@ -19,6 +19,7 @@
 #include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"
+#include "tools/program/verify/contact.h"
 
 namespace slipbench {
 namespace {
@@ -184,7 +185,7 @@ class DatasetCheck {
                            fmt::format("has the seed {}, its file {}", record.seed, reader_.header().seed));
       }
       if (record.sensors.empty()) {
-        for (const Check check : {Check::times, Check::values, Check::events, Check::cone}) {
+        for (const Check check : {Check::times, Check::values, Check::events, Check::cone, Check::contact}) {
           verification_.leave_out(check, "trials without arrays (--record outcome)");
         }
         return;
@@ -193,13 +194,13 @@ class DatasetCheck {
       verify::check_values(record, verification_);
       check_samples(trial, record);
       if (const std::string& truth = reader_.header().truth; !truth.empty()) {
-        for (const Check check : {Check::events, Check::cone})
+        for (const Check check : {Check::events, Check::cone, Check::contact})
           verification_.leave_out(check, fmt::format("all: there is no truth to check ({})", truth));
         verification_.leave_out(Check::times, "steps against rate_hz: an imported recording has those that were recorded");
         return;
       }
       for (const SensorRecord& sensor : record.sensors) verify::check_events(sensor, trial, verification_);
-      check_cones(record);
+      check_laws(record);
     });
   }
 
@@ -217,13 +218,15 @@ class DatasetCheck {
     }
   }
 
-  void check_cones(const TrialRecord& record) {
+  // Coulomb's law, and contact with one surface.
+  void check_laws(const TrialRecord& record) {
     std::optional<Scene> scene;
     try {
       if (!scene_) scene_ = recorded_file(reader_);
       scene = recorded_scene(*scene_, record, catalogues_);
     } catch (const std::exception& error) {
-      verification_.leave_out(Check::cone, fmt::format("all: this program does not know the scene ({})", error.what()));
+      for (const Check check : {Check::cone, Check::contact})
+        verification_.leave_out(check, fmt::format("all: this program does not know the scene ({})", error.what()));
       return;
     }
     for (const SensorRecord& sensor : record.sensors) {
@@ -232,8 +235,9 @@ class DatasetCheck {
         verification_.fail(Check::cone, {record.trial, "sensors/" + sensor.name}, "is no sensor of the scene");
         continue;
       }
-      verify::check_cone(verify::cone_law(*scene, static_cast<std::size_t>(found - scene->sensors.begin())), sensor, record.trial,
-                         verification_);
+      const auto index = static_cast<std::size_t>(found - scene->sensors.begin());
+      verify::check_cone(verify::cone_law(*scene, index), sensor, record.trial, verification_);
+      verify::check_contact(*scene, index, record, sensor, verification_);
     }
   }
 

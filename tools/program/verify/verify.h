@@ -1,4 +1,4 @@
-// Whether a dataset is what it says: digests, order, times, values, events, Coulomb's law.
+// Whether a dataset is what it says: digests, order, times, values, events, Coulomb's law, one surface under each element.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ Verified verify_datasets(const std::vector<std::string>& paths);
 
 namespace slipbench::verify {
 
-enum class Check : std::size_t { digests, order, times, values, events, cone };
+enum class Check : std::size_t { digests, order, times, values, events, cone, contact };
 
 // Where something does not hold.
 struct Where {
@@ -69,7 +69,7 @@ class Verification {
   };
   Entry& of(Check check) { return entries_[static_cast<std::size_t>(check)]; }
 
-  std::array<Entry, 6> entries_;
+  std::array<Entry, 7> entries_;
 };
 
 // Times rise strictly, those of a sensor at its rate to 1e-6 of a sample.

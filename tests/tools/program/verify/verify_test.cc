@@ -8,6 +8,7 @@
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/verify/contact.h"
 
 namespace slipbench::testing::verify_test {
 namespace {
@@ -72,6 +73,43 @@ TEST_F(VerifyTest, SoundDatasetHolds) {
   const LabelRecord& labels = sound().sensors[0].labels;
   ASSERT_EQ(labels.state.at(pressed), 1U);  // the samples that the tests below change are what they take them for
   ASSERT_EQ(labels.state.at(sliding), 3U);
+}
+
+// Two level plates that lie half over each other, under a pad that is 0.3 mm deep: the middle pillar presses with k_n d = 7100 N/m x 0.3 mm.
+const std::string plates_text = R"(slipbench: 1
+duration: 0.7 s
+time_step: 1 ms
+friction: {static: 0.5, kinetic: 0.5}
+motion: {kind: stage, compression: 0.3 mm, start: 0.5 s, speed: 2 mm/s}
+bodies:
+  a: {shape: box, size: [40 mm, 40 mm, 20 mm], position: [0 mm, 0 mm, -10 mm], free: false}
+  b: {shape: box, size: [40 mm, 40 mm, 20 mm], position: [20 mm, 0 mm, -10 mm], free: false}
+sensors:
+  pad: {type: papillarray, rate: 1 kHz, touches: [a, b]}
+)";
+
+std::vector<std::string> contact_failures(const std::function<void(LabelRecord&)>& change) {
+  TrialRecord record = run_trial(parsed(plates_text), 0, Recording::full).record;
+  change(record.sensors[0].labels);
+  verify::Verification verification;
+  verify::check_contact(parsed(plates_text), 0, record, record.sensors[0], verification);
+  const Json json = verification.json();
+  std::vector<std::string> failures;
+  for (const Json& failure : json.at("failures")) failures.push_back(failure.at("what"));
+  EXPECT_EQ(json.at("checks").back().at("checked"), 9U * record.body_time.size());
+  return failures;
+}
+
+TEST(VerifyContact, AnElementPressesOnOneSurface) {
+  constexpr std::size_t row = 600, middle = 9 * row + 4;
+  EXPECT_THAT(contact_failures([](LabelRecord& labels) { EXPECT_NEAR(labels.force[3 * middle + 2], 7100.0 * 0.3e-3, 1e-6); }), IsEmpty());
+  EXPECT_THAT(contact_failures([](LabelRecord& labels) { labels.force[3 * middle + 2] *= 2.0F; }),
+              ElementsAre(AllOf(HasSubstr("unit 4: presses with 4.26 N and is 0.3 mm deep"), HasSubstr("2.14"))));
+  EXPECT_THAT(contact_failures([](LabelRecord& labels) {
+                labels.force[3 * middle + 2] = 0.0F;
+                labels.unit_state[middle] = 0;
+              }),
+              ElementsAre(HasSubstr("unit 4: has let go, and element 4 is still 0.3 mm deep in what it touched")));
 }
 
 // The points of a unit meet a sphere's faces of several directions, whose margins add up to no margin of the unit's force.

@@ -1,0 +1,135 @@
+#include "tools/program/verify/contact.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "sim/field/contact_points.h"
+#include "tools/base/record/encoder.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
+
+namespace slipbench::verify {
+namespace {
+
+constexpr double slack = 2e-6;     // m
+constexpr double of_force = 1e-5;  // of the normal force: a float32
+
+// Effects by which f_n is not k_n times the depth in the body's shape.
+constexpr std::array springs_changed_by{"viscoelastic", "lean", "elastic_skin", "inertia", "asperities", "roughness", "texture"};
+
+struct TouchedBody {
+  ContactPoints surface;
+  const BodyRecord* motion;
+};
+
+// Of a shape of the catalogue of bodies; nothing for one that it does not have.
+std::optional<Surface> surface_of(const Named& shape) {
+  const Parameters& p = shape.parameters;
+  if (shape.name == "box") return Box{0.5 * Eigen::Vector3d::Map(p.vector("size").data())};
+  if (shape.name == "sphere") return Sphere{p.number("radius")};
+  if (shape.name == "cylinder") return Cylinder{p.number("radius"), 0.5 * p.number("length")};
+  if (shape.name == "capsule") return Capsule{p.number("radius"), 0.5 * p.number("length")};
+  if (shape.name == "ellipsoid") return Ellipsoid{0.5 * Eigen::Vector3d::Map(p.vector("size").data())};
+  if (shape.name == "plane") return Plane{};
+  return std::nullopt;
+}
+
+Pose pose_in(const BodyRecord& body, std::size_t row) {
+  const float* const p = body.pose.data() + 7 * row;
+  const Eigen::Quaterniond turn(p[3], p[4], p[5], p[6]);
+  return {turn.normalized().toRotationMatrix(), {p[0], p[1], p[2]}};
+}
+
+// Why the check cannot be made; empty: it can.
+std::string reason_against(const Scene& scene, const SensorScene& sensor, const SensorRecord& record, const TrialRecord& trial) {
+  if (!scene.dynamic()) return "scenes without bodies: the run itself refuses a pad that comes through the stage's surface";
+  if (scene.fidelity != "field") return fmt::format("fidelity {}", scene.fidelity);
+  if (!sensor.follows.empty()) return "sensors that follow another one's pad";
+  if (record.time != trial.body_time) return "sensors whose samples are not those of the bodies";
+  for (const Named& effect : scene.effects) {
+    if (std::ranges::find(springs_changed_by, effect.name) != springs_changed_by.end())
+      return fmt::format("the effect {} changes the springs or the surface", effect.name);
+  }
+  return {};
+}
+
+}  // namespace
+
+void check_contact(const Scene& scene, std::size_t index, const TrialRecord& record, const SensorRecord& sensor,
+                   Verification& verification) {
+  const SensorScene& described = scene.sensors.at(index);
+  if (const std::string why = reason_against(scene, described, sensor, record); !why.empty()) {
+    verification.leave_out(Check::contact, why);
+    return;
+  }
+  const PadLayout layout = make_sensor(described, scene.seed, record.trial)->layout();
+  std::vector<TouchedBody> bodies;
+  const auto touch = [&](const std::string& name, const std::optional<Surface>& shape) {
+    if (!shape) return false;
+    bodies.push_back({ContactPoints(layout, *shape), &record.body(name)});
+    return true;
+  };
+  bool known = true;
+  if (scene.grasp) {
+    const std::vector<double>& size = record.body("box").size;
+    known = size.size() == 3 && touch("box", Box{0.5 * Eigen::Vector3d::Map(size.data())});
+  }
+  for (const std::string& name : described.touches) {
+    const auto body = std::ranges::find(scene.bodies, name, &BodyScene::name);
+    known = known && body != scene.bodies.end() && touch(name, surface_of(body->shape));
+  }
+  if (!known || bodies.empty()) {
+    verification.leave_out(Check::contact, "geoms of a model file");
+    return;
+  }
+
+  const LabelRecord& labels = sensor.labels;
+  const BodyRecord& pad = record.body(sensor.name);
+  const std::size_t units = labels.units();
+  std::vector<double> before(layout.elements.size(), 0.0), depth(layout.elements.size(), 0.0);
+  for (std::size_t row = 0; row < sensor.time.size(); ++row) {
+    depth.swap(before);
+    std::ranges::fill(depth, 0.0);
+    const Pose pad_pose = pose_in(pad, row);
+    for (const TouchedBody& body : bodies) {
+      const Pose at = pose_in(*body.motion, row).inverse() * pad_pose;
+      for (std::size_t e = 0; e < layout.elements.size(); ++e) {
+        const Element& element = layout.elements[e];
+        depth[e] = std::max(depth[e], -body.surface.at(at * element.tip, at.rotation * element.axis).gap);
+      }
+    }
+    for (std::size_t unit = 0; unit < units; ++unit) {
+      const std::size_t first = layout.units[unit].first, end = first + layout.units[unit].count, i = row * units + unit;
+      const auto fail = [&](const char* array, const std::string& what) {
+        verification.fail(Check::contact, {record.trial, fmt::format("{}/{}", label_group(sensor.name), array), row},
+                          fmt::format("unit {}: {}", unit, what));
+      };
+      verification.count(Check::contact, 1);
+      double most = 0.0, deepest = 0.0;
+      for (std::size_t e = first; e < end; ++e) {
+        most += layout.elements[e].k_normal * (depth[e] + slack);
+        deepest = std::max(deepest, depth[e]);
+      }
+      const double normal = labels.force[3 * i + 2];
+      if (normal > most * (1.0 + of_force)) {
+        fail("force", fmt::format("presses with {:.6g} N and is {:.4g} mm deep in what it touches, which gives {:.6g} N at most",
+                                  normal, 1e3 * deepest, most));
+      }
+      if (row == 0 || labels.unit_state[i] != 0 || labels.unit_state[i - units] == 0) continue;
+      for (std::size_t e = first; e < end; ++e) {
+        if (depth[e] < 5.0 * slack || depth[e] < 0.5 * before[e]) continue;
+        fail("unit_state", fmt::format("has let go, and element {} is still {:.4g} mm deep in what it touched", e, 1e3 * depth[e]));
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace slipbench::verify
