@@ -125,7 +125,8 @@ void check_contact(const Scene& scene, std::size_t index, const TrialRecord& rec
       if (row == 0 || labels.unit_state[i] != 0 || labels.unit_state[i - units] == 0) continue;
       for (std::size_t e = first; e < end; ++e) {
         if (depth[e] < 5.0 * slack || depth[e] < 0.5 * before[e]) continue;
-        fail("unit_state", fmt::format("has let go, and element {} is still {:.4g} mm deep in what it touched", e, 1e3 * depth[e]));
+        fail("unit_state",
+             fmt::format("has let go, and element {} is still {:.4g} mm deep in what it touched", e, 1e3 * depth[e]));
         break;
       }
     }

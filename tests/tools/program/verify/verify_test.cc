@@ -102,7 +102,8 @@ std::vector<std::string> contact_failures(const std::function<void(LabelRecord&)
 
 TEST(VerifyContact, AnElementPressesOnOneSurface) {
   constexpr std::size_t row = 600, middle = 9 * row + 4;
-  EXPECT_THAT(contact_failures([](LabelRecord& labels) { EXPECT_NEAR(labels.force[3 * middle + 2], 7100.0 * 0.3e-3, 1e-6); }), IsEmpty());
+  EXPECT_THAT(contact_failures([](LabelRecord& labels) { EXPECT_NEAR(labels.force[3 * middle + 2], 7100.0 * 0.3e-3, 1e-6); }),
+              IsEmpty());
   EXPECT_THAT(contact_failures([](LabelRecord& labels) { labels.force[3 * middle + 2] *= 2.0F; }),
               ElementsAre(AllOf(HasSubstr("unit 4: presses with 4.26 N and is 0.3 mm deep"), HasSubstr("2.14"))));
   EXPECT_THAT(contact_failures([](LabelRecord& labels) {
