@@ -407,6 +407,11 @@ SensorRecord DatasetReader::read_sensor(std::size_t trial, const std::string& se
   record.rate = read_number<double>(place, group, "rate_hz");
   record.frame = hdf5::text_of(place, group, "frame");
   if (H5Aexists(group.get(), "follows") > 0) record.follows = hdf5::text_of(place, group, "follows");
+  if (H5Aexists(group.get(), "mean_rate_hz") > 0) {
+    record.timing.emplace();
+    for_each_timing_attribute(*record.timing,
+                              [&](const char* name, double& value) { value = read_number<double>(place, group, name); });
+  }
   record.channel_names = read_texts(place, group, "channel_names");
   record.time = read_array<double>(place.below("t")).values;
   for (const std::string& name : read_texts(place, group, "channels")) {

@@ -24,9 +24,11 @@ using hdf5::Place;
 // not keep it: where it grows, HDF5 moves some.
 std::vector<std::string> attributes_as_encoded(const Place& place, const Handle& object) {
   static const std::vector<std::string> order = [] {
-    std::vector<std::string> names{"num_samples", "seed",     "params",     "outcome",       "model_sha256",
-                                   "type",        "detector", "controller", "sensor",        "rate_hz",
-                                   "frame",       "follows",  "channels",   "channel_names", "rule"};
+    std::vector<std::string> names{"num_samples", "seed",       "params", "outcome", "model_sha256", "type",
+                                   "detector",    "controller", "sensor", "rate_hz", "frame",        "follows"};
+    const SampleTiming timing;
+    for_each_timing_attribute(timing, [&](const char* name, double) { names.emplace_back(name); });
+    for (const char* name : {"channels", "channel_names", "rule"}) names.emplace_back(name);
     LabelRecord labels;
     for_each_unit_attribute(labels,
                             [&](const char* name, const Extents&, const std::vector<double>&) { names.emplace_back(name); });

@@ -43,6 +43,11 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
     attributes.push_back({samples, "rate_hz", sensor.rate});
     attributes.push_back({samples, "frame", sensor.frame});
     if (!sensor.follows.empty()) attributes.push_back({samples, "follows", sensor.follows});
+    if (sensor.timing) {
+      for_each_timing_attribute(*sensor.timing, [&](const char* name, double value) {
+        attributes.push_back({samples, name, value});
+      });
+    }
     attributes.push_back({samples, "channels", std::move(channels)});
     attributes.push_back({samples, "channel_names", sensor.channel_names});
     if (!has_labels(sensor.labels)) continue;

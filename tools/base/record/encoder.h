@@ -66,6 +66,16 @@ void for_each_event_column(Labels& labels, Visit&& visit) {
   visit("events/kind", "1", Extents{}, labels.event_kind);
 }
 
+// Calls visit(name, value) for every attribute of a recorded sensor's time stamps.
+template <class Timing, class Visit>
+void for_each_timing_attribute(Timing& timing, Visit&& visit) {
+  visit("mean_rate_hz", timing.mean_rate);
+  visit("median_rate_hz", timing.median_rate);
+  visit("largest_gap_s", timing.largest_gap);
+  visit("largest_gap_at_s", timing.largest_gap_at);
+  visit("time_resolution_s", timing.resolution);
+}
+
 // Calls visit(name, extents after the first axis, values) for every attribute of the labels, which have a row a unit.
 template <class Labels, class Visit>
 void for_each_unit_attribute(Labels& labels, Visit&& visit) {

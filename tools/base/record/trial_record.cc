@@ -45,6 +45,14 @@ constexpr GraspOutcome no_grasp{.max_grip_force = std::numeric_limits<double>::q
 
 }  // namespace
 
+void check_evenly_spaced(const SensorRecord& sensor) {
+  const double resolution = sensor.timing ? sensor.timing->resolution : 0.0;
+  if (evenly_spaced(sensor.time, resolution)) return;
+  reject(
+      "sensor {}: its samples are not evenly spaced ({}); allowed: one rate throughout, as `slipbench import --rate RATE` makes it",
+      sensor.name, timing_text(timing_of(sensor.time, resolution), sensor.time.front()));
+}
+
 std::size_t SensorColumn::row_size() const {
   return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
 }

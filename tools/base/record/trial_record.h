@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sim/core/contact_frame.h"
+#include "tools/base/record/sample_timing.h"
 #include "tools/base/statistics/confusion.h"
 
 namespace slipbench {
@@ -73,12 +74,17 @@ struct SensorRecord {
   std::vector<SensorColumn> channels;
   LabelRecord labels;
   std::string follows = {};  // the pad whose contact it reads and which carries, as the scene names it; empty: it has its own
+  std::optional<SampleTiming> timing =
+      {};  // of the stamps of an imported recording, as its source has them; empty: there are none
 
   // Of the rows of one of its channels.
   [[nodiscard]] const std::vector<double>& times_of(const SensorColumn& channel) const {
     return channel.time ? *channel.time : time;
   }
 };
+
+// Throws InputError with mean rate, median rate and longest step for a recorded sensor whose samples are not evenly_spaced().
+void check_evenly_spaced(const SensorRecord& sensor);
 
 // The gripper in the loop, a row a sample of ControlRecord; all empty in a scene that is no grasp.
 struct GripRecord {

@@ -25,10 +25,14 @@
 #include "tools/program/plugin/plugin_builds.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/text/describe.h"
+#include "tools/program/text/sweep_text.h"
 #include "tools/program/verify/verify.h"
 
 namespace slipbench {
 namespace {
+
+// A folder may hold thousands of recordings.
+constexpr std::size_t most_import_warnings = 10;
 
 // Which trials of its run a dataset does not hold.
 void say_failed(const std::string& dataset) {
@@ -206,6 +210,9 @@ Examples:
             [this](const std::string& name) { options.format = &import_format(name); })
       .required();
   arguments.file("--map FILE.yaml", options.map, "Of the format csv: which column is what");
+  arguments.quantity("--rate RATE", options.rate,
+                     "Resample at this rate, e.g. '100 Hz': straight lines between samples, no filter (default: as recorded)",
+                     Quantity::frequency);
   arguments.file("-o,--output FILE.h5", options.output, "Dataset to write (default: none, the sources are only checked)");
   arguments.number("--seed N", options.seed, "Of the split into training, validation and test (default: 1)", 0);
 }
@@ -216,17 +223,27 @@ int ImportCommand::run() {
     const InterruptScope scope(&InterruptGuard::flag());
     return import_recordings(options);
   }();
+  const std::size_t shown = std::min(summary.warnings.size(), most_import_warnings);
+  print_warnings({summary.warnings.begin(), summary.warnings.begin() + static_cast<std::ptrdiff_t>(shown)});
+  if (shown < summary.warnings.size()) {
+    say(stderr,
+        fmt::format("slipbench: {} more warnings of this kind; --json prints all of them\n", summary.warnings.size() - shown));
+  }
   if (json)
     return print_json({{"sources", summary.sources},
                        {"trials", summary.trials},
                        {"samples", summary.samples},
                        {"repeated_rows", summary.repeated_rows},
                        {"objects", summary.objects},
+                       {"warnings", warnings_json(summary.warnings)},
                        {"files", summary.files}});
   fmt::print("{} recordings of {} files, {} samples{}\n", summary.trials, summary.sources, summary.samples,
              summary.objects.empty() ? "" : fmt::format(", {} objects", summary.objects.size()));
   if (summary.repeated_rows > 0)
     fmt::print("{} rows left out that say the one before again, word for word\n", summary.repeated_rows);
+  if (options.rate) {
+    fmt::print("resampled at {} by straight lines between samples\n", format_quantity(*options.rate, Quantity::frequency));
+  }
   print_written(summary.files);
   if (summary.files.empty()) {
     say(stderr, "slipbench: nothing is written\n");

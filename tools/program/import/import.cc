@@ -11,6 +11,7 @@
 #include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/base/files/reject.h"
+#include "tools/program/import/resample.h"
 #include "tools/program/import/source_table.h"
 #include "tools/program/sweep/run_sweep.h"
 
@@ -74,6 +75,7 @@ std::string canonical_import(const ImportOptions& options) {
   std::string command = "slipbench import";
   for (const std::string& source : options.sources) command += " " + shell_word(source);
   if (!options.map.empty()) command += " --map " + shell_word(options.map);
+  if (options.rate) command += fmt::format(" --rate '{} Hz'", *options.rate);
   return command + fmt::format(" --format {} --seed {}", options.format->name, options.seed);
 }
 
@@ -85,6 +87,52 @@ DatasetHeader header_of(const ImportOptions& options) {
           .command = canonical_import(options),
           .split = split,
           .truth = fmt::format("none: imported from {}", options.format->name)};
+}
+
+// "; times in ms would give 100 Hz" for a rate that no tactile sensor has; else empty. `mapped`: the user can say the unit.
+std::string unit_hint(double rate, bool mapped) {
+  constexpr double slowest = 5.0;  // Hz
+  struct Unit {
+    const char* name;
+    const char* scale;
+    double length;  // s
+  };
+  constexpr std::array<Unit, 3> units{{{"ms", "1e-3", 1e-3}, {"us", "1e-6", 1e-6}, {"ns", "1e-9", 1e-9}}};
+  if (rate >= slowest) return "";
+  const auto* unit = std::ranges::find_if(units, [&](const Unit& one) { return rate / one.length >= slowest; });
+  if (unit == units.end()) return "";
+  return fmt::format("; times in {} would give {}{}", unit->name, format_quantity(rate / unit->length, Quantity::frequency),
+                     mapped ? fmt::format(" (time: {{scale: {}}} in the column map)", unit->scale) : "");
+}
+
+// About the time stamps of a recording as it was read. All its sensors have the same ones.
+void add_timing_warnings(const TrialRecord& record, const SourceFile& file, bool mapped, std::vector<Warning>& warnings) {
+  const SensorRecord& sensor = record.sensors.front();
+  if (!sensor.timing) return;
+  const auto warn = [&](const std::string& text) { warnings.push_back({file.path, file.path + ": " + text}); };
+  if (const std::string hint = unit_hint(sensor.rate, mapped); !hint.empty())
+    warn(fmt::format("has one sample every {:.4g} s{}", 1.0 / sensor.rate, hint));
+  if (!steps_vary(*sensor.timing)) return;
+  const std::string timing = timing_text(*sensor.timing, sensor.time.front());
+  if (evenly_spaced(sensor.time, sensor.timing->resolution)) {
+    warn("the steps between its samples vary: " + timing);
+  } else {
+    warn("its samples are not evenly spaced: " + timing +
+         "; detectors that count samples refuse it unless it is imported with --rate RATE");
+  }
+}
+
+// Resamples a recording and notes it in its params.
+void resample_and_note(TrialRecord& record, double rate, const SourceFile& file, std::vector<Warning>& warnings) {
+  const std::size_t in_gaps = resample(record, rate, file.path);
+  Json params = Json::parse(record.params);
+  params["resampled"] = {{"rate_hz", rate}, {"samples_in_gaps", in_gaps}};
+  record.params = params.dump();
+  if (in_gaps > 0)
+    warnings.push_back(
+        {file.path, fmt::format("{}: {} of {} samples at {} lie in gaps of the recording and are on straight lines "
+                                "across them",
+                                file.path, in_gaps, record.num_samples(), format_quantity(rate, Quantity::frequency))});
 }
 
 // A dataset of which nothing is left unless it was finished.
@@ -149,6 +197,8 @@ ImportSummary import_recordings(const ImportOptions& options) {
     options.format->read(file, [&](TrialRecord record, std::size_t repeated_rows) {
       record.trial = summary.trials++;
       record.seed = options.seed;
+      add_timing_warnings(record, file, options.format->read == &read_mapped_csv, summary.warnings);
+      if (options.rate) resample_and_note(record, *options.rate, file, summary.warnings);
       summary.samples += record.num_samples();
       summary.repeated_rows += repeated_rows;
       if (!record.material.empty()) ++summary.objects[record.material];

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "tools/base/record/trial_record.h"
+#include "tools/program/sweep/warnings.h"
 
 namespace slipbench {
 
@@ -20,6 +22,7 @@ struct ImportOptions {
   std::string output;                    // HDF5 file; empty: the sources are read and checked, and nothing is written
   std::uint64_t seed = 1;                // of the split
   std::string map = {};                  // YAML file of the format csv; empty: none
+  std::optional<double> rate = {};  // Hz, at which every recording is resampled (resample.h); empty: samples stay as recorded
 };
 
 struct ImportSummary {
@@ -29,6 +32,9 @@ struct ImportSummary {
   std::size_t repeated_rows = 0;               // that a source repeats word for word and that were left out
   std::map<std::string, std::size_t> objects;  // recordings of each; empty: the format names none
   std::vector<std::string> files;              // written
+  // Of each recording, about its file: steps that vary by more than 1 % (steps_vary()), a rate that looks like times in another unit, and samples that
+  // were interpolated in gaps.
+  std::vector<Warning> warnings;
 };
 
 // Their names on the command line, in order: "bts3v2".

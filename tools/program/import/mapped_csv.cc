@@ -147,6 +147,7 @@ void read_mapped_csv(const SourceFile& file, const AddRecording& add) {
     if (channel.components > 1) column.shape.push_back(channel.components);
     for (const std::size_t place : own) sensor.channel_names.push_back(titles[place]);
   }
+  double resolution = std::numeric_limits<double>::infinity();  // s
   while (table.next()) {
     table.expect_cells(titles.size());
     table.expect_room(sensor.time.size() + 1, sizeof(double) + titles.size() * sizeof(float));
@@ -156,6 +157,7 @@ void read_mapped_csv(const SourceFile& file, const AddRecording& add) {
       table.fail(
           fmt::format("column {}, {}, is {} s after {} s; allowed: rising times", time + 1, map.time, now, sensor.time.back()));
     sensor.time.push_back(now);
+    resolution = std::min(resolution, map.time_scale * resolution_of(table.cells()[time]));
     for (std::size_t c = 0; c < places.size(); ++c) {
       const double scale = map.channels[c].scale, most = std::numeric_limits<float>::max() / std::max(1.0, std::abs(scale));
       for (const std::size_t place : places[c])
@@ -165,7 +167,7 @@ void read_mapped_csv(const SourceFile& file, const AddRecording& add) {
     if (!map.state.empty())
       sensor.labels.state_paper.push_back(static_cast<std::uint8_t>(table.one_of(state, map.state, states)));
   }
-  sensor.rate = rate_of(table, sensor.time);
+  set_timing(table, resolution, sensor);
   TrialRecord record = make_recording({{"file", file.name}}, "");
   record.body_time = sensor.time;
   record.sensors.push_back(std::move(sensor));

@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -138,6 +139,7 @@ void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
   std::vector<double> time;
   std::string before;
   std::size_t repeated = 0;
+  double resolution = std::numeric_limits<double>::infinity();  // s
   while (table.next()) {
     if (table.text() == before) {  // a program that logs faster than the device samples writes rows twice
       ++repeated;
@@ -152,13 +154,14 @@ void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
                              table.cells()[0], 1e6 * time.back()));
     }
     time.push_back(now);
+    resolution = std::min(resolution, resolution_of(table.cells()[0]) / 1e6);
     for (std::size_t s = 0; s < count; ++s) sensors[s].add(table, names, 1 + s * log_sensor_columns);
   }
 
   bool detects = true;
   for (LoggedSensor& sensor : sensors) {
     sensor.record.time = time;
-    sensor.record.rate = rate_of(table, time);
+    set_timing(table, resolution, sensor.record);
     sensor.record.labels.rule = log_rule;
     if (!sensor.always_active) sensor.record.labels.state_paper.clear();
     detects = detects && sensor.always_active;
@@ -178,6 +181,7 @@ void read_training_csv(const SourceFile& file, const AddRecording& add) {
   std::vector<std::string> columns{"time"};
   while (columns.size() < training_columns) columns.push_back(training_column(columns.size()));
   SourceTable table(file);
+  double resolution = std::numeric_limits<double>::infinity();  // s
   while (table.next()) {
     table.expect_cells(training_columns);
     table.expect_room(sensor.time.size() + 1, sizeof(double) + training_columns * sizeof(float));
@@ -185,6 +189,7 @@ void read_training_csv(const SourceFile& file, const AddRecording& add) {
     if (!sensor.time.empty() && !(now > sensor.time.back()))
       table.fail(fmt::format("column 1, time, is '{}' after {}; allowed: rising times", table.cells()[0], sensor.time.back()));
     sensor.time.push_back(now);
+    resolution = std::min(resolution, resolution_of(table.cells()[0]));
     std::size_t touching = 0, slipping = 0;
     bool contact = false;
     for (std::size_t p = 0; p < pillars; ++p) {
@@ -206,7 +211,7 @@ void read_training_csv(const SourceFile& file, const AddRecording& add) {
     const PadState state = touching == 0 && contact ? PadState::non_slip : UnitCounts{touching, slipping}.state();
     sensor.labels.state_paper.push_back(static_cast<std::uint8_t>(state));
   }
-  sensor.rate = rate_of(table, sensor.time);
+  set_timing(table, resolution, sensor);
   sensor.labels.rule = training_rule;
   TrialRecord record = make_recording(name.params, "");
   record.body_time = sensor.time;

@@ -164,15 +164,23 @@ SensorRecord make_imported_sensor(const std::string& name, const std::string& ty
   return record;
 }
 
-double rate_of(const SourceTable& table, const std::vector<double>& times) {
-  if (times.size() < 2)
-    table.fail(fmt::format("ends a recording of {} samples; allowed: two at least, which tell the rate", times.size()));
-  std::vector<double> steps;
-  for (std::size_t row = 1; row < times.size(); ++row) steps.push_back(times[row] - times[row - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  const double microseconds = std::round(1e6 * *middle);
-  return microseconds > 0.0 ? 1e6 / microseconds : 1.0 / *middle;
+double resolution_of(std::string_view number) {
+  const std::size_t exponent_at = number.find_first_of("eE"), point = number.find('.');
+  int exponent = 0;
+  if (exponent_at != std::string_view::npos) {
+    std::string_view text = number.substr(exponent_at + 1);
+    if (text.starts_with('+')) text.remove_prefix(1);
+    std::from_chars(text.data(), text.data() + text.size(), exponent);
+  }
+  const std::size_t decimals = point == std::string_view::npos ? 0 : std::min(number.size(), exponent_at) - point - 1;
+  return std::pow(10.0, exponent - static_cast<int>(decimals));
+}
+
+void set_timing(const SourceTable& table, double resolution, SensorRecord& sensor) {
+  if (sensor.time.size() < 2)
+    table.fail(fmt::format("ends a recording of {} samples; allowed: two at least, which tell the rate", sensor.time.size()));
+  sensor.rate = rate_of(sensor.time, resolution);
+  sensor.timing = timing_of(sensor.time, resolution);
 }
 
 }  // namespace slipbench

@@ -104,7 +104,10 @@ class SourceTable {
   std::size_t line_ = 0;
 };
 
-// Samples a second of rising times [s]: one over the median step, rounded to a microsecond. Fails where there are fewer than two.
-double rate_of(const SourceTable& table, const std::vector<double>& times);
+// The least difference that two numbers written like this one can have: 0.001 of "1.250", 1 of "7", 100 of "1.2e3".
+double resolution_of(std::string_view number);
+
+// Sets rate and timing of a sensor by its stamps, whose least difference is `resolution` [s]. Fails where there are fewer than two.
+void set_timing(const SourceTable& table, double resolution, SensorRecord& sensor);
 
 }  // namespace slipbench

@@ -44,7 +44,7 @@ TEST_F(ImportedFiles, ImportSaysWhatItRead) {
   EXPECT_EQ(looked.status, 0);
   EXPECT_EQ(nlohmann::json::parse(looked.out),
             nlohmann::json::parse(R"({"sources": 3, "trials": 3, "samples": 6, "repeated_rows": 0,
-                                                                         "objects": {"case": 2, "pen": 1}, "files": []})"));
+                                                                         "objects": {"case": 2, "pen": 1}, "warnings": [], "files": []})"));
 }
 
 TEST_F(ImportedFiles, ImportRefusesBadWords) {

@@ -1,6 +1,7 @@
 // What each format stores of a source, and that there is no truth; a simulated trial through `export` and `import`; damaged and wrong sources.
 #include <cmath>
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,7 @@
 #include "tools/base/dataset/reader.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/export/export.h"
+#include "tools/program/import/source_table.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/verify/verify.h"
 
@@ -98,7 +100,7 @@ TEST_F(Import, FilesOfAFolderComeInTheOrderOfTheirNames) {
 TEST_F(Import, LogHasItsPillarsItsRateAndTheDevicesOwnSlip) {
   const std::vector<int> none{-2, -2, -2, -2, -2, -2, -2, -2, -2}, held{1, 2, -2, -2, -2, -2, -2, -2, -1},
       some{3, 2, -2, -2, -2, -2, -2, -2, -1}, all{3, 3, -2, -2, -2, -2, -2, -2, -1};
-  // Steps of 2, 2 and 5 ms: the median tells the rate. One row is there twice.
+  // Steps of 2, 2 and 5 ms: 3 steps in 9 ms. Stamps in us give the rate within 1 us in 9 ms, 0.04 Hz: 333.3 Hz. One row is there twice.
   const std::string file = source("LOG_1.csv", log_header(1) + log_row(1'000'000, {log_cells(none)}) +
                                                    log_row(1'002'000, {log_cells(held)}) + log_row(1'002'000, {log_cells(held)}) +
                                                    log_row(1'004'000, {log_cells(some)}) + log_row(1'009'000, {log_cells(all)}));
@@ -107,7 +109,19 @@ TEST_F(Import, LogHasItsPillarsItsRateAndTheDevicesOwnSlip) {
   const SensorRecord sensor = trial(0).sensors.at(0);
   EXPECT_EQ(sensor.name, "pad");
   EXPECT_EQ(sensor.type, "papillarray");
-  EXPECT_EQ(sensor.rate, 500.0);
+  EXPECT_EQ(sensor.rate, 333.3);
+  ASSERT_TRUE(sensor.timing);
+  EXPECT_NEAR(sensor.timing->mean_rate, 3.0 / 0.009, 1e-9);
+  EXPECT_NEAR(sensor.timing->median_rate, 500.0, 1e-9);
+  EXPECT_NEAR(sensor.timing->largest_gap, 0.005, 1e-12);
+  EXPECT_EQ(sensor.timing->largest_gap_at, 1.004);
+  EXPECT_NEAR(sensor.timing->resolution, 1e-6, 1e-12);
+  ASSERT_THAT(summary.warnings, SizeIs(1));
+  EXPECT_EQ(
+      summary.warnings[0].text,
+      file +
+          ": its samples are not evenly spaced: 333.333 Hz on average, 500 Hz by the median step, longest step 0.005 s, 0.004 s after "
+          "the first sample; detectors that count samples refuse it unless it is imported with --rate RATE");
   EXPECT_THAT(sensor.time, ElementsAre(1.0, 1.002, 1.004, 1.009));
   ASSERT_THAT(sensor.channels, SizeIs(2));
   EXPECT_EQ(sensor.channels[0].name, "force");
@@ -352,6 +366,104 @@ TEST_F(RoundTrip, OfTheTrainingFiles) {
 }
 
 using namespace slipbench::testing;
+
+// Tables of one column against a time column that a map names.
+struct Timed : Import {
+  // Rows of `force` at the stamps, written with so many decimals.
+  std::string table(const std::string& name, const std::vector<double>& times, int decimals) {
+    std::string text = "t,f\n";
+    for (std::size_t k = 0; k < times.size(); ++k) text += fmt::format("{:.{}f},{}\n", times[k], decimals, k);
+    return source(name, text);
+  }
+  std::string map(const std::string& time = "column: t") {
+    return source("map.yaml", "{sensor: pad, type: meter, time: {" + time + "}, channels: {force: {unit: N, columns: [f]}}}\n");
+  }
+  [[nodiscard]] ImportSummary at_rate(const std::string& file, double rate) {
+    return import_recordings({{file}, &import_format("csv"), path("out.h5"), 7, map(), rate});
+  }
+  [[nodiscard]] SensorRecord pad() const { return DatasetReader(path("out.h5")).read_sensor(0, "pad"); }
+  static std::vector<double> clock(double rate, std::size_t count) {
+    std::vector<double> times;
+    for (std::size_t k = 0; k < count; ++k) times.push_back(static_cast<double>(k) / rate);
+    return times;
+  }
+  // 100 Hz with a pause of 0.5 s before sample 30.
+  static std::vector<double> with_gap() {
+    std::vector<double> times = clock(100.0, 60);
+    for (std::size_t k = 30; k < 60; ++k) times[k] += 0.5;
+    return times;
+  }
+};
+
+// The last digit of the stamps is their resolution, after scaling.
+TEST_F(Timed, RateIsThatOfTheClockWithinTheStampsDigits) {
+  for (const auto& [rate, decimals] :
+       std::vector<std::pair<double, int>>{{44'100.0, 9}, {2e6, 9}, {700e3, 9}, {30.0, 9}, {444.0, 3}}) {
+    const ImportSummary summary = run({table("a.csv", clock(rate, 3000), decimals)}, "csv", "out.h5", map());
+    EXPECT_EQ(pad().rate, rate);
+    EXPECT_THAT(summary.warnings, IsEmpty()) << rate;
+  }
+  std::string nanoseconds = "t,f\n";
+  for (int k = 0; k < 600; ++k) nanoseconds += fmt::format("{},{}\n", 1581073084690542592L + 10'000'000L * k, k);
+  run({source("ns.csv", nanoseconds)}, "csv", "out.h5", map("column: t, scale: 1e-9"));
+  EXPECT_EQ(pad().rate, 100.0);
+}
+
+TEST_F(Timed, ResolutionIsThatOfTheLastDigit) {
+  EXPECT_DOUBLE_EQ(resolution_of("7"), 1.0);
+  EXPECT_DOUBLE_EQ(resolution_of("1.250"), 1e-3);
+  EXPECT_DOUBLE_EQ(resolution_of("-1.25e-3"), 1e-5);
+  EXPECT_DOUBLE_EQ(resolution_of("1.2E+3"), 100.0);
+  EXPECT_DOUBLE_EQ(resolution_of("3."), 1.0);
+}
+
+TEST_F(Timed, WarnsOfTimesInAnotherUnit) {
+  const std::string file = table("a.csv", clock(0.1, 60), 0);  // 0, 10, 20: 100 Hz in ms
+  const ImportSummary summary = run({file}, "csv", "out.h5", map());
+  ASSERT_THAT(summary.warnings, SizeIs(1));
+  EXPECT_EQ(summary.warnings[0].text,
+            file + ": has one sample every 10 s; times in ms would give 100 Hz (time: {scale: 1e-3} in the column map)");
+  EXPECT_THAT(run({file}, "csv", "out.h5", map("column: t, scale: 1e-3")).warnings, IsEmpty());
+}
+
+// Values count the rows, so that they show the time: row k was recorded at k/100 s before the gap and at k/100 s + 0.5 s after it.
+TEST_F(Timed, ResamplingTakesValuesBetweenTheSamples) {
+  const std::string file = table("a.csv", with_gap(), 3);
+  const ImportSummary summary = at_rate(file, 80.0);
+  const SensorRecord sensor = pad();
+  EXPECT_EQ(sensor.rate, 80.0);
+  ASSERT_THAT(sensor.time, SizeIs(88));  // 1.09 s: 87 steps of 12.5 ms
+  for (std::size_t k = 0; k < sensor.time.size(); ++k) {
+    EXPECT_NEAR(sensor.time[k], static_cast<double>(k) / 80.0, 1e-12);
+    const double t = sensor.time[k], row = t <= 0.29 ? 100.0 * t : t >= 0.8 ? 100.0 * (t - 0.5) : 29.0 + (t - 0.29) / 0.51;
+    EXPECT_NEAR(sensor.channels[0].values[k], row, 1e-4) << k;
+  }
+  EXPECT_NO_THROW(check_evenly_spaced(sensor));
+  ASSERT_TRUE(sensor.timing);  // of the stamps as they were
+  EXPECT_NEAR(sensor.timing->median_rate, 100.0, 1e-6);
+  // Strictly between 0.29 and 0.8 s: 24/80 to 63/80 s.
+  EXPECT_EQ(params(0)["resampled"], nlohmann::json::parse(R"({"rate_hz": 80.0, "samples_in_gaps": 40})"));
+  ASSERT_THAT(summary.warnings, SizeIs(2));
+  EXPECT_EQ(summary.warnings[1].text,
+            file + ": 40 of 88 samples at 80 Hz lie in gaps of the recording and are on straight lines across them");
+  EXPECT_THAT(DatasetReader(path("out.h5")).header().command, HasSubstr(" --rate '80 Hz' --format csv"));
+  EXPECT_TRUE(verify_datasets({path("out.h5")}).holds);
+}
+
+TEST_F(Timed, ResamplingStaysBelowTheRecordingsRate) {
+  const std::string file = table("a.csv", clock(99.99, 500), 6);
+  EXPECT_EQ(at_rate(file, 100.0).samples, 500u);
+  EXPECT_EQ(pad().rate, 100.0);
+  EXPECT_EQ(refusal_of([&] { static_cast<void>(at_rate(file, 102.0)); }),
+            file + ": --rate 102 Hz is above the 99.99 Hz of the recording; allowed: up to that rate, within 1 %");
+  EXPECT_EQ(refusal_of([&] { static_cast<void>(at_rate(file, 0.1)); }),
+            file + ": has fewer than two samples at 0.1 Hz; allowed: a higher --rate");
+  const std::string grasp = source("grasp.csv", grasp_header() + grasp_row("coke", "0", 1));
+  EXPECT_EQ(refusal_of([&] {
+              import_recordings({{grasp}, &import_format("bts3v2"), "", 7, "", 10.0});
+            }),
+            grasp + ": holds one sample, which has no rate; allowed: recordings of two samples or more with --rate");
+}
 
 struct ImportErrors : slipbench::testing::ImportTest {
   // Imports a source and expects a message about it that begins with its path; nothing but the source is left.

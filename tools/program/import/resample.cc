@@ -1,0 +1,106 @@
+#include "tools/program/import/resample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "sim/core/quantity.h"
+#include "tools/base/files/reject.h"
+#include "tools/program/import/source_table.h"
+
+namespace slipbench {
+namespace {
+
+constexpr double gap_steps = 1.5;       // median steps from which on at least one sample is missing
+constexpr double time_rounding = 1e-9;  // of a step
+constexpr double most_instants = 1e9;   // beyond what a recording may take in memory
+
+// Where a new sample lies: after sample `row`, by `share` of the step to the next one.
+struct Spot {
+  std::size_t row = 0;
+  double share = 0.0;
+};
+
+std::vector<Spot> spots_of(const std::vector<double>& times, const std::vector<double>& instants) {
+  std::vector<Spot> spots;
+  std::size_t row = 0;
+  for (const double instant : instants) {
+    while (row + 2 < times.size() && times[row + 1] <= instant) ++row;
+    const double share = (instant - times[row]) / (times[row + 1] - times[row]);
+    spots.push_back({row, share < time_rounding ? 0.0 : share > 1.0 - time_rounding ? 1.0 : share});
+  }
+  return spots;
+}
+
+std::vector<float> interpolated(const SensorColumn& column, const std::vector<Spot>& spots) {
+  const std::size_t width = column.row_size();
+  std::vector<float> values;
+  values.reserve(spots.size() * width);
+  for (const Spot& spot : spots) {
+    const float* before = column.values.data() + spot.row * width;
+    for (std::size_t k = 0; k < width; ++k)
+      values.push_back(static_cast<float>((1.0 - spot.share) * double{before[k]} + spot.share * double{before[width + k]}));
+  }
+  return values;
+}
+
+std::size_t row_bytes(const SensorRecord& sensor) {
+  std::size_t bytes = sizeof(double);
+  for (const SensorColumn& channel : sensor.channels) bytes += channel.row_size() * sizeof(float);
+  return bytes;
+}
+
+std::vector<double> instants_of(const SensorRecord& sensor, double rate, const std::string& place) {
+  const double steps = std::floor((sensor.time.back() - sensor.time.front()) * rate + time_rounding);
+  if (steps < 1.0)
+    reject("{}: has fewer than two samples at {}; allowed: a higher --rate", place, format_quantity(rate, Quantity::frequency));
+  if (steps > most_instants || (steps + 1.0) * static_cast<double>(row_bytes(sensor)) > static_cast<double>(largest_recording))
+    reject("{}: takes more than {} MB at {}; allowed: a lower --rate", place, largest_recording / 1'000'000,
+           format_quantity(rate, Quantity::frequency));
+  std::vector<double> instants;
+  for (std::size_t k = 0; k <= static_cast<std::size_t>(steps); ++k)
+    instants.push_back(sensor.time.front() + static_cast<double>(k) / rate);
+  return instants;
+}
+
+// Returns the new samples in gaps.
+std::size_t resample_sensor(SensorRecord& sensor, double rate, const std::string& place) {
+  if (sensor.time.size() < 2)
+    reject("{}: holds one sample, which has no rate; allowed: recordings of two samples or more with --rate", place);
+  const SampleTiming timing = sensor.timing ? *sensor.timing : timing_of(sensor.time, 0.0);
+  const double most = std::max(timing.mean_rate, timing.median_rate);
+  if (rate > most && !same_rate(rate, most)) {
+    reject("{}: --rate {} is above the {} of the recording; allowed: up to that rate, within 1 %", place,
+           format_quantity(rate, Quantity::frequency), format_quantity(most, Quantity::frequency));
+  }
+  std::vector<double> instants = instants_of(sensor, rate, place);
+  const std::vector<Spot> spots = spots_of(sensor.time, instants);
+  const double gap = gap_steps / timing.median_rate + timing.resolution;
+  const auto in_gap = [&](const Spot& spot) {
+    return spot.share > 0.0 && spot.share < 1.0 && sensor.time[spot.row + 1] - sensor.time[spot.row] > gap;
+  };
+  const auto in_gaps = static_cast<std::size_t>(std::ranges::count_if(spots, in_gap));
+  for (SensorColumn& channel : sensor.channels) channel.values = interpolated(channel, spots);
+  if (!sensor.labels.state_paper.empty()) {
+    std::vector<std::uint8_t> states;
+    for (const Spot& spot : spots) states.push_back(sensor.labels.state_paper[spot.share < 1.0 ? spot.row : spot.row + 1]);
+    sensor.labels.state_paper = std::move(states);
+  }
+  sensor.time = std::move(instants);
+  sensor.rate = rate;
+  sensor.timing = timing;
+  sensor.timing->resolution = 0.0;
+  return in_gaps;
+}
+
+}  // namespace
+
+std::size_t resample(TrialRecord& record, double rate, const std::string& place) {
+  std::size_t in_gaps = 0;
+  for (SensorRecord& sensor : record.sensors) in_gaps = std::max(in_gaps, resample_sensor(sensor, rate, place));
+  record.body_time = record.sensors.front().time;
+  return in_gaps;
+}
+
+}  // namespace slipbench
