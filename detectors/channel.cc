@@ -29,11 +29,10 @@ std::size_t scalar_channel(const FrameSource& source, std::string_view name, con
 namespace {
 
 std::size_t whole_frames(double length, const FrameSource& source, const std::string& detector) {
-  constexpr double rounding = 1e-9;  // of a decimal length times a decimal rate
-  constexpr double most = 1e6;       // frames kept for each unit: beyond any use
+  constexpr double most = 1e6;  // frames kept for each unit: beyond any use
   const double frames = length * source.rate;
   const double whole = std::round(frames);
-  if (whole < 1.0 || whole > most || std::abs(frames - whole) > rounding * whole) {
+  if (whole < 1.0 || whole > most || std::abs(frames - whole) > source.rate_rounding * whole) {
     throw SceneValueError("detector.window", detector + " compares frames that lie " + format_quantity(length, Quantity::time) +
                                                  " apart, and sensors." + source.sensor + " has " +
                                                  format_quantity(source.rate, Quantity::frequency) +

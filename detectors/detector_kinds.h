@@ -15,6 +15,7 @@ struct DetectorKind {
   // z into the sensor, and at detector.window where that is no whole number of frames.
   std::unique_ptr<Detector> (*create)(const Parameters& parameters, const FrameSource& source);
   void (*check_run)(const Parameters& parameters, std::uint64_t trials) = nullptr;  // none: it asks nothing of the run
+  bool counts_frames = true;  // takes frames as evenly spaced; false: an estimate is of one frame, whenever that comes
 };
 
 // What makes a detector that takes parameters and source as they are.

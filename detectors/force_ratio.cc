@@ -45,7 +45,9 @@ DetectorKind force_ratio_detector() {
                                   "Ratio f_t/f_n above which a unit counts as slipping.",
                                   "assumed: 0.8 of the friction coefficient 0.5 of stage.yaml"),
                       touch_spec()}},
-      created<ForceRatio>};
+      created<ForceRatio>,
+      nullptr,
+      false};
 }
 
 }  // namespace slipbench

@@ -91,7 +91,9 @@ DetectorKind marker_deviation_detector() {
        .parameters = {number_spec("deviation", Quantity::length, "50 um", positive,
                                   "From the rigid motion; several times the noise of 6 um.", "assumed"),
                       indentation_spec()}},
-      created<MarkerDetector<by_deviation>>};
+      created<MarkerDetector<by_deviation>>,
+      nullptr,
+      false};
 }
 
 DetectorKind marker_entropy_detector() {
@@ -107,7 +109,9 @@ DetectorKind marker_entropy_detector() {
                       number_spec("entropy", Quantity::none, "2", positive, "Bits from which on the motion is uneven.",
                                   "assumed"),
                       indentation_spec()}},
-      created<MarkerDetector<by_entropy>>};
+      created<MarkerDetector<by_entropy>>,
+      nullptr,
+      false};
 }
 
 }  // namespace slipbench

@@ -56,8 +56,8 @@ class PluginDetector final : public Detector, private SampleListener {
 
   [[nodiscard]] std::size_t stride_of(double rate, const FrameSource& source) const {
     const double frames = std::round(source.rate / rate);
-    const bool whole =
-        rate > 0.0 && frames >= 1.0 && frames <= max_stride && std::abs(frames * rate - source.rate) <= 1e-9 * source.rate;
+    const bool whole = rate > 0.0 && frames >= 1.0 && frames <= max_stride &&
+                       std::abs(frames * rate - source.rate) <= source.rate_rounding * source.rate;
     if (!whole) {
       made_.library.refuse("makes a detector of " + format_number(rate) + " Hz, which does not divide the " +
                            format_quantity(source.rate, Quantity::frequency) + " of sensors." + source.sensor +

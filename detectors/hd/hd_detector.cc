@@ -81,7 +81,7 @@ std::vector<std::string> or_as_saved(std::vector<std::string> words) {
 
 std::size_t stride_of(double rate, const FrameSource& source) {
   const double frames = std::round(source.rate / rate);
-  if (frames < 1.0 || std::abs(frames * rate - source.rate) > 1e-9 * source.rate) {
+  if (frames < 1.0 || std::abs(frames * rate - source.rate) > source.rate_rounding * source.rate) {
     throw SceneValueError("detector.rate", format_quantity(rate, Quantity::frequency) + " does not divide the " +
                                                format_quantity(source.rate, Quantity::frequency) + " of sensors." +
                                                source.sensor + "; allowed: that over a whole number");

@@ -39,7 +39,7 @@ std::size_t place_of(const FrameSource& source, const std::string& name, const s
 // `length` [s] in frames.
 std::size_t frames_of(const Parameters& parameters, const char* name, std::size_t least, const FrameSource& source) {
   const double length = parameters.number(name), frames = std::round(length * source.rate);
-  if (std::abs(frames - length * source.rate) > 1e-9 * frames || frames < static_cast<double>(least)) {
+  if (std::abs(frames - length * source.rate) > source.rate_rounding * frames || frames < static_cast<double>(least)) {
     throw SceneValueError(
         fmt::format("detector.{}", name),
         fmt::format("{} is no whole number of the sensor's frames of {}, or fewer than {}; allowed: a multiple",

@@ -13,11 +13,10 @@ namespace {
 
 // A length [s] in samples of `source`.
 std::size_t whole_samples(double length, const std::string& key, const FrameSource& source) {
-  constexpr double rounding = 1e-9;  // of a decimal length times a decimal rate
-  constexpr double most = 1e6;       // samples a transform: beyond any use
+  constexpr double most = 1e6;  // samples a transform: beyond any use
   const double samples = length * source.rate;
   const double whole = std::round(samples);
-  if (whole < 1.0 || whole > most || std::abs(samples - whole) > rounding * whole) {
+  if (whole < 1.0 || whole > most || std::abs(samples - whole) > source.rate_rounding * whole) {
     throw SceneValueError("detector." + key, format_quantity(length, Quantity::time) +
                                                  " is no whole number of the samples that sensors." + source.sensor +
                                                  " takes at " + format_quantity(source.rate, Quantity::frequency) +

@@ -39,6 +39,8 @@ struct FrameSource {
   double duration = std::numeric_limits<double>::infinity();  // s, of the trial
   std::uint64_t seed = 0;                                     // of the dataset
   std::vector<SensorSource> sensors{};                        // all of the scene in its order, this one among them
+  // Share by which lengths in frames may miss a whole number: the rounding of decimals; of a recording what its clock is off.
+  double rate_rounding = 1e-9;
 };
 
 // What a scene names as its detector to get the truth in a detector's place (tools/program/catalogue/program_catalogues.h). Wherever a person

@@ -6,7 +6,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 
+#include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -16,6 +18,7 @@
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/record/sample_timing.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/check/check.h"
@@ -33,6 +36,10 @@ namespace nb = nanobind;
 
 namespace slipbench::python {
 namespace {
+
+// Stamps of samples [s].
+using Times = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+std::span<const double> span_of(const Times& times) { return {times.data(), times.size()}; }
 
 // Called with the trials done and all of them.
 using Progress = nb::typed<nb::object, nb::typed<nb::callable, void(std::size_t, std::size_t)>>;
@@ -277,6 +284,10 @@ void bind_scene(nb::module_& module) {
       .def("check", &Scene::check, nb::arg("draws"), nb::arg("seed").none(), nb::arg("jobs"), nb::arg("folder"),
            nb::arg("isolate"), nb::arg("limits"));
   module.def("evaluate", &evaluate);
+  module.def("evenly_spaced", [](const Times& times, double resolution) { return evenly_spaced(span_of(times), resolution); });
+  module.def("timing_text", [](const Times& times, double resolution) {
+    return timing_text(timing_of(span_of(times), resolution), span_of(times).front());
+  });
   module.def("describe", &describe);
   module.def("list_names", &list_names);
   module.def("project_file", [](const std::string& path) { return project_file(path); });

@@ -239,6 +239,12 @@ std::vector<Entry> detector_entries() {
   return entries;
 }
 
+bool counts_frames(const std::string& type) {
+  const auto found = std::ranges::find(detector_catalogue(), type,
+                                       [](const DetectorKind& kind) -> const std::string& { return kind.about.name; });
+  return found == detector_catalogue().end() || found->counts_frames;
+}
+
 void register_detector(const Entry& about, DetectorMaker make) {
   registered_detectors().put("detector", about, std::move(make), of_each(detector_catalogue(), &DetectorKind::about));
 }

@@ -57,6 +57,9 @@ void register_detector(const Entry& about, DetectorMaker make);
 // What a scene may name as detector.type, beside none: the oracle among them. Every one has the parameter flip.
 std::vector<Entry> detector_entries();
 
+// True if a detector of this type takes frames as evenly spaced (DetectorKind::counts_frames), as those of register_detector() may.
+bool counts_frames(const std::string& type);
+
 // The detector that `scene` describes, for the frames that `source` says; flipped as the scene asks. `simulation` is for the oracle alone, and must
 // outlive it. Throws InputError for a type that the catalogue does not have, and what the detector itself refuses.
 std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source, const Simulation& simulation);

@@ -106,8 +106,10 @@ Replayed replay(const DetectorScene& detector, std::span<const SensorRecord> sen
     duration = std::max(duration, record.time.back());
   }
   const SensorSource& own = sources[sensor];
-  return replay(make_detector(detector, {own.name, own.type, own.rate, own.channels, trial, duration, seed, sources}), sensors,
-                sensor);
+  FrameSource source{own.name, own.type, own.rate, own.channels, trial, duration, seed, sources};
+  if (!sensors[sensor].labels.truth) source.rate_rounding = rate_tolerance;
+  if (counts_frames(detector.type)) check_evenly_spaced(sensors[sensor]);
+  return replay(make_detector(detector, source), sensors, sensor);
 }
 
 Replayed replay(std::unique_ptr<Detector> detector, std::span<const SensorRecord> sensors, std::size_t sensor) {

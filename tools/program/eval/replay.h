@@ -36,7 +36,8 @@ struct Replayed {
 // slow channel standing still between its rows, the samples of every sensor first to Detector::listener(), and finish() at the end. What a
 // slow channel held before its first row is not recorded: that row takes its place. The scene's order of sensors is that of `sensors`, of
 // which it reads number `sensor`. `seed` and `trial` are the dataset's. The trial lasts until its last sample.
-// Throws InputError as make_detector() and the detector do, for a sensor without samples and for a probability that is none.
+// Throws InputError as make_detector() and the detector do, for a sensor without samples, for a probability that is none, and for samples that are not
+// evenly_spaced() where the detector counts_frames(). The clock of a recording may be off by rate_tolerance.
 Replayed replay(const DetectorScene& detector, std::span<const SensorRecord> sensors, std::size_t sensor, std::uint64_t seed,
                 std::uint64_t trial);
 // The same with a detector that was made for that sensor.

@@ -61,6 +61,13 @@ class Arrays(Mapping[str, "h5py.Dataset"]):
         return len(self._group)
 
 
+def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
+    """Raises InputError, which begins with `place`, where the samples of a recorded `sensor` cannot be counted in place of time."""
+    times, resolution = sensor["t"][:], float(sensor.attrs.get("time_resolution_s", 0.0))
+    if not _core.evenly_spaced(times, resolution):
+        raise _core.InputError(f"{place}: its samples are not evenly spaced ({_core.timing_text(times, resolution)}); allowed: {allowed}")
+
+
 class StoredTrial:
     """One trial of a dataset. Arrays stay in the file until they are indexed.
 
@@ -88,7 +95,10 @@ class StoredTrial:
 
     @property
     def sensors(self) -> dict[str, Arrays]:
-        """The channels of each sensor by name, [T, ...], and "t" [T] s; attributes type, rate_hz, frame. Empty where outcomes alone were recorded."""
+        """The channels of each sensor by name, [T, ...], and "t" [T] s; attributes type, rate_hz, frame. Empty where outcomes alone were recorded.
+
+        An imported recording has mean_rate_hz, median_rate_hz, largest_gap_s, largest_gap_at_s and time_resolution_s, too.
+        """
         return self._groups("sensors")
 
     @property
@@ -175,7 +185,8 @@ class Dataset(Mapping[int, StoredTrial]):
 
         `length` and `stride` count samples. `sensor`: which; empty: the only one. `channels`: their columns side by side; empty: all. `labels`: when a
         sample is slip, "strict" (all of a unit slips), "micro" (a part of it does) or "paper" (the rule of the sensor's paper). Labels are taken sample by
-        sample: the channels must be sampled at the labels' rate. `part`: of the masks; empty: every trial.
+        sample: the channels must be sampled at the labels' rate. `part`: of the masks; empty: every trial. A recording whose samples are not evenly
+        spaced is refused, since a window counts samples.
         """
         return Windows(self, length, stride, sensor, channels, labels, self.mask(part) if part else self.trials)
 
@@ -227,6 +238,7 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             trial = self._dataset[number]
             name = self._name(trial)
             sensor = trial.sensors[name]
+            check_evenly_spaced(f"trial {number}: sensor {name!r}", sensor, "one rate throughout, as `slipbench import --rate RATE` makes it")
             channels = self._channels or [str(one) for one in sensor.attrs["channels"]]
             samples = len(trial.labels[name][self._rule])
             for channel in channels:

@@ -140,6 +140,38 @@ TEST_F(ImportedFiles, AreJudgedByTheirOwnLabels) {
   }
 }
 
+// Ten samples 1 ms apart every 0.1 s: 1 kHz by the median step, 101 Hz on average. The network reads 1 kHz.
+TEST_F(ImportedFiles, ANetworkReadsEvenSamplesOnly) {
+  using namespace slipbench::testing;
+  std::string text = log_header(1), even = log_header(1);
+  for (long k = 0; k < 100; ++k) {
+    text += log_row(100'000 * (k / 10) + 1000 * (k % 10), {log_cells(std::vector<int>(9, 3))});
+    even += log_row(1000 * k + (k < 50 ? 0 : 1000), {log_cells(std::vector<int>(9, 3))});  // one sample of 101 is missing
+  }
+  const std::string network = SLIPBENCH_SOURCE_DIR "/tests/detectors/network/data/unit13.onnx", bursts = folder_ / "bursts.h5",
+                    lost = folder_ / "lost.h5", resampled = folder_ / "resampled.h5";
+  std::ofstream(folder_ / "bursts.csv") << text;
+  std::ofstream(folder_ / "lost.csv") << even;
+  const ChildResult imported = run_program_file({"import", folder_ / "bursts.csv", "--format", "papillarray-csv", "-o", bursts});
+  ASSERT_EQ(imported.status, 0) << imported.err;
+  EXPECT_THAT(imported.err, HasSubstr("slipbench: warning: " + std::string(folder_ / "bursts.csv") +
+                                      ": its samples are not evenly spaced: 108.9"));  // 99 steps in 0.909 s
+  expect_refusal({"eval", network, bursts, "--labels", "paper"}, "trial 0: sensor pad: its samples are not evenly spaced (108.9");
+  ASSERT_EQ(run_program_file({"import", folder_ / "lost.csv", "--format", "papillarray-csv", "-o", lost}).status, 0);
+  expect_refusal(
+      {"eval", network, lost, "--labels", "paper"},
+      "trial 0: sensor pad: its samples are not evenly spaced (990 Hz on average, 1000 Hz by the median step, longest step 0.002 s");
+  // A detector of single samples has no rate to go by.
+  EXPECT_EQ(run_program_file({"eval", "force_ratio", lost, "--labels", "paper"}).status, 0);
+  const ChildResult again =
+      run_program_file({"import", folder_ / "lost.csv", "--format", "papillarray-csv", "--rate", "1 kHz", "-o", resampled});
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_THAT(again.out, HasSubstr("resampled at 1 kHz by straight lines between samples"));
+  EXPECT_THAT(again.err, HasSubstr("1 of 101 samples at 1 kHz lie in gaps"));
+  const ChildResult judged = run_program_file({"eval", network, resampled, "--labels", "paper", "--json"});
+  EXPECT_EQ(judged.status, 0) << judged.err;
+}
+
 TEST_F(ImportedFiles, ANetworkHasToBeNamed) {
   expect_refusal({"eval", "network", data_, "--labels", "paper"},
                  "eval: no network is named; allowed: FILE.onnx in place of 'network', or the parameter model=FILE.onnx");

@@ -299,6 +299,7 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
   example.mass = facts.mass;
   example.turn = static_cast<std::uint8_t>(turn);
   if (turn != 0) check_turnable(sensor);
+  check_evenly_spaced(sensor);
   RecordedSamples samples(sensor);
   network::Frames frames(options.input, sensor.type, sensor.rate, samples.channels());
   const std::vector<std::uint8_t> labels = labels_of(record, sensor, options.labels, options.classes);
