@@ -4,6 +4,7 @@ real_lerobot_test.py asks lerobot itself.
 """
 
 import json
+import subprocess
 import unittest
 
 import h5py
@@ -11,7 +12,7 @@ import numpy as np
 import pandas
 import pyarrow.parquet
 
-from _made import ROOT, ExportTest, contents, export, for_each_scene, held, make
+from _made import PROGRAM, ROOT, ExportTest, contents, export, for_each_scene, held, make
 
 
 COUNTS = {"timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64", "task_index": "int64"}
@@ -194,6 +195,85 @@ class LeRobot(ExportTest):
                 _, told = export(dataset, notes.parent.parent, "--format", "lerobot", status=2)
                 self.assertIn(message, told)
                 self.assertEqual(contents(notes.parent.parent), {f"{name}/notes.txt": b"mine"})
+
+
+class Recordings(ExportTest):
+    """Logs of one channel: what a recorder's clock and float32 timestamps make of them."""
+
+    def imported(self, name, times, digits=6):
+        table, columns, dataset = self.folder / f"{name}.csv", self.folder / "map.yaml", self.folder / f"{name}.h5"
+        table.write_text("t,f\n" + "".join(f"{time:.{digits}f},{k}\n" for k, time in enumerate(times)))
+        columns.write_text("{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}}\n")
+        subprocess.run([PROGRAM, "import", table, "--format", "csv", "--map", columns, "-o", dataset], capture_output=True, check=True)
+        return dataset
+
+    def check_steps(self, info, table):
+        """As LeRobot's own check: every step inside of an episode is 1/fps within 1e-4 s, in float32."""
+        stamps, episodes = table["timestamp"].to_numpy(), table["episode_index"].to_numpy()
+        self.assertEqual(stamps.dtype, np.float32)
+        inside = np.diff(episodes) == 0
+        self.assertLess(np.max(np.abs(np.diff(stamps) - np.float32(1 / info["fps"]))[inside]), 1e-4)
+
+    def test_a_long_recording_becomes_several_episodes(self):
+        # Floats are 2^-13 s apart from 1,024 s on and 2^-12 s from 2,048 s on. There 0.1 s is 819.2 and 409.6 spacings, of which a step has a whole number: it
+        # misses by 0.8 of 2^-13 s = 0.098 ms at most, then by 0.6 of 2^-12 s = 0.146 ms. So an episode ends at 2,048 s, and 3,000 s take two.
+        dataset, out = self.imported("long", [k / 10 for k in range(30_000)], 1), self.folder / "long"
+        _, told = export(dataset, out, "--format", "lerobot")
+        self.assertIn("slipbench: note: trial 0: its 30000 frames at 10 fps become 2 episodes", told)
+        info, table, episodes = read(out / "10hz")
+        self.check_steps(info, table)
+        self.assertEqual(list(episodes["length"]), [15_000] * 2)
+        self.assertEqual(list(info["splits"].values()), ["0:2"])
+        np.testing.assert_array_equal(table["observation.pad.force"], np.arange(30_000, dtype=np.float32))
+        np.testing.assert_array_equal(table["time"], [round(k / 10, 1) for k in range(30_000)])
+        np.testing.assert_array_equal(table["frame_index"], np.tile(np.arange(15_000), 2))
+        # 0.01 s is 81.92 spacings of 2^-13 s: 0.112 ms from 1,024 s on.
+        dataset, out = self.imported("hundred", [k / 100 for k in range(103_000)], 2), self.folder / "hundred"
+        export(dataset, out, "--format", "lerobot")
+        info, table, episodes = read(out / "100hz")
+        self.check_steps(info, table)
+        self.assertEqual(list(episodes["length"]), [51_500] * 2)
+
+    def test_stamps_that_float32_holds_exactly_stay_one_episode(self):
+        # 1/4 s is a power of two: exact until 2^22 s.
+        dataset, out = self.imported("quarters", [k / 4 for k in range(8000)], 2), self.folder / "quarters"
+        _, told = export(dataset, out, "--format", "lerobot", "--rate", "4 Hz")
+        self.assertNotIn("note", told)
+        info, table, episodes = read(out / "4hz")
+        self.check_steps(info, table)
+        self.assertEqual(list(episodes["length"]), [8000])
+
+    def test_a_slow_clock_is_written_at_the_nearest_whole_rate(self):
+        dataset = self.imported("slow", [0.010001 * k for k in range(500)])  # 99.99 Hz
+        for words in ([], ["--rate", "100 Hz"]):
+            out = self.folder / f"slow{len(words)}"
+            _, told = export(dataset, out, "--format", "lerobot", *words)
+            self.assertIn("slipbench: note: trial 0: pad was recorded at 99.99 Hz and is written as 100 fps", told)
+            info, table, _ = read(out / "100hz")
+            self.check_steps(info, table)
+            # Every sample once, at the recorder's own time.
+            np.testing.assert_array_equal(table["observation.pad.force"], np.arange(500, dtype=np.float32))
+            np.testing.assert_allclose(table["time"], [0.010001 * k for k in range(500)], rtol=0, atol=1e-12)
+        _, told = export(dataset, self.folder / "fast", "--format", "lerobot", "--rate", "102 Hz", status=2)
+        self.assertIn("a rate of 102 Hz repeats samples of 'pad'; allowed: up to 99.99 Hz, its own", told)
+
+    def test_frames_are_not_counted_where_samples_are_missing(self):
+        dataset, out = self.imported("gap", [k / 100 + (0.5 if k >= 300 else 0) for k in range(600)], 2), self.folder / "gap"
+        _, told = export(dataset, out, "--format", "lerobot", status=2)
+        self.assertIn("trial 0: pad: its samples are not evenly spaced (92.2958 Hz on average, 100 Hz by the median step, longest step 0.51 s", told)
+        self.assertFalse(out.exists())
+
+    def test_other_rates_of_later_trials_are_refused(self):
+        (self.folder / "logs").mkdir()
+        for name, rate in (("a", 100), ("b", 50)):
+            (self.folder / f"logs/{name}.csv").write_text("t,f\n" + "".join(f"{k / rate:.2f},{k}\n" for k in range(100)))
+        self.imported("any", [0, 1])  # for its map
+        dataset = self.folder / "two.h5"
+        subprocess.run([PROGRAM, "import", self.folder / "logs", "--format", "csv", "--map", self.folder / "map.yaml", "-o", dataset],
+                       capture_output=True, check=True)
+        _, told = export(dataset, self.folder / "two", "--format", "lerobot", status=2)
+        self.assertRegex(told, r"trial \d: pad at (50|100) Hz, in the trials before at (100|50) Hz; allowed: one rate, by --rate or --trial")
+        export(dataset, self.folder / "two", "--format", "lerobot", "--rate", "50 Hz")
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ def main(text: str) -> int:
         writer = importlib.import_module(f"slipbench._export.{request.format}")
         with open_dataset(request.dataset) as data:
             files = writer.write(data, request, progress)
+        progress.end_notes()
         tell(request, files)
         return 0
     except ModuleNotFoundError as error:

@@ -16,7 +16,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from slipbench import Dataset, InputError, StoredTrial
+from slipbench import Arrays, Dataset, InputError, StoredTrial
+from slipbench._data import check_evenly_spaced
 from slipbench._export.parquet import encodings
 from slipbench._export.request import Progress, Request, make_folder, split_of
 from slipbench._export.series import TIME_ROUNDING, Series, body_series, control_series, grid, label_series, sensor_series
@@ -28,6 +29,8 @@ FILE_BYTES = 100_000_000
 QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
+STEP_TOLERANCE = 1e-4  # s, tolerance_s of LeRobot: each step of `timestamp` must be 1/fps within it
+RATE_TOLERANCE = 0.01  # share by which a recorder's clock may be off, as everywhere in the program
 
 
 @dataclass(frozen=True)
@@ -141,6 +144,7 @@ class _Writer:
         self._names: list[str] = []
         self._episodes: list[dict[str, Any]] = []
         self._stats: list[list[Stats]] = []
+        self._parts: list[str | None] = []
         self._frames = self._file = 0
         self._data: pq.ParquetWriter | None = None
         self.bytes = 0
@@ -150,7 +154,9 @@ class _Writer:
         path.parent.mkdir(parents=True, exist_ok=True)
         return path
 
-    def append(self, number: int, t: NDArray[np.float64], features: list[Feature]) -> None:
+    def append(self, number: int, part: str | None, t: NDArray[np.float64], features: list[Feature]) -> None:
+        """Writes an episode: frames of trial `number`, which is in `part` of the split. Parts come one after the other."""
+        self._parts.append(part)
         frames, episode = np.arange(len(t), dtype=np.int64), len(self._episodes)
         counts: dict[str, NDArray[Any]] = {
             "timestamp": (frames / self._fps).astype(np.float32), "frame_index": frames, "episode_index": np.full_like(frames, episode),
@@ -190,7 +196,13 @@ class _Writer:
             self._data = None
             self.bytes += self.bytes_of_file()
 
-    def finish(self, splits: dict[str, str]) -> None:
+    def _splits(self) -> dict[str, str]:
+        """The episodes of each part, as FIRST:END."""
+        counts = {part: self._parts.count(part) for part in ("train", "valid", "test")}
+        ends = np.cumsum([0, *counts.values()]).tolist()
+        return {part: f"{ends[i]}:{ends[i + 1]}" for i, (part, count) in enumerate(counts.items()) if count} or {"train": f"0:{len(self._parts)}"}
+
+    def finish(self) -> None:
         """Writes what describes the data."""
         self.close()
         pq.write_table(pa.Table.from_pylist(self._episodes), self._path(EPISODES), compression="zstd")
@@ -202,7 +214,7 @@ class _Writer:
         stats = {name: Stats.together([episode[i] for episode in self._stats]).lists() for i, name in enumerate(self._names)}
         info = {
             "codebase_version": VERSION, "robot_type": ROBOT, "total_episodes": len(self._episodes), "total_frames": self._frames, "total_tasks": 1,
-            "chunks_size": FILES_A_CHUNK, "data_files_size_in_mb": FILE_BYTES // 1_000_000, "video_files_size_in_mb": 200, "fps": self._fps, "splits": splits,
+            "chunks_size": FILES_A_CHUNK, "data_files_size_in_mb": FILE_BYTES // 1_000_000, "video_files_size_in_mb": 200, "fps": self._fps, "splits": self._splits(),
             "data_path": DATA, "video_path": None, "features": dict(zip(self._names, self._features, strict=True))}
         for name, content in (("stats", stats), ("info", info)):
             self._path(f"meta/{name}.json").write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
@@ -243,35 +255,80 @@ def _publish(partial: Path, folder: Path) -> None:
     shutil.rmtree(old, ignore_errors=True)
 
 
+def _recorded(sensor: Arrays) -> bool:
+    """True if the times are those of a recorder, whose clock is off."""
+    return "mean_rate_hz" in sensor.attrs
+
+
+def _fits(sensor: Arrays, rate: float) -> bool:
+    """True if the samples of a sensor are those of a dataset at `rate` [Hz]."""
+    own = float(sensor.attrs["rate_hz"])
+    return abs(own - rate) <= (RATE_TOLERANCE if _recorded(sensor) else TIME_ROUNDING) * rate
+
+
 def _rates(trial: StoredTrial, request: Request) -> dict[float, list[str]]:
-    """The sensors of each dataset, by its rate."""
-    if request.rate is not None:
-        rates = {request.rate: request.sensors}
-    else:
-        rates = {}
-        for sensor in request.sensors:
-            rates.setdefault(float(trial.sensors[sensor].attrs["rate_hz"]), []).append(sensor)
+    """The sensors of each dataset, by its rate: a whole number, for a recorded sensor the nearest to its rate."""
+    rates: dict[float, list[str]] = {}
+    for name in request.sensors:
+        rate = request.rate if request.rate is not None else float(trial.sensors[name].attrs["rate_hz"])
+        whole = float(max(1, round(rate)))
+        if request.rate is None and _fits(trial.sensors[name], whole):
+            rate = whole
+        rates.setdefault(rate, []).append(name)
     for rate, sensors in rates.items():
         if abs(rate - round(rate)) > TIME_ROUNDING * rate:
             raise InputError(f"lerobot: {', '.join(sensors)} at {rate:g} Hz; allowed: a whole number, by --rate")
     return rates
 
 
-def _instants(number: int, trial: StoredTrial, sensors: list[str], series: list[Series], request: Request) -> NDArray[np.float64]:
-    """From the first at which everything has been read once: at the rate that is asked for, or the sensors' own."""
-    if request.rate is not None:
+def _check_rates(number: int, trial: StoredTrial, rates: dict[float, list[str]], request: Request) -> None:
+    """Raises InputError where a sensor of this trial has another rate than in the first one."""
+    for rate, sensors in rates.items():
+        for name in sensors:
+            if request.rate is None and not _fits(trial.sensors[name], rate):
+                raise InputError(f"trial {number}: {name} at {float(trial.sensors[name].attrs['rate_hz']):g} Hz, in the trials before at {rate:g} Hz; "
+                                 "allowed: one rate, by --rate or --trial")
+
+
+def _instants(number: int, trial: StoredTrial, sensors: list[str], series: list[Series], rate: float, request: Request) -> NDArray[np.float64]:
+    """From the first at which everything has been read once: the sensors' own, or at the rate that is asked for where that is another one."""
+    recorded = [trial.sensors[name] for name in sensors if _recorded(trial.sensors[name])]
+    same = len(recorded) == len(sensors) and all(_fits(one, rate) for one in recorded)
+    if request.rate is not None and not same:
         return grid(number, trial, sensors, series, request.rate)
+    for name in sensors:
+        check_evenly_spaced(f"trial {number}: {name}", trial.sensors[name],
+                            "one rate throughout, as `slipbench import --rate RATE` makes it")
     own: NDArray[np.float64] = trial.sensors[sensors[0]]["t"][:]
     return own[own >= max(float(one.t[0]) for one in series) - TIME_ROUNDING]
+
+
+def _other_rate(trial: StoredTrial, sensors: list[str], rate: float) -> list[str]:
+    """What a reader must know of recorded sensors whose clock is off."""
+    own = {name: float(trial.sensors[name].attrs["rate_hz"]) for name in sensors if _fits(trial.sensors[name], rate)}
+    return [f"{name} was recorded at {one:.6g} Hz and is written as {rate:g} fps: timestamp counts frames, time is the recorder's"
+            for name, one in own.items() if one != rate]
+
+
+def _longest_episode(frames: int, fps: int) -> int:
+    """How many of so many frames one episode can have: `timestamp` is float32, whose spacing grows with time until a step misses STEP_TOLERANCE."""
+    steps = np.diff((np.arange(frames) / fps).astype(np.float32))
+    off = np.maximum(np.abs(steps - np.float32(1 / fps)).astype(np.float64), np.abs(steps.astype(np.float64) - 1 / fps))
+    missed = np.flatnonzero(off >= STEP_TOLERANCE)
+    return int(missed[0]) + 1 if len(missed) else frames
+
+
+def _pieces(frames: int, fps: int) -> list[slice]:
+    """The frames of each episode that a trial becomes, as few as possible and nearly equal in length."""
+    count = -(-frames // _longest_episode(frames, fps))
+    ends = [round(k * frames / count) for k in range(count + 1)]
+    return [slice(first, last) for first, last in zip(ends, ends[1:])]
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     """Writes a dataset for each rate, OUT/<rate>hz; returns the names of their files."""
     parts = split_of(data)
     order = [number for part in ("train", "valid", "test", None) for number in request.trials if parts.get(number) == part]
-    counts = {part: sum(parts.get(number) == part for number in order) for part in ("train", "valid", "test")}
-    ends = np.cumsum([0, *counts.values()]).tolist()
-    splits = {part: f"{ends[i]}:{ends[i + 1]}" for i, (part, count) in enumerate(counts.items()) if count} or {"train": f"0:{len(order)}"}
     out = Path(request.out)
     rates = _rates(data[order[0]], request)
     targets = {rate: out / f"{round(rate)}hz" for rate in rates}
@@ -286,14 +343,22 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
             writers[rate] = _Writer(partial, round(rate), _task(data.scene))
         for done, number in enumerate(order, 1):
             trial = data[number]
+            _check_rates(number, trial, rates, request)
             shared = [*body_series(trial), *control_series(trial)]
             for rate, sensors in rates.items():
                 series = [one for sensor in sensors for one in (*sensor_series(trial, sensor), *label_series(trial, sensor, request.labels))] + shared
-                t = _instants(number, trial, sensors, series, request)
-                writers[rate].append(number, t, list(_features(trial, [one.at(t) for one in series])))
+                t = _instants(number, trial, sensors, series, rate, request)
+                pieces = _pieces(len(t), round(rate))
+                for piece in pieces:
+                    writers[rate].append(number, parts.get(number), t[piece], list(_features(trial, [one.at(t[piece]) for one in series])))
+                for note in _other_rate(trial, sensors, rate):
+                    progress.note(f"trial {number}: {note}")
+                if len(pieces) > 1:
+                    progress.note(f"trial {number}: its {len(t)} frames at {rate:g} fps become {len(pieces)} episodes, since float32 timestamps of one "
+                                  f"would miss LeRobot's tolerance of {STEP_TOLERANCE:g} s")
             progress.update(done, sum(writer.bytes + writer.bytes_of_file() for writer in writers.values()))
         for rate, writer in writers.items():
-            writer.finish(splits)
+            writer.finish()
         progress.check()
         for rate, partial in partials.items():
             _publish(partial, targets[rate])

@@ -18,6 +18,7 @@ from slipbench import Dataset, InputError
 
 LINE_PERIOD = 5.0  # s, between lines where nobody watches
 BAR_PERIOD = 0.1  # s, between redraws
+MOST_NOTES = 10
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 NOTICE = "slipbench: stopping after this trial; once more to stop at once\n"
 ALLOWED = "allowed: a folder, or a new name in one that is there"
@@ -115,6 +116,7 @@ class Progress:
         self._total, self._out, self._quiet = len(request.trials), request.out, request.json
         self._bar = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
         self._start = self._drawn = time.monotonic()
+        self._notes = 0
 
     def check(self) -> None:
         """Raises Interrupted once a signal has asked to end. Called before the files get their names: from then on they are kept."""
@@ -141,6 +143,18 @@ class Progress:
             self._say(f"\r\033[K[{'#' * filled}{'-' * (30 - filled)}] {100 * done / self._total:3.0f} % {text}" + ("\n" if done == self._total else ""))
         elif done < self._total:
             self._say(text + "\n")
+
+    def note(self, text: str) -> None:
+        """Tells what a reader of the files must know, on stderr, also with --json. The first MOST_NOTES are shown, then their number."""
+        self._notes += 1
+        if self._notes <= MOST_NOTES:
+            self.clear()
+            sys.stderr.write(f"slipbench: note: {text}\n")
+
+    def end_notes(self) -> None:
+        """Says how many notes were not shown."""
+        if self._notes > MOST_NOTES:
+            sys.stderr.write(f"slipbench: note: {self._notes - MOST_NOTES} more trials likewise\n")
 
     def clear(self) -> None:
         """Removes an unfinished bar, so that a message starts on an empty line."""
