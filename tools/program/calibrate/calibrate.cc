@@ -33,17 +33,21 @@ struct Compared {
   VectorXd roughness;  // RMS over the recordings
 };
 
-// `lag`: of each recording's clock; a drawn one has its own.
-Compared compared(const std::vector<RawRecording>& recordings, const std::vector<SensorRecord>& scene,
-                  const std::function<double(std::size_t)>& lag) {
+// `scene_of`: the trial of a recording, ideal. `lag`: of each recording's clock; a drawn one has its own. `most_lag` [s]: the farther bound where it is
+// fitted.
+Compared compared(const std::vector<RawRecording>& recordings,
+                  const std::function<std::vector<SensorRecord>(std::size_t)>& scene_of,
+                  const std::function<double(std::size_t)>& lag, double most_lag) {
   Compared result;
   std::vector<VectorXd> rough;
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const RawRecording& recording = recordings[r];
+    const std::vector<SensorRecord> scene = scene_of(r);
     if (recording.sensors.empty()) reject("{}: holds no sensor; allowed: at least one", recording.name);
     Columns columns = shared_columns(recording, scene);
     if (result.real.empty()) result.columns = columns;
     check_same_columns(recording.name, columns, recordings.front().name, result.columns);
+    check_same_sampling(recording, scene, columns, most_longer_curves, most_lag);
     result.edges.push_back(bin_edges(recording, scene));
     const double shift = scene.front().time.front() - recording.sensors.front().time.front() + lag(r);
     result.real.push_back(bin_means(recording.sensors, Side::real, columns, result.edges.back(), shift));
@@ -51,6 +55,12 @@ Compared compared(const std::vector<RawRecording>& recordings, const std::vector
   }
   result.roughness = rms_over(rough);
   return result;
+}
+
+// How far the fitted lag can be from 0 [s]; 0 where it is not fitted.
+double most_lag(const std::vector<FitKey>& keys) {
+  const auto found = std::ranges::find(keys, lag_key, &FitKey::path);
+  return found == keys.end() ? 0.0 : std::max(std::abs(found->min), std::abs(found->max));
 }
 
 // Recordings simulated from parameters that are drawn between the bounds.
@@ -265,7 +275,10 @@ Json recordings_json(const std::vector<RawRecording>& recordings, const Compared
   Json list = Json::array();
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const double bins = static_cast<double>(data.real[r].rows()), span = data.edges[r].back() - data.edges[r].front();
+    const std::vector<double>& time = recordings[r].sensors.front().time;
     list.push_back({{"name", recordings[r].name},
+                    {"recorded_s", time.back() - time.front()},
+                    {"compared_s", span},
                     {"begin_s", data.edges[r].front()},
                     {"step_s", span / bins},
                     {"curves", curves_json(data, solution, r)}});
@@ -373,8 +386,9 @@ Result calibrate_curves(const Options& options, const SceneFile& file, std::uint
   }
 
   const VectorXd own = model.spread(model.own_places());
-  Compared data = compared(recordings, model.simulate(own, 0, Readings::ideal, seed, options.interrupt),
-                           [&](std::size_t r) { return truth ? all.lag(truth->places, r) : 0.0; });
+  Compared data = compared(
+      recordings, [&](std::size_t r) { return model.simulate(own, r, Readings::ideal, seed, options.interrupt); },
+      [&](std::size_t r) { return truth ? all.lag(truth->places, r) : 0.0; }, most_lag(options.keys));
   const Disturbances disturbances = learned(model, own, data, options);
   if (truth) take_common_gain(data, all, *truth, disturbances, options);
 

@@ -20,12 +20,11 @@ using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t sets = 8;            // simulated, each by a device of its own, for the scatter
-constexpr double least_band = 0.1;         // of the steps from sample to sample: rounding tells a smaller one
-constexpr double refused = 1e12;           // the distance where nothing can be simulated
-constexpr Index least_blocks = 4;          // of a band
-constexpr const char* band_unit = "ln";    // bands are natural logarithms
-constexpr double most_apart_rates = 0.02;  // of a sample's length, real against simulated
+constexpr std::size_t sets = 8;          // simulated, each by a device of its own, for the scatter
+constexpr double least_band = 0.1;       // of the steps from sample to sample: rounding tells a smaller one
+constexpr double refused = 1e12;         // the distance where nothing can be simulated
+constexpr Index least_blocks = 4;        // of a band
+constexpr const char* band_unit = "ln";  // bands are natural logarithms
 
 std::string label_of(const RawRecording& recording, const std::string& label) {
   const nlohmann::json params = nlohmann::json::parse(recording.params, nullptr, false);
@@ -127,6 +126,7 @@ void GroupProblem::lay_out(const std::vector<RawRecording>& recordings, const st
     of_recording_.push_back(shared_columns(recording, scene));
     if (columns_.channels.empty()) columns_ = of_recording_.back();
     check_same_columns(recording.name, of_recording_.back(), recordings.front().name, columns_);
+    check_same_sampling(recording, scene, of_recording_.back(), most_longer_groups, 0.0);
   }
   std::vector<VectorXd> rough;
   for (std::size_t r = 0; r < recordings.size(); ++r)
@@ -142,10 +142,6 @@ void GroupProblem::lay_out(const std::vector<RawRecording>& recordings, const st
       const RawRecording& recording = recordings[r];
       const Samples real = samples_of(recording.sensors, Side::real, of_recording_[r].channels[c]);
       rows = std::min(rows, real.values.rows());
-      if (!(std::abs(real.step - simulated.step) <= most_apart_rates * simulated.step))
-        reject("{}: {}/{} has a sample every {} and the scene's sensor every {}; allowed: the same rate", recording.name,
-               place.sensor, place.channel, format_quantity(real.step, Quantity::time),
-               format_quantity(simulated.step, Quantity::time));
     }
     if (rows < least_blocks)
       reject("{}/{}: the shortest recording has {} samples; allowed: {} at least", place.sensor, place.channel, rows,

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/of_each.h"
+#include "sim/core/quantity.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
@@ -15,6 +16,16 @@
 
 namespace slipbench::calibrate {
 namespace {
+
+std::string recording_name(std::size_t trial, const std::string& path) { return fmt::format("demo_{} of {}", trial, path); }
+
+void check_even(const std::string& recording, const SensorRecord& sensor) {
+  try {
+    check_evenly_spaced(sensor);
+  } catch (const InputError& error) {
+    reject("{}: {}", recording, error.what());
+  }
+}
 
 std::string packed_dataset(const std::string& path) {
   const DatasetReader reader(path);
@@ -25,6 +36,7 @@ std::string packed_dataset(const std::string& path) {
     bytes.put(trial, reader.info(trial).params, names.size());
     for (const std::string& name : names) {
       const SensorRecord sensor = reader.read_sensor(trial, name);
+      check_even(recording_name(trial, path), sensor);
       bytes.put(sensor.name, sensor.type, sensor.time, sensor.channels.size());
       for (const SensorColumn& column : sensor.channels)
         bytes.put(column.name, column.unit, column.shape, column.values, column.time.value_or(std::vector<double>{}));
@@ -37,7 +49,7 @@ std::vector<RawRecording> unpacked_dataset(const std::string& path) {
   Packed bytes(guarded(path, [&] { return packed_dataset(path); }));
   std::vector<RawRecording> recordings;
   while (!bytes.at_end()) {
-    RawRecording recording{.name = fmt::format("demo_{} of {}", bytes.take<std::size_t>(), path), .sensors = {}};
+    RawRecording recording{.name = recording_name(bytes.take<std::size_t>(), path), .sensors = {}};
     bytes.take(recording.params);
     recording.sensors.resize(bytes.take<std::size_t>());
     for (SensorRecord& sensor : recording.sensors) {
@@ -90,6 +102,11 @@ std::size_t recorded_of(const RawRecording& real, const SensorRecord& simulated,
   return found;
 }
 
+// Mean time from one sample of a channel to the next [s]; 0 of fewer than two.
+double mean_step(const std::vector<double>& times) {
+  return times.size() < 2 ? 0.0 : (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+}
+
 // The last values of a shape of two are components of a unit where they are few; an image has none.
 constexpr std::size_t most_components = 4;
 
@@ -110,6 +127,7 @@ std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths,
   std::vector<RawRecording> recordings;
   if (format != nullptr) {
     for_each_recording(paths, *format, [&](TrialRecord record, const std::string& source) {
+      for (const SensorRecord& sensor : record.sensors) check_even(source, sensor);
       recordings.push_back({source, std::move(record.sensors), std::move(record.params)});
     });
   } else {
@@ -165,6 +183,32 @@ void check_same_columns(const std::string& name, const Columns& columns, const s
          fmt::join(names(first), ", "));
 }
 
+void check_same_sampling(const RawRecording& real, const std::vector<SensorRecord>& simulated, const Columns& columns,
+                         double most_longer, double lag) {
+  const auto duration = [](const SensorRecord& sensor) {
+    return sensor.time.empty() ? 0.0 : sensor.time.back() - sensor.time.front();
+  };
+  for (const ChannelPlace& place : columns.channels) {
+    const SensorRecord &recorded = sensor_of(real.sensors, Side::real, place), &scene = sensor_of(simulated, Side::scene, place);
+    const double recorded_step = mean_step(recorded.times_of(*find_channel(recorded, place.channel))),
+                 scene_step = mean_step(scene.times_of(*find_channel(scene, place.channel)));
+    if (recorded_step > 0.0 && scene_step > 0.0 && !same_rate(1.0 / recorded_step, 1.0 / scene_step)) {
+      reject(
+          "{}: {}/{} has a sample every {} and the scene's sensor every {}; allowed: the same rate within 1 %, found {} against {}",
+          real.name, place.sensor, place.channel, format_quantity(recorded_step, Quantity::time),
+          format_quantity(scene_step, Quantity::time), format_quantity(1.0 / recorded_step, Quantity::frequency),
+          format_quantity(1.0 / scene_step, Quantity::frequency));
+    }
+    const double recorded_duration = duration(recorded), scene_duration = duration(scene);
+    const double longer = std::max(recorded_duration, scene_duration), shorter = std::min(recorded_duration, scene_duration);
+    if (shorter > 0.0 && longer - lag > most_longer * shorter) {
+      reject("{}: sensor {} lasts {} and the scene's trial {}; allowed: up to {:.0f} % longer than the other", real.name,
+             place.sensor, format_quantity(recorded_duration, Quantity::time), format_quantity(scene_duration, Quantity::time),
+             100.0 * (most_longer - 1.0));
+    }
+  }
+}
+
 Samples samples_of(const std::vector<SensorRecord>& sensors, Side side, const ChannelPlace& place) {
   const SensorRecord& sensor = sensor_of(sensors, side, place);
   const SensorColumn& column = *find_channel(sensor, place.channel);
@@ -172,8 +216,7 @@ Samples samples_of(const std::vector<SensorRecord>& sensors, Side side, const Ch
   using Rows = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
   const Rows rows(column.values.data(), static_cast<Eigen::Index>(time.size()),
                   static_cast<Eigen::Index>(place.units * place.components));
-  const double steps = std::max(1.0, static_cast<double>(time.size()) - 1.0);
-  return {rows.cast<double>(), time.empty() ? 0.0 : (time.back() - time.front()) / steps};
+  return {rows.cast<double>(), mean_step(time)};
 }
 
 std::vector<double> bin_edges(const RawRecording& real, const std::vector<SensorRecord>& simulated) {

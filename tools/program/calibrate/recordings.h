@@ -23,7 +23,7 @@ struct RawRecording {
 };
 
 // `paths`: datasets, whose trials are recordings in their order; or with `format` sources as `slipbench import` takes them. Throws InputError
-// where they cannot be read, where there is none and where a value is not finite. Call it before any thread is made (guarded.h).
+// where they cannot be read, where there is none, where a value is not finite and where samples are not evenly_spaced(). Call it before any thread is made (guarded.h).
 std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths, const ImportFormat* format);
 
 // One array of a sensor among the columns that are compared: units times components, a column each, components fastest.
@@ -53,6 +53,15 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
 
 // Throws InputError with both recordings' names where they are not compared in the same arrays.
 void check_same_columns(const std::string& name, const Columns& columns, const std::string& first_name, const Columns& first);
+
+// How much longer or shorter than its trial a recording may be. Where the motion is known, what one has and the other lacks is not compared: a
+// stage's log that is stopped by hand ends within some percent. Where the motion is unknown, all are compared by their last part (groups.cc).
+inline constexpr double most_longer_curves = 1.1, most_longer_groups = 2.0;
+
+// Throws InputError with both figures where a compared sensor lasts more than `most_longer` times as long as in the scene or the other way round, not counting
+// `lag` [s], or where a channel has another rate than in the scene (same_rate()).
+void check_same_sampling(const RawRecording& real, const std::vector<SensorRecord>& simulated, const Columns& columns,
+                         double most_longer, double lag);
 
 // Whose sensors are read: in a recording they may stand in another order than in the scene.
 enum class Side { real, scene };

@@ -191,6 +191,44 @@ TEST_F(Calibrated, LogsAreReadAndTheFittedSceneIsAScene) {
   EXPECT_THAT(calibration_page(logs.json), HasSubstr("Real and synthetic"));
 }
 
+// A trial of 1.1 s at 250 Hz: 276 samples in 1.1 s. Recordings of 1.2 s last 9 % longer, which a log stopped by hand may; those of 1.3 s last 18 % longer.
+TEST_F(Calibrated, RecordingsLastAsLongAsTheirTrialsAndHaveTheirRate) {
+  const Override one{"sweep", "{motion.direction: [0 deg]}"};
+  Options wanted = options({normal}, {one, {"sensors.pad.electronics", "ideal"}});
+  wanted.synthetic_truth = false;
+  const auto recorded = [&](const Override& other) {
+    wanted.recordings = {
+        simulated_with({one, {"sensors.pad.electronics", "ideal"}, {"sensors.pad.k_normal", "5.5 N/mm"}, other})};
+    return refusal(wanted);
+  };
+  const std::string name = "demo_0 of " + path("made.h5");
+  EXPECT_EQ(recorded({"duration", "1.2 s"}), "accepted");
+  EXPECT_NEAR(of(fitted(wanted), "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
+  EXPECT_EQ(recorded({"duration", "1.3 s"}),
+            name + ": sensor pad lasts 1.3 s and the scene's trial 1.1 s; allowed: up to 10 % longer than the other");
+  EXPECT_EQ(recorded({"duration", "0.9 s"}),
+            name + ": sensor pad lasts 0.9 s and the scene's trial 1.1 s; allowed: up to 10 % longer than the other");
+  EXPECT_EQ(
+      recorded({"sensors.pad.rate", "100 Hz"}),
+      name +
+          ": pad/force has a sample every 10 ms and the scene's sensor every 4 ms; allowed: the same rate within 1 %, found "
+          "100 Hz against 250 Hz");
+  // What the lag may shift comes on top.
+  wanted.keys.push_back(parse_fit_keys("lag: {min: -0.1 s, max: 0.05 s}").at(0));
+  EXPECT_EQ(recorded({"duration", "1.3 s"}), "accepted");
+}
+
+// Each recording is held against its own trial.
+TEST_F(Calibrated, TrialsMayLastDifferently) {
+  const Override trials{"sweep", "{scene: [{duration: 1.1 s}, {duration: 1.6 s}]}"};
+  Options wanted = options({normal}, {trials, {"sensors.pad.electronics", "ideal"}});
+  wanted.synthetic_truth = false;
+  wanted.recordings = {simulated_with({trials, {"sensors.pad.electronics", "ideal"}, {"sensors.pad.k_normal", "5.5 N/mm"}})};
+  const Json result = fitted(wanted);
+  EXPECT_NEAR(of(result, "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
+  EXPECT_NEAR(result.at("recordings").at(1).at("compared_s").get<double>(), 1.6, 0.01);
+}
+
 TEST_F(Calibrated, RefusesWhatCannotBeFitted) {
   EXPECT_THAT(refusal(options({"sensors.pad.k_normla: {min: 1, max: 2}"})), HasSubstr("did you mean 'k_normal'?"));
   EXPECT_THAT(refusal(options({normal, normal})), HasSubstr("sensors.pad.k_normal is fitted twice"));

@@ -190,8 +190,13 @@ TEST_F(Grouped, RefusesWhatDoesNotFit) {
               HasSubstr("its motion.start is '0.8'; allowed by --groups: 1.1, 0.5"));
   EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sweep.trials", "1"}})),
               HasSubstr("1 recordings whose motion.start is 1.1; allowed: two at least"));
-  EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sensors.pad.rate", "100 Hz"}})),
-              HasSubstr("has a sample every 10 ms and the scene's sensor every 4 ms; allowed: the same rate"));
+  EXPECT_THAT(
+      refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sensors.pad.rate", "100 Hz"}})),
+      HasSubstr("has a sample every 10 ms and the scene's sensor every 4 ms; allowed: the same rate within 1 %, found 100 Hz "
+                "against 250 Hz"));
+  // Trials of 1.2 s. All are compared by their last part, so up to twice as long is accepted.
+  EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"duration", "2.5 s"}})),
+              HasSubstr("sensor pad lasts 2.5 s and the scene's trial 1.2 s; allowed: up to 100 % longer than the other"));
 }
 
 }  // namespace

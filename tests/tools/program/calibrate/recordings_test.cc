@@ -80,6 +80,24 @@ TEST(SameColumns, AreToldByTheirNames) {
   EXPECT_NO_THROW(check_same_columns("b", columns_of(pad), "a", columns_of(pad)));
 }
 
+// 101 and 98 samples of 1 s each: 1 % and 2 % off the scene's 100 Hz.
+TEST(SameSampling, IsARateWithinOnePercent) {
+  const auto clock = [](int count, double step) {
+    std::vector<double> times;
+    for (int k = 0; k < count; ++k) times.push_back(step * k);
+    return sensor_of(times, std::vector<float>(times.size(), 1.0F));
+  };
+  const SensorRecord scene = clock(101, 0.01);
+  const auto refusal = [&](const SensorRecord& real) {
+    return slipbench::refusal_of([&] { check_same_sampling({"r", {real}}, {scene}, columns_of(scene), 1.1, 0.0); });
+  };
+  EXPECT_EQ(refusal(clock(101, 1.0 / 100.9)), "accepted");
+  EXPECT_EQ(refusal(clock(101, 1.0 / 99.1)), "accepted");
+  EXPECT_THAT(refusal(clock(99, 1.0 / 98.0)), HasSubstr("allowed: the same rate within 1 %, found 98 Hz against 100 Hz"));
+  EXPECT_EQ(refusal(clock(163'501, 0.01)),
+            "r: sensor pad lasts 1635 s and the scene's trial 1 s; allowed: up to 10 % longer than the other");
+}
+
 TEST(ReadRecordings, AreOneAtLeast) {
   EXPECT_EQ(slipbench::refusal_of([] { return read_recordings({}, nullptr); }), ": no recording; allowed: one at least");
 }
