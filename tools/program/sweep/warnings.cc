@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -23,6 +24,7 @@
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/run/run_trial.h"
+#include "tools/program/sweep/unit_sampling.h"
 
 namespace slipbench {
 namespace {
@@ -125,6 +127,9 @@ std::optional<double> of_motion(const Scene& scene, const std::string& name) {
   return std::get<double>(found->second);
 }
 
+// "1.333 mm"
+std::string short_length(double length) { return fmt::format("{:.4g} mm", 1e3 * length); }
+
 bool on_stage(const SensorScene& sensor) { return sensor.site.empty() && sensor.follows.empty(); }
 
 void look_at_motion(const Scene& scene, std::size_t trial, Collector& found) {
@@ -146,6 +151,41 @@ void look_at_motion(const Scene& scene, std::size_t trial, Collector& found) {
         trial, "motion.compression",
         fmt::format("{} is more than a unit of sensor '{}' is high, {}: its springs go on where the device would not",
                     format_quantity(*compression, Quantity::length), sensor.name, format_quantity(height, Quantity::length)));
+  }
+}
+
+// Taken with the pad's axes along the surface's, or square to them, as a pad on a stage stands.
+void look_at_texture(const Scene& scene, std::size_t trial, Collector& found) {
+  constexpr double lost = 0.1;  // share of a wave below which harmonics stand out in what is read
+  const auto texture = std::ranges::find(scene.effects, "texture", &Named::name);
+  if (texture == scene.effects.end() || texture->parameters.number("height") == 0.0) return;
+  const double wavelength = texture->parameters.number("wavelength"), angle = texture->parameters.number("angle");
+  const Eigen::Vector2d k = 2.0 * std::numbers::pi / wavelength * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  for (const SensorScene& sensor : scene.sensors) {
+    if (sensor.friction || !sensor.follows.empty()) continue;  // no effects, or the points of another
+    const PadLayout& layout = make_sensor(sensor, scene.seed, trial)->layout();
+    for (const UnitRange& unit : layout.units) {
+      const UnitSampling sampling = sampling_of(layout, unit, k);
+      const std::string points =
+          fmt::format("sensor '{}': the {} points of a unit are {} apart, and |sum exp(i k x)|/{} over them is {:.3f}",
+                      sensor.name, unit.count, short_length(sampling.spacing), unit.count, sampling.gain);
+      const std::string length = format_quantity(wavelength, Quantity::length);
+      if (sampling.gain < lost && sampling.harmonic > 0) {
+        found.add(
+            trial, "effects.texture.wavelength",
+            fmt::format("{} is cancelled by {}; the unit reads {} speed/wavelength, of which they are in phase, in place of "
+                        "speed/wavelength; allowed: points of another spacing, or one point a unit",
+                        length, points, sampling.harmonic));
+        break;
+      }
+      if (sampling.phase > std::numbers::pi * (1.0 + 1e-9)) {
+        found.add(trial, "effects.texture.wavelength",
+                  fmt::format("{} is not resolved by {}, which is no mean over the unit's face; allowed: points less than half a "
+                              "wavelength apart, or one point a unit",
+                              length, points));
+        break;
+      }
+    }
   }
 }
 
@@ -199,6 +239,7 @@ std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::
       const Scene scene = plan.read(trial, values);
       look_at_values(values, trial, found);
       look_at_motion(scene, trial, found);
+      look_at_texture(scene, trial, found);
       look_at_material(values, plan, trial, found);
       if (std::ranges::find(built, trial) != built.end()) look_at_steps(scene, trial, found);
     } catch (const InputError&) {

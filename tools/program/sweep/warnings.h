@@ -27,6 +27,8 @@ struct Warning {
 // it too, its text counts them. A trial that cannot be read or built warns of nothing: running it says why.
 //   a motion that starts at or after the end of the trial
 //   a unit of a pad on a stage that is pressed farther than it is high
+// a texture that the points of a unit cancel, so that the unit reads a harmonic, or that they do
+// not resolve (unit_sampling.h)
 //   a speed of more than 1 m/s without a unit
 //   a mass below 1 mg or above 1 t; a length below 1 um or above 10 m of a body, the surface, the box, the grip or the motion
 //   a material that --set gives beside coefficients of friction in the scene, which replace it

@@ -54,6 +54,34 @@ TEST_F(Warnings, PillarPressedBeyondItsHeight) {
   EXPECT_THAT(told("motion: {compression: 4.2 mm}\n"), IsEmpty());
 }
 
+// Three points 4/3 mm apart span a wave of 4 mm, and their sum is 0: of its third harmonic they are
+// in phase. Two points 2 mm apart do the same to 4 mm and are in phase for 2 mm itself, where the
+// face of 4 mm would read nothing. Across the ridges a grid turned by 90 degrees is the same.
+TEST_F(Warnings, TextureThatTheTaxelsPointsDoNotSample) {
+  const auto of_taxels = [&](const std::string& keys, const std::string& texture) {
+    return told("effects: [{texture: {" + texture + "}}]\n", {{"sensors", "{skin: {type: taxels, width: 4 mm, " + keys + "}}"}});
+  };
+  for (const char* angle : {"0 deg", "90 deg", "180 deg"}) {
+    EXPECT_THAT(
+        of_taxels("points: 3", std::string("wavelength: 4 mm, angle: ") + angle),
+        ElementsAre(AllOf(
+            HasSubstr(
+                "effects.texture.wavelength: 4 mm is cancelled by sensor 'skin': the 9 points of a unit are 1.333 mm apart"),
+            HasSubstr("is 0.000; the unit reads 3 speed/wavelength"))));
+  }
+  EXPECT_THAT(of_taxels("points: 2", "wavelength: 4 mm"), ElementsAre(HasSubstr("reads 2 speed/wavelength")));
+  EXPECT_THAT(of_taxels("points: 2", "wavelength: 2 mm"),
+              ElementsAre(AllOf(HasSubstr("2 mm is not resolved"), HasSubstr("is 1.000"))));
+  // At 45 degrees the columns of the grid are 4/3 mm/sqrt 2 apart: the sum is D(pi/3/sqrt 2)^2 =
+  // 0.30, D(x) = sin(3 x)/(3 sin x).
+  EXPECT_THAT(of_taxels("points: 3", "wavelength: 4 mm, angle: 45 deg"), IsEmpty());
+  EXPECT_THAT(of_taxels("points: 3", "wavelength: 8 mm"), IsEmpty());  // D(pi/6) = 0.67
+  EXPECT_THAT(of_taxels("points: 1", "wavelength: 4 mm"), IsEmpty());
+  EXPECT_THAT(of_taxels("points: 3", "wavelength: 4 mm, height: 0 mm"), IsEmpty());
+  EXPECT_THAT(told("effects: [texture]\n", {{"sensors", "{pad: {type: papillarray, bristles: 5}}"}}),
+              IsEmpty());  // all at the pillar's tip
+}
+
 TEST_F(Warnings, SpeedWithoutAUnit) {
   EXPECT_THAT(told("motion: {speed: 4}\n"),
               ElementsAre("s.yaml:3: motion.speed: 4 has no unit and is in m/s; with a unit it is as it is meant: '4 mm/s'"));
