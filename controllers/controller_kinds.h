@@ -20,12 +20,20 @@ struct GripSource {
       sensors{};  // all of the scene in its order; the first is the one whose frames update() will be handed
 };
 
+// Which of a controller's tightenings answer a slip (GraspOutcome::reaction_time).
+enum class Answers {
+  by_own_rule,  // each: it closes by what it reads of the slip, or nothing is known of its rule
+  seen_slip,    // those that follow from an update to which the detector said slip; the others keep the preset force
+  nothing,      // none: slip is ignored
+};
+
 // A controller that a scene may name.
 struct ControllerKind {
   Entry about;
   // `parameters`: those of `about`, all present. Throws SceneValueError at controller.<key> for a value that does not fit the
   // rest, and at controller.type where the frames lack what the controller reads, or the scene the detector.
   std::unique_ptr<Controller> (*create)(const Parameters& parameters, const GripSource& source);
+  Answers answers = Answers::by_own_rule;
 };
 
 namespace controllers {

@@ -83,7 +83,8 @@ ControllerKind force_pid() {
                 "Largest difference in counts between the command and the measured position. It sets the pace in free air and limits what winds up while the motor is stopped.",
                 "assumed"),
             force_per_count_spec()})},
-      created<ForcePid>};
+      created<ForcePid>,
+      Answers::nothing};
 }
 
 }  // namespace slipbench::controllers

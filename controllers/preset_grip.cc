@@ -34,7 +34,8 @@ ControllerKind constant_force() {
        "until F >= preset for the first time: position = measured position + 1 count; from then on: the last command\n"
        "F: sum of the pillars' normal forces. The position ends at 255 and stays there; fingers that met nothing are then closed.",
        "the baseline of a grip without feedback; closes as the published HDL does", with_registers({})},
-      created<PresetGrip<true>>};
+      created<PresetGrip<true>>,
+      Answers::nothing};
 }
 
 ControllerKind hold_preset() {
@@ -44,7 +45,8 @@ ControllerKind hold_preset() {
        "F < preset: position = measured position + 1 count; otherwise: the last command\n"
        "F: sum of the pillars' normal forces. The position ends at 255 and stays there.",
        "step_on_slip without its slip", with_registers({})},
-      created<PresetGrip<false>>};
+      created<PresetGrip<false>>,
+      Answers::nothing};
 }
 
 }  // namespace slipbench::controllers

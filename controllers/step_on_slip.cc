@@ -72,7 +72,8 @@ ControllerKind step_on_slip() {
                 "idle", "measured_position", {"measured_position", "last_command"},
                 "Command while nothing asks for a tighter grip. measured_position: an old position, which cancels a count still in transit; last_command: prevents this.",
                 "published HDL (control_gripper.sv): the measured position")})},
-      created<StepOnSlip>};
+      created<StepOnSlip>,
+      Answers::seen_slip};
 }
 
 }  // namespace slipbench::controllers

@@ -137,7 +137,9 @@ struct GraspOutcome {
   // N, m g/(2 mu_s), mu_s upwards: the least that could hold the box (HeldBox::ideal_force()); NaN where no force could.
   double ideal_grip_force = std::numeric_limits<double>::quiet_NaN();
   // s, from the first tick of the lift at which a unit of the sensor's pad truly slips until a command that follows from a later
-  // read, and closes further, begins to act; NaN: none before the drop, or the detector is Detection::early.
+  // read, and closes further, begins to act; NaN: none before the drop, the detector is
+  // Detection::early, or the controller closes to hold a force alone (Answers: constant_force,
+  // hold_preset, force_pid, and step_on_slip while its detector says nothing).
   double reaction_time = std::numeric_limits<double>::quiet_NaN();
   std::optional<TurnOutcome> turn = {};  // empty where the arm's motion is prescribed
 };

@@ -39,7 +39,8 @@ Entry oracle_entry() {
       .name = std::string(oracle_type),
       .summary = "ORACLE, no detector: the true class of the pad, to tell a detector's faults from a controller's.",
       .law =
-          "at each sample of the sensor: the true class by the rule strict (a pillar slips when all of it slips), and the true stuck fraction of the pad's elements",
+          "at each sample of the sensor: the true class by the rule strict (a pillar slips when all of it slips), and the true stuck fraction of the pad's elements\n"
+          "A slip that begins and ends between two samples is in neither of them, and is missed.",
       .source = "the simulation's own contact, which no detector sees",
       .parameters = {
           number_spec("latency", Quantity::time, "0 s", non_negative, "Time from the sample until the class is there.", "free")}};
@@ -152,6 +153,11 @@ ExpectationKind of_detector(ExpectationKind kind) {
   return kind;
 }
 
+ExpectationKind without_value(ExpectationKind kind, const char* text) {
+  kind.absent = text;
+  return kind;
+}
+
 // For expectations of a grasp alone, which the scene reader sees to.
 const GraspOutcome& grasp_of(const TrialOutcome& outcome) { return outcome.grasp.value(); }
 
@@ -200,34 +206,45 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
           "false_alarm",
           "Whether the detector says slip before any unit of its sensor slips as a whole; in a grasp also in the lift before its own first slip.",
           "false_alarm_time_s", [](const TrialOutcome& o) { return std::isnan(o.false_alarm_time) ? 0.0 : 1.0; })),
-      of_detector(number(
-          "max_detection_delay", at_most, time, "50 ms",
-          "Time from the first slip of a whole unit until the detector first reports slip. A trial without slip fails, and so does one with an alarm before the slip.",
-          "detection_delay_s", [](const TrialOutcome& o) { return o.detection_delay; })),
+      without_value(
+          of_detector(number(
+              "max_detection_delay", at_most, time, "50 ms",
+              "Time from the first slip of a whole unit until the detector first reports slip. A trial without slip fails, and so does one with an alarm before the slip.",
+              "detection_delay_s", [](const TrialOutcome& o) { return o.detection_delay; })),
+          "no delay"),
 
       of_box(flag("dropped", "Whether the box falls.", "dropped",
                   [](const TrialOutcome& o) { return grasp_of(o).dropped ? 1.0 : 0.0; })),
-      of_box(number(
-          "max_slip", at_most, length, "3 mm",
-          "Slip displacement of the box's middle in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
-          "slip_translation_m", [](const TrialOutcome& o) { return grasp_of(o).slip_translation; })),
-      of_box(number("max_rotation", at_most, angle, "5 deg",
-                    "Slip rotation of the box in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
-                    "slip_rotation_rad", [](const TrialOutcome& o) { return grasp_of(o).slip_rotation; })),
+      without_value(
+          of_box(number(
+              "max_slip", at_most, length, "3 mm",
+              "Slip displacement of the box's middle in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
+              "slip_translation_m", [](const TrialOutcome& o) { return grasp_of(o).slip_translation; })),
+          "box dropped"),
+      without_value(
+          of_box(
+              number("max_rotation", at_most, angle, "5 deg",
+                     "Slip rotation of the box in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
+                     "slip_rotation_rad", [](const TrialOutcome& o) { return grasp_of(o).slip_rotation; })),
+          "box dropped"),
       of_grasp(number(
           "max_grip_force", at_most, force, "12 N",
           "Peak grip force at any tick, which the object must stand. The grip force is the mean of both pads' normal forces.",
           "max_grip_force_N", [](const TrialOutcome& o) { return grasp_of(o).max_grip_force; })),
       of_grasp(number("max_final_grip_force", at_most, force, "8 N", "Grip force at the trial's end.", "final_grip_force_N",
                       [](const TrialOutcome& o) { return grasp_of(o).final_grip_force; })),
-      of_grasp(number("max_force_ratio", at_most, none, "2.5",
-                      "Peak grip force over the ideal grip force, the least that could hold the box.",
-                      "max_grip_force_N / ideal_grip_force_N",
-                      [](const TrialOutcome& o) { return grasp_of(o).max_grip_force / grasp_of(o).ideal_grip_force; })),
-      of_grasp(number(
-          "max_reaction_time", at_most, time, "150 ms",
-          "Time from the first true slip of a unit in the lift until the fingers close. A trial without slip fails: it shows no reaction. Nor does one whose detector alarmed before the slip.",
-          "reaction_time_s", [](const TrialOutcome& o) { return grasp_of(o).reaction_time; })),
+      without_value(
+          of_grasp(number("max_force_ratio", at_most, none, "2.5",
+                          "Peak grip force over the ideal grip force, the least that could hold the box.",
+                          "max_grip_force_N / ideal_grip_force_N",
+                          [](const TrialOutcome& o) { return grasp_of(o).max_grip_force / grasp_of(o).ideal_grip_force; })),
+          "no ideal force"),
+      without_value(
+          of_grasp(number(
+              "max_reaction_time", at_most, time, "150 ms",
+              "Time from the first true slip of a unit in the lift until the fingers close for it. A trial without slip fails: it shows no reaction. Nor does one whose detector alarmed before the slip, or one with a controller that ignores slip.",
+              "reaction_time_s", [](const TrialOutcome& o) { return grasp_of(o).reaction_time; })),
+          "no reaction"),
   };
   return kinds;
 }
@@ -291,6 +308,13 @@ std::vector<Entry> controller_entries() {
 
 void register_controller(const Entry& about, ControllerMaker make) {
   registered_controllers().put("controller", about, std::move(make), own_entries());
+}
+
+Answers answers_of(const Named& controller) {
+  for (const ControllerKind& kind : controller_catalogue()) {
+    if (kind.about.name == controller.name) return kind.answers;
+  }
+  return Answers::by_own_rule;
 }
 
 std::unique_ptr<Controller> make_controller(const Named& controller, const GripSource& source) {

@@ -35,6 +35,7 @@ struct ExpectationKind {
   Comparison comparison = Comparison::at_most;
   double (*observed)(const TrialOutcome&) = nullptr;  // SI, a flag as 0 or 1; NaN: it never happened, or has no value
   bool of_box = false;                                // what becomes of the box, not how it is gripped
+  const char* absent = "never";                       // what a person reads where there is no value
 
   // Whether a trial keeps the expectation. `limit`: SI, a flag as 0 or 1.
   [[nodiscard]] bool kept(double observed, double limit) const;
@@ -43,6 +44,10 @@ struct ExpectationKind {
   // The expectation's parameter `limit` in SI, a flag as 0 or 1.
   [[nodiscard]] double limit(const Parameters& parameters) const;
 };
+
+// Which tightenings of a controller answer a slip. What is not known of a controller that was
+// registered or is a plugin: by its own rule.
+Answers answers_of(const Named& controller);
 
 // All kinds that a scene may name in `expect`.
 const std::vector<ExpectationKind>& expectation_catalogue();

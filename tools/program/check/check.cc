@@ -35,7 +35,7 @@ const ExpectationKind& kind_of(const std::string& name) {
 
 // A value in the unit in which the limit is said.
 std::string value_text(const ExpectationKind& kind, double value, double limit) {
-  if (std::isnan(value)) return "never";
+  if (std::isnan(value)) return kind.absent;
   if (kind.comparison == Comparison::equal) return value == 0.0 ? "false" : "true";
   const Quantity quantity = kind.about.parameters.front().quantity;
   const std::string said = format_quantity(limit, quantity);

@@ -26,8 +26,8 @@ bool has_come(double due, double time) { return due <= time + 4.0 * std::numeric
 }  // namespace
 
 ControlLoop::ControlLoop(std::optional<DelayedDetector> detector, std::size_t pad, std::unique_ptr<Controller> controller,
-                         HeldBox* box)
-    : detector_(std::move(detector)), pad_(pad), controller_(std::move(controller)), box_(box) {
+                         HeldBox* box, Answers answers)
+    : detector_(std::move(detector)), pad_(pad), controller_(std::move(controller)), box_(box), answers_(answers) {
   if (box != nullptr) command_.position = written_.position = input_.gripper.position = box->gripper().position(0.0);
   for (SampleListener* const listener :
        {detector_ ? detector_->listener() : nullptr, controller_ ? controller_->listener() : nullptr}) {
@@ -84,7 +84,9 @@ void ControlLoop::write() {
   if (command_.arm) command_arm(gripper.next_write(), *command_.arm);
   const double start = gripper.next_write() + gripper.latency();
   const GripCommand before = std::exchange(written_, gripper.write(command_));
-  if (written_.position > std::max(before.position, input_.gripper.position)) tightening_ = {input_.gripper.time, start};
+  const bool answers = answers_ == Answers::by_own_rule || (answers_ == Answers::seen_slip && slips(input_.slip.state));
+  if (answers && written_.position > std::max(before.position, input_.gripper.position))
+    tightening_ = {input_.gripper.time, start};
 }
 
 void ControlLoop::command_arm(double time, const ArmCommand& command) {

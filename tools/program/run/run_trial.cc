@@ -99,7 +99,8 @@ ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& si
                             .sensors = sources_of(scene, sensors)};
     controller = in_place ? in_place(source) : make_controller(*scene.controller, source);
   }
-  return ControlLoop(std::move(detector), scene.detector ? scene.detector->sensor : 0, std::move(controller), box);
+  const Answers answers = scene.controller && !in_place ? answers_of(*scene.controller) : Answers::by_own_rule;
+  return ControlLoop(std::move(detector), scene.detector ? scene.detector->sensor : 0, std::move(controller), box, answers);
 }
 
 // After a trial that was not recorded this is all that is left to look at.

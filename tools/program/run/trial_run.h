@@ -134,9 +134,10 @@ class ControlLoop {
  public:
   // `detector` reads the sensor of `pad`; empty: the estimate is that of no contact. `box`: the grasp's, which must outlive the
   // loop; null: the scene is none. `controller`, of a grasp alone; null: nothing is read or written, and the fingers stay where
-  // they begin.
+  // they begin. `answers`: which of the controller's tightenings count.
   explicit ControlLoop(std::optional<DelayedDetector> detector = {}, std::size_t pad = 0,
-                       std::unique_ptr<Controller> controller = nullptr, HeldBox* box = nullptr);
+                       std::unique_ptr<Controller> controller = nullptr, HeldBox* box = nullptr,
+                       Answers answers = Answers::by_own_rule);
 
   // Hands the samples that are complete to who listens to all sensors, then to the detector; the controller gets those of the
   // first pad, whose values must stay until the next.
@@ -185,7 +186,8 @@ class ControlLoop {
   [[nodiscard]] const ArmCommand& arm_command() const { return arm_command_; }
   // Counts, of the latest read; before the first where the fingers stand.
   [[nodiscard]] int measured_position() const { return input_.gripper.position; }
-  // The latest write that closes the fingers further than they were measured and commanded before.
+  // The latest write that closes the fingers further than they were measured and commanded before,
+  // and that may answer a slip.
   struct Tightening {
     double read_time = std::numeric_limits<double>::quiet_NaN();  // s, of the read from which it follows; NaN: there was none yet
     double start_time = std::numeric_limits<double>::quiet_NaN();  // s, when it begins to act
@@ -205,6 +207,7 @@ class ControlLoop {
   std::size_t pad_;
   std::unique_ptr<Controller> controller_;
   HeldBox* box_;
+  Answers answers_;
   std::vector<SampleListener*> listeners_;  // of the detector and the controller; usually none
   SensorFrame frame_;
   ControlInput input_;

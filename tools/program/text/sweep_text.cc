@@ -373,9 +373,15 @@ std::string detectors_text(const std::vector<DetectorScore>& scores, const Style
                count_of_text(score.seen(), score.slipping), count_of_text(score.early, score.slipping),
                count_of_text(score.missed, score.slipping), count_of_text(score.false_alarms, score.trials - score.slipping)});
   }
+  const bool oracle_misses =
+      std::ranges::any_of(scores, [](const DetectorScore& score) { return score.type == oracle_type && score.missed > 0; });
   return fmt::format("{}: shares of samples in contact; delays of the trials seen; early: alarm before the slip\n",
                      style.heading("detectors")) +
-         table.text(style);
+         table.text(style) +
+         (oracle_misses
+              ? "  The oracle reports the true state at the samples of its sensor: it misses a slip that begins and ends between two "
+                "samples.\n"
+              : "");
 }
 
 Json detectors_json(const std::vector<DetectorScore>& scores) {

@@ -73,7 +73,7 @@ TEST_F(CheckScene, AnEarlyAlarmHasNoDelayToKeep) {
   const std::string delay = "friction: {static: 0.5, kinetic: 0.5}\nexpect: {max_detection_delay: 1.5 ms}\n";
   const SceneCheck early = check("detector: {type: force_ratio, ratio: 0.05}\n" + delay);
   EXPECT_EQ(early.verdict, Verdict::failed);
-  EXPECT_EQ(early.expectations[0].worst_text, "never");
+  EXPECT_EQ(early.expectations[0].worst_text, "no delay");
   ASSERT_EQ(early.detectors.size(), 1U);
   EXPECT_EQ(early.detectors[0].early, 1U);
   EXPECT_THAT(early.detectors[0].delays, IsEmpty());

@@ -70,6 +70,10 @@ sb.detectorSection = trials => {
       'Delays are of the trials seen: those without an alarm before the slip. Early: with one. Shares are of the samples in contact; recall of ' +
           'slip: of those that slip, how many are seen as incipient or gross; balanced accuracy: mean of the recalls.',
       figuresTable(trials, counts),
+      type === 'truth' && sb.detections(trials).missed > 0 &&
+          el('p.note', {},
+             'The oracle reports the true state at the samples of its sensor: it misses a slip that begins and ends between two ' +
+                 'samples.'),
       el('p.note', {},
          'Samples of ' + sensor +
              ' by true state (strict) and by the class that the loop saw at that instant, latency included.'),
