@@ -50,7 +50,9 @@ double round_step(double range, double times) {
 
 Axis round_axis(std::span<const double> values, double times, double begin, double end) {
   const auto [least, most] = std::ranges::minmax(values);
-  return linear_axis(values, round_step(most - least, times), begin, end);
+  // Values that differ by rounding alone are one.
+  const bool apart = most - least > 1e-9 * std::max(std::abs(least), std::abs(most));
+  return linear_axis(values, round_step(apart ? most - least : 0.0, times), begin, end);
 }
 
 Svg chart(const Frame& frame, const std::string& title, const Axis& across, const std::string& across_name, const Axis& up,

@@ -171,6 +171,18 @@ Catalogues program_catalogues() {
   return catalogues;
 }
 
+Catalogues command_line_catalogues() {
+  Catalogues catalogues = program_catalogues();
+  const auto leave_out = [](std::vector<Entry>& entries, const std::vector<Entry>& registered) {
+    std::erase_if(
+        entries, [&](const Entry& entry) { return std::ranges::find(registered, entry.name, &Entry::name) != registered.end(); });
+  };
+  leave_out(catalogues.sensors, registered_sensor_entries());
+  leave_out(catalogues.detectors, registered_detectors().entries());
+  leave_out(catalogues.controllers, registered_controllers().entries());
+  return catalogues;
+}
+
 bool ExpectationKind::kept(double observed, double limit) const {
   switch (comparison) {
     case Comparison::at_most: return observed <= limit;  // false for NaN

@@ -20,6 +20,8 @@
 namespace slipbench {
 
 Catalogues program_catalogues();
+// The same without what was registered in this process: what the command line knows.
+Catalogues command_line_catalogues();
 
 // What a scene may expect of its trials, and how a trial's outcome is held against it.
 

@@ -41,6 +41,8 @@ void register_sensor(const Entry& about, SensorMaker make) {
   registered_sensors().put("sensor", about, std::move(make), of_each(sensor_catalogue(), &SensorKind::about));
 }
 
+std::vector<Entry> registered_sensor_entries() { return registered_sensors().entries(); }
+
 Catalogues pad_catalogues() {
   Catalogues catalogues;
   add_sim_catalogues(catalogues);
@@ -48,7 +50,7 @@ Catalogues pad_catalogues() {
     catalogues.sensors.push_back(kind.about);
     catalogues.electronics[kind.about.name] = kind.electronics;
   }
-  for (Entry& entry : registered_sensors().entries()) catalogues.sensors.push_back(std::move(entry));
+  for (Entry& entry : registered_sensor_entries()) catalogues.sensors.push_back(std::move(entry));
   return catalogues;
 }
 

@@ -18,6 +18,8 @@ using SensorMaker = std::function<std::unique_ptr<Sensor>(const SensorScene& sce
 // From now on a scene of this process may name a sensor of whoever has embedded the program; one registered under that name before is replaced.
 // Thread-safe. Throws InputError for a name that is no identifier, or that the program itself uses.
 void register_sensor(const Entry& about, SensorMaker make);
+// Those that were registered, in the order of their names.
+std::vector<Entry> registered_sensor_entries();
 
 // What a scene may name of pads and of what they touch: everything but what reads the sensors.
 Catalogues pad_catalogues();

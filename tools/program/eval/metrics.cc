@@ -223,7 +223,12 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
   }
   settle_detection(outcome, !std::isnan(truth.first_slip));
   result.detection = *outcome.detection;
-  if (result.detection == Detection::seen && rows > 1) result.delay = std::max(0.0, result.alarm_time - truth.first_slip);
+  if (result.detection == Detection::seen && rows > 1) {
+    // At the instant of the slip both times may differ in their last place.
+    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(truth.first_slip);
+    const double delay = result.alarm_time - truth.first_slip;
+    result.delay = delay <= rounding ? 0.0 : delay;
+  }
   return result;
 }
 

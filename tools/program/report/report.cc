@@ -180,6 +180,18 @@ Json skin_of(const Scene& scene) {
           {"sphere_radius", sphere ? Json(scene.surface.parameters.number("radius")) : Json(nullptr)}};
 }
 
+// Why no command line runs the trials again: the scene names what a Python program has registered,
+// or is of another version. Null: one does.
+Json no_replay(const DatasetHeader& header, const Json& overrides, std::size_t trial) {
+  try {
+    const TrialPlan plan{recorded_file(header.scene, overrides, "scene"), command_line_catalogues(), 0, header.seed};
+    if (trial < plan.size()) static_cast<void>(plan.trial(trial));
+    return nullptr;
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
 // What the scene warns of, and what is known of soft skins of the trials `embedded`, as far as this version can read the scene.
 std::vector<Warning> read_scene(const DatasetHeader& header, const std::vector<std::size_t>& trials,
                                 const std::vector<std::size_t>& embedded, Json& page) {
@@ -292,6 +304,7 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   Json page = head_of(dataset, dataset_path, options);
   Gathered gathered = gather(dataset, dataset_path, options, shares, shown, embedded, page);
   std::vector<Warning> warnings = read_scene(dataset.header(), trials, embedded, page);
+  page["no_replay"] = no_replay(dataset.header(), page["overrides"], trials.front());
   if (shown.size() < trials.size()) {
     warnings.push_back(
         {"trials",

@@ -34,6 +34,12 @@ Json shares(const std::vector<std::uint8_t>& states) {
   return result;
 }
 
+// From one instant to a later one [s]; 0 where they differ by no more than their rounding.
+double time_between(double from, double to) {
+  const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(from), std::abs(to));
+  return std::abs(to - from) <= rounding ? 0.0 : to - from;
+}
+
 // When gross slip begins: the last slip event in the step that ends at the first gross sample, else that sample's time.
 double gross_start(const SensorRecord& sensor) {
   const LabelRecord& labels = sensor.labels;
@@ -45,7 +51,9 @@ double gross_start(const SensorRecord& sensor) {
   double start = nan;
   for (std::size_t i = 0; i < labels.event_time.size(); ++i) {
     const double time = labels.event_time[i];
-    if (labels.event_kind[i] == static_cast<std::uint8_t>(EventKind::slip) && time > begin && time <= end) {
+    // One at the instant of the sample before is not in that sample's state.
+    const bool within = time > begin || time_between(begin, time) == 0.0;
+    if (labels.event_kind[i] == static_cast<std::uint8_t>(EventKind::slip) && within && time <= end) {
       start = std::fmax(start, time);
     }
   }
@@ -216,7 +224,7 @@ Json summarise(const SensorRecord& sensor) {
           {"first_micro_s", or_null(micro)},
           {"first_full_s", or_null(earliest(labels.onset_time))},
           {"gross_s", or_null(gross)},
-          {"incipient_s", or_null(gross - micro)},
+          {"incipient_s", or_null(time_between(micro, gross))},
           {"max_slip_m", max_slip},
           {"disagreement",
            {{"paper", or_null(disagreement(labels.state, labels.state_paper))},

@@ -148,6 +148,13 @@ TEST(Summary, TakesOnsetsFromInsideTheStep) {
   EXPECT_NEAR(summary.at("incipient_s").get<double>(), 3.5e-3, 1e-15);
 }
 
+// Both units let go at one instant, of which one time is a unit in the last place below the other.
+TEST(Summary, APhaseOfRoundingIsZero) {
+  SensorRecord sensor = sample_trial(0, "{}").sensors[0];
+  sensor.labels.micro_onset_time.assign(2, std::nextafter(5.75e-3, 0.0));
+  EXPECT_EQ(summarise(sensor).at("incipient_s"), 0.0);
+}
+
 TEST(Summary, GrossWithoutAnEventBeginsAtItsSample) {
   SensorRecord sensor = sample_trial(0, "{}").sensors[0];
   sensor.labels.event_kind.back() = 3;  // the other unit lets go by leaving the surface

@@ -152,10 +152,10 @@ sb.StateRows = class extends sb.TimeChart {
   }
 };
 
-// An axis that holds all values, with room beside the largest and from zero on. Counts far from zero would be a flat line on
-// such an axis.
-sb.rangeOf = columns => {
-  const [least, most] = [d3.min, d3.max].map(of => of(columns, column => of(column)) || 0);
+// An axis that holds all values of `unit`, with room beside the largest and from zero on. Counts far
+// from zero would be a flat line on such an axis.
+sb.rangeOf = (columns, unit) => {
+  const [least, most] = [d3.min, d3.max].map(of => sb.rounded(of(columns, column => of(column)) || 0, unit));
   const near = !(least > 0.5 * most);
   const low = near ? Math.min(0, least) : least, high = near ? Math.max(0, most) : most;
   const gap = 0.06 * (high - low || 1);
@@ -184,7 +184,7 @@ sb.LineChart = class extends sb.TimeChart {
   constructor(parent, timeline, options) {
     const {name, unit, range, columns} = options, symbol = sb.symbol(unit), height = options.height - times;
     super(parent, timeline, name, [name, symbol, 'over time'].filter(part => part).join(', '), height, times);
-    Object.assign(this, options, {height, symbol, factor: sb.factor(unit), range: range || sb.rangeOf(columns)});
+    Object.assign(this, options, {height, symbol, factor: sb.factor(unit), range: range || sb.rangeOf(columns, unit)});
   }
 
   savedRows() {

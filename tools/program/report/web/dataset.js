@@ -115,20 +115,21 @@ function balance(sensor) {
 
 // Number of trials by the length of their incipient phase.
 function durations(sensor) {
-  const values = page.trials.map(trial => trial.sensors[sensor].incipient_s).filter(value => value !== null && value > 0);
+  // null: never; a phase of 0 s is one.
+  const values = page.trials.map(trial => trial.sensors[sensor].incipient_s).filter(value => value !== null);
+  const never = page.trials.filter(trial => trial.sensors[sensor].gross_s === null).length;
   const section = sb.section(
       'How long the incipient phase lasts',
       'From the first micro-slip to gross slip. ' +
-          (values.length === page.trials.length ?
-               'All trials reach gross slip.' :
-               (page.trials.length - values.length) + ' of ' + page.trials.length + ' trials never reach gross slip.'));
+          (never ? never + ' of ' + page.trials.length + ' trials never reach gross slip.' : 'All trials reach gross slip.'));
   if (values.length < 2) return section;
   const [low, high] = d3.extent(values).map(value => value * 1e3);
   const logarithmic = wide([low, high], 8);
+  const ends = high > low ? [low * 0.98, high * 1.02] : padded([low, high], false);
   const host = el('div.panels', {style: 'display:block'});
   section.append(host);
   const box = {width: 640, height: 170, left: 40, right: 10, top: 8, bottom: 36};
-  const x = axisOf('incipient phase, ms', logarithmic, [low * 0.98, high * 1.02], [box.left, box.width - box.right]);
+  const x = axisOf('incipient phase, ms', logarithmic, ends, [box.left, box.width - box.right]);
   const count = Math.min(24, Math.max(6, Math.round(Math.sqrt(values.length) * 1.6)));
   const edges = d3.range(count + 1).map(i => x.at.invert(box.left + (box.width - box.left - box.right) * i / count));
   const bins = d3.layout.histogram().bins(edges)(values.map(value => value * 1e3));
@@ -153,7 +154,8 @@ function axisOf(title, logarithmic, domain, range, round) {
     title: title + (logarithmic ? ' (log)' : ''),
     at: scale,
     ticks: logarithmic ? sb.logTicks(domain, room, 26) : scale.ticks(round || room / 50),
-    text: tick => sb.significant(tick, 4)
+    // The tick at zero may be what rounding leaves of it.
+    text: tick => sb.significant(!logarithmic && Math.abs(tick) < 1e-9 * (domain[1] - domain[0]) ? 0 : tick, 4)
   };
 }
 sb.axisOf = axisOf;
@@ -193,17 +195,18 @@ function encoding(path) {
   };
 }
 
-// A range with some room beside it.
+// A range with some room beside it. Values that differ by rounding alone are one.
 const padded = ([low, high], logarithmic) => {
   if (logarithmic) return [low / 1.25, high * 1.25];
-  const gap = 0.06 * (high - low) || Math.abs(high) * 0.1 || 1;
+  const apart = high - low > 1e-9 * Math.max(Math.abs(low), Math.abs(high));
+  const gap = apart ? 0.06 * (high - low) : Math.abs(high) * 0.1 || 1;
   return [low - gap, high + gap];
 };
 
 // Where trials stand along an axis from `begin` to `end` [px]. What is endless has no place on any axis, and zero none on a
 // logarithmic one: they get one of their own, right and left of the others, with a word below.
 function placesAlong(axis, happened, begin, end) {
-  const shown = trial => valueOf(trial, axis.path) * sb.factor(axis.unit);
+  const shown = trial => sb.rounded(valueOf(trial, axis.path), axis.unit) * sb.factor(axis.unit);
   const finite = trials => trials.filter(trial => valueOf(trial, axis.path) !== null).map(shown);
   // Where only endless values are left, the others still say what the axis is.
   const values = finite(happened).length ? finite(happened) : finite(page.trials);
@@ -277,7 +280,7 @@ function scatter(sensor, open) {
   const times = trial => {
     const time = trial.sensors[sensor][state.outcome.key];
     if (time === null) return null;
-    return 1e3 * (state.outcome.timed && state.relative ? time - trial.motion_start_s : time);
+    return 1e3 * sb.rounded(state.outcome.timed && state.relative ? time - trial.motion_start_s : time, 's');
   };
   function draw() {
     const encoded = encoding(state.colour);
@@ -331,7 +334,8 @@ function table(sensor, open) {
   const cell = (axis, trial) => {
     const value = valueOf(trial, axis.path);
     if (endless(axis, trial)) return sb.endless(axis.unit);
-    return axis.numeric && value !== null ? sb.significant(value * sb.factor(axis.unit), 3) : String(value ?? '–');
+    const held = sb.rounded(value, axis.unit);
+    return axis.numeric && value !== null ? sb.significant(held * sb.factor(axis.unit), 3) : String(value ?? '–');
   };
   const columns = [
     {title: 'trial', value: trial => trial.index, cell: trial => String(trial.index)},

@@ -192,8 +192,27 @@ sb.contour = (grid, level) => {
   return lines;
 };
 
-// The command that runs one trial again, from the one that ran all.
+// The scene and its values as Python takes them, from the command that ran all.
+const pythonScene = more => {
+  const word = /^slipbench \S+ ('(?:[^']|'\\'')*'|\S+)/.exec(page.command)[1];
+  const path = word.startsWith("'") ? word.slice(1, -1).replaceAll("'\\''", "'") : word;
+  const values = {...page.overrides, ...more};
+  const set = Object.keys(values).length ? '.set(' + JSON.stringify(values) + ')' : '';
+  return 'slipbench.Scene.load(' + JSON.stringify(path) + ')' + set;
+};
+const drawsOf = () => / --trials (\d+)/.exec(page.command)?.[1];
+// The line of Python that writes the dataset again, where no command line can read the scene.
+sb.pythonCommand = () => {
+  const draws = drawsOf() ? 'draws=' + drawsOf() + ', ' : '';
+  return pythonScene({}) + '.write(' + JSON.stringify(page.file) + ', ' + draws + 'seed=' + page.seed + ')';
+};
+
+// What runs one trial again, from the command that ran all: a command line, or a line of Python.
 sb.replayCommand = trial => {
+  if (page.no_replay) {
+    const draws = drawsOf() ? {'sweep.trials': drawsOf()} : {};
+    return pythonScene(draws) + '.run(' + trial.index + ', seed=' + page.seed + ')';
+  }
   const recorded = page.command.replace(/ --record outcome$/, '');
   const one = recorded.replace(/^slipbench sweep /, 'slipbench run ');
   const same = one === recorded ? one : one.replace(/ --trials (\d+)$/, ' --set sweep.trials=$1');

@@ -24,22 +24,28 @@ function header() {
       'header', {}, el('p.eyebrow', {}, 'slipbench report'), el('h1', {}, page.description || page.file),
       !page.complete &&
           el('p.warning', {}, 'The run that wrote this file was interrupted: it holds the trials that were finished.'),
+      page.no_replay &&
+          el('p.warning', {},
+             'No command line runs these trials again (' + page.no_replay +
+                 '). Where a Python program defines that part, run them there.'),
       page.failed.length > 0 && failures(), (page.warnings || []).map(({text}) => el('p.warning', {}, 'Warning: ' + text)),
       sb.facts(
           'meta',
           [
             ['file', page.file], ['trials', trialsText()], ['seed', page.seed], ['slipbench', page.version],
-            ['command', el('code', {}, page.command)], ...overrides
+            page.no_replay ? ['in Python', el('code', {}, sb.pythonCommand())] : ['command', el('code', {}, page.command)],
+            ...overrides
           ]),
       el('details.scene', {}, el('summary', {}, 'Scene file'), el('pre.mono', {}, page.scene)));
 }
 
 // Trials of the run that the file does not hold.
 function failures() {
+  const again = trial => page.no_replay ? sb.replayCommand({index: trial.trial}) : trial.command;
   const planned = page.trials.length + page.failed.length;
   return el(
       'details.warning', {}, el('summary', {}, page.failed.length + ' of ' + planned + ' trials failed and are not in this file'),
-      el('ul', {}, page.failed.map(trial => el('li', {}, trial.message, ' ', el('code', {}, trial.command)))));
+      el('ul', {}, page.failed.map(trial => el('li', {}, trial.message, ' ', el('code', {}, again(trial))))));
 }
 
 function footer() {

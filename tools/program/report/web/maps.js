@@ -130,7 +130,8 @@ class Maps {
     // Places of levels along an axis of so much room; where names would meet some are left out.
     const axisOf = (axis, levels, begin, room, needed) => {
       const pitch = room / levels.length, stride = Math.ceil(needed / Math.abs(pitch));
-      const tick = ({at, text: words}) => isFinite(at) ? sb.significant(at * sb.factor(axis.unit), 3) : words;
+      const tick = ({at, text: words}) =>
+          isFinite(at) ? sb.significant(sb.rounded(at, axis.unit) * sb.factor(axis.unit), 3) : words;
       return {
         title: label(axis), pitch: Math.abs(pitch), at: i => begin + (i + 0.5) * pitch,
         ticks: d3.range(0, levels.length, stride), text: i => tick(levels[i]), bare: true

@@ -81,7 +81,7 @@ sb.Pad = class {
       Object.assign(this.units[i], {label, load});
     }
     this.forceLength = 0.5 * pitch / Math.max(1e-12, recording.largest('labels/force', 0, 2));
-    const speed = recording.largest('labels/slip_velocity', 0, 2);
+    const speed = sb.rounded(recording.largest('labels/slip_velocity', 0, 2), 'm/s');
     this.slipLength = speed > 0 ? 0.4 * pitch / speed : 0;
     svg.append(this.key(speed));
     sb.saveCorner(parent, 'Pad', () => svg, () => this.savedRows());

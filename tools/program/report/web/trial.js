@@ -58,6 +58,8 @@ sb.readout = entries => {
 
 function readout(recording) {
   const label = (key, sample, component = 0) => recording.at('labels/' + key, 0, component, sample);
+  // Half of the step in which the page holds a curve; as much of each of `units` is in their sum.
+  const half = (key, units = 1) => 0.5 * units * (recording.curves['labels/' + key].data.step || 0);
   const state = key => [key, sample => sb.states.pad[recording.padStates[key][sample]].name];
   const force = (component, sample) =>
       d3.sum(d3.range(recording.units), unit => recording.at('labels/force', unit, component, sample));
@@ -68,12 +70,12 @@ function readout(recording) {
   return sb.readout([
     ...[...sb.rules.map(rule => rule.key), 'seen'].filter(key => recording.padStates[key]).map(state),
     ['stuck fraction', at => sb.percent(isNaN(label('stuck_fraction', at)) ? null : label('stuck_fraction', at))],
-    ['slip speed', at => sb.quantity(label('pad_speed', at, 1), 'm/s')],
-    ['slip direction', at => sb.quantity(label('slip_direction', at), 'rad')],
-    ['slip angle', at => sb.quantity(label('slip_angle', at), 'rad')],
+    ['slip speed', at => sb.quantity(label('pad_speed', at, 1), 'm/s', 3, half('slip_velocity'))],
+    ['slip direction', at => sb.quantity(label('slip_direction', at), 'rad', 3, half('slip_direction'))],
+    ['slip angle', at => sb.quantity(label('slip_angle', at), 'rad', 3, half('slip_angle'))],
     ['slip centre', at => centre([0, 1].map(component => label('slip_centre', at, component)))],
-    ['normal force', at => sb.quantity(force(2, at), 'N')],
-    ['tangential force', at => sb.quantity(Math.hypot(force(0, at), force(1, at)), 'N')]
+    ['normal force', at => sb.quantity(force(2, at), 'N', 3, half('force', recording.units))],
+    ['tangential force', at => sb.quantity(Math.hypot(force(0, at), force(1, at)), 'N', 3, half('force', recording.units))]
   ]);
 }
 
@@ -211,7 +213,7 @@ class UnitCharts {
     this.host.replaceChildren();
     this.readings = [];
     this.charts = [];
-    const range = sb.rangeOf(curve.columns);
+    const range = sb.rangeOf(curve.columns, curve.unit);
     const units = this.unit === null ? d3.range(recording.units) : [this.unit];
     const grid = el(
         'div.grid', {style: this.unit === null ? 'grid-template-columns:repeat(' + this.grid.columns + ',minmax(0,1fr))' : ''});

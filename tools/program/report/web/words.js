@@ -54,9 +54,15 @@ const shown = {
 sb.factor = unit => (shown[unit] || [1, unit])[0];
 sb.symbol = unit => (shown[unit] || [1, unit])[1];
 
-// An SI value with its shown unit: 0.004 m/s -> "4 mm/s".
-sb.quantity = (value, unit, digits) => {
-  const text = sb.significant(value === null ? null : value * sb.factor(unit), digits || 3);
+// Up to these an SI value is what sums and angles of doubles leave by rounding. Other units have no such limit.
+const rounding = {s: 1e-12, m: 1e-15, 'm/s': 1e-15, rad: 1e-12, 'rad/s': 1e-12, N: 1e-12};
+// An SI value, 0 where it is no more than rounding, or than half of the step in which it is held.
+sb.rounded = (value, unit, half = 0) => value !== null && Math.abs(value) <= Math.max(rounding[unit] || 0, half) ? 0 : value;
+
+// An SI value with its shown unit: 0.004 m/s -> "4 mm/s". `half`: as sb.rounded().
+sb.quantity = (value, unit, digits, half) => {
+  const held = sb.rounded(value, unit, half);
+  const text = sb.significant(held === null ? null : held * sb.factor(unit), digits || 3);
   const symbol = sb.symbol(unit);
   return text === sb.missing || !symbol ? text : text + (symbol.startsWith('°') ? '' : ' ') + symbol;
 };
