@@ -217,8 +217,9 @@ using Key = std::function<Group(const Judged&)>;
 Group octave_of(double speed) {
   if (std::isnan(speed)) return {};
   if (!(speed > 0.0)) return {0.0, "at rest"};
-  // Speeds are round numbers, those of a turn nearly: 3.99 mm/s belongs to those from 4 mm/s on.
-  const double low = std::exp2(std::floor(std::log2(1.01e3 * speed)));
+  // A speed of 16 mm/s may be a few units in the last place below 16.
+  constexpr double rounding = 1.0 + 1e-12;
+  const double low = std::exp2(std::floor(std::log2(1e3 * speed * rounding)));
   return {low, fmt::format("{:g} to {:g} mm/s", low, 2.0 * low)};
 }
 

@@ -83,6 +83,17 @@ TEST_F(Evaluated, EveryTrialAndItsGroups) {
   EXPECT_EQ(result.at("trials")[5].at("slip_time_s"), std::ranges::min(pad.labels.onset_time));
 }
 
+// An octave holds the speeds that its name says: 15.9 and 31.99 mm/s are below 16 and 32.
+TEST_F(Evaluated, SpeedsAreInTheOctaveOfTheirName) {
+  const Json result = evaluate(options(dataset({{"sweep.motion.speed", "[15.9 mm/s, 16 mm/s, 31.99 mm/s]"}})));
+  const Json& groups = result.at("by")[0].at("groups");
+  ASSERT_EQ(groups.size(), 2U);
+  EXPECT_EQ(groups[0].at("name"), "8 to 16 mm/s");
+  EXPECT_EQ(groups[0].at("trials"), 12);
+  EXPECT_EQ(groups[1].at("name"), "16 to 32 mm/s");
+  EXPECT_EQ(groups[1].at("trials"), 24);
+}
+
 TEST_F(Evaluated, OnePartOfTheDataset) {
   Options test = options(dataset());
   test.split = "test";
