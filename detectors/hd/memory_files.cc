@@ -24,10 +24,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* description_file = "model.txt";
+constexpr const char* seen_file = "seen.txt";
 constexpr std::array<const char*, 4> memory_files{"AM.hex", "CIM.hex", "CM.hex", "IM.hex"};
 constexpr std::size_t published_item_rows = 14;
 // 21 levels of the largest dimension, 65,535, take 344 kB.
 constexpr std::uintmax_t largest_file = 1'000'000;
+// The digests of a million trials.
+constexpr std::uintmax_t largest_seen = 65'000'000;
 
 constexpr std::array version_words{Word<int>{"1", 1}};
 constexpr std::array<std::pair<const char*, std::size_t network::Alarm::*>, 3> alarm_keys{
@@ -37,8 +40,8 @@ constexpr std::array flag_words{Word<bool>{"false", false}, Word<bool>{"true", t
 std::string at(const fs::path& file, std::size_t line) { return file.string() + ":" + std::to_string(line) + ": "; }
 
 // A file's lines. The last may lack its newline.
-std::vector<std::string> lines_of(const fs::path& file) {
-  check_regular_file(file.string(), largest_file);
+std::vector<std::string> lines_of(const fs::path& file, std::uintmax_t largest = largest_file) {
+  check_regular_file(file.string(), largest);
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw InputError(file.string() + ": " + std::generic_category().message(errno));
   std::vector<std::string> lines;
@@ -292,18 +295,36 @@ SavedModel load(const std::string& folder, const std::optional<Model>& unnamed) 
 void check_save_target(const std::string& folder) {
   std::vector<std::string> names(memory_files.begin(), memory_files.end());
   names.emplace_back(description_file);
+  names.emplace_back(seen_file);
   check_folder_target(folder, names);
 }
 
-void save(const std::string& folder, const SavedModel& saved) {
+void save(const std::string& folder, const SavedModel& saved, const std::set<std::string>& seen) {
   check(saved.model, saved.memories, true);
   if (saved.trained.find('\n') != std::string::npos) throw InputError("trained: a line break; allowed: one line");
   check_save_target(folder);
-  write_folder(folder, {{memory_files[0], hex_lines(saved.memories.associative)},
-                        {memory_files[1], hex_lines(saved.memories.level)},
-                        {memory_files[2], hex_lines(saved.memories.context)},
-                        {memory_files[3], hex_lines(saved.memories.item)},
-                        {description_file, description_of(saved)}});
+  std::vector<TextFile> files{{memory_files[0], hex_lines(saved.memories.associative)},
+                              {memory_files[1], hex_lines(saved.memories.level)},
+                              {memory_files[2], hex_lines(saved.memories.context)},
+                              {memory_files[3], hex_lines(saved.memories.item)},
+                              {description_file, description_of(saved)}};
+  if (!seen.empty()) {
+    files.push_back({seen_file, ""});
+    for (const std::string& digest : seen) files.back().text += digest + "\n";
+  }
+  write_folder(folder, files);
+}
+
+std::optional<std::set<std::string>> seen_by(const std::string& folder) {
+  const fs::path file = fs::path(folder) / seen_file;
+  if (std::error_code ignored; !fs::exists(file, ignored)) return std::nullopt;
+  constexpr std::size_t digits = 64;
+  const std::vector<std::string> lines = lines_of(file, largest_seen);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].size() != digits || lines[i].find_first_not_of("0123456789abcdef") != std::string::npos)
+      throw InputError(at(file, i + 1) + "found " + quote(lines[i]) + "; allowed: the digest of a trial, 64 hexadecimal digits");
+  }
+  return std::set<std::string>(lines.begin(), lines.end());
 }
 
 std::string shipped_memories(const std::string& name) {

@@ -13,9 +13,13 @@
 //   quantiser: fixed_point             (exact, unrounded)
 //   on: 5                              (frames in a row that begin an alarm; likewise off, that end it, and least, that it lasts; not there: 1)
 //   trained: hexapod.h5, draw 3        (anything, to the end of the line)
+//
+// seen.txt, where it is there, lists the digests of the trials that the memories were trained on,
+// one a line (64 hexadecimal digits).
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 
 #include "detectors/hd/features.h"
@@ -53,8 +57,13 @@ void check_save_target(const std::string& folder);
 
 // Writes a folder under a temporary name, syncs it and moves it into place when it is whole. A folder of that name is replaced when
 // it holds nothing but a model. Throws InputError when it holds anything else or cannot be written, or when `saved` does not fit
-// together; what stood there then stands there still.
-void save(const std::string& folder, const SavedModel& saved);
+// together; what stood there then stands there still. `seen`: digests of the trials that it was
+// trained on.
+void save(const std::string& folder, const SavedModel& saved, const std::set<std::string>& seen = {});
+
+// The digests of the trials that a folder's memories were trained on; empty: the folder does not
+// record them. Throws InputError with file and line for a line that is not a digest.
+std::optional<std::set<std::string>> seen_by(const std::string& folder);
 
 // The memories that ship with the program.
 

@@ -250,8 +250,7 @@ std::string evaluate(const std::string& type, const Pairs& parameters, const std
   options.sensor = sensor;
   options.split = split;
   options.all = all;
-  if (const std::unique_ptr<network::Engine> engine = eval::network_of(options.detector))
-    options.trained = engine->description().trained;
+  options.trained = eval::training_of(options.detector);
   options.labels = labels.empty() ? eval::learnt_labels(options.trained) : eval::parse_label_rule(labels);
   const PythonForks forks;
   return eval::evaluate(options).dump();

@@ -150,6 +150,7 @@ train::NetworkSummary teach(const std::string& name, const train::Recipe& recipe
                             const std::string& dataset, const std::string& output, const ReproduceOptions& options) {
   train::NetworkTraining training;
   training.datasets = {dataset};
+  training.all = true;
   training.recipe = recipe;
   training.recipe.labels = labels;
   training.seed = options.seed.value_or(1);

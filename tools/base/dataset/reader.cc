@@ -364,6 +364,16 @@ std::vector<std::size_t> DatasetReader::mask(const std::string& split) const {
   return trials;
 }
 
+std::map<std::size_t, std::string> DatasetReader::split() const {
+  std::map<std::size_t, std::string> part_of;
+  for (const char* part : {"train", "valid", "test"}) {
+    for (const std::size_t trial : mask(part)) part_of[trial] = part;
+  }
+  if (part_of.empty()) return part_of;
+  for (const std::size_t trial : trials()) part_of.try_emplace(trial, "none");
+  return part_of;
+}
+
 DemoInfo DatasetReader::info(std::size_t trial) const {
   const Place place = state_->demo(trial);
   const Handle object = open_object(place);

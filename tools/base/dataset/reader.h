@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,6 +68,9 @@ class DatasetReader {
   [[nodiscard]] std::size_t file_of(std::size_t trial) const;
   // Trials of a split: "train", "valid" or "test". Empty where the file has no masks (a killed run).
   [[nodiscard]] std::vector<std::size_t> mask(const std::string& split) const;
+  // The part of each trial of a dataset with masks: "train", "valid", "test", or "none" for a trial
+  // that no mask names. Empty where the file has no masks.
+  [[nodiscard]] std::map<std::size_t, std::string> split() const;
 
   [[nodiscard]] DemoInfo info(std::size_t trial) const;
   // Both are empty where only the outcome was recorded.

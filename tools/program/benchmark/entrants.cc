@@ -88,6 +88,7 @@ std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::st
   train::NetworkTraining training;
   training.datasets = {dataset};
   training.recipe = train::find_recipe(lesson.recipe);
+  training.all = true;
   training.output = (fs::path(folder) / (lesson.recipe + ".onnx")).string();
   train::train_network(training, [&](const train::MemberProgress& progress) {
     end_if(teaching.interrupt);
@@ -152,8 +153,7 @@ Entrant given_entrant(const std::string& word, const std::vector<Override>& para
     entrant.parameters[change.path] = change.value;
     identity += "\n" + change.path + "=" + change.value;
   }
-  if (const auto engine = eval::network_of(entrant.detector))
-    entrant.sha256_seen = eval::seen_trials(entrant.detector, engine->description().trained);
+  entrant.sha256_seen = eval::seen_trials(entrant.detector, eval::training_of(entrant.detector));
   if (const std::string file = file_of(entrant.detector); !file.empty()) identity += "\n" + file_digest(file);
   entrant.sha256 = text_sha256(identity);
   return entrant;

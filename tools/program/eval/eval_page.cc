@@ -268,6 +268,7 @@ std::string eval_page(const Json& result, const std::string& html_path) {
                                              text(result.at("sensor").at("name")), text(result.at("sensor").at("type")),
                                              text(result.at("labels")), count("trials"), count("frames"))};
   if (const std::string note = truth_note(result); !note.empty()) notes.push_back(note);
+  for (const Json& warning : result.at("warnings")) notes.push_back("warning: " + text(warning));
   std::string body =
       page::head_html(page_kind.generator, type + " on " + dataset, notes, text(result.at("command"))) + headline(all);
   const std::size_t left_out = result.at("left_out").size();

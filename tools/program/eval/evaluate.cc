@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "detectors/hd/memory_files.h"
 #include "sim/core/of_each.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
@@ -358,6 +359,10 @@ Json loop_json(const std::vector<Judged>& trials) {
   return json;
 }
 
+// Whether the detector is memories, and whether it is what a training made of data at all.
+bool is_memories(const DetectorScene& detector) { return detector.type == "gst_hd" || detector.type == "gst_hd_rtl"; }
+bool is_trained(const DetectorScene& detector) { return detector.type == "network" || is_memories(detector); }
+
 // Samples that are called slip and do not slip, or the other way round.
 std::size_t wrong_frames(const Confusion& frames) {
   std::size_t wrong = 0;
@@ -428,27 +433,46 @@ void check_dataset(const std::string& dataset) {
   });
 }
 
+// What limits the figures: trials on which the detector was, or may have been, trained.
+Json training_warnings(const Options& options, std::size_t learnt, std::size_t judged) {
+  Json warnings = Json::array();
+  if (learnt > 0) {
+    warnings.push_back(fmt::format(
+        "the detector was trained on {} of the {} trials judged, so the figures do not show what it does with new data", learnt,
+        judged));
+  }
+  const Json said = Json::parse(options.trained, nullptr, false);
+  if (is_trained(options.detector) && !(said.is_object() && said.contains("sha256_seen"))) {
+    warnings.push_back(fmt::format("{} does not record the trials on which it was trained, so none of them is left out here{}",
+                                   options.detector.parameters.path(is_memories(options.detector) ? "memories" : "model"),
+                                   said.is_object() && said.contains("trained") && said.at("trained").is_string()
+                                       ? "; it says of its training: " + said.at("trained").get<std::string>()
+                                       : ""));
+  }
+  return warnings;
+}
+
 std::string evaluated(const Options& options) {
   const DatasetReader reader(options.dataset);
   if (options.labels != TruthRule::paper) {
     reader.check_truth("eval --labels " + label_rule_name(options.labels), "--labels paper, what the recordings' own set says");
   }
-  std::map<std::size_t, std::string> mask_of;
-  for (const char* mask : masks) {
-    for (const std::size_t trial : reader.mask(mask)) mask_of[trial] = mask;
-  }
-  std::set<std::string> seen = seen_trials(options.detector, options.trained);
-  if (options.all) seen.clear();
+  const std::map<std::size_t, std::string> part_of = reader.split();
+  const std::set<std::string> seen = seen_trials(options.detector, options.trained);
+  std::size_t learnt = 0;  // trials judged on which it was trained
   const Catalogues catalogues = program_catalogues();
   const std::unique_ptr<network::Engine> network = network_of(options.detector);
   std::vector<Judged> trials;
   Json left_out = Json::array();
   for (const std::size_t trial : reader.trials()) {
-    const std::string mask = mask_of.contains(trial) ? mask_of.at(trial) : "";
+    const std::string part = part_of.contains(trial) ? part_of.at(trial) : "none", mask = part == "none" ? "" : part;
     if (!options.split.empty() && mask != options.split) continue;
     if (seen.contains(trial_identity(reader, trial))) {
-      left_out.push_back(trial);
-      continue;
+      if (!options.all) {
+        left_out.push_back(trial);
+        continue;
+      }
+      ++learnt;
     }
     try {
       trials.push_back(
@@ -472,6 +496,7 @@ std::string evaluated(const Options& options) {
                {"truth", reader.header().truth},
                {"split", options.split.empty() ? "all" : options.split},
                {"left_out", left_out},
+               {"warnings", training_warnings(options, learnt, trials.size())},
                {"all", summary_json(summarised(judgements))},
                {"by", breakdowns(trials, left_out.empty())},
                {"failed", reader.failed().size()}};
@@ -487,6 +512,21 @@ std::string evaluated(const Options& options) {
 }
 
 }  // namespace
+
+std::string training_of(const DetectorScene& detector) {
+  if (const std::unique_ptr<network::Engine> engine = network_of(detector)) return engine->description().trained;
+  if (!is_memories(detector)) return "{}";
+  const std::string folder = hd::memories_folder(detector.parameters.path("memories"));
+  Json said = Json::object();
+  if (const auto seen = hd::seen_by(folder)) said["sha256_seen"] = *seen;
+  try {
+    // Published memories have no description.
+    if (const hd::SavedModel saved = hd::load(folder, hd::Model{}); !saved.trained.empty()) said["trained"] = saved.trained;
+  } catch (const InputError&) {
+    // The detector that is made of them says what is wrong with them, and where it is named.
+  }
+  return said.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 TruthRule learnt_labels(const std::string& trained) {
   const Json said = Json::parse(trained, nullptr, false);

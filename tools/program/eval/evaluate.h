@@ -14,10 +14,16 @@ struct Options {
   TruthRule labels = TruthRule::strict;
   std::string sensor;  // the scene's name; empty: the only one
   std::string split;   // "train", "valid" or "test" of the dataset's masks; empty: every trial
-  // What the detector says of its training, JSON: trials whose digests stand in `sha256_seen` are left out, unless `all`.
+  // What the detector says of its training, JSON (training_of()): trials whose digests stand in
+  // `sha256_seen` are left out, unless `all`.
   std::string trained = "{}";
   bool all = false;
 };
+
+// What a detector says of its training, JSON: the metadata `trained` of a network; of memories
+// {"trained", "sha256_seen"}, where their folder records the trials; "{}" for a detector that is
+// not trained. Throws InputError as network_of(), and for a damaged record.
+std::string training_of(const DetectorScene& detector);
 
 // The rule that a detector learnt by, of what it says of its training; strict where that names none. Throws InputError for a rule that is none.
 TruthRule learnt_labels(const std::string& trained);
@@ -30,6 +36,8 @@ inline constexpr const char* result_key = "slipbench_eval";
 //   detector {type, parameters}, dataset, sensor {name, type, rate_hz}, labels, split
 //   truth          empty; of imported recordings "none: imported from bts3v2": what is judged by, then, is the set's own label
 //   left_out       trials that the detector was trained on, which are not judged
+//   warnings       texts: a detector that is trained and does not record on which trials; trials judged on
+//                  which it was trained (`all`)
 //   all            summary_json() of the trials judged
 //   by             [{by, groups: [{name, ...summary_json()}]}]: material, object, speed (octaves), and mask, where no trial is left out; of those
 //                  that have 2 to 24 groups

@@ -152,6 +152,7 @@ std::string eval_text(const Json& result, const Style& style) {
   if (const std::size_t left_out = result.at("left_out").size(); left_out > 0) {
     text += fmt::format("  {} trials on which it was trained are left out; --all judges them too\n", left_out);
   }
+  for (const Json& warning : result.at("warnings")) text += fmt::format("  warning: {}\n", printable(warning.get<std::string>()));
   if (const std::size_t failed = result.at("failed").get<std::size_t>(); failed > 0)
     text += fmt::format("  {} trials of the dataset failed and are not judged\n", failed);
   const eval::Tables tables = eval::tables_of(result);

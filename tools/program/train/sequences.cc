@@ -18,7 +18,7 @@
 
 namespace slipbench {
 
-SLIPBENCH_FIELDS(Sequence, trial, motion, onset, time, displacements, label, moving)
+SLIPBENCH_FIELDS(Sequence, trial, sha256, part, motion, onset, time, displacements, label, moving)
 
 namespace {
 
@@ -115,11 +115,15 @@ std::string packed_sequences(const std::string& dataset_path, const SequenceOpti
   };
   const std::size_t first = reader.trials().front();
   packed.put(reader.header().command, chosen_sensor(reader, first, options.sensor, subject_of(first)));
+  std::map<std::size_t, std::string> part_of = reader.split();
   for_each_trial(reader, [&](const TrialRecord& record) {
     const std::string subject = subject_of(record.trial);
     const std::string sensor = chosen_sensor(reader, record.trial, options.sensor, subject);
     const CommandedMotion motion = record.outcome.grasp ? CommandedMotion{} : commanded_motion(reader, record.trial);
-    packed.put(sequence_of(record, sensor, motion, options, subject));
+    Sequence sequence = sequence_of(record, sensor, motion, options, subject);
+    sequence.sha256 = trial_identity(reader, record.trial);
+    if (!part_of.empty()) sequence.part = part_of[record.trial];
+    packed.put(sequence);
   });
   return packed.release();
 }

@@ -22,6 +22,8 @@ using Displacements = std::array<float, 27>;
 // One trial.
 struct Sequence {
   std::size_t trial = 0;
+  std::string sha256;      // the trial's digest (trial_identity)
+  std::string part;        // of the dataset's own split: "train", "valid", "test", or "none"; empty: the dataset has no masks
   CommandedMotion motion;  // all 0 in a grasp, whose pad no motion commands
   double onset =
       std::numeric_limits<double>::quiet_NaN();  // s, true begin of slip by the rule of the labels; NaN: it never slips

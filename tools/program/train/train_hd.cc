@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -94,6 +95,22 @@ std::size_t longest_contact(std::span<const Sequence> sequences) {
     }
   }
   return longest;
+}
+
+// The trials of a dataset to learn from, which are counted. Throws InputError where its own split
+// has none for training.
+TrainingData read_learnt(const std::string& dataset, const HdTraining& options, HdSummary& summary) {
+  TrainingData data = read_sequences(dataset, options.sequences);
+  summary.trials += data.sequences.size();
+  const bool own_split = !options.all && std::ranges::any_of(data.sequences, [](const Sequence& s) { return !s.part.empty(); });
+  if (!own_split) return data;
+  summary.own_split = true;
+  if (summary.test.empty() && std::ranges::find(data.sequences, "test", &Sequence::part) != data.sequences.end())
+    summary.test = dataset;
+  std::erase_if(data.sequences, [](const Sequence& sequence) { return sequence.part != "train"; });
+  if (data.sequences.empty())
+    reject("{}: the part train of its own split holds no trial; allowed: --all, which learns from every trial", dataset);
+  return data;
 }
 
 // Throws InputError where one constant answer is always right.
@@ -284,15 +301,15 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
 HdSummary train_hd(const HdTraining& options) {
   hd::check_save_target(options.output);
   hd::SavedModel saved{options.model, options.quantiser, {}, hd::generate(options.model, options.seed)};
-  TrainingData data = read_sequences(options.dataset, options.sequences);
+  HdSummary summary;
+  TrainingData data = read_learnt(options.dataset, options, summary);
   for (const std::string& dataset : options.with) {
-    TrainingData more = read_sequences(dataset, options.sequences);
+    TrainingData more = read_learnt(dataset, options, summary);
     data.command += " and " + more.command;
     std::ranges::move(more.sequences, std::back_inserter(data.sequences));
   }
   const std::vector<Sample> samples = encode_dataset(options.dataset, saved, data.sequences, options.jobs);
   check_classes(options.dataset, options.sequences.labels, samples);
-  HdSummary summary;
   summary.sequences = data.sequences.size();
   summary.sensor = data.sensor;
   summary.samples = samples.size();
@@ -304,10 +321,14 @@ HdSummary train_hd(const HdTraining& options) {
   saved.memories.associative = fit(saved.model, saved.memories, samples, once, options.epochs, options.seed);
   if (options.point) saved.alarm = train::best_point(summary.by_sequence[0].said, 1.0 / detector_rate, options.alarms).alarm;
   summary.alarm = saved.alarm;
+  const std::string learnt = summary.own_split ? fmt::format("{} of {} sequences (part train)", summary.sequences, summary.trials)
+                                               : fmt::format("all {} sequences", summary.sequences);
   summary.trained = saved.trained =
-      fmt::format("{}; labels {}, seed {}, all {} sequences{}", data.command, slip_rule_name(options.sequences.labels),
-                  options.seed, data.sequences.size(), options.epochs > 0 ? fmt::format(", {} epochs", options.epochs) : "");
-  hd::save(options.output, saved);
+      fmt::format("{}; labels {}, seed {}, {}{}", data.command, slip_rule_name(options.sequences.labels), options.seed, learnt,
+                  options.epochs > 0 ? fmt::format(", {} epochs", options.epochs) : "");
+  std::set<std::string> seen;
+  for (const Sequence& sequence : data.sequences) seen.insert(sequence.sha256);
+  hd::save(options.output, saved, seen);
   return summary;
 }
 
@@ -351,6 +372,8 @@ Json train_json(const HdSummary& summary, const HdTraining& options) {
           {"epochs", options.epochs},
           {"alarm", {{"on", summary.alarm.on}, {"off", summary.alarm.off}, {"least", summary.alarm.least}}},
           {"seed", options.seed},
+          {"trials", summary.trials},
+          {"part", summary.own_split ? Json("train") : Json(nullptr)},
           {"sequences", summary.sequences},
           {"frames", summary.samples},
           {"by_sequence", draws_json(summary.by_sequence)},

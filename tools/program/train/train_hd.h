@@ -82,6 +82,7 @@ std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memorie
 struct HdTraining {
   std::string dataset;
   std::vector<std::string> with;  // more datasets, such as of grasps
+  bool all = false;               // learn from every trial, whatever a dataset's own split says
   SequenceOptions sequences;
   hd::Model model;
   hd::Quantiser quantiser = hd::Quantiser::fixed_point;
@@ -94,7 +95,10 @@ struct HdTraining {
 };
 
 struct HdSummary {
-  std::size_t sequences = 0;
+  std::size_t trials = 0;     // of all datasets
+  std::size_t sequences = 0;  // learnt from: of a dataset with a split of its own those of its part train, unless HdTraining::all
+  bool own_split = false;     // whether there is such a dataset
+  std::string test;           // the first dataset whose part test was left out; empty: there is none
   std::size_t samples = 0;
   std::vector<Evaluation> by_sequence;  // one a draw
   std::vector<Evaluation> by_frame;
@@ -103,7 +107,8 @@ struct HdSummary {
   std::string trained;  // what model.txt says of the training
 };
 
-// `slipbench train`: the draws, then a classifier trained on every sequence, which is saved. Throws InputError; for an output that
+// `slipbench train`: the draws, then a classifier trained on every sequence learnt from, which is
+// saved with the digests of their trials. Throws InputError; for an output that
 // cannot be written before anything is read.
 HdSummary train_hd(const HdTraining& options);
 

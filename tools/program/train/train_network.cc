@@ -163,6 +163,7 @@ std::string identity_of(const NetworkTraining& training, const Examples& example
               {"sensor", training.sensor},
               {"labels", hd::name_of(label_words, training.recipe.labels)},
               {"split", hd::name_of(split_words, training.recipe.split)},
+              {"all", training.all},
               {"held_out", training.held_out},
               {"seed", training.seed},
               {"member", member},
@@ -202,6 +203,11 @@ void check_output(const NetworkTraining& training) {
 struct Lesson {
   Examples examples;
   std::vector<const Example*> learning, validating, judging;
+
+  // Whether a dataset's own split counts.
+  [[nodiscard]] bool own_split() const {
+    return std::ranges::any_of(examples.all, [](const Example& example) { return !example.part.empty(); });
+  }
 };
 
 Lesson read_lesson(const NetworkTraining& training) {
@@ -209,6 +215,13 @@ Lesson read_lesson(const NetworkTraining& training) {
   const ExampleOptions options{recipe.input,  recipe.labels,  recipe.classes, training.sensor,
                                recipe.turned, recipe.at_most, training.seed,  training.read};
   Lesson lesson{read_examples(training.datasets, options), {}, {}, {}};
+  for (Example& example : lesson.examples.all) {
+    if (training.all) example.part.clear();
+    if (training.divided && !example.part.empty())
+      reject(
+          "{}: its own split says which trials learn and which judge; allowed: --all beside --split and --held-out, which divides all trials anew, or neither of them",
+          training.datasets[example.dataset]);
+  }
   try {
     const std::vector<Part> of = split_examples(lesson.examples.all, recipe.split, training.held_out, training.seed);
     for (std::size_t i = 0; i < of.size(); ++i) {
@@ -220,6 +233,9 @@ Lesson read_lesson(const NetworkTraining& training) {
   } catch (const InputError& error) {
     reject("{}: {}", fmt::join(training.datasets, ", "), error.what());
   }
+  if (lesson.learning.empty())
+    reject("{}: the part train of its own split holds no trial; allowed: --all, which divides all trials anew",
+           fmt::join(training.datasets, ", "));
   return lesson;
 }
 
@@ -280,8 +296,13 @@ Ensemble teach(const NetworkTraining& training, const Examples& examples, const 
 }
 
 // The numbers of trials and frames.
-NetworkSummary sizes_of(const Lesson& lesson) {
+NetworkSummary sizes_of(const Lesson& lesson, const NetworkTraining& training) {
   NetworkSummary summary;
+  summary.own_split = lesson.own_split();
+  if (!lesson.judging.empty()) {
+    summary.judged_from = training.datasets[lesson.judging.front()->dataset];
+    summary.judged_part = lesson.judging.front()->part;
+  }
   summary.learnt = trials_of(lesson.learning).size();
   summary.validated = trials_of(lesson.validating).size();
   summary.judged = trials_of(lesson.judging).size();
@@ -330,6 +351,7 @@ Json trained_json(const NetworkTraining& training, const Lesson& lesson, const s
                {"validation",
                 {{"balanced_accuracy", summary.validation}, {"alarms_per_minute", or_null(summary.point.alarms_per_minute)}}},
                {"libraries", network_libraries()}};
+  if (lesson.own_split()) trained["dataset_split"] = true;
   if (!lesson.judging.empty()) {
     trained["judged"] = counts_json(summary.held_out.frames);
     trained["judged"]["alarms_per_minute"] = or_null(summary.held_out_alarms);
@@ -355,7 +377,7 @@ NetworkSummary train_network(const NetworkTraining& asked, const std::function<v
                                    judged = scaled(lesson.judging, scale);
   const Ensemble ensemble = teach(training, lesson.examples, learnt, validated, report);
 
-  NetworkSummary summary = sizes_of(lesson);
+  NetworkSummary summary = sizes_of(lesson, training);
   summary.parameters = parameter_count(recipe.network);
   summary.steps = ensemble.steps.back();
   judge(summary, training, answers_of(ensemble.members, validated), answers_of(ensemble.members, judged), classes);

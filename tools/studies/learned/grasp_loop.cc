@@ -110,6 +110,7 @@ void teach_all(const std::vector<Loop>& rows, const Files& files, const std::str
     if (options.say) options.say("gst_hd");
     HdTraining training;
     training.dataset = dataset;
+    training.all = true;
     training.sequences.labels = SlipRule::has_slipped;
     training.model.window = memory_window;
     training.seed = options.seed.value_or(1);

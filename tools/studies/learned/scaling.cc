@@ -136,6 +136,7 @@ Judged taught_and_judged(const Task& task, ReproduceOptions options) {
                std::max<std::size_t>(1, task.trials / cells), nullptr, options);
   train::NetworkTraining training;
   training.datasets = {dataset};
+  training.all = true;
   training.recipe = train::find_recipe(task.subject->recipe);
   training.recipe.members = 1;  // what data buy, not what several networks do
   if (!options.full) training.recipe.training.steps /= quick_part;

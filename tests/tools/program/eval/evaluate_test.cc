@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "detectors/hd/memory_files.h"
 #include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
 #include "tools/base/dataset/reader.h"
@@ -116,11 +117,39 @@ TEST_F(Evaluated, LeavesOutWhatADetectorWasTrainedOn) {
   copy.dataset = dataset({{"description", "another one"}}, "other.h5");
   EXPECT_NE(DatasetReader(copy.dataset).content_sha256(), DatasetReader(trained.dataset).content_sha256());
   EXPECT_EQ(evaluate(copy).at("left_out"), (Json{0, 1, 2, 7}));
+  EXPECT_EQ(result.at("warnings"), Json::array());
   trained.all = true;
-  EXPECT_EQ(evaluate(trained).at("all").at("trials"), 24);
+  const Json with_all = evaluate(trained);
+  EXPECT_EQ(with_all.at("all").at("trials"), 24);
+  EXPECT_THAT(with_all.at("warnings")[0].get<std::string>(), HasSubstr("trained on 4 of the 24 trials judged"));
   trained.all = false;
   trained.trained = R"({"sha256_seen": ["12"]})";
   EXPECT_THAT(refusal_of([&] { evaluate(trained); }), HasSubstr("sha256_seen is no list of digests"));
+}
+
+// Memories record their trials in seen.txt. Those without it, as the published ones are, cannot be
+// told apart from what they learnt from.
+TEST_F(Evaluated, LeavesOutWhatMemoriesWereTrainedOn) {
+  const std::string file = dataset();
+  const DatasetReader reader(file);
+  const hd::SavedModel saved = hd::load(SLIPBENCH_SOURCE_DIR "/detectors/hd/memories/cl_gst_hd");
+  hd::save(path("own"), saved, {reader.trial_sha256(3), reader.trial_sha256(9)});
+  Options memories = options(file);
+  const auto judged_with = [&](const std::string& folder) {
+    memories.detector = chosen_detector(folder, {});
+    memories.trained = training_of(memories.detector);
+    return evaluate(memories);
+  };
+  const Json result = judged_with(path("own"));
+  EXPECT_EQ(result.at("left_out"), (Json{3, 9}));
+  EXPECT_EQ(result.at("warnings"), Json::array());
+  hd::save(path("old"), saved);
+  const Json unknown = judged_with(path("old"));
+  EXPECT_EQ(unknown.at("all").at("trials"), 24);
+  EXPECT_THAT(unknown.at("warnings")[0].get<std::string>(),
+              AllOf(HasSubstr("old does not record the trials on which it was trained"), HasSubstr(saved.trained)));
+  std::ofstream(path("own") + "/seen.txt") << "12\n";
+  EXPECT_THAT(refusal_of([&] { judged_with(path("own")); }), HasSubstr("seen.txt:1: found '12'; allowed: the digest of a trial"));
 }
 
 TEST_F(Evaluated, RefusesWhatItCannotJudge) {

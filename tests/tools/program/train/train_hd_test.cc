@@ -1,11 +1,13 @@
 #include "tools/program/train/train_hd.h"
 
 #include <filesystem>
+#include <set>
 
 #include "detectors/hd/engine.h"
 #include "sim/core/random.h"
 #include "tests/expect.h"
 #include "tests/tools/program/train/small_dataset.h"
+#include "tools/base/dataset/reader.h"
 
 namespace slipbench::testing::train_test {
 namespace {
@@ -201,6 +203,7 @@ struct TrainTest : SmallDatasetTest {
     HdTraining training;
     training.dataset = data;
     training.model = small_model();
+    training.all = true;  // of the 24 trials, whatever their masks
     training.jobs = jobs;
     training.output = path(folder);
     return training;
@@ -265,6 +268,35 @@ TEST_F(TrainTest, TeachesThePublishedCoresBundleAndEpochs) {
   EXPECT_THAT(hd::load(path("epochs")).trained, EndsWith("seed 1, all 48 sequences, 2 epochs"));
   EXPECT_NE(files_of("epochs")[0], files_of("core")[0]);
   EXPECT_NE(files_of("core")[0], files_of("paper")[0]);
+}
+
+// Shares of 1/2, 1/4 and 1/4 of 24 trials: 12 teach, and of the others nothing is seen, neither by
+// the draws nor by what is saved.
+TEST_F(TrainTest, LearnsFromThePartTrainAlone) {
+  const std::string data = dataset({{"split", "{by: trial, shares: [0.5, 0.25, 0.25]}"}});
+  HdTraining training = options(data, "part", 1);
+  training.all = false;
+  const HdSummary summary = train_hd(training);
+  EXPECT_EQ(summary.trials, 24U);
+  EXPECT_EQ(summary.sequences, 12U);
+  EXPECT_TRUE(summary.own_split);
+  EXPECT_EQ(summary.test, data);
+  EXPECT_THAT(hd::load(path("part")).trained, EndsWith("12 of 24 sequences (part train)"));
+  for (const Evaluation& draw : summary.by_sequence) EXPECT_EQ(draw.distinct + draw.tested, 12U);
+  const DatasetReader reader(data);
+  std::set<std::string> digests;
+  for (const std::size_t trial : reader.mask("train")) digests.insert(reader.trial_sha256(trial));
+  EXPECT_EQ(digests.size(), 12U);
+  EXPECT_EQ(hd::seen_by(path("part")), digests);
+
+  train_hd(options(data, "all", 1));
+  EXPECT_EQ(hd::seen_by(path("all"))->size(), 24U);
+  EXPECT_NE(files_of("all")[0], files_of("part")[0]);
+
+  // No trial of 24 has a share of train that is not 0: one is left for it, which is too few for
+  // draws.
+  training.dataset = dataset({{"split", "{by: trial, shares: [0, 0, 1]}"}}, "test.h5");
+  EXPECT_THAT(refusal_of([&] { train_hd(training); }), HasSubstr("draw 0 leaves no frame to test: 1 sequences"));
 }
 
 // The memory that ships for any surface. Its prototypes stand apart, and one bit in a hundred turned, as in a worn memory, changes few answers

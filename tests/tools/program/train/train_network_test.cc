@@ -23,6 +23,7 @@ struct TrainNetwork : slipbench::testing::SmallDatasetTest {
     training.recipe.training.steps = 4;
     training.recipe.training.validate_every = 2;
     training.recipe.training.batch = 4;
+    training.all = true;  // of the 24 trials, whatever their masks
     training.output = path("detector.onnx");
     return training;
   }
@@ -104,6 +105,27 @@ TEST_F(TrainNetwork, RefusesWhatDoesNotFit) {
       dataset({{"sweep.motion.speed", "[0.001 mm/s, 0.002 mm/s]"}}, "still.h5")};  // at most 0.4 um: nothing slips
   EXPECT_THAT(refusal(training), HasSubstr("have a class without a frame: 150 hold, 0 slip"));
   EXPECT_FALSE(std::filesystem::exists(training.output));
+}
+
+// Shares of 1/2, 1/4 and 1/4 of 24 trials: 12 learn, 6 validate and 6 judge.
+TEST_F(TrainNetwork, KeepsToTheDatasetsOwnSplit) {
+  NetworkTraining training = small();
+  training.datasets = {dataset({{"split", "{by: trial, shares: [0.5, 0.25, 0.25]}"}}, "split.h5")};
+  training.all = false;
+  const NetworkSummary summary = train_network(training);
+  EXPECT_TRUE(summary.own_split);
+  EXPECT_EQ(summary.judged_from, training.datasets.front());
+  EXPECT_EQ(summary.judged_part, "test");
+  const auto trained = nlohmann::json::parse(network::load_engine(training.output)->description().trained);
+  EXPECT_TRUE(trained["dataset_split"].get<bool>());
+  const DatasetReader reader(training.datasets.front());
+  EXPECT_EQ(reader.mask("train").size(), 12U);
+  EXPECT_EQ(trained["trials_learnt"].get<std::vector<std::size_t>>(), reader.mask("train"));
+  EXPECT_EQ(trained["trials_validated"].get<std::vector<std::size_t>>(), reader.mask("valid"));
+  EXPECT_EQ(trained["trials_judged"].get<std::vector<std::size_t>>(), reader.mask("test"));
+  EXPECT_EQ(trained["sha256_seen"].size(), 18U);
+  training.divided = true;
+  EXPECT_THAT(refusal(training), HasSubstr("split.h5: its own split says which trials learn and which judge; allowed: --all"));
 }
 
 // Twice 24 trials: 10 judge, a fifth of the other 38, rounded up, validates.

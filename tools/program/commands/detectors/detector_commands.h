@@ -51,7 +51,7 @@ struct TrainCommand final : Command {
   std::string alarms_;
   bool score_ = false;
   std::vector<std::string> with_;
-  bool resume_ = false;
+  bool all_ = false, resume_ = false;
 };
 
 // `eval`: slip detectors judged on datasets.

@@ -98,7 +98,8 @@ accuracy, delay from the true first slip, early, missed, false alarms a minute o
 material or object, by speed and by the dataset's masks. The same samples give the same classes as in the loop.
 
 DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that `slipbench train` wrote (gst_hd); cl_gst_hd and
-learn_gst_hd are those that ship with the program. Trials of this dataset that a network was trained on are left out.
+learn_gst_hd are those that ship with the program. Trials of this dataset that a network or memories were trained on are left out, wherever they
+are stored; where the detector does not record them, the output says so.
 
 Labels: strict (a unit slips when all of it does), micro (when a part of it does), paper (the rule of the sensor's paper), latched (micro, and what
 has slipped stays so until contact is lost), masked (micro, without the frames that stick again after a slip), has_slipped (of a PapillArray: a pillar whose tip was fast stays so until it loses contact).
@@ -125,8 +126,8 @@ int EvalCommand::run() {
   options.detector = eval::chosen_detector(detector, parameters);
   if (labels) options.labels = *labels;
   std::string step;
+  options.trained = eval::training_of(options.detector);
   if (const std::unique_ptr<network::Engine> engine = eval::network_of(options.detector)) {
-    options.trained = engine->description().trained;
     if (!labels) options.labels = eval::learnt_labels(options.trained);
     step = step_text(*engine);
   }

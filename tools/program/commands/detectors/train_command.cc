@@ -67,6 +67,16 @@ class StepReport {
   std::size_t step_ = 0;
 };
 
+// The command that judges what was trained, on data that it has not seen. `unseen`: a dataset with
+// such trials; empty: there is none. `part`: of the dataset's own split, which they are; empty: it
+// has none.
+std::string next_text(const Style& style, const std::string& output, const std::string& unseen, const std::string& part,
+                      const std::string& options) {
+  const std::string eval = style.dim("next:") + " slipbench eval " + shell_word(output);
+  if (!unseen.empty()) return eval + " " + shell_word(unseen) + options + (part.empty() ? "" : " --split " + part);
+  return eval + " NEW.h5" + options + "  # NEW.h5: trials not learnt from, such as those of a sweep with another --seed";
+}
+
 }  // namespace
 
 void TrainCommand::declare(Arguments& arguments) {
@@ -81,7 +91,10 @@ none. With --score or --alarms draw 0 chooses how many frames in a row begin and
 Encoders: shdc (pillars of one frame), sthdc (over a window), gsthdc (with graphs, over a window). --context is gsthdc's default only.
 Bundles: paper starts afresh with every frame, published_core keeps the counts of the pillars over a window, as the gripper's core does.
 
-Any other recipe (`slipbench list recipes`) is a network. What judges is held out first: a fifth of the trials, or of the materials,
+A dataset's own split counts: gst_hd learns from its part train alone; a network learns from train, validates on valid (a fifth of train where
+valid is empty) and is judged on test. --all does without it. What is trained records the trials that it has seen, and `eval` leaves them out.
+
+Any other recipe (`slipbench list recipes`) is a network. With --all, or of a dataset without a split, what judges is held out first: a fifth of the trials, or of the materials,
 objects or octaves of speed that --split names. A fifth of the rest chooses the best state and the operating point: threshold, frames in a row
 that begin and end an alarm and the least it lasts, of the greatest balanced accuracy with no more false alarms a minute than --alarms, or of
 the greatest score of open recordings (`slipbench benchmark`) with --score. The ONNX file is a whole detector, and says what it has seen. A killed training goes on with --resume, to the same bytes. One thread, one network at a time.
@@ -115,6 +128,8 @@ Examples:
                  "False alarms that are borne, of trials that did not teach (default: 1/min; of gst_hd none is chosen)");
   arguments.flag("--score", score_, "In place of --alarms, the operating point of the greatest score of open recordings");
   arguments.lines("--with FILE", with_, "One more dataset, such as of grasps beside a stage; may be repeated");
+  arguments.flag("--all", all_,
+                 "Learn from every trial, whatever a dataset's own split (/mask) says; a network divides them anew");
   arguments.flag("--resume", resume_, "Network: go on where a killed training left OUTPUT.checkpoint-0");
   arguments.word("--encoder NAME", encoding_, "gst_hd: {} (default: gsthdc)", encoder_words);
   arguments.flag("--context", context_, "gst_hd: bind with the context of the centre pillar's compression (default with gsthdc)");
@@ -153,6 +168,7 @@ void TrainCommand::read_hd() {
   options.quantiser = quantiser_.value_or(options.quantiser);
   options.epochs = epochs_.value_or(options.epochs);
   options.with = with_;
+  options.all = all_;
   options.point = score_ || !alarms_.empty();
   if (!alarms_.empty()) options.alarms = alarms_a_minute(alarms_);
   options.jobs = jobs_.value_or(options.jobs);
@@ -195,6 +211,8 @@ void TrainCommand::read_network() {
   training = {std::move(datasets),
               std::move(recipe),
               options.sequences.sensor,
+              all_,
+              !all_ && (split_ || held_out_),
               0.01 * static_cast<double>(held_out_.value_or(20)),
               options.seed,
               score_,
@@ -253,14 +271,14 @@ int TrainCommand::train_network() {
     table.add({"balanced accuracy, all classes", one_decimal(summary.validation)});
   }
   fmt::print(
-      "{}\n{}  {} trials learnt, {} validated ({}), {} held out; {} frames, {} parameters, state of step {}\nslip from {} frames in a row at {:.3f} on, for {} "
-      "frames and until {} are below: {:.1f} false alarms a minute of hold in validation\n{} {}\n{} slipbench eval {} {}\n",
+      "{}\n{}  {} trials learnt, {} validated ({}), {} held out{}; {} frames, {} parameters, state of step {}\nslip from {} frames in a row at {:.3f} on, for {} "
+      "frames and until {} are below: {:.1f} false alarms a minute of hold in validation\n{} {}\n{}\n",
       style.heading(
           fmt::format("{}, labels {}", training->recipe.name, hd::name_of(train::label_words, training->recipe.labels))),
-      table.text(style), summary.learnt, summary.validated, one_decimal(summary.validation), summary.judged, summary.frames,
-      summary.parameters, summary.steps, alarm.on, summary.point.threshold, alarm.least, alarm.off,
-      summary.point.alarms_per_minute, style.good("written:"), training->output, style.dim("next:"), shell_word(training->output),
-      shell_word(training->datasets.front()) + eval_options(summary.sensors));
+      table.text(style), summary.learnt, summary.validated, one_decimal(summary.validation), summary.judged,
+      summary.own_split ? ", by the dataset's own split" : "", summary.frames, summary.parameters, summary.steps, alarm.on,
+      summary.point.threshold, alarm.least, alarm.off, summary.point.alarms_per_minute, style.good("written:"), training->output,
+      next_text(style, training->output, summary.judged_from, summary.judged_part, eval_options(summary.sensors)));
   return exit_good;
 }
 
@@ -275,13 +293,19 @@ int TrainCommand::train_hd() {
                 "slip from {} frames in a row on, for {} frames and until {} do not slip; the figures above are without\n",
                 summary.alarm.on, summary.alarm.least, summary.alarm.off)
           : "";
-  fmt::print("{}\n{}\n{}\n{}{}\n{}{} {}\n{} slipbench eval {} {} --sensor {} --labels {}\n",
-             style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(options.model),
-                                       slip_rule_name(options.sequences.labels), summary.sequences, summary.samples)),
-             draws_text(summary, style), style.heading("by sequence, the tests of the five draws together"),
-             delays_text(sum.delays), confusion_text(sum.all, style), point, style.good("written:"), options.output,
-             style.dim("next:"), shell_word(options.output), shell_word(options.dataset), shell_word(summary.sensor),
-             slip_rule_name(options.sequences.labels));
+  const std::string learnt =
+      summary.own_split
+          ? fmt::format("learnt from {} of {} trials: the part train of the dataset's own split; --all learns from every trial\n",
+                        summary.sequences, summary.trials)
+          : "";
+  fmt::print(
+      "{}\n{}\n{}\n{}{}\n{}{}{} {}\n{}\n",
+      style.heading(fmt::format("{}, labels {}: {} sequences, {} frames", model_name(options.model),
+                                slip_rule_name(options.sequences.labels), summary.sequences, summary.samples)),
+      draws_text(summary, style), style.heading("by sequence, the tests of the five draws together"), delays_text(sum.delays),
+      confusion_text(sum.all, style), learnt, point, style.good("written:"), options.output,
+      next_text(style, options.output, summary.test, "test",
+                fmt::format(" --sensor {} --labels {}", shell_word(summary.sensor), slip_rule_name(options.sequences.labels))));
   return exit_good;
 }
 

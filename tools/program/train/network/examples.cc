@@ -27,7 +27,8 @@
 namespace slipbench::train {
 
 SLIPBENCH_FIELDS(FrameSequence, features, label)
-SLIPBENCH_FIELDS(Example, trial, sha256, twin, sensor, material, object, speed, mass, touches, onset, time, truth, frames, turn)
+SLIPBENCH_FIELDS(Example, trial, sha256, part, dataset, twin, sensor, material, object, speed, mass, touches, onset, time, truth,
+                 frames, turn)
 
 namespace {
 
@@ -249,6 +250,7 @@ std::string packed_examples(const std::string& dataset_path, const ExampleOption
   Packed bytes;
   bytes.put(reader.header().command, reader.content_sha256().size());
   for (const std::string& digest : reader.content_sha256()) bytes.put(digest);
+  std::map<std::size_t, std::string> part_of = reader.split();
   const ReadingProgress progress = options.read;  // what it shows goes with it, also where reading fails
   if (progress) progress(0, reader.trials().size());
   std::size_t read = 0;
@@ -260,6 +262,7 @@ std::string packed_examples(const std::string& dataset_path, const ExampleOption
         try {
           Example example = example_of(record, *sensor, options, copy == 0 ? 0 : 1 + turns.integer(rotations - 1));
           example.sha256 = trial_identity(reader, record.trial);
+          if (!part_of.empty()) example.part = part_of[record.trial];
           bytes.put(example);
         } catch (const InputError& error) {
           reject("{}: {}", subject, error.what());
@@ -356,12 +359,17 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
 
 Examples read_examples(std::span<const std::string> dataset_paths, const ExampleOptions& options) {
   Examples all = read_examples(dataset_paths.front(), options);
+  std::size_t dataset = 0;
   for (const std::string& path : dataset_paths.subspan(1)) {
+    ++dataset;
     Examples more = read_examples(path, options);
     if (more.inputs != all.inputs)
       reject("{}: {} values a frame, in {} {}; allowed: as many", path, more.inputs, dataset_paths.front(), all.inputs);
     const std::size_t first = all.all.back().trial + 1;
-    for (Example& example : more.all) example.trial += first;
+    for (Example& example : more.all) {
+      example.trial += first;
+      example.dataset = dataset;
+    }
     all.command += "\n" + more.command;
     std::ranges::move(more.sha256, std::back_inserter(all.sha256));
     std::ranges::move(more.all, std::back_inserter(all.all));

@@ -47,11 +47,13 @@ std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels);
 // One sensor in one trial.
 struct Example {
   std::size_t trial = 0;
-  std::string sha256;    // the trial's digest (trial_identity)
-  std::string twin;      // truth_sha256(): trials in which it is equal are one experiment; empty: not known
-  std::string sensor;    // the scene's name
-  std::string material;  // what was swept of surface.material and friction.static and kinetic; empty: nothing
-  std::string object;    // what was swept of shapes, sizes, surface, friction, effects and stiffness; empty: nothing
+  std::string sha256;       // the trial's digest (trial_identity)
+  std::string part;         // of the dataset's own split: "train", "valid", "test", or "none"; empty: the dataset has no masks
+  std::size_t dataset = 0;  // number of the file that it is from
+  std::string twin;         // truth_sha256(): trials in which it is equal are one experiment; empty: not known
+  std::string sensor;       // the scene's name
+  std::string material;     // what was swept of surface.material and friction.static and kinetic; empty: nothing
+  std::string object;       // what was swept of shapes, sizes, surface, friction, effects and stiffness; empty: nothing
   double speed = std::numeric_limits<double>::quiet_NaN();  // m/s, motion.speed as it was swept; NaN: was not
   double mass = std::numeric_limits<double>::quiet_NaN();   // kg, of box.mass or bodies.*.mass likewise
   bool touches = false;                                     // something touches at some time; else only motors run
@@ -126,8 +128,10 @@ enum class Part : std::uint8_t { learns, validates, judges, left_out };
 // The part of each example. All examples of a group, which is an experiment (trials whose Example::twin is equal), a material, an object or an
 // octave of speed, judge or none does: groups are shuffled by RandomStream(seed, 0, "split"), and `held_out` of them, rounded up, judge. A fifth of the
 // other trials, rounded up, validates (a fifth of the groups where there are five or more left). Trials with other classes, and with and without
-// contact, are dealt out apart. A turned copy whose trial does not learn is left out. Throws InputError where a part would be empty, or nothing
-// is known to split by.
+// contact, are dealt out apart. A turned copy whose trial does not learn is left out. Examples with
+// a part of their dataset's own split keep to it: train learns, valid validates, test judges, none
+// is left out. Where no such example is of the part valid, a fifth of the experiments of train
+// validates. Throws InputError where a part would be empty, or nothing is known to split by.
 std::vector<Part> split_examples(std::span<const Example> examples, Split split, double held_out, std::uint64_t seed);
 
 }  // namespace slipbench::train

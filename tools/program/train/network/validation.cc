@@ -8,6 +8,7 @@
 #include <memory>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -81,6 +82,67 @@ std::vector<Item> dealt(std::vector<Item> items, double share, RandomStream& ran
   std::vector<Item> first;
   for (std::size_t i = 0; i < wanted; ++i) first.push_back(order[i].second);
   return first;
+}
+
+// The parts of examples without one of their own, in their order.
+std::vector<Part> dealt_parts(std::span<const Example* const> examples, Split split, double held_out, std::uint64_t seed) {
+  const std::string word = hd::name_of(split_words, split);
+  std::map<std::string, Kinds> groups;
+  std::map<std::size_t, Kinds> kinds_of_trial;
+  std::map<std::size_t, std::string> of_trial;  // its group
+  std::map<std::string, std::size_t> experiments;
+  for (const Example* const one : examples) {
+    const Example& example = *one;
+    const std::size_t experiment = example.twin.empty()
+                                       ? example.trial
+                                       : experiments.try_emplace(example.sensor + example.twin, example.trial).first->second;
+    const std::string group = group_of(example, experiment, split);
+    if (group.empty())
+      reject("trial {}: the dataset sweeps no {}, so it cannot be split by it; allowed: trial, or a dataset that sweeps it",
+             example.trial, word);
+    of_trial.try_emplace(example.trial, group);
+    add_kinds(groups[of_trial[example.trial]], example);
+    add_kinds(kinds_of_trial[example.trial], example);
+  }
+  RandomStream random(seed, 0, "split");
+  const std::vector<std::string> names = of_each(groups, [](const auto& group) { return group.first; });
+  const std::vector<std::string> judging = dealt(names, held_out, random, [&](const std::string& name) { return groups[name]; });
+  std::vector<std::string> left;
+  std::ranges::copy_if(names, std::back_inserter(left),
+                       [&](const std::string& name) { return std::ranges::find(judging, name) == judging.end(); });
+  std::vector<std::string> validating;
+  std::vector<std::size_t> validating_trials;
+  if (split == Split::trial || left.size() >= 5) {
+    validating = dealt(left, 0.2, random, [&](const std::string& name) { return groups[name]; });
+  } else {
+    std::vector<std::size_t> trials;
+    for (const auto& [trial, group] : of_trial) {
+      if (std::ranges::find(left, group) != left.end()) trials.push_back(trial);
+    }
+    validating_trials = dealt(trials, 0.2, random, [&](std::size_t trial) { return kinds_of_trial[trial]; });
+  }
+  std::vector<Part> parts;
+  std::size_t learning = 0, validates = 0;
+  for (const Example* const one : examples) {
+    const Example& example = *one;
+    const std::string& group = of_trial[example.trial];
+    Part part = Part::learns;
+    if (std::ranges::find(judging, group) != judging.end()) {
+      part = Part::judges;
+    } else if (std::ranges::find(validating, group) != validating.end() ||
+               std::ranges::find(validating_trials, example.trial) != validating_trials.end()) {
+      part = Part::validates;
+    }
+    if (example.turn != 0 && part != Part::learns) part = Part::left_out;
+    learning += part == Part::learns ? 1 : 0;
+    validates += part == Part::validates ? 1 : 0;
+    parts.push_back(part);
+  }
+  if (learning == 0 || validates == 0) {
+    reject("{} different {} leave nothing to learn from and to validate on; allowed: three or more, or a split by another fact",
+           groups.size(), split == Split::trial ? "experiments" : word + "s");
+  }
+  return parts;
 }
 
 }  // namespace
@@ -158,60 +220,27 @@ std::vector<Confusion> counts_of(std::span<const FoldExample> examples, const Ca
 }
 
 std::vector<Part> split_examples(std::span<const Example> examples, Split split, double held_out, std::uint64_t seed) {
-  const std::string word = hd::name_of(split_words, split);
-  std::map<std::string, Kinds> groups;
-  std::map<std::size_t, Kinds> kinds_of_trial;
-  std::map<std::size_t, std::string> of_trial;  // its group
-  std::map<std::string, std::size_t> experiments;
-  for (const Example& example : examples) {
-    const std::size_t experiment = example.twin.empty()
-                                       ? example.trial
-                                       : experiments.try_emplace(example.sensor + example.twin, example.trial).first->second;
-    const std::string group = group_of(example, experiment, split);
-    if (group.empty())
-      reject("trial {}: the dataset sweeps no {}, so it cannot be split by it; allowed: trial, or a dataset that sweeps it",
-             example.trial, word);
-    of_trial.try_emplace(example.trial, group);
-    add_kinds(groups[of_trial[example.trial]], example);
-    add_kinds(kinds_of_trial[example.trial], example);
-  }
-  RandomStream random(seed, 0, "split");
-  const std::vector<std::string> names = of_each(groups, [](const auto& group) { return group.first; });
-  const std::vector<std::string> judging = dealt(names, held_out, random, [&](const std::string& name) { return groups[name]; });
-  std::vector<std::string> left;
-  std::ranges::copy_if(names, std::back_inserter(left),
-                       [&](const std::string& name) { return std::ranges::find(judging, name) == judging.end(); });
-  std::vector<std::string> validating;
-  std::vector<std::size_t> validating_trials;
-  if (split == Split::trial || left.size() >= 5) {
-    validating = dealt(left, 0.2, random, [&](const std::string& name) { return groups[name]; });
-  } else {
-    std::vector<std::size_t> trials;
-    for (const auto& [trial, group] : of_trial) {
-      if (std::ranges::find(left, group) != left.end()) trials.push_back(trial);
+  constexpr std::array<std::pair<std::string_view, Part>, 4> own{
+      {{"train", Part::learns}, {"valid", Part::validates}, {"test", Part::judges}, {"none", Part::left_out}}};
+  std::vector<Part> parts(examples.size(), Part::left_out);
+  std::vector<const Example*> undivided, training;
+  bool validates = false;
+  for (std::size_t i = 0; i < examples.size(); ++i) {
+    if (examples[i].part.empty()) {
+      undivided.push_back(&examples[i]);
+      continue;
     }
-    validating_trials = dealt(trials, 0.2, random, [&](std::size_t trial) { return kinds_of_trial[trial]; });
+    parts[i] = std::ranges::find(own, examples[i].part, &std::pair<std::string_view, Part>::first)->second;
+    if (examples[i].turn != 0 && parts[i] != Part::learns) parts[i] = Part::left_out;
+    validates = validates || parts[i] == Part::validates;
+    if (parts[i] == Part::learns) training.push_back(&examples[i]);
   }
-  std::vector<Part> parts;
-  std::size_t learning = 0, validates = 0;
-  for (const Example& example : examples) {
-    const std::string& group = of_trial[example.trial];
-    Part part = Part::learns;
-    if (std::ranges::find(judging, group) != judging.end()) {
-      part = Part::judges;
-    } else if (std::ranges::find(validating, group) != validating.end() ||
-               std::ranges::find(validating_trials, example.trial) != validating_trials.end()) {
-      part = Part::validates;
-    }
-    if (example.turn != 0 && part != Part::learns) part = Part::left_out;
-    learning += part == Part::learns ? 1 : 0;
-    validates += part == Part::validates ? 1 : 0;
-    parts.push_back(part);
-  }
-  if (learning == 0 || validates == 0) {
-    reject("{} different {} leave nothing to learn from and to validate on; allowed: three or more, or a split by another fact",
-           groups.size(), split == Split::trial ? "experiments" : word + "s");
-  }
+  const auto deal = [&](const std::vector<const Example*>& dealt, Split by, double judging) {
+    const std::vector<Part> of = dealt_parts(dealt, by, judging, seed);
+    for (std::size_t i = 0; i < dealt.size(); ++i) parts[static_cast<std::size_t>(dealt[i] - examples.data())] = of[i];
+  };
+  if (!undivided.empty()) deal(undivided, split, held_out);
+  if (!validates && !training.empty()) deal(training, Split::trial, 0.0);
   return parts;
 }
 

@@ -302,6 +302,31 @@ TEST(SplitExamples, KeepsATrialTogether) {
   for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(parts[10 + i], parts[i] == Part::learns ? Part::learns : Part::left_out);
 }
 
+// Of 20 trials in parts of 10, 0 and 10 a fifth of the first ten validates, 2. Ten more without a
+// part are dealt out as ever: a fifth judges, 2.
+TEST(SplitExamples, KeepsToThePartsOfADataset) {
+  std::vector<Example> all = trials(20);
+  for (Example& example : all) example.part = example.trial % 2 == 0 ? "train" : "test";
+  all[3].part = "none";
+  std::vector<Part> parts =
+      split_examples(all, Split::object, 0.0, 1);  // nothing is known of objects, and nothing is divided by them
+  for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(parts[i] == Part::judges, i % 2 == 1 && i != 3) << i;
+  EXPECT_EQ(parts[3], Part::left_out);
+  EXPECT_EQ(std::ranges::count(parts, Part::validates), 2);
+  EXPECT_EQ(std::ranges::count(parts, Part::learns), 8);
+
+  for (Example more : trials(10)) {
+    more.trial += 20;
+    all.push_back(more);
+  }
+  parts = split_examples(all, Split::trial, 0.2, 1);
+  EXPECT_EQ(std::count(parts.begin() + 20, parts.end(), Part::judges), 2);
+  all[0].part = all[2].part = "valid";
+  parts = split_examples(all, Split::trial, 0.2, 1);
+  EXPECT_EQ(std::count(parts.begin(), parts.begin() + 20, Part::validates), 2);
+  EXPECT_EQ(parts[0], Part::validates);
+}
+
 TEST(SplitExamples, NeedsSomethingOnEachSide) {
   EXPECT_THROW(split_examples(trials(1), Split::trial, 0.2, 1), InputError);
   EXPECT_THROW(split_examples(trials(20), Split::object, 0.2, 1), InputError);  // no object is known
