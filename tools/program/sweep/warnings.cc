@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -163,7 +164,8 @@ void look_at_texture(const Scene& scene, std::size_t trial, Collector& found) {
   const Eigen::Vector2d k = 2.0 * std::numbers::pi / wavelength * Eigen::Vector2d(std::cos(angle), std::sin(angle));
   for (const SensorScene& sensor : scene.sensors) {
     if (sensor.friction || !sensor.follows.empty()) continue;  // no effects, or the points of another
-    const PadLayout& layout = make_sensor(sensor, scene.seed, trial)->layout();
+    const std::unique_ptr<Sensor> made = make_sensor(sensor, scene.seed, trial);
+    const PadLayout& layout = made->layout();
     for (const UnitRange& unit : layout.units) {
       const UnitSampling sampling = sampling_of(layout, unit, k);
       const std::string points =

@@ -292,11 +292,6 @@ TEST_F(TrainTest, LearnsFromThePartTrainAlone) {
   train_hd(options(data, "all", 1));
   EXPECT_EQ(hd::seen_by(path("all"))->size(), 24U);
   EXPECT_NE(files_of("all")[0], files_of("part")[0]);
-
-  // No trial of 24 has a share of train that is not 0: one is left for it, which is too few for
-  // draws.
-  training.dataset = dataset({{"split", "{by: trial, shares: [0, 0, 1]}"}}, "test.h5");
-  EXPECT_THAT(refusal_of([&] { train_hd(training); }), HasSubstr("draw 0 leaves no frame to test: 1 sequences"));
 }
 
 // The memory that ships for any surface. Its prototypes stand apart, and one bit in a hundred turned, as in a worn memory, changes few answers
