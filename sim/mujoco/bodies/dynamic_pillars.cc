@@ -24,7 +24,7 @@ void DynamicSimulation::State::find_pillars(const Scene& scene) {
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
     const int site = mj_name2id(m(), mjOBJ_SITE, site_of(scene.sensors[i]).c_str());
     auto pillars = std::make_unique<ArticulatedContact>(m(), pillars_of(scene.sensors[i]), *layouts[i], settings);
-    pads.push_back({nullptr, std::move(pillars), site, m()->site_bodyid[site], 0.0, reach_of(*layouts[i])});
+    pads.push_back({nullptr, std::move(pillars), site, m()->site_bodyid[site]});
   }
 }
 

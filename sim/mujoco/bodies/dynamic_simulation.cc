@@ -91,11 +91,9 @@ void DynamicSimulation::State::find_fields(const Scene& scene) {
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
     const int instance = mj_name2id(m(), mjOBJ_PLUGIN, scene.sensors[i].name.c_str());
     PadInstance* pad = pad_of(m(), d(), instance);
-    double stiffness = 0.0;
-    for (const Element& element : springs_of(pad->fields().front(), *layouts[i]).elements) stiffness += element.k_normal;
     const int site = pad->config().site;
     if (i < read) pad->watch();
-    pads.push_back({pad, nullptr, site, m()->site_bodyid[site], scene.sensors[i].damping * stiffness, reach_of(*layouts[i])});
+    pads.push_back({pad, nullptr, site, m()->site_bodyid[site]});
     for (std::size_t k = 0; k < pad->config().geoms.size(); ++k) {
       contacts.push_back({i, k, m()->geom_bodyid[pad->config().geoms[k]]});
     }

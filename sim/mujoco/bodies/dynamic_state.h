@@ -125,7 +125,7 @@ struct DynamicSimulation::State {
     std::size_t pad;
     std::size_t field;  // of the pad
     int object_body;
-    // N, of the elements' springs, in the world, at the tick looked at last
+    // N, of the elements' springs and dashpots, in the world, at the tick looked at last
     Eigen::Vector3d on_pad = Eigen::Vector3d::Zero();
   };
 
@@ -134,8 +134,6 @@ struct DynamicSimulation::State {
     std::unique_ptr<ArticulatedContact> pillars;  // null: it is a field
     int site;
     int body;
-    double damping_constant;  // N s/m, tau K
-    double reach;             // m
     std::size_t stride = 1;
   };
 
@@ -154,7 +152,6 @@ struct DynamicSimulation::State {
     int body;
     int dof;  // the first of its six
     WeightRule rule;
-    WatchedBody now;
   };
 
   std::unique_ptr<Motion> motion;  // of the stage; null: there is none

@@ -13,39 +13,27 @@
 
 namespace slipbench {
 
-std::optional<std::string> WeightRule::judge(const WatchedBody& last) const {
-  const double weight = last.weight.norm();
-  if (weight == 0.0) return std::nullopt;
-  const double duration = time_;
-  double left_out = (variation_ + (last.force - before_).norm()) / static_cast<double>(steps_);
-  for (std::size_t i = 0; i < last.dashpots.size(); ++i) {
-    const WatchedDashpot &before = first_.dashpots[i], &after = last.dashpots[i];
-    const Eigen::AngleAxisd turn(Eigen::Matrix3d(before.pad.rotation.transpose() * after.pad.rotation));
-    const double way = (after.pad.position - before.pad.position).norm() + after.reach * turn.angle();
-    left_out += after.damping * way / duration;
-  }
-  if (left_out > 0.5 * limits_.weight_share * weight) return std::nullopt;  // not at rest
-  const Eigen::Vector3d missing = (impulse_ - (last.momentum - first_.momentum)) / duration;
-  if (missing.norm() <= limits_.weight_share * weight) return std::nullopt;
-  return fmt::format("was at rest for {:.3g} s, and the forces on it miss its weight of {:.6g} N by {:.3g} N; allowed: {} of it",
-                     duration, weight, missing.norm(), limits_.weight_share);
-}
-
 std::optional<std::string> WeightRule::check(const WatchedBody& body, double dt) {
+  // The change that leads to this tick belongs to the step before it or to the one after it: both windows allow for it.
+  const double change = (body.predicted - before_).norm();
+  before_ = body.predicted;
+  variation_ += change;
   std::optional<std::string> wrong;
   if (steps_ > 0 && time_ >= limits_.window) {
-    wrong = judge(body);
+    const double missing = missing_.norm() / time_, share = limits_.weight_share * body.weight;
+    if (missing > share + variation_ / static_cast<double>(steps_)) {
+      wrong = fmt::format(
+          "the forces on it differ from its mass times its acceleration by {:.3g} N, over {:.3g} s; allowed: {} of its weight of {:.6g} N",
+          missing, time_, limits_.weight_share, body.weight);
+    }
     steps_ = 0;
   }
   if (steps_ == 0) {
-    first_ = body;
-    impulse_.setZero();
-    time_ = variation_ = 0.0;
-    before_ = body.force;
+    missing_.setZero();
+    time_ = 0.0;
+    variation_ = change;
   }
-  variation_ += (body.force - before_).norm();
-  before_ = body.force;
-  impulse_ += dt * (body.force + body.weight);
+  missing_ += dt * (body.force - body.mass_times_acceleration);
   time_ += dt;
   ++steps_;
   return wrong;
@@ -93,10 +81,7 @@ void DynamicSimulation::State::find_watched(const WatchLimits& limits) {
     const bool is_free = m()->body_jntnum[body] == 1 && m()->jnt_type[m()->body_jntadr[body]] == mjJNT_FREE;
     // With more bodies in the tree the six coordinates are not this body's alone.
     if (!is_free || m()->body_subtreemass[body] != m()->body_mass[body]) continue;
-    WeighedBody weighed_body{body, m()->body_dofadr[body], WeightRule(limits), {}};
-    weighed_body.now.mass = m()->body_mass[body];
-    weighed_body.now.weight = weighed_body.now.mass * (1.0 - m()->body_gravcomp[body]) * gravity();
-    weighed.push_back(std::move(weighed_body));
+    weighed.push_back({body, m()->body_dofadr[body], WeightRule(limits)});
   }
   const Eigen::Index nv = m()->nv;
   mean = work_space = field_force = Eigen::VectorXd::Zero(nv);
@@ -151,26 +136,40 @@ void DynamicSimulation::State::note_works() {
 }
 
 void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocity) {
+  if (leads && tick == 0) return;  // no step has led here
+  constexpr double standard_gravity = 9.81;  // m/s2, by which bodies without weight are judged
+  const bool pads_predicted = averages || leads;
   for (WeighedBody& body : weighed) {
-    WatchedBody& now = body.now;
     const auto linear = [&body](const mjtNum* values) { return MjVector(values + body.dof); };
-    now.force = linear(d()->qfrc_constraint) + linear(d()->qfrc_actuator) + linear(d()->qfrc_applied) + linear(d()->qfrc_spring) +
-                linear(d()->qfrc_damper) + linear(d()->qfrc_fluid);
-    now.dashpots.clear();
+    const double mass = m()->body_mass[body.body];
+    Eigen::Vector3d pads_force = Eigen::Vector3d::Zero();
     for (const Contact& contact : contacts) {
       const Pad& pad = pads[contact.pad];
-      if (contact.object_body != body.body && pad.body != body.body) continue;
-      now.force += pad.body == body.body ? contact.on_pad : Eigen::Vector3d(-contact.on_pad);
-      now.dashpots.push_back({pad.damping_constant, pad.reach, pad.instance->fields()[contact.field].pad_in_surface()});
+      if (pad.body == body.body) pads_force += contact.on_pad;
+      if (contact.object_body == body.body) pads_force -= contact.on_pad;
     }
-    // The coordinates are those of the body's frame; its momentum is that of its centre.
+    if (implicit) pads_force = field_force.segment<3>(body.dof);
+    // The coordinates are those of the body's frame; the acceleration is that of its centre.
     const MjMatrix rotation(d()->xmat + 9 * body.body);
     const Eigen::Vector3d arm = MjVector(d()->xipos + 3 * body.body) - MjVector(d()->xpos + 3 * body.body);
-    const Eigen::Vector3d spin = rotation * velocity.segment<3>(body.dof + 3);
-    now.momentum = now.mass * (velocity.segment<3>(body.dof) + spin.cross(arm));
+    const auto local = [&body](const Eigen::VectorXd& values) { return values.segment<3>(body.dof + 3); };
+    const Eigen::Vector3d spin = rotation * local(velocity), spin_rate = rotation * (local(after) - local(before)) / dt;
+    const Eigen::Vector3d rate = (after.segment<3>(body.dof) - before.segment<3>(body.dof)) / dt;
+    const Eigen::Vector3d centripetal = mass * spin.cross(spin.cross(arm));
+
+    const Eigen::Vector3d joints =
+        linear(d()->qfrc_actuator) + linear(d()->qfrc_spring) + linear(d()->qfrc_damper) + linear(d()->qfrc_fluid);
+    const Eigen::Vector3d weight = mass * (1.0 - m()->body_gravcomp[body.body]) * gravity();
+    WatchedBody now;
+    now.weight = mass * (gravity().isZero(0.0) ? standard_gravity : gravity().norm());
+    now.force = pads_force + joints + linear(d()->qfrc_constraint) + linear(d()->qfrc_applied) + weight;
+    now.predicted = joints - centripetal;
+    if (pads_predicted) now.predicted += pads_force;
+    if (leads) now.predicted += linear(d()->qfrc_constraint);
+    now.mass_times_acceleration = mass * (rate + spin_rate.cross(arm)) + centripetal + linear(m()->dof_armature).cwiseProduct(rate);
     if (const auto wrong = body.rule.check(now, dt)) {
       const char* name = mj_id2name(m(), mjOBJ_BODY, body.body);
-      throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: body '{}' {}", time, name == nullptr ? "" : name, *wrong));
+      throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: body '{}': {}", time, name == nullptr ? "" : name, *wrong));
     }
   }
 }
@@ -189,7 +188,8 @@ void DynamicSimulation::State::watch(double time, const Eigen::VectorXd& velocit
     const Pad& pad = pads[contact.pad];
     const Field& field = pad.instance->fields()[contact.field];
     const kernel::SpringSums sums = field.spring_sums();
-    contact.on_pad = pad_pose(pad).rotation * (field.pad_in_surface().rotation.transpose() * sums.force_on_pad);
+    const Wrench damped = field.damped_wrench_on_pad(pad.instance->motion(contact.field), pad.instance->config().damping);
+    contact.on_pad = pad_pose(pad).rotation * (field.pad_in_surface().rotation.transpose() * damped.force);
     now.elastic += sums.elastic;
     slip_loss += sums.slip_loss;
   }
