@@ -117,15 +117,19 @@ const std::vector<Protocol>& protocol_catalogue();
 
 // The truth about a grasp at one tick, which no detector and no controller sees.
 struct GraspTruth {
-  double time = 0.0;                               // s
-  double grip_force = 0.0;                         // N, mean of both pads' normal forces
-  double pad_force[2] = {0.0, 0.0};                // N, of the sensor's pad and of the second one
-  double box_height = 0.0;                         // m, of the box's middle over where it stood
-  double table_force = 0.0;                        // N, with which the table carries the box
+  double time = 0.0;                 // s
+  double grip_force = 0.0;           // N, mean of both pads' normal forces
+  double pad_force[2] = {0.0, 0.0};  // N, of the sensor's pad and of the second one
+  double box_height = 0.0;           // m, of the box's middle over where it stood
+  double lift_height = 0.0;          // m, the greatest of the box's lowest corner over the table since the lift began
+  double table_force = 0.0;          // N, with which the table carries the box
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();  // m, of the box's middle in the arm's frame since the lift began; 0 before
   double rotation = 0.0;                           // rad, of the box in the arm's frame since then
-  double tilt = 0.0;     // rad, between the box's own axis Y and the vertical: 0 upright, pi/2 where Y is level
-  bool dropped = false;  // see below; from the tick on at which it was
+  double tilt = 0.0;  // rad, between the box's own axis Y and the vertical: 0 upright, pi/2 where Y is level
+  bool lifted =
+      false;  // the box has left the table since the lift began; never with a guided arm, which may turn it where it stands
+  bool dropped = false;      // from the tick on at which it was lost after it had been lifted
+  bool left_behind = false;  // the arm has risen, and the box has not been lifted
 };
 
 class HeldBox {

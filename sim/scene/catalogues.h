@@ -36,11 +36,13 @@ struct Catalogues {
   std::vector<Entry> motions;   // motion.kind
   std::vector<Entry> sensors;   // sensors.*.type
   std::map<std::string, std::vector<Entry>>
-      electronics;                             // sensors.*.electronics: by type the parts that it has, those of `typical`
-  std::vector<Entry> effects;                  // effects
-  std::vector<Entry> bodies;                   // bodies.*.shape
-  std::vector<Entry> grasp;                    // box, grip, scatter: one entry each
-  std::vector<Protocol> protocols;             // grip.protocol
+      electronics;                  // sensors.*.electronics: by type the parts that it has, those of `typical`
+  std::vector<Entry> effects;       // effects
+  std::vector<Entry> bodies;        // bodies.*.shape
+  std::vector<Entry> grasp;         // box, grip, scatter: one entry each
+  std::vector<Protocol> protocols;  // grip.protocol
+  // The time [s] at which the motion `lift` with these parameters has raised the arm, which no trial may end before; null: any may.
+  double (*lift_end)(const Parameters& motion) = nullptr;
   std::vector<Entry> detectors;                // detector.type
   std::vector<Entry> controllers;              // controller.type
   std::vector<ExpectationEntry> expectations;  // expect

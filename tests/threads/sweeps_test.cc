@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Threads,
                                            Sweep{"nib_pad/linear.yaml", {{"duration", "1 s"}}},
                                            Sweep{"nib_pad/reorient.yaml", {{"duration", "2 s"}}},
                                            Sweep{"myrmex/slip.yaml", {{"duration", "1 s"}}},
-                                           Sweep{"grasp/lift.yaml", {{"duration", "2 s"}}}));
+                                           Sweep{"grasp/lift.yaml", {{"duration", "2 s"}, {"motion.distance", "10 mm"}}}));
 
 }  // namespace
 }  // namespace slipbench::testing

@@ -69,9 +69,9 @@ struct WatchLimits {
 
 // A body as the weight rule sees it at one tick.
 struct WatchedBody {
-  double weight = 0.0;                                   // N, m g
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();       // N, all that acts on it
-  Eigen::Vector3d predicted = Eigen::Vector3d::Zero();   // N, that part of it which a step takes between its two ends
+  double weight = 0.0;                                  // N, m g
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();      // N, all that acts on it
+  Eigen::Vector3d predicted = Eigen::Vector3d::Zero();  // N, that part of it which a step takes between its two ends
   Eigen::Vector3d mass_times_acceleration = Eigen::Vector3d::Zero();  // N, of the step from this tick on
 };
 

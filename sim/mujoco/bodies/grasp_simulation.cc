@@ -165,6 +165,11 @@ struct GraspSimulation::State {
                                    .cone_gauge(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(), 1.0);
     ideal = reach * ideal_grip_force(scene, grasp.friction_scale, -m->opt.gravity[2]);
     start_height = grasp.box_position.z();
+    table_height = start_height - 0.5 * grasp.box_size.z();
+    if (guided == nullptr) least_lift = std::min(1e-3, 0.1 * scene.motion.parameters.number("distance"));
+    // The last tick judges where the lift ends with the trial, or is cut short by it.
+    const double last = TickTimes(simulation->time_step(0)).at(simulation->ticks(0) - 1);
+    if (guided == nullptr) lift.end = std::min(lift.end, last);
   }
 
   [[nodiscard]] double lift_start() const { return guided != nullptr ? guided->lift_start() : lift.start; }
@@ -187,7 +192,8 @@ struct GraspSimulation::State {
   std::vector<std::size_t> shown;  // which
   int box;                         // MuJoCo's body
   std::size_t tick = 0;
-  double ideal = 0.0, start_height = 0.0;
+  double ideal = 0.0, start_height = 0.0, table_height = 0.0;
+  double least_lift = 0.0;  // m, of the lowest corner over the table: less is a hop of a box that slips
   GraspTruth truth;
   bool lifting = false;
   Pose taken;  // of the box in the arm, when the lift began
@@ -270,9 +276,16 @@ void GraspSimulation::State::observe(double time) {
   if (!std::exchange(lifting, true)) taken = in_arm;
   truth.slip = in_arm.position - taken.position;
   truth.rotation = Eigen::AngleAxisd(Eigen::Matrix3d(in_arm.rotation * taken.rotation.transpose())).angle();
+  const Eigen::Vector3d half_size = 0.5 * grasp.box_size;
+  const double lowest = held.position.z() - held.rotation.row(2).cwiseAbs().dot(half_size) - table_height;
+  truth.lift_height = std::max(truth.lift_height, lowest);
+  truth.lifted = guided == nullptr && truth.lift_height > least_lift;
+  const bool risen = time >= lift.end;
   const bool let_go = std::min(truth.pad_force[0], truth.pad_force[1]) == 0.0;
   const bool on_table = truth.table_force > 0.0;
-  truth.dropped = truth.dropped || (on_table ? time >= lift.end : let_go);
+  const bool lost = on_table ? risen : let_go;
+  truth.dropped = truth.dropped || (lost && (truth.lifted || guided != nullptr));
+  truth.left_behind = risen && !truth.lifted;
 }
 
 GraspSimulation::GraspSimulation(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,

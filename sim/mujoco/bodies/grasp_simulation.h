@@ -22,9 +22,13 @@ namespace slipbench {
 // controller asked, when its write is due the command is written. What is written acts from the gripper's own instant on (grasp.h), so that the result does not
 // depend on the tick at which it was asked.
 //
-// Dropped: after the lift has begun, at the first tick at which the table does not carry the box and a pad does not touch it; or, once the
-// arm has risen, at which the table carries it. While the box stands, a pad that is off may come back: nothing is lost yet. An arm that a
-// controller commands (motion guided) has never risen for good: the box may turn on the table, and be put down.
+// Lifted: the box's lowest corner has been more than 1 mm over the table since the lift began, or more than a tenth of motion.distance where that
+// is less. So a box with an edge on the table is not lifted, and neither is one that hops while the pads slip on it.
+// Dropped: at the first tick after the box was lifted at which the table does not carry the box and a pad does not touch it; or, once the
+// arm has risen, at which the table carries it. While the box stands, a pad that is off may come back: nothing is lost yet.
+// Left behind: the arm has risen, and the box has not been lifted.
+// An arm that a controller commands (motion guided) has never risen for good: the box may turn on the table, and be put down. So it is not said
+// whether the box was lifted, and the box is dropped at the first tick at which the table does not carry it and a pad does not touch it.
 //
 // Besides the rules of watch.cc a run is ended when a pad presses harder than the fingers can make it: beyond twice the largest force that a
 // finger's spring has reached, as a mass that falls onto a spring, and what stops a finger that closes at the fastest speed, v sqrt(k m).

@@ -136,7 +136,7 @@ void DynamicSimulation::State::note_works() {
 }
 
 void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocity) {
-  if (leads && tick == 0) return;  // no step has led here
+  if (leads && tick == 0) return;            // no step has led here
   constexpr double standard_gravity = 9.81;  // m/s2, by which bodies without weight are judged
   const bool pads_predicted = averages || leads;
   for (WeighedBody& body : weighed) {
@@ -166,7 +166,8 @@ void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocit
     now.predicted = joints - centripetal;
     if (pads_predicted) now.predicted += pads_force;
     if (leads) now.predicted += linear(d()->qfrc_constraint);
-    now.mass_times_acceleration = mass * (rate + spin_rate.cross(arm)) + centripetal + linear(m()->dof_armature).cwiseProduct(rate);
+    now.mass_times_acceleration =
+        mass * (rate + spin_rate.cross(arm)) + centripetal + linear(m()->dof_armature).cwiseProduct(rate);
     if (const auto wrong = body.rule.check(now, dt)) {
       const char* name = mj_id2name(m(), mjOBJ_BODY, body.body);
       throw WrongRun(fmt::format("the run has gone wrong at {:.6g} s: body '{}': {}", time, name == nullptr ? "" : name, *wrong));

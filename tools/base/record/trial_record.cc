@@ -31,6 +31,7 @@ Detection detection_of(const std::string& word) {
 template <class Grasp, class Visit>
 void for_each_grasp_number(Grasp&& grasp, Visit&& visit) {
   visit("drop_time_s", grasp.drop_time);
+  visit("lift_height_m", grasp.lift_height);
   visit("slip_translation_m", grasp.slip_translation);
   visit("slip_rotation_rad", grasp.slip_rotation);
   visit("max_grip_force_N", grasp.max_grip_force);
@@ -73,6 +74,7 @@ void settle_detection(TrialOutcome& outcome, bool slips) {
 std::string outcome_json(const TrialOutcome& outcome) {
   Json json;
   json["dropped"] = outcome.grasp ? Json(outcome.grasp->dropped) : Json(nullptr);
+  json["lifted"] = outcome.grasp && outcome.grasp->lifted ? Json(*outcome.grasp->lifted) : Json(nullptr);
   for_each_grasp_number(outcome.grasp.value_or(no_grasp), [&json](const char* key, double value) { json[key] = or_null(value); });
   if (outcome.grasp && outcome.grasp->turn) {
     const TurnOutcome& turn = *outcome.grasp->turn;
@@ -120,7 +122,11 @@ TrialOutcome parse_outcome(const std::string& text) {
     if (const Json dropped = json.value("dropped", Json(nullptr)); !dropped.is_null()) {
       outcome.grasp = no_grasp;
       outcome.grasp->dropped = dropped.get<bool>();
-      for_each_grasp_number(*outcome.grasp, [&json](const char* key, double& value) { value = number_or_nan(json.at(key)); });
+      if (const Json lifted = json.value("lifted", Json(nullptr)); !lifted.is_null()) outcome.grasp->lifted = lifted.get<bool>();
+      for_each_grasp_number(*outcome.grasp, [&json](const std::string& key, double& value) {
+        // Datasets of versions up to 0.2.0 do not say how high a box was lifted.
+        value = number_or_nan(key == "lift_height_m" ? json.value(key, Json(nullptr)) : json.at(key));
+      });
       if (json.contains("standing")) {
         outcome.grasp->turn = {.tilt = json.at("tilt_rad").get<double>(),
                                .least_tilt = json.at("least_tilt_rad").get<double>(),

@@ -125,10 +125,14 @@ struct TurnOutcome {
 
 // How a grasp ended. NaN: it never happened, or does not apply.
 struct GraspOutcome {
-  bool dropped = false;
+  bool dropped = false;                                         // lost after it was lifted
   double drop_time = std::numeric_limits<double>::quiet_NaN();  // s
+  // Whether the box left the table in the lift (GraspSimulation). Empty: the arm is guided, the trial is imported or of a version that did not say.
+  std::optional<bool> lifted = {};
+  double lift_height =
+      std::numeric_limits<double>::quiet_NaN();  // m, the greatest of the box's lowest corner over the table in the lift
   // Of the box in the arm's frame, from the lift's beginning to the trial's end, the give of pads and fingers in it; NaN:
-  // dropped.
+  // not held.
   double slip_translation = std::numeric_limits<double>::quiet_NaN();  // m, of its middle
   double slip_rotation = std::numeric_limits<double>::quiet_NaN();     // rad
   // True grip forces, the mean of both pads' normal forces.
@@ -142,6 +146,10 @@ struct GraspOutcome {
   // hold_preset, force_pid, and step_on_slip while its detector says nothing).
   double reaction_time = std::numeric_limits<double>::quiet_NaN();
   std::optional<TurnOutcome> turn = {};  // empty where the arm's motion is prescribed
+
+  // One of the three is true of every grasp.
+  [[nodiscard]] bool held() const { return !dropped && lifted.value_or(true); }
+  [[nodiscard]] bool not_lifted() const { return !dropped && !lifted.value_or(true); }
 };
 
 // Whether the body of a scene's `hold` is held at the trial's end.
@@ -197,7 +205,7 @@ struct TrialOutcome {
 
 // The JSON object of a demo's attribute `outcome`: touch_time_s, first_micro_slip_time_s, first_slip_time_s, gross_slip_time_s,
 // max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s; only with a detector: judged_slip_time_s,
-// detection (a detection_word()); and of a grasp, null without one: dropped, drop_time_s, slip_translation_m, slip_rotation_rad,
+// detection (a detection_word()); and of a grasp, null without one: dropped, lifted, drop_time_s, lift_height_m, slip_translation_m, slip_rotation_rad,
 // max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s; and only where the arm is guided: tilt_rad,
 // least_tilt_rad, standing. Only where the scene has `hold`: held, hold_from_s, moved_m. Only where a converter was at an end of its range: saturated_samples, an object {sensor: samples}.
 std::string outcome_json(const TrialOutcome& outcome);

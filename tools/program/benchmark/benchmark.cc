@@ -192,18 +192,20 @@ std::vector<Part> parts_of(const Board& board, const Seat& seat) {
 }
 
 Json grasps_json(const Seat& seat) {
-  std::size_t dropped = 0;
+  std::size_t dropped = 0, not_lifted = 0;
   std::vector<double> force, slip;
   for (const Answer& answer : seat.answers) {
     const GraspOutcome& grasp = *answer.grasp;
     dropped += grasp.dropped ? 1U : 0U;
-    if (grasp.dropped) continue;
+    not_lifted += grasp.not_lifted() ? 1U : 0U;
+    if (!grasp.held()) continue;
     force.push_back(grasp.max_grip_force / grasp.ideal_grip_force);
     slip.push_back(grasp.slip_translation);
   }
-  const Interval share = clopper_pearson(dropped, seat.answers.size());
+  const Interval share = clopper_pearson(dropped + not_lifted, seat.answers.size());
   return {{"trials", seat.answers.size()},
           {"dropped", dropped},
+          {"not_lifted", not_lifted},
           {"low", share.low},
           {"high", share.high},
           {"force_ratio", or_null(median(force))},

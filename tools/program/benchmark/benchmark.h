@@ -44,7 +44,7 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 //               transfer last; with `domain` where the protocol tells domains apart
 //     rows      the best first: {rank (null of the oracle), detector, kind, sensor, parameters, sha256, score: {value, low, high}, credit,
 //               false_alarms_per_minute, said, figures (eval::summary_json()), and of a closed loop
-//               grasps: {trials, dropped, low, high, force_ratio, slip_m} and, where the protocol counts it, needless}
+//               grasps: {trials, dropped, not_lifted, low, high (the interval of both together), force_ratio, slip_m} and, where the protocol counts it, needless}
 //     by        [{by, groups: [{name, trials, scores: [of each row]}]}] of what the scene's grid varies
 //   transfer    why the track transfer is empty, where it is
 // Times in s. No clock time: the same on one machine whatever the threads. Throws InputError: no such protocol or sensor, a detector or file that cannot be

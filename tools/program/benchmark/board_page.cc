@@ -81,7 +81,7 @@ constexpr const char* opening =
 constexpr const char* rule =
     "Score, at most 100: credit × min(1, limit / false alarms a minute) − time wrongly called slip. An open recording's credit is half_delay / "
     "(half_delay + delay) of a slip that is seen from its true beginning on, and 0 of one that is missed or alarmed early. A grasp's is 1 with the "
-    "least force that holds, 0 from force_ratio times that on or when the box is dropped; boxes that the preset force holds have none to earn, and "
+    "least force that holds, 0 from force_ratio times that on or when the box is dropped or not lifted; boxes that the preset force holds have none to earn, and "
     "false alarms have their price in force, not in the limit. From slip-2 on the mean needless force on boxes that the preset holds is taken off: "
     "0 of the force of who never tightens, 1 from force_ratio times that on. Early alarms are false alarms. Never to say slip gives 0, always to say it "
     "nearly the least there is. Intervals: 95 %, by trial.";
@@ -96,7 +96,7 @@ BoardTable board_table(const Json& set) {
   const bool grasps = !set.at("rows").empty() && set.at("rows")[0].contains("grasps");
   const bool needless = grasps && set.at("rows")[0].contains("needless");
   table.cells.head = {"", "rank", "kind", "score", "95 %", "credit", "false alarms/min", "wrongly slip", "recall"};
-  const std::vector<std::string> events = grasps ? std::vector<std::string>{"dropped", "force/least", "slip"}
+  const std::vector<std::string> events = grasps ? std::vector<std::string>{"dropped", "not lifted", "force/least", "slip"}
                                                  : std::vector<std::string>{"median delay", "early", "missed"};
   table.cells.head.insert(table.cells.head.end(), events.begin(), events.end());
   if (needless) table.cells.head.emplace_back("needless force");
@@ -113,7 +113,8 @@ BoardTable board_table(const Json& set) {
                                    share_of(row, "recall_of_slip")};
     if (grasps) {
       const Json& grasp = row.at("grasps");
-      cells.push_back(fmt::format("{} of {}", grasp.at("dropped").get<std::size_t>(), grasp.at("trials").get<std::size_t>()));
+      for (const char* lost : {"dropped", "not_lifted"})
+        cells.push_back(fmt::format("{} of {}", grasp.at(lost).get<std::size_t>(), grasp.at("trials").get<std::size_t>()));
       cells.push_back(shown(grasp.at("force_ratio"), 1.0, "", 2));
       cells.push_back(shown(grasp.at("slip_m"), ms, " mm", 1));
       if (needless) cells.push_back(points(row.at("needless")));

@@ -173,11 +173,11 @@ Part recording_part(const eval::Judgement& judgement) {
 
 Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, const GraspOutcome& untightened) {
   Part part = alarms_of(judgement);
-  part.credited = untightened.dropped;
+  part.credited = !untightened.held();
   if (!part.credited) {
     const double ratio = grasp.max_grip_force / untightened.max_grip_force;
     part.needless = std::clamp((ratio - 1.0) / (worst_force_ratio - 1.0), 0.0, 1.0);
-  } else if (!grasp.dropped) {
+  } else if (grasp.held()) {
     const double ratio = grasp.max_grip_force / grasp.ideal_grip_force;
     part.credit = std::clamp((worst_force_ratio - ratio) / (worst_force_ratio - 1.0), 0.0, 1.0);
   }

@@ -81,8 +81,8 @@ struct Part {
 
 // Of a recording: the credit is half_delay / (half_delay + delay) of a slip that is seen, 0 of one that is missed or alarmed early.
 Part recording_part(const eval::Judgement& judgement);
-// Of a grasp that `untightened`, that of who never tightens, drops: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) of a box that is
-// held, r the greatest grip force over the least that holds, at most 1 and at least 0; 0 of one that is dropped. Of a grasp that who never
+// Of a grasp that `untightened`, that of who never tightens, does not hold: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) of a box that is
+// held, r the greatest grip force over the least that holds, at most 1 and at least 0; 0 of one that is dropped or not lifted. Of a grasp that who never
 // tightens holds there is nothing to earn; its `needless` is (r - 1) / (worst_force_ratio - 1), r the greatest grip force over that of who never
 // tightens, at most 1 and at least 0.
 Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, const GraspOutcome& untightened);

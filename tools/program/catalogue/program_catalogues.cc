@@ -11,6 +11,7 @@
 #include "detectors/nib/slip_detectors.h"
 #include "rtl/verilated/rtl_engine.h"
 #include "sim/core/of_each.h"
+#include "sim/motion/motion.h"
 #include "tools/program/catalogue/registry.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
@@ -167,6 +168,7 @@ Catalogues program_catalogues() {
   Catalogues catalogues = pad_catalogues();
   catalogues.detectors = detector_entries();
   catalogues.controllers = controller_entries();
+  catalogues.lift_end = [](const Parameters& motion) { return lift_times(motion).end; };
   for (const ExpectationKind& kind : expectation_catalogue()) catalogues.expectations.push_back(kind.about);
   return catalogues;
 }
@@ -225,20 +227,33 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
               "detection_delay_s", [](const TrialOutcome& o) { return o.detection_delay; })),
           "no delay"),
 
-      of_box(flag("dropped", "Whether the box falls.", "dropped",
-                  [](const TrialOutcome& o) { return grasp_of(o).dropped ? 1.0 : 0.0; })),
+      without_value(
+          of_box(flag("dropped", "Whether the box falls once it is lifted. A box that is not lifted fails, whatever is expected.",
+                      "dropped",
+                      [](const TrialOutcome& o) {
+                        return grasp_of(o).not_lifted() ? std::numeric_limits<double>::quiet_NaN()
+                               : grasp_of(o).dropped    ? 1.0
+                                                        : 0.0;
+                      })),
+          "box not lifted"),
+      without_value(of_box(flag("lifted", "Whether the box leaves the table in the lift.", "lifted",
+                                [](const TrialOutcome& o) {
+                                  const std::optional<bool>& lifted = grasp_of(o).lifted;
+                                  return !lifted ? std::numeric_limits<double>::quiet_NaN() : *lifted ? 1.0 : 0.0;
+                                })),
+                    "no lift"),
       without_value(
           of_box(number(
               "max_slip", at_most, length, "3 mm",
-              "Slip displacement of the box's middle in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
+              "Slip displacement of the box's middle in the hand, from the lift's beginning to the trial's end. A box that is dropped or not lifted fails.",
               "slip_translation_m", [](const TrialOutcome& o) { return grasp_of(o).slip_translation; })),
-          "box dropped"),
+          "box dropped or not lifted"),
       without_value(
-          of_box(
-              number("max_rotation", at_most, angle, "5 deg",
-                     "Slip rotation of the box in the hand, from the lift's beginning to the trial's end. A dropped box fails.",
-                     "slip_rotation_rad", [](const TrialOutcome& o) { return grasp_of(o).slip_rotation; })),
-          "box dropped"),
+          of_box(number(
+              "max_rotation", at_most, angle, "5 deg",
+              "Slip rotation of the box in the hand, from the lift's beginning to the trial's end. A box that is dropped or not lifted fails.",
+              "slip_rotation_rad", [](const TrialOutcome& o) { return grasp_of(o).slip_rotation; })),
+          "box dropped or not lifted"),
       of_grasp(number(
           "max_grip_force", at_most, force, "12 N",
           "Peak grip force at any tick, which the object must stand. The grip force is the mean of both pads' normal forces.",

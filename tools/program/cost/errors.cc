@@ -180,6 +180,7 @@ MeasureError outcome_error(const TrialRecord& run, const TrialRecord& reference)
   }
   if (is.grasp && was.grasp) {
     decide(is.grasp->dropped, was.grasp->dropped);
+    if (is.grasp->lifted && was.grasp->lifted) decide(*is.grasp->lifted, *was.grasp->lifted);
     if (reference.control) happens(is.grasp->reaction_time, was.grasp->reaction_time);
     if (is.grasp->turn && was.grasp->turn) decide(is.grasp->turn->standing, was.grasp->turn->standing);
   }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/of_each.h"
 #include "sim/core/pad_state.h"
 #include "sim/grasp/grasp.h"
 #include "tools/base/files/reject.h"
@@ -24,6 +25,12 @@ Parameters follower_parameters() {
       defaults_of({controllers::force_per_count_spec(), controllers::ceiling_spec(), controllers::loosen_spec()});
   parameters.set("loosen", true);
   return parameters;
+}
+
+Catalogues episode_catalogues() {
+  Catalogues catalogues = program_catalogues();
+  catalogues.lift_end = nullptr;
+  return catalogues;
 }
 
 }  // namespace
@@ -52,7 +59,7 @@ class GraspEnvironment::Observer final : public Controller, public SampleListene
 };
 
 GraspEnvironment::GraspEnvironment(const SceneFile& file, ActionKind action)
-    : catalogues_(std::make_unique<const Catalogues>(program_catalogues())), file_(file), action_(action) {
+    : catalogues_(std::make_unique<const Catalogues>(episode_catalogues())), file_(file), action_(action) {
   registers_ = controllers::registers_of(defaults_of(controllers::with_registers({})));
   reset(parse_scene(file_, *catalogues_).seed, 0);
   const Scene& scene = run_->scene();
@@ -109,10 +116,12 @@ void GraspEnvironment::reset(std::uint64_t seed, std::uint64_t episode) {
 
 void GraspEnvironment::run_to_read() {
   bool asked = false;
-  while (!asked && !run_->finished() && !run_->box()->truth().dropped) asked = run_->step_or_wait();
+  const GraspTruth& truth = run_->box()->truth();
+  while (!asked && !run_->finished() && !truth.dropped && !truth.left_behind) asked = run_->step_or_wait();
   look();
-  latest_.dropped = run_->box()->truth().dropped;
-  latest_.ended = !asked && !latest_.dropped;
+  latest_.dropped = truth.dropped;
+  latest_.left_behind = truth.left_behind;
+  latest_.ended = !asked && !latest_.failed();
   if (over()) outcome_ = outcome_json(run_->finish().record.outcome);
 }
 
@@ -157,14 +166,19 @@ const EnvironmentStep& GraspEnvironment::step(double action) {
   check_action(action);
   if (!run_ || over()) throw std::logic_error("the episode is over, or has not begun: reset() comes first");
   const double before = latest_.time, slipped = latest_.slip_distance;
-  const bool lifted = latest_.lifting;
+  const bool lifting = latest_.lifting;
   run_->loop().command(command_for(action));
   run_to_read();
   const double share = (latest_.time - before) / run_->scene().duration;
   latest_.reward = -latest_.grip_force / latest_.ideal_force * share;
-  if (lifted) latest_.reward -= slip_penalty * std::max(0.0, latest_.slip_distance - slipped);
-  if (latest_.dropped) latest_.reward -= drop_penalty;
+  if (lifting) latest_.reward -= slip_penalty * std::max(0.0, latest_.slip_distance - slipped);
+  if (latest_.failed()) latest_.reward -= drop_penalty;
   return latest_;
+}
+
+std::vector<Warning> GraspEnvironment::warnings() const {
+  const TrialPlan plan(file_, *catalogues_, 0, seed_);
+  return scene_warnings(plan, of_numbers(plan.size()), true);
 }
 
 std::string GraspEnvironment::episode_command(const std::string& scene) const {

@@ -19,6 +19,7 @@
 #include "sim/scene/parser.h"
 #include "sim/simulation/simulation.h"
 #include "tools/program/run/trial_run.h"
+#include "tools/program/sweep/warnings.h"
 
 namespace slipbench {
 
@@ -32,17 +33,21 @@ enum class ActionKind {
 struct EnvironmentStep {
   double reward = 0.0;
   bool dropped = false;        // the box was; this ends the episode
+  bool left_behind = false;    // the arm has risen, and the box was not lifted; so does this
   bool ended = false;          // the scene's duration is over; so does this
   double time = 0.0;           // s, of the read, or of the end
   double grip_force = 0.0;     // N, true
   double ideal_force = 0.0;    // N, the least that could hold the box; infinite without friction
   double slip_distance = 0.0;  // m, the largest of any unit of the first sensor's pad
   bool lifting = false;        // the lift has begun
+
+  [[nodiscard]] bool failed() const { return dropped || left_behind; }
 };
 
-// Reward of a step: -(F/F_ideal) dt/T - 0.1/mm ds - 10 where the box was dropped in it. F: true grip force at its end, F_ideal: the least that
+// Reward of a step: -(F/F_ideal) dt/T - 0.1/mm ds - 10 where the box was dropped in it, or the lift ended without the box. F: true grip force at its end, F_ideal: the least that
 // could hold the box, dt: its length, T: the scene's duration, ds: growth of slip_distance since the lift began. So an episode that holds the box
-// at the ideal force without slip is worth -1 at least.
+// at the ideal force without slip is worth -1 at least, and one that leaves the box on the table no more than one that drops it.
+// The scene's duration limits the episode. It may end before the lift does, which other trials may not: then the last tick stands for the lift's end.
 class GraspEnvironment {
  public:
   static constexpr double strongest = 20.0;      // N, of ActionKind::force
@@ -68,13 +73,15 @@ class GraspEnvironment {
   [[nodiscard]] const EnvironmentStep& latest() const { return latest_; }
   // Once the episode is over: a demo's attribute `outcome`. Empty before.
   [[nodiscard]] const std::string& outcome() const { return outcome_; }
-  [[nodiscard]] bool over() const { return latest_.dropped || latest_.ended; }
+  [[nodiscard]] bool over() const { return latest_.failed() || latest_.ended; }
   // Where the grasp's bodies are, in the world (GraspSimulation::bodies()). Throws std::logic_error after a reset() that failed.
   [[nodiscard]] const std::vector<NamedBody>& bodies() const;
   // Throws InputError for an action that is not within [-1, 1].
   static void check_action(double action);
   // JSON of what was drawn for the episode.
   [[nodiscard]] const std::string& params() const { return params_; }
+  // What `slipbench sweep` would warn of before it runs the scene.
+  [[nodiscard]] std::vector<Warning> warnings() const;
   // Runs the episode's trial with the scene's own controller: "slipbench run ...". `scene`: the scene's path and overrides, as a shell takes them.
   [[nodiscard]] std::string episode_command(const std::string& scene) const;
 

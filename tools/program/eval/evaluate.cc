@@ -337,7 +337,7 @@ Json loop_json(const std::vector<Judged>& trials) {
   }
   Json json = {{"detector", fmt::format("{}", fmt::join(detectors, ", "))}, {"same", same}};
   if (!same || !std::ranges::all_of(trials, [](const Judged& trial) { return trial.grasp.has_value(); })) return json;
-  std::size_t dropped = 0;
+  std::size_t dropped = 0, not_lifted = 0;
   std::vector<double> translation, rotation, force, reaction;
   const auto put = [](std::vector<double>& values, double value) {
     if (!std::isnan(value)) values.push_back(value);
@@ -345,6 +345,7 @@ Json loop_json(const std::vector<Judged>& trials) {
   for (const Judged& trial : trials) {
     const GraspOutcome& grasp = *trial.grasp;
     dropped += grasp.dropped ? 1U : 0U;
+    not_lifted += grasp.not_lifted() ? 1U : 0U;
     put(translation, grasp.slip_translation);
     put(rotation, grasp.slip_rotation);
     put(force, grasp.max_grip_force / grasp.ideal_grip_force);
@@ -352,6 +353,7 @@ Json loop_json(const std::vector<Judged>& trials) {
   }
   json["trials"] = trials.size();
   json["dropped"] = dropped;
+  json["not_lifted"] = not_lifted;
   json["slip_translation_m"] = or_null(median(translation));
   json["slip_rotation_rad"] = or_null(median(rotation));
   json["force_ratio"] = or_null(median(force));

@@ -190,7 +190,7 @@ Episode make_episode(const DatasetReader& reader, std::size_t trial, const std::
   episode.actions = actions_of(record, grid, episode.steps, space);
   episode.bodies = bodies_of(record, grid, episode.steps);
   episode.rewards.assign(episode.steps, 0.0F);
-  if (record.outcome.grasp && !record.outcome.grasp->dropped) episode.rewards.back() = 1.0F;
+  if (record.outcome.grasp && record.outcome.grasp->held()) episode.rewards.back() = 1.0F;
   return episode;
 }
 

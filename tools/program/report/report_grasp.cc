@@ -218,6 +218,8 @@ class ParameterRows {
 
 Json grasp_summary(const GraspOutcome& outcome) {
   return {{"dropped", outcome.dropped},
+          {"not_lifted", outcome.not_lifted()},
+          {"lift_m", or_null(outcome.lift_height)},
           {"drop_s", or_null(outcome.drop_time)},
           {"slip_m", or_null(outcome.slip_translation)},
           {"rotation_rad", or_null(outcome.slip_rotation)},

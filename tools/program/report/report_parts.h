@@ -50,7 +50,7 @@ Json trial_payload(const SensorRecord& sensor, const ControlRecord* control, std
 //  "channels": {key: {"name", "note"}}, "picture": null or {"channel", "cells", "width", "rest": null or a number, "falls", "note"}}.
 Json view_payload(const std::string& type);
 
-// {"dropped", "drop_s", "slip_m", "rotation_rad", "max_force_N", "final_force_N", "ideal_force_N", "reaction_s"}: null: never, or
+// {"dropped", "not_lifted", "lift_m", "drop_s", "slip_m", "rotation_rad", "max_force_N", "final_force_N", "ideal_force_N", "reaction_s"}: null: never, or
 // it does not apply. A row of the overview has it under "grasp".
 Json grasp_summary(const GraspOutcome& outcome);
 

@@ -482,9 +482,13 @@ void Judge::judge_grasp(const ContactFrame& truth, const ControlLoop::Tightening
     grasp.dropped = true;
     grasp.drop_time = now.time;
   }
+  if (!scene_.guided()) {
+    grasp.lifted = now.lifted;
+    grasp.lift_height = now.lift_height;
+  }
   constexpr double never = std::numeric_limits<double>::quiet_NaN();
-  grasp.slip_translation = grasp.dropped ? never : now.slip.norm();
-  grasp.slip_rotation = grasp.dropped ? never : now.rotation;
+  grasp.slip_translation = grasp.held() ? now.slip.norm() : never;
+  grasp.slip_rotation = grasp.held() ? now.rotation : never;
   grasp.max_grip_force = std::max(grasp.max_grip_force, now.grip_force);
   grasp.final_grip_force = now.grip_force;
   if (scene_.guided()) judge_turn();

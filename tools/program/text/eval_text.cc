@@ -25,11 +25,13 @@ std::string loop_text(const Json& loop) {
   const auto median = [&loop](const char* key, double scale, const char* unit) {
     return loop.at(key).is_null() ? std::string("-") : fmt::format("{:.3g}{}", scale * loop.at(key).get<double>(), unit);
   };
-  return text + fmt::format(
-                    "  in the loop: dropped {} of {}; medians: slip {}, turn {}, greatest force over the least {}, reaction {}\n",
-                    loop.at("dropped").get<std::size_t>(), loop.at("trials").get<std::size_t>(),
-                    median("slip_translation_m", 1e3, " mm"), median("slip_rotation_rad", 57.29577951308232, " deg"),
-                    median("force_ratio", 1.0, ""), median("reaction_time_s", 1e3, " ms"));
+  return text +
+         fmt::format(
+             "  in the loop: dropped {} of {}, not lifted {}; medians: slip {}, turn {}, greatest force over the least {}, reaction {}\n",
+             loop.at("dropped").get<std::size_t>(), loop.at("trials").get<std::size_t>(),
+             loop.at("not_lifted").get<std::size_t>(), median("slip_translation_m", 1e3, " mm"),
+             median("slip_rotation_rad", 57.29577951308232, " deg"), median("force_ratio", 1.0, ""),
+             median("reaction_time_s", 1e3, " ms"));
 }
 
 using cost::Exploration;

@@ -134,9 +134,11 @@ std::string detector_title(const std::string& type) { return type == oracle_type
 
 // How one trial's grasp ended.
 std::string grasp_text(const GraspOutcome& grasp, const Style& style) {
-  std::string text = grasp.dropped ? fmt::format("  {} at {}", style.bold("dropped"), onset_text(grasp.drop_time))
-                                   : fmt::format("  {}, slipped {:.2f} mm and turned {:.2f} deg", style.bold("held"),
-                                                 1e3 * grasp.slip_translation, degrees * grasp.slip_rotation);
+  std::string text = grasp.dropped        ? fmt::format("  {} at {}", style.bold("dropped"), onset_text(grasp.drop_time))
+                     : grasp.not_lifted() ? fmt::format("  {}: the box stays on the table", style.bold("not lifted"))
+                                          : fmt::format("  {}, slipped {:.2f} mm and turned {:.2f} deg", style.bold("held"),
+                                                        1e3 * grasp.slip_translation, degrees * grasp.slip_rotation);
+  if (grasp.lifted.value_or(false)) text += fmt::format("; lifted by {:.1f} mm", 1e3 * grasp.lift_height);
   text += fmt::format("; grip force up to {:.2f} N", grasp.max_grip_force);
   if (!std::isnan(grasp.ideal_grip_force)) {
     text +=
@@ -214,12 +216,13 @@ std::string number_text(const char* format, double value) {
 
 std::string grasps_text(const std::vector<GraspRow>& rows, const Style& style) {
   if (rows.empty()) return "";
-  Table table({"", "held", "95 %", "slip", "turn", "max/ideal force", "reaction"});
+  Table table({"", "held", "95 %", "dropped", "not lifted", "slip", "turn", "max/ideal force", "reaction"});
   for (const GraspRow& row : rows) {
     table.add({row.name, fmt::format("{} of {}", row.held, row.trials),
                fmt::format("{:.1f} to {:.1f} %", 100.0 * row.held_share.low, 100.0 * row.held_share.high),
-               number_text("{:.2f} mm", 1e3 * row.slip_translation), number_text("{:.2f} deg", degrees * row.slip_rotation),
-               number_text("{:.2f}", row.force_ratio), number_text("{:.0f} ms", 1e3 * row.reaction_time)});
+               std::to_string(row.dropped), std::to_string(row.not_lifted), number_text("{:.2f} mm", 1e3 * row.slip_translation),
+               number_text("{:.2f} deg", degrees * row.slip_rotation), number_text("{:.2f}", row.force_ratio),
+               number_text("{:.0f} ms", 1e3 * row.reaction_time)});
   }
   return fmt::format("{}: medians; slip and turn of the held\n", style.heading("grasps")) + table.text(style);
 }
@@ -411,11 +414,16 @@ std::vector<GraspRow> grasp_rows(const SweepSummary& summary) {
   if (groups.size() > most_rows) groups = named_grasps(summary.trials, false);
   std::vector<GraspRow> rows;
   for (const auto& [name, trials] : groups) {
-    const auto held = static_cast<std::size_t>(
-        std::ranges::count_if(trials, [](const TrialSummary* trial) { return !trial->outcome.grasp->dropped; }));
+    const auto count = [&trials = trials](const auto& ended) {
+      return static_cast<std::size_t>(
+          std::ranges::count_if(trials, [&](const TrialSummary* trial) { return ended(*trial->outcome.grasp); }));
+    };
+    const std::size_t held = count([](const GraspOutcome& grasp) { return grasp.held(); });
     rows.push_back({.name = name,
                     .trials = trials.size(),
                     .held = held,
+                    .dropped = count([](const GraspOutcome& grasp) { return grasp.dropped; }),
+                    .not_lifted = count([](const GraspOutcome& grasp) { return grasp.not_lifted(); }),
                     .held_share = clopper_pearson(held, trials.size()),
                     .slip_translation = median_of(trials, [](const GraspOutcome& grasp) { return grasp.slip_translation; }),
                     .slip_rotation = median_of(trials, [](const GraspOutcome& grasp) { return grasp.slip_rotation; }),
@@ -431,6 +439,8 @@ Json grasp_json(const std::vector<GraspRow>& rows) {
     return {{"name", row.name},
             {"trials", row.trials},
             {"held", row.held},
+            {"dropped", row.dropped},
+            {"not_lifted", row.not_lifted},
             {"held_share_95", {row.held_share.low, row.held_share.high}},
             {"median_slip_translation_m", row.slip_translation},
             {"median_slip_rotation_rad", row.slip_rotation},

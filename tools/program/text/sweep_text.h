@@ -47,19 +47,19 @@ std::string trial_text(const TrialSummary& trial, const std::vector<SensorAbout>
 struct GraspRow {
   std::string name;  // "force_ratio (ratio 0.3), step_on_slip": swept parameters of the two with their values
   std::size_t trials = 0;
-  std::size_t held = 0;     // not dropped
-  Interval held_share;      // exact, 95 %
-  double slip_translation;  // m, of the held
-  double slip_rotation;     // rad, of the held
-  double force_ratio;       // largest grip force over the ideal one
-  double reaction_time;     // s, of those that tightened after a slip
+  std::size_t held = 0, dropped = 0, not_lifted = 0;  // together all trials
+  Interval held_share;                                // exact, 95 %
+  double slip_translation;                            // m, of the held
+  double slip_rotation;                               // rad, of the held
+  double force_ratio;                                 // largest grip force over the ideal one
+  double reaction_time;                               // s, of those that tightened after a slip
 };
 
 // A row for each detector and controller in order of their first trial; empty where no trial is a grasp. Where swept parameters
 // make more than 24 rows, trials that differ in these alone share one.
 std::vector<GraspRow> grasp_rows(const SweepSummary& summary);
 
-// The rows as a JSON array: {"name", "trials", "held", "held_share_95": [low, high], "median_slip_translation_m",
+// The rows as a JSON array: {"name", "trials", "held", "dropped", "not_lifted", "held_share_95": [low, high], "median_slip_translation_m",
 // "median_slip_rotation_rad", "median_force_ratio", "median_reaction_time_s"}; null for NaN.
 Json grasp_json(const std::vector<GraspRow>& rows);
 

@@ -19,7 +19,7 @@ ROUNDS, CANDIDATES, BEST, UNSEEN = 4, 10, 3, 40
 if "--quick" in sys.argv:
     ROUNDS, CANDIDATES, BEST, UNSEEN = 1, 3, 2, 8
 BOXES = 8
-FIGURES = ("dropped", "max_grip_force_N", "ideal_grip_force_N")
+FIGURES = ("dropped", "lifted", "max_grip_force_N", "ideal_grip_force_N")
 
 
 def grasps(environment: slipbench.gym.GraspVectorEnv, weights: NDArray[np.float64], seed: int) -> tuple[NDArray[np.float64], list[dict[str, Any]]]:
@@ -42,10 +42,10 @@ def grasps(environment: slipbench.gym.GraspVectorEnv, weights: NDArray[np.float6
 
 
 def report(name: str, outcomes: list[dict[str, Any]]) -> None:
-    """Boxes dropped, and the greatest force over the least that holds each."""
-    dropped = sum(outcome["dropped"] for outcome in outcomes)
+    """Boxes dropped or not lifted, and the greatest force over the least that holds each."""
+    lost = sum(outcome["dropped"] or not outcome["lifted"] for outcome in outcomes)
     ratios = [outcome["max_grip_force_N"] / outcome["ideal_grip_force_N"] for outcome in outcomes]
-    print(f"{name:28} dropped {dropped:2} of {len(outcomes)}, greatest force over the least that holds: {np.median(ratios):.2f}")
+    print(f"{name:28} lost {lost:2} of {len(outcomes)}, greatest force over the least that holds: {np.median(ratios):.2f}")
 
 
 def main() -> None:

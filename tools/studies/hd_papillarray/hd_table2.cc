@@ -115,7 +115,7 @@ struct GraspCell {
   [[nodiscard]] GridCell grid(std::size_t draws = 1) const;
 };
 
-// What a trial came to. NaN where the box was dropped, or the figure does not exist.
+// What a trial came to. `dropped`: or not lifted. NaN where the box was not held, or the figure does not exist.
 struct GraspFigures {
   bool dropped = false;
   double slip = nan, rotation = nan;            // m, rad
@@ -163,8 +163,8 @@ std::vector<GraspChoice> loops(const std::string& memories) {
 GraspFigures grasp_figures(const Scene& lift, const TrialRecord& record) {
   const GraspOutcome& outcome = *record.outcome.grasp;
   GraspFigures figures;
-  figures.dropped = outcome.dropped;
-  if (outcome.dropped) return figures;
+  figures.dropped = !outcome.held();
+  if (figures.dropped) return figures;
   const SensorRecord& sensor = record.sensors.front();
   const auto force = std::ranges::find(sensor.channels, "force", &SensorColumn::name);
   const double start = lift_times(lift.motion.parameters).start;

@@ -122,12 +122,12 @@ void teach_all(const std::vector<Loop>& rows, const Files& files, const std::str
 }
 
 struct Lift {
-  bool dropped = false;
+  bool dropped = false;                       // or not lifted
   double slip = 0.0, most = 0.0, last = 0.0;  // m; of the greatest and the last force over the least that holds
 };
 Lift lift_of(const TrialRecord& record) {
   const GraspOutcome& outcome = *record.outcome.grasp;
-  return {outcome.dropped, outcome.slip_translation, outcome.max_grip_force / outcome.ideal_grip_force,
+  return {!outcome.held(), outcome.slip_translation, outcome.max_grip_force / outcome.ideal_grip_force,
           outcome.final_grip_force / outcome.ideal_grip_force};
 }
 

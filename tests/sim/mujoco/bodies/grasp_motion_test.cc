@@ -23,6 +23,7 @@ TEST(GraspMotion, DropIsLabelledAtTheTickAtWhichAPadLetsGo) {
   // the box's width less the centre pillar's lead over the box's face, which is none. The fingers' springs follow within 1/omega = 3 ms.
   GraspRig rig("friction: {static: 0.8}\ngrip: {}\nmotion: {kind: lift, settle: 1 s, distance: 50 mm}\nduration: 5 s\n");
   rig.run_to(3.0);
+  EXPECT_TRUE(rig->truth().lifted);
   rig.more = -20;
   double off = 0.0, dropped = 0.0;
   while (off == 0.0 || dropped == 0.0) {
@@ -38,19 +39,77 @@ TEST(GraspMotion, DropIsLabelledAtTheTickAtWhichAPadLetsGo) {
   EXPECT_NEAR(dropped, off, 4e-3);
   rig.run_to(4.5);
   EXPECT_TRUE(rig->truth().dropped) << "it stays so";
+  EXPECT_TRUE(rig->truth().lifted) << "before";
+  EXPECT_NEAR(rig->truth().lift_height, 0.05, 1e-3);
   EXPECT_GT(rig->truth().table_force, 0.0) << "it lies on the table";
 }
 
-TEST(GraspMotion, BoxThatStaysOnTheTableIsDroppedWhenTheArmHasRisen) {
+// mu F of both pads is 0.1 N of the box's 2 N: it stays where it is.
+TEST(GraspMotion, BoxThatStaysOnTheTableIsLeftBehindWhenTheArmHasRisenAndIsNotDropped) {
   GraspRig rig("friction: {static: 0.01}\ngrip: {}\nmotion: {kind: lift, settle: 1 s, distance: 10 mm}\nduration: 2 s\n");
   const double risen = 1.0 + 0.01 / 0.043 + 0.043 / 0.4;
-  while (!rig->truth().dropped && rig->truth().time < 1.9) rig.step();
+  while (!rig->truth().left_behind && rig->truth().time < 1.9) rig.step();
   EXPECT_GE(rig->truth().time, risen);
   EXPECT_LT(rig->truth().time, risen + 1.001 * rig->time_step(0));
+  rig.run();
+  EXPECT_TRUE(rig->truth().left_behind);
+  EXPECT_FALSE(rig->truth().lifted);
+  EXPECT_FALSE(rig->truth().dropped);
+  EXPECT_EQ(rig->truth().lift_height, 0.0);
+}
+
+// The same where the lift ends with the trial: its last tick is the only one at which the arm has risen.
+TEST(GraspMotion, LiftThatEndsWithTheTrialIsJudgedAtItsLastTick) {
+  // 1 s + 10 mm / (40 mm/s) + 40/400 s
+  GraspRig rig(
+      "friction: {static: 0.01}\ngrip: {}\nmotion: {kind: lift, settle: 1 s, distance: 10 mm, speed: 40 mm/s}\nduration: 1.35 s\n");
+  rig.run();
+  EXPECT_TRUE(rig->truth().left_behind);
+}
+
+// The arm rises by 1 mm, of which fingers and pads take some tenths: a box that hangs is lifted, however little.
+TEST(GraspMotion, SmallLiftIsALift) {
+  GraspRig rig(
+      "friction: {static: 0.8}\ngrip: {preset: 8 N}\nmotion: {kind: lift, settle: 1.5 s, distance: 1 mm}\nduration: 3 s\n");
+  rig.run();
+  EXPECT_EQ(rig->truth().table_force, 0.0);
+  EXPECT_TRUE(rig->truth().lifted);
+  EXPECT_FALSE(rig->truth().left_behind);
+  EXPECT_GT(rig->truth().lift_height, 0.1e-3);
+  EXPECT_LT(rig->truth().lift_height, 1.1e-3);
+}
+
+// A box that is taken at one of its ends turns in the pads: the arm rises by 20 mm, and the far end of the box stays on the table.
+TEST(GraspMotion, BoxWithAnEdgeOnTheTableIsNotLifted) {
+  GraspRig rig(
+      "friction: {static: 0.6}\ngrip: {preset: 5 N}\nbox: {size: [60 mm, 300 mm, 100 mm], mass: 0.3 kg, position: [0 mm, 120 mm]}\n"
+      "motion: {kind: lift, settle: 1.5 s, distance: 20 mm}\nduration: 3 s\n");
+  rig.run();
+  ASSERT_GT(rig->truth().tilt, 0.03) << "it has turned";
+  EXPECT_GT(rig->truth().box_height, 3e-3);
+  EXPECT_GT(rig->truth().table_force, 0.0);
+  EXPECT_FALSE(rig->truth().lifted);
+  EXPECT_TRUE(rig->truth().left_behind);
+  EXPECT_FALSE(rig->truth().dropped);
+}
+
+// The shaking after the lift brings the arm down by twice its height for a moment: the box is put down, and stands.
+TEST(GraspMotion, BoxThatIsPutDownAgainWasLiftedAndIsLost) {
+  GraspRig rig(
+      "friction: {static: 1.2}\ngrip: {preset: 8 N}\nmotion: {kind: lift, settle: 1.5 s, distance: 10 mm, shake: [0 mm, 0 mm, -12 mm], "
+      "shake_frequency: 1 Hz, shake_cycles: 1}\nduration: 3.5 s\n");
+  rig.run_to(1.9);
+  EXPECT_TRUE(rig->truth().lifted);
+  EXPECT_FALSE(rig->truth().dropped);
+  EXPECT_NEAR(rig->truth().lift_height, 10e-3, 1e-3);
+  rig.run();
+  EXPECT_TRUE(rig->truth().lifted);
+  EXPECT_TRUE(rig->truth().dropped);
+  EXPECT_FALSE(rig->truth().left_behind);
 }
 
 TEST(GraspMotion, SlipIsCountedFromTheLiftOn) {
-  GraspRig rig("grip: {}\nmotion: {kind: lift, settle: 1 s}\nduration: 3 s\n");
+  GraspRig rig("grip: {}\nmotion: {kind: lift, settle: 1 s}\nduration: 3.5 s\n");
   rig.run_to(0.99);
   EXPECT_EQ(rig->truth().slip, Eigen::Vector3d::Zero());
   const Eigen::Vector3d before = rig.box_in_arm();

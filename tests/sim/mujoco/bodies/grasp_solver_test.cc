@@ -273,7 +273,7 @@ TEST(GraspSolver, SoftSkinsHoldWithoutCreep) {
 // Left to itself the solver is the cheaper one. At 100 Hz 44 explicit steps to a sample stand against 17, at 1 kHz 5 against 2. A step that the scene
 // gives is explicit where it may be. (A sensor whose sampling time is as short has the nib pad: scenes/nib_pad/reorient.yaml.)
 TEST(GraspSolver, AutomaticTakesTheCheaperOne) {
-  const std::string scene = "grip: {}\nmotion: {kind: lift, settle: 1 s}\nduration: 1.5 s\n";
+  const std::string scene = "grip: {}\nmotion: {kind: lift, settle: 1 s, distance: 10 mm}\nduration: 1.5 s\n";
   const auto slip = [&](const std::string& rate, const std::string& how) {
     GraspRig rig(scene + how, 0, {}, ", rate: " + rate);
     rig.run();

@@ -32,7 +32,7 @@ TEST(GraspStatics, StartsOpenAndAtRestOnAWholeCount) {
 }
 
 TEST(GraspStatics, TableCarriesTheBoxAndThenThePadsDo) {
-  GraspRig rig(firm + "grip: {}\nmotion: {kind: lift, settle: 1 s}\nduration: 3 s\n");
+  GraspRig rig(firm + "grip: {}\nmotion: {kind: lift, settle: 1 s}\nduration: 3.5 s\n");
   rig.run_to(0.3);
   EXPECT_NEAR(rig->truth().table_force, weight, 1e-3 * weight);
   EXPECT_EQ(rig->truth().grip_force, 0.0);
@@ -95,7 +95,7 @@ TEST(GraspStatics, HoldsAboveTheIdealForceAndDropsBelow) {
   // 0.001 g for some 5 s: 0.5 x 9.81e-3 x 5^2 = 0.12 m, more than the 37 mm that the pads have below them.
   GraspRig drops = held_at(0.999, force);
   drops.run();
-  EXPECT_TRUE(drops->truth().dropped);
+  EXPECT_TRUE(drops->truth().dropped || drops->truth().left_behind);
 }
 
 // Across a level grain mu is half of that along it, so the box needs twice the force.
@@ -112,7 +112,7 @@ TEST(GraspStatics, IdealForceIsThatAgainstTheWeight) {
   EXPECT_NEAR(holds->ideal_force(), force / 1.001, 1e-9);
   GraspRig drops = held_at(1.998, force, across);
   drops.run();
-  EXPECT_TRUE(drops->truth().dropped);
+  EXPECT_TRUE(drops->truth().dropped || drops->truth().left_behind);
 }
 
 TEST(GraspStatics, HeldBoxDoesNotCreep) {

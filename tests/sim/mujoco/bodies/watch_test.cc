@@ -137,7 +137,8 @@ TEST_P(RightRun, ComesToItsEnd) {
   // 225 deg/s on 0.3 m: 1.2 m/s, and 4.6 m/s2 towards the axis.
   for (const std::string mass : {"20 g", "63 g", "200 g"}) {
     for (const std::string step : {"auto", "0.05 ms"}) {
-      EXPECT_EQ(outcome(carried_bar(mass, quarter_turn_to_and_fro, "time_step: " + step + "\n"), turning_arm(integrator)), "accepted")
+      EXPECT_EQ(outcome(carried_bar(mass, quarter_turn_to_and_fro, "time_step: " + step + "\n"), turning_arm(integrator)),
+                "accepted")
           << "carried, " << mass << ", " << step;
     }
   }
@@ -185,7 +186,8 @@ TEST_P(PlantedForce, IsFoundWithinTwoWindows) {
       const int bar = mj_name2id(rig->model(), mjOBJ_BODY, "bar");
       rig.run_to(from);
       rig->data()->xfrc_applied[6 * bar + axis] = 0.005 * weight;
-      EXPECT_THAT(refusal_of([&] { rig.run_to(from + 0.201); }), HasSubstr("body 'bar': the forces on it differ")) << from << " s, axis " << axis;
+      EXPECT_THAT(refusal_of([&] { rig.run_to(from + 0.201); }), HasSubstr("body 'bar': the forces on it differ"))
+          << from << " s, axis " << axis;
     }
   }
 }

@@ -100,17 +100,44 @@ TEST(Detection, ThatIsEarlyHasNoDelay) {
 
 TEST(Outcome, KeepsWhatBecameOfAGrasp) {
   TrialOutcome outcome;
-  outcome.grasp =
-      GraspOutcome{.slip_translation = 1e-3 / 3.0, .slip_rotation = 0.1, .max_grip_force = 7.5, .reaction_time = 0.06};
+  outcome.grasp = GraspOutcome{.lifted = true,
+                               .lift_height = 0.1 / 3.0,
+                               .slip_translation = 1e-3 / 3.0,
+                               .slip_rotation = 0.1,
+                               .max_grip_force = 7.5,
+                               .reaction_time = 0.06};
   const GraspOutcome back = parse_outcome(outcome_json(outcome)).grasp.value();
   EXPECT_FALSE(back.dropped);
   EXPECT_TRUE(std::isnan(back.drop_time));
+  EXPECT_EQ(back.lifted, true);
+  EXPECT_EQ(back.lift_height, 0.1 / 3.0);
   EXPECT_EQ(back.slip_translation, 1e-3 / 3.0);
   EXPECT_EQ(back.slip_rotation, 0.1);
   EXPECT_EQ(back.max_grip_force, 7.5);
   EXPECT_EQ(back.final_grip_force, 0.0);
   EXPECT_TRUE(std::isnan(back.ideal_grip_force));
   EXPECT_EQ(back.reaction_time, 0.06);
+}
+
+// Held, dropped and not lifted are three things; where nothing is said of the lift, as in datasets of version 0.2.0, what is not dropped is held.
+TEST(Outcome, IsHeldDroppedOrNotLifted) {
+  const auto ended = [](bool dropped, std::optional<bool> lifted) {
+    const GraspOutcome grasp{.dropped = dropped, .lifted = lifted};
+    EXPECT_EQ(grasp.held() + grasp.dropped + grasp.not_lifted(), 1);
+    return grasp.held() ? "held" : grasp.dropped ? "dropped" : "not lifted";
+  };
+  EXPECT_STREQ(ended(false, true), "held");
+  EXPECT_STREQ(ended(true, true), "dropped");
+  EXPECT_STREQ(ended(false, false), "not lifted");
+  EXPECT_STREQ(ended(true, false), "dropped");
+  EXPECT_STREQ(ended(false, std::nullopt), "held");
+  EXPECT_STREQ(ended(true, std::nullopt), "dropped");
+  Json before = Json::parse(outcome_json({.grasp = GraspOutcome{}}));
+  before.erase("lifted");
+  before.erase("lift_height_m");
+  const GraspOutcome old = parse_outcome(before.dump()).grasp.value();
+  EXPECT_FALSE(old.lifted.has_value());
+  EXPECT_TRUE(std::isnan(old.lift_height));
 }
 
 TEST(Outcome, TellsHowTheBoxStoodOnlyWhereTheArmIsGuided) {
@@ -143,8 +170,8 @@ TEST(Outcome, NeedsNoDetector) {
 
 TEST(Outcome, KeepsTheKeysOfAGraspAsNull) {
   const std::string json = outcome_json({});
-  for (const char* key : {"dropped", "drop_time_s", "slip_translation_m", "slip_rotation_rad", "max_grip_force_N",
-                          "final_grip_force_N", "ideal_grip_force_N", "reaction_time_s"}) {
+  for (const char* key : {"dropped", "lifted", "drop_time_s", "lift_height_m", "slip_translation_m", "slip_rotation_rad",
+                          "max_grip_force_N", "final_grip_force_N", "ideal_grip_force_N", "reaction_time_s"}) {
     EXPECT_THAT(json, HasSubstr('"' + std::string(key) + "\":null"));
   }
   EXPECT_FALSE(parse_outcome(json).grasp.has_value());

@@ -19,7 +19,7 @@ ROOT = Path(sys.argv.pop(1)).resolve()
 # All sensors, on a stage, on bodies and in grasps; with a detector, with a guided arm, with the outcome alone.
 RUNS = (
     ("papillarray/stage.yaml", "--set", "detector={type: force_ratio}", "duration=3 s"),
-    ("grasp/two_skins.yaml", "--set", "duration=2 s"),
+    ("grasp/two_skins.yaml", "--set", "duration=2 s", "motion.distance=10 mm"),
     ("grasp/lift.yaml", "--record", "outcome"),
     ("nib_pad/reorient.yaml", "--set", "duration=3 s"),
     ("myrmex/slip.yaml", "--set", "duration=1 s"),

@@ -78,6 +78,10 @@ TEST(Score, AGraspEarnsByItsForce) {
   EXPECT_DOUBLE_EQ(grasp_part(silent, grasp(0.5 * (1.0 + worst_force_ratio), false), lost).credit, 0.5);
   EXPECT_EQ(grasp_part(silent, grasp(2.0 * worst_force_ratio, false), lost).credit, 0.0);
   EXPECT_EQ(grasp_part(silent, grasp(1.0, true), lost).credit, 0.0);
+  GraspOutcome left = grasp(1.0, false);  // on the table
+  left.lifted = false;
+  EXPECT_EQ(grasp_part(silent, left, lost).credit, 0.0);
+  EXPECT_TRUE(grasp_part(silent, grasp(1.0, false), left).credited);
   const std::vector<Part> parts{grasp_part(silent, grasp(1.0, false), lost), grasp_part(silent, grasp(1.0, false), held)};
   EXPECT_EQ(score_of(parts, loop).value, 1.0);
 }

@@ -202,6 +202,10 @@ TEST_F(TrialErrors, OfTheOutcomeAreDecisionsThatDiffer) {
   dropped.record.outcome.grasp.emplace().dropped = true;
   held.record.outcome.grasp.emplace();
   EXPECT_NEAR(error_of(held, dropped, Measure::outcome)->worst, 1.0 / 5.0, 1e-15);
+  TrialResult left = held;
+  held.record.outcome.grasp->lifted = true;
+  left.record.outcome.grasp->lifted = false;
+  EXPECT_NEAR(error_of(held, left, Measure::outcome)->worst, 1.0 / 6.0, 1e-15);
 }
 
 // Seen in both, but early in one: the fifth decision.

@@ -351,7 +351,7 @@ std::vector<Wished> wished_scenes() {
       {"Stribeck", "duration: 1.2 s\neffects: [stribeck, ageing]\n" + moves + "speed: 5 mm/s}\n" + bristles},
       {"HeldBox", "duration: 0.6 s\nfriction: {static: 0.5, kinetic: 0.5}\n" + holding, true},
       {"Lift",
-       "duration: 3 s\nsurface: {material: ptfe}\nbox: {mass: 0.4 kg}\nmotion: {kind: lift}\ncontroller: {type: hold_preset}\n" +
+       "duration: 3 s\nsurface: {material: ptfe}\nbox: {mass: 0.4 kg}\nmotion: {kind: lift, distance: 50 mm}\ncontroller: {type: hold_preset}\n" +
            pad,
        true},
   };

@@ -24,7 +24,7 @@ SCENES = {
     "piezo_skin/slide.yaml": {"duration": "1.6 s"},
     "myrmex/slip.yaml": {"duration": "100 ms"},
     "biotac_sp/slip.yaml": {"duration": "300 ms"},
-    "grasp/two_skins.yaml": {"duration": "1.6 s"},
+    "grasp/two_skins.yaml": {"duration": "1.7 s", "motion.distance": "1 mm"},
 }
 
 

@@ -112,7 +112,7 @@ class Pages:
 
     def check_opening(self):
         """A page opens on the sensor that the detector reads, and a translation has no centre."""
-        page = self.report(SCENES / "grasp" / "two_skins.yaml", "skins", "duration=2.5 s")
+        page = self.report(SCENES / "grasp" / "two_skins.yaml", "skins", "duration=2.5 s", "motion.distance=10 mm")
         assert self.probe(page)[0]["sensor"] == "pad"
         self.browser.open_drawn(page)
         assert "<h2>The sensor pad</h2>" in self.browser.dom()

@@ -257,7 +257,9 @@ TEST(Report, SaysHowGraspsEnded) {
   dropped.params = R"({"detector.type": "force_ratio", "detector.ratio": 0.3})";
   dropped.outcome.grasp = GraspOutcome{.dropped = true, .drop_time = 3e-3};
   const Json rows = reported("report_grasps", scene, {held, dropped}).at("trials");
-  EXPECT_EQ(rows.at(0).at("grasp"), Json::parse(R"({"dropped": false, "drop_s": null, "slip_m": 0.001, "rotation_rad": 0.25,
+  EXPECT_EQ(rows.at(0).at("grasp"),
+            Json::parse(
+                R"({"dropped": false, "not_lifted": false, "lift_m": null, "drop_s": null, "slip_m": 0.001, "rotation_rad": 0.25,
     "max_force_N": 6.0, "final_force_N": 5.0, "ideal_force_N": 4.0, "reaction_s": null})"));
   EXPECT_EQ(rows.at(0).at("controller"), "hold_preset");
   EXPECT_FALSE(rows.at(0).contains("detector")) << "the scene has none";

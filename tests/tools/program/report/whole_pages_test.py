@@ -201,7 +201,7 @@ def main():
         sweep = pages.report("sweep", pages.scene("sweep", SWEEP), "sweep")
         pages.check(sweep)
         pages.check(sweep, "#trial-7")
-        pages.check(pages.report("run", SCENES / "grasp/two_skins.yaml", "grasp", "--set", "duration=2.5 s"))
+        pages.check(pages.report("run", SCENES / "grasp/two_skins.yaml", "grasp", "--set", "duration=2.5 s", "motion.distance=10 mm"))
         maps = pages.scene("map", MAP)
         pages.check(pages.report("sweep", maps, "map"))
         pages.check(pages.report("sweep", maps, "outcomes", "--record", "outcome"))

@@ -64,7 +64,8 @@ void expect_each_as_alone(const TrialRecord& with, const std::string& file, cons
   }
 }
 
-const std::vector<Override> short_lift{{"duration", "2.4 s"}, {"friction", "{static: 0.3, kinetic: 0.3}"}};
+const std::vector<Override> short_lift{
+    {"duration", "2.4 s"}, {"motion.distance", "30 mm"}, {"friction", "{static: 0.3, kinetic: 0.3}"}};
 
 TEST(Followers, LeaveEveryByteOfALift) {
   const std::string stepping = "{type: force_ratio, ratio: 0.25, sensor: pad}";
@@ -95,6 +96,7 @@ TEST(Followers, LeaveEveryByteOfTwoFingersThatHoldABox) {
 TEST(Followers, StandAheadOfThePad) {
   constexpr double h = 0.2e-3;
   const std::vector<Override> changes{{"duration", "2.4 s"},
+                                      {"motion.distance", "30 mm"},
                                       {"friction", "{static: 0.9, kinetic: 0.9}"},
                                       {"sensors.even", "{type: papillarray, follows: pad}"},
                                       {"sensors.proud", "{type: papillarray, follows: pad, ahead: 0.2 mm}"}};

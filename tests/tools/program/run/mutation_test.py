@@ -111,8 +111,10 @@ def not_finite(path):
 
 def run(program, scene, output):
     """The exit status (None: it took long and ended at a signal), and what is wrong with it; empty: nothing."""
-    grasp = re.search(r"^(box|grip|controller):", open(scene, encoding="utf-8").read(), re.M)
-    command = [program, "run", scene, "--set", f"duration={'1.6' if grasp else '0.05'} s", "-o", output, "--quiet"]
+    text = open(scene, encoding="utf-8").read()
+    grasp = re.search(r"^(box|grip|controller):", text, re.M)
+    lift = ["motion.distance=1 mm"] if grasp and "guided" not in text else []  # which has ended at 1.6 s
+    command = [program, "run", scene, "--set", f"duration={'1.7' if grasp else '0.05'} s", *lift, "-o", output, "--quiet"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, errors="replace") as child:
         try:
             _, errors = child.communicate(timeout=SECONDS)

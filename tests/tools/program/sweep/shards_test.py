@@ -31,7 +31,7 @@ SWEEPS = {
     "failures": ("--set", "sweep={sensors.pad.electronics: [ideal, [{offset: {scale: 1e300}}]], trials: 3}"),
 }
 
-GRASP = ("--set", "duration=2 s", "sweep={box.mass: [50 g, 100 g], trials: 2}")
+GRASP = ("--set", "duration=2 s", "motion.distance=10 mm", "sweep={box.mass: [50 g, 100 g], trials: 2}")
 
 
 def bytes_of(path):

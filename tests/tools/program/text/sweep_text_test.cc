@@ -227,6 +227,25 @@ TEST(Summary, TrialSaysHowTheGraspEnded) {
               HasSubstr("\n  dropped at 2.5000 s; grip force up to 3.00 N; tightened 40 ms after the lift's first slip\n"));
 }
 
+// Neither held nor dropped: one of three each.
+TEST(Summary, BoxThatIsNotLiftedIsNotHeld) {
+  SweepSummary summary;
+  for (const bool dropped : {false, true, false}) summary.trials.push_back(small_grasp("ratio", dropped));
+  GraspOutcome& grasp = *summary.trials[2].outcome.grasp;
+  grasp.lifted = false;
+  grasp.lift_height = 0.0;
+  grasp.slip_translation = grasp.slip_rotation = never;
+  EXPECT_THAT(trial_text(summary.trials[2], sensors, Style(false)),
+              HasSubstr("\n  not lifted: the box stays on the table; grip force up to 3.00 N, 1.50 times the ideal 2.00 N\n"));
+  EXPECT_THAT(sweep_text(summary, Style(false)), HasSubstr("1 of 3  0.8 to 90.6 %        1           1  1.25 mm"));
+  const GraspRow row = grasp_rows(summary).at(0);
+  EXPECT_EQ(row.held + row.dropped + row.not_lifted, 3U);
+  summary.trials[0].outcome.grasp->lifted = true;
+  summary.trials[0].outcome.grasp->lift_height = 0.0998;
+  EXPECT_THAT(trial_text(summary.trials[0], sensors, Style(false)),
+              HasSubstr("turned 1.00 deg; lifted by 99.8 mm; grip force up to"));
+}
+
 // Ten of ten with one detector, one of two with another; all or none of n are certain to p^n = 0.025, one of two to
 // 1 - (1 - p)^2 = 0.025.
 TEST(Summary, SweepShowsTheGraspsByDetectorAndController) {
@@ -239,10 +258,11 @@ TEST(Summary, SweepShowsTheGraspsByDetectorAndController) {
   summary.trials.back().outcome.grasp->max_grip_force = 4.0;
   EXPECT_THAT(
       sweep_text(summary, Style(false)),
-      HasSubstr("\ngrasps: medians; slip and turn of the held\n"
-                "                                       held             95 %     slip      turn  max/ideal force  reaction\n"
-                "  oracle (truth), step_on_slip     10 of 10  69.2 to 100.0 %  1.25 mm  1.00 deg             1.50     40 ms\n"
-                "  ratio (ratio 0.3), step_on_slip    1 of 2    1.3 to 98.7 %  1.25 mm  1.00 deg             1.75         -\n"));
+      HasSubstr(
+          "\ngrasps: medians; slip and turn of the held\n"
+          "                                       held             95 %  dropped  not lifted     slip      turn  max/ideal force  reaction\n"
+          "  oracle (truth), step_on_slip     10 of 10  69.2 to 100.0 %        0           0  1.25 mm  1.00 deg             1.50     40 ms\n"
+          "  ratio (ratio 0.3), step_on_slip    1 of 2    1.3 to 98.7 %        1           0  1.25 mm  1.00 deg             1.75         -\n"));
   const std::vector<GraspRow> rows = grasp_rows(summary);
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_NEAR(rows[0].held_share.low, std::pow(0.025, 0.1), 1e-12);
@@ -250,6 +270,8 @@ TEST(Summary, SweepShowsTheGraspsByDetectorAndController) {
   const nlohmann::ordered_json json = grasp_json(rows);
   EXPECT_EQ(json.at(1).at("name"), "ratio (ratio 0.3), step_on_slip");
   EXPECT_EQ(json.at(1).at("held"), 1);
+  EXPECT_EQ(json.at(1).at("dropped"), 1);
+  EXPECT_EQ(json.at(1).at("not_lifted"), 0);
   EXPECT_EQ(json.at(1).at("median_force_ratio"), 1.75);
   EXPECT_EQ(json.at(1).at("median_reaction_time_s").dump(), "null");
 }

@@ -318,7 +318,7 @@ const slipColumns = sensor => {
   ];
 };
 const graspColumns = [
-  word('grasp', ({grasp}) => grasp?.dropped, ({grasp}) => grasp ? (grasp.dropped ? 'dropped' : 'held') : '–'),
+  word('grasp', ({grasp}) => grasp && sb.graspEnd(grasp), ({grasp}) => grasp ? sb.graspEnd(grasp) : '–'),
   number('slipped, mm', ({grasp}) => grasp?.slip_m, 2, 1e3),
   number('turned, °', ({grasp}) => grasp?.rotation_rad, 2, 180 / Math.PI),
   number('largest force, N', ({grasp}) => grasp?.max_force_N, 2),

@@ -61,14 +61,16 @@ function outcomeFigures(trial, grasp, recording) {
                              'it slips, and the drive does not close';
   const ratio = force => ended.ideal_force_N === null ? '' : sb.fixed(force / ended.ideal_force_N, 2) + ' × ideal';
   const ideal = ended.ideal_force_N === null ? 'none holds' : sb.quantity(ended.ideal_force_N, 'N');
-  const unlessDropped = text => ended.dropped ? 'does not apply: dropped' : text;
+  const end = sb.graspEnd(ended);
+  const ifHeld = text => end === 'held' ? text : 'does not apply: ' + end;
   return sb.figures([
-    ended.dropped ? ['Outcome', 'dropped', 'at ' + sb.seconds(ended.drop_s), 'bad'] :
-                    ['Outcome', 'held', 'to the trial’s end', 'good'],
-    ['Slip of the box', sb.quantity(ended.slip_m, 'm'), unlessDropped('in the arm’s frame, since the lift began')],
-    ['Turn of the box', sb.quantity(ended.rotation_rad, 'rad'), unlessDropped('likewise')],
+    end === 'dropped'    ? ['Outcome', end, 'at ' + sb.seconds(ended.drop_s), 'bad'] :
+    end === 'not lifted' ? ['Outcome', end, 'the box stays on the table', 'bad'] :
+                           ['Outcome', end, 'to the trial’s end', 'good'],
+    ['Slip of the box', sb.quantity(ended.slip_m, 'm'), ifHeld('in the arm’s frame, since the lift began')],
+    ['Turn of the box', sb.quantity(ended.rotation_rad, 'rad'), ifHeld('likewise')],
     ['Largest grip force', sb.quantity(ended.max_force_N, 'N'), ratio(ended.max_force_N)],
-    ['Final grip force', sb.quantity(ended.final_force_N, 'N'), ended.dropped ? '' : ratio(ended.final_force_N)],
+    ['Final grip force', sb.quantity(ended.final_force_N, 'N'), end === 'held' ? ratio(ended.final_force_N) : ''],
     ['Ideal grip force', ideal, 'm g / (2 μ_s), the least that holds'],
     ['Reaction', sb.milliseconds(ended.reaction_s), reaction],
     [

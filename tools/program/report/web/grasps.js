@@ -39,10 +39,10 @@ const slips = ['seen', 'early', 'missed'];
 const share = (key, name, good) => ({key, name, unit: '%', good});
 const median = (key, name, unit, one) => ({key, name: 'median ' + name, unit, one});
 const quantities = [
-  share('held', 'share held', ({grasp}) => !grasp.dropped),
+  share('held', 'share held', ({grasp}) => sb.graspEnd(grasp) === 'held'),
   share(
       'gentle', 'share held, force ≤ ' + gentle + ' × ideal',
-      trial => ratioOf(trial) === null ? null : !trial.grasp.dropped && ratioOf(trial) <= gentle),
+      trial => ratioOf(trial) === null ? null : sb.graspEnd(trial.grasp) === 'held' && ratioOf(trial) <= gentle),
   median('slip', 'slip of the held', 'mm', ({grasp}) => times(grasp.slip_m, 1e3)),
   median('turn', 'turn of the held', '°', ({grasp}) => times(grasp.rotation_rad, 180 / Math.PI)),
   median('ratio', 'of largest over ideal force', '', ratioOf),
@@ -53,7 +53,10 @@ const quantities = [
       'seen', 'share of slips seen, without an early alarm',
       ({detector}) => slips.includes(detector?.detection) ? detector.detection === 'seen' : null)
 ];
-const held = trials => trials.filter(trial => !trial.grasp.dropped).length;
+// How a box ended: held, dropped, or not lifted, which is neither of the two.
+sb.graspEnd = grasp => grasp.dropped ? 'dropped' : grasp.not_lifted ? 'not lifted' : 'held';
+const ended = (trials, end) => trials.filter(({grasp}) => sb.graspEnd(grasp) === end).length;
+const held = trials => ended(trials, 'held');
 const medians = quantities.filter(quantity => quantity.one);
 const medianHeads = ['slip, mm', 'turn, °', 'largest / ideal force', 'reaction, ms', 'delay, ms'];
 // A share's number of good trials and of all.
@@ -75,7 +78,8 @@ const rangeIn = (quantity, trials) => {
 const withUnit = (value, unit) => sb.significant(value, 3) + (value === null || !unit ? '' : unit === '°' ? '°' : ' ' + unit);
 const heldText = trials => {
   const [low, high] = interval(held(trials), trials.length).map(share => sb.fixed(100 * share, 1));
-  return 'held ' + held(trials) + ' of ' + trials.length + ' (95 %: ' + low + ' to ' + high + ' %)';
+  const others = ['dropped', 'not lifted'].filter(end => ended(trials, end)).map(end => ', ' + end + ' ' + ended(trials, end)).join('');
+  return 'held ' + held(trials) + ' of ' + trials.length + ' (95 %: ' + low + ' to ' + high + ' %)' + others;
 };
 // Of the trials that have a detector: their counts in one; null where none has.
 const countsOf = trials => {

@@ -89,7 +89,7 @@ function navigation() {
   const place = embedded.findIndex(trial => trial.index === view.trial);
   const beside = (text, title, at) =>
       el('button', {title, disabled: embedded[at] ? null : '', onclick: () => show({trial: embedded[at].index})}, text);
-  const outcome = ({grasp}) => grasp ? (grasp.dropped ? ': dropped' : ': held') : '';
+  const outcome = ({grasp}) => grasp ? ': ' + sb.graspEnd(grasp) : '';
   const unknown = place < 0 && el('option', {value: '', selected: '', disabled: ''}, 'a trial …');
   const options = embedded.map(trial => [trial.index, 'Trial ' + trial.index + outcome(trial)]);
   const picker = () => {

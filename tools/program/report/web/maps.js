@@ -231,12 +231,12 @@ class Maps {
   // The trials of a cell, and how to see one again.
   showCell(series, column, row, trials) {
     const where = [series.name, sb.pathWord(this.x.path) + ' ' + column.text, row && sb.pathWord(this.y.path) + ' ' + row.text];
-    const example = trials.find(trial => sb.isEmbedded(trial.index)) || trials.find(trial => trial.grasp.dropped) || trials[0];
+    const example = trials.find(trial => sb.isEmbedded(trial.index)) || trials.find(({grasp}) => sb.graspEnd(grasp) !== 'held') || trials[0];
     const copy = trial => el(
         'button.link', {onclick: event => sb.copy(event.target, sb.replayCommand(trial))}, 'copy command of its replay');
     const columns = [
       {title: 'trial', cell: trial => String(trial.index)},
-      {title: 'end', kind: 'text', cell: ({grasp}) => grasp.dropped ? 'dropped at ' + sb.seconds(grasp.drop_s) : 'held'},
+      {title: 'end', kind: 'text', cell: ({grasp}) => sb.graspEnd(grasp) + (grasp.dropped ? ' at ' + sb.seconds(grasp.drop_s) : '')},
       ...medians.map((quantity, i) => ({title: medianHeads[i], cell: trial => sb.significant(quantity.one(trial), 3)})),
       {title: 'here', kind: 'text', cell: trial => sb.opener(trial, this.open, 'copy command of its report')},
       {title: 'replay', kind: 'text', cell: copy}
