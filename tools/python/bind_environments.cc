@@ -68,9 +68,9 @@ Truth truth_of(const GraspEnvironment& environment) {
   return truth;
 }
 
-// Observation, reward, dropped, ended, truth.
+// Observation, reward, terminated (dropped or left behind), ended, truth.
 using Result = nb::typed<nb::tuple, nb::ndarray<nb::numpy, float>, double, bool, bool, Truth>;
-// Of several: their observations; reward, time, grip_force, ideal_force and slip_distance; dropped, ended and lifting; number of the
+// Of several: their observations; reward, time, grip_force, ideal_force and slip_distance; terminated, ended and lifting; number of the
 // episode; what was drawn for it; and by place the outcomes of those that are over.
 using Results =
     nb::typed<nb::tuple, nb::ndarray<nb::numpy, float>, nb::ndarray<nb::numpy, double>, nb::ndarray<nb::numpy, std::uint8_t>,
@@ -78,7 +78,7 @@ using Results =
 
 Result result_of(const GraspEnvironment& environment) {
   const EnvironmentStep& step = environment.latest();
-  return nb::make_tuple(copied(environment.observation()), step.reward, step.dropped, step.ended, truth_of(environment));
+  return nb::make_tuple(copied(environment.observation()), step.reward, step.failed(), step.ended, truth_of(environment));
 }
 
 // One that the interpreter's other threads need not wait for.
@@ -130,6 +130,7 @@ class Grasps {
     return results();
   }
   [[nodiscard]] const std::vector<std::string>& names() { return environments_.environment(0).observation_names(); }
+  [[nodiscard]] Texts warnings() { return texts_of(environments_.environment(0).warnings()); }
 
  private:
   void check(std::size_t found, const char* what) const {
@@ -147,7 +148,8 @@ class Grasps {
     const std::size_t count = environments_.size();
     for (const auto number : {&Step::reward, &Step::time, &Step::grip_force, &Step::ideal_force, &Step::slip_distance})
       for (std::size_t i = 0; i < count; ++i) numbers.push_back(environments_.environment(i).latest().*number);
-    for (const auto flag : {&Step::dropped, &Step::ended, &Step::lifting})
+    for (std::size_t i = 0; i < count; ++i) flags.push_back(environments_.environment(i).latest().failed() ? 1 : 0);
+    for (const auto flag : {&Step::ended, &Step::lifting})
       for (std::size_t i = 0; i < count; ++i) flags.push_back(environments_.environment(i).latest().*flag ? 1 : 0);
     for (std::size_t i = 0; i < count; ++i) {
       const GraspEnvironment& one = environments_.environment(i);
@@ -174,11 +176,13 @@ void bind_environments(nb::module_& module) {
       .def("bodies", [](const Grasp& grasp) { return bodies_of(grasp.environment()); })
       .def_prop_ro("names", [](const Grasp& grasp) { return grasp.environment().observation_names(); })
       .def_prop_ro("params", [](const Grasp& grasp) { return grasp.environment().params(); })
+      .def("warnings", [](const Grasp& grasp) { return texts_of(grasp.environment().warnings()); })
       .def("command", [](const Grasp& grasp, const std::string& scene) { return grasp.environment().episode_command(scene); });
   nb::class_<Grasps>(module, "Grasps")
       .def(nb::init<const std::string&, const Pairs&, const std::string&, std::size_t, std::size_t>())
       .def("reset", &Grasps::reset)
       .def("step", &Grasps::step)
+      .def("warnings", &Grasps::warnings)
       .def_prop_ro("names", &Grasps::names);
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -17,6 +18,7 @@
 
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
+#include "sim/core/of_each.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/sample_timing.h"
 #include "tools/base/workers/child_process.h"
@@ -125,6 +127,23 @@ class Scene {
   // Trials of the sweep, with so many draws of each cell; 0: as the scene says.
   [[nodiscard]] std::size_t trials(std::size_t draws) const { return TrialPlan(file_, *catalogues_, draws, seed_).size(); }
 
+  // What `slipbench sweep` would warn of before it runs these trials: with `build` what takes a look at sensors and steps, too, and of the split
+  // where it writes the dataset `output`.
+  [[nodiscard]] Texts warnings(std::size_t draws, std::size_t limit, std::optional<std::uint64_t> seed, bool build,
+                               const std::string& output, bool isolate, const WorkLimits& limits) const {
+    SweepOptions options = options_;
+    options.trials = draws;
+    options.limit = limit;
+    options.output = output;
+    options.isolate = isolate;
+    options.limits = limits;
+    const std::uint64_t chosen = seed.value_or(seed_);
+    const PythonForks forks;
+    const ReadSweep read{file_, chosen, plan_trials(file_, *catalogues_, options, chosen)};
+    return texts_of(build ? scene_warnings(read, options)
+                          : scene_warnings(read.planned.plan, of_numbers(read.planned.asked), false));
+  }
+
   // Trial `trial` of the first `limit` ones. `stop`: ends it from another thread; none: Ctrl-C does.
   [[nodiscard]] std::shared_ptr<TrialRecord> run(std::size_t trial, std::size_t draws, std::size_t limit, std::uint64_t seed,
                                                  bool full, const Stop* stop) const {
@@ -169,7 +188,10 @@ class Scene {
       progress(at.done, at.total);
     };
     const PythonForks forks;
-    return summary_json(run_sweep(options, *catalogues_, told));
+    const SweepSummary summary = run_sweep(options, *catalogues_, told);
+    Json json = Json::parse(summary_json(summary));
+    json["warnings"] = warnings_json(converter_warnings(summary.trials));
+    return json.dump();
   }
 
   [[nodiscard]] nb::typed<nb::dict, nb::str, nb::any> check(std::size_t draws, std::optional<std::uint64_t> seed,
@@ -209,6 +231,7 @@ class Scene {
     all["expectations"] = expectations;
     all["failures"] = nb::cast(result.failures);
     all["files"] = nb::cast(result.files);
+    all["warnings"] = nb::cast(texts_of(result.warnings));
     return all;
   }
 
@@ -266,16 +289,36 @@ std::string describe(const std::string& name) {
 
 std::string list_names() { return list_json(catalogue_items(program_catalogues()), catalogue_kinds()).dump(); }
 
+// How often the converters of recorded trials were at an end of their range.
+struct Converters {
+  std::map<std::string, ConverterUse> sensors;
+
+  void add(const TrialRecord& record) { count_converters(record, sensors); }
+  [[nodiscard]] Texts warnings() const { return texts_of(converter_warnings(sensors)); }
+};
+
 }  // namespace
+
+Texts texts_of(const std::vector<Warning>& warnings) {
+  return of_each<Texts::value_type>(warnings, [](const Warning& warning) -> Texts::value_type {
+    return {warning.about, warning.text};
+  });
+}
 
 void bind_scene(nb::module_& module) {
   nb::class_<WorkLimits>(module, "Limits").def(nb::init<double, std::size_t>(), nb::arg("time"), nb::arg("memory"));
   nb::class_<Stop>(module, "Stop").def(nb::init<>()).def("set", [](Stop& stop) { stop.now = true; });
+  nb::class_<Converters>(module, "Converters")
+      .def(nb::init<>())
+      .def("add", &Converters::add)
+      .def("warnings", &Converters::warnings);
   nb::class_<Scene>(module, "Scene")
       .def(nb::init<std::string, const Pairs&>())
       .def_prop_ro("text", &Scene::text)
       .def_prop_ro("seed", &Scene::seed)
       .def("trials", &Scene::trials)
+      .def("warnings", &Scene::warnings, nb::arg("draws"), nb::arg("limit"), nb::arg("seed").none(), nb::arg("build"),
+           nb::arg("output"), nb::arg("isolate"), nb::arg("limits"))
       .def("run", &Scene::run, nb::arg("trial"), nb::arg("draws"), nb::arg("limit"), nb::arg("seed"), nb::arg("full"),
            nb::arg("stop").none())
       .def("write", &Scene::write, nb::arg("output"), nb::arg("draws"), nb::arg("limit"), nb::arg("seed").none(), nb::arg("jobs"),

@@ -8,12 +8,17 @@
 #include <nanobind/nanobind.h>
 
 #include "sim/scene/parser.h"
+#include "tools/program/sweep/warnings.h"
 
 namespace slipbench::python {
 
 // What was set beside a scene, as Python has it: path and YAML.
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 std::vector<Override> overrides_of(const Pairs& pairs);
+
+// Warnings as Python has them: what each is about, and its text.
+using Texts = std::vector<std::pair<std::string, std::string>>;
+Texts texts_of(const std::vector<Warning>& warnings);
 
 void bind_trial(nanobind::module_& module);
 void bind_scene(nanobind::module_& module);

@@ -14,7 +14,7 @@ import slipbench
 from slipbench import Command, Estimate, State
 
 PROGRAM = sys.argv.pop(1)
-GRASP = {"friction": {"static": 0.2, "kinetic": 0.15}, "duration": "2.5 s"}
+GRASP = {"friction": {"static": 0.2, "kinetic": 0.15}, "duration": "2.5 s", "motion.distance": "30 mm"}
 
 
 @slipbench.detector("twin_of_force_ratio")

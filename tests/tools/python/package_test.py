@@ -9,6 +9,7 @@ import sys
 import tempfile
 import threading
 import unittest
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,7 @@ def command_line(folder, *words):
 
 class Trials(unittest.TestCase):
     def test_digests_are_those_of_the_command_line(self):
-        for scene, sets in (("papillarray/stage.yaml", {"motion.speed": "8 mm/s"}), ("grasp/lift.yaml", {"duration": "2 s"}),
+        for scene, sets in (("papillarray/stage.yaml", {"motion.speed": "8 mm/s"}), ("grasp/lift.yaml", {"duration": "2 s", "motion.distance": "10 mm"}),
                             ("piezo_skin/slide.yaml", {})):
             with self.subTest(scene=scene), tempfile.TemporaryDirectory() as folder:
                 words = [word for path, value in sets.items() for word in ("--set", f"{path}={value}")]
@@ -94,7 +95,7 @@ for k in range(9999):
         self.assertGreater(trial.outcome["first_slip_time_s"], 0.0)
 
     def test_bodies_and_control_stand_beside_the_sensors(self):
-        trial = slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2 s"}).run()
+        trial = slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2 s", "motion.distance": "10 mm"}).run()
         samples = len(trial.control.time)
         self.assertEqual(trial.control.command.shape, (samples, 3))
         self.assertEqual((trial.control.detector, trial.control.controller), ("gst_hd", "step_on_slip"))
@@ -103,12 +104,75 @@ for k in range(9999):
     def test_a_check_is_that_of_the_command_line(self):
         path, expect = slipbench.scenes() / "grasp/lift.yaml", {"dropped": False, "max_slip": "0.1 mm"}
         with tempfile.TemporaryDirectory() as folder:  # where a failed check leaves its evidence
-            done = subprocess.run([str(Path(PROGRAM).resolve()), "check", str(path), "--set", "duration=2.5 s", "--set", "expect=" + json.dumps(expect),
+            done = subprocess.run([str(Path(PROGRAM).resolve()), "check", str(path), "--set", "duration=2.5 s", "--set", "motion.distance=30 mm", "--set", "expect=" + json.dumps(expect),
                                    "--trials", "2", "--json"], capture_output=True, text=True, check=False, cwd=folder)
         told = json.loads(done.stdout)["scenes"][0]
-        check = slipbench.Scene.load(path).set({"duration": "2.5 s", "expect": expect}).check(draws=2)
+        check = slipbench.Scene.load(path).set({"duration": "2.5 s", "motion.distance": "30 mm", "expect": expect}).check(draws=2)
         self.assertEqual(check.verdict, told["verdict"])
         self.assertEqual([one["kept"] for one in check.expectations], [one["kept"] for one in told["expectations"]])
+
+
+class Warnings(unittest.TestCase):
+    """What the command line warns of is a Python warning with the same text."""
+
+    STAGE = str(slipbench.scenes() / "papillarray/stage.yaml")
+    LIFT = str(slipbench.scenes() / "grasp/lift.yaml")
+
+    def told(self, call):
+        """Texts of the warnings in `call`, which are all of lines in this file, and what it returns."""
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            result = call()
+        self.assertEqual({Path(one.filename).name for one in caught} - {Path(__file__).name}, set())
+        return [str(one.message) for one in caught], result
+
+    def command_lines(self, verb, scene, sets, *words):
+        sets = [word for path, value in sets.items() for word in ("--set", f"{path}={value if isinstance(value, str) else json.dumps(value)}")]
+        done = subprocess.run([PROGRAM, verb, scene, *sets, *words, "--json"], capture_output=True, text=True, check=True)
+        return [one["text"] for one in json.loads(done.stdout)["warnings"]]
+
+    def test_a_value_is_warned_of_where_it_is_set(self):
+        brief = {"duration": "2.5 s"}
+        for scene, sets in ((self.STAGE, {"motion.speed": 8}), (self.STAGE, {"motion.start": "3 s"}), (self.STAGE, {"motion.speed": [2, 4]}),
+                            (self.LIFT, {"motion.speed": 5, "motion.distance": "10 mm"})):
+            verb = "run"
+            if isinstance(sets.get("motion.speed"), list):
+                sets, verb = {"sweep": sets}, "sweep"
+            with self.subTest(sets=sets):
+                expected = self.command_lines(verb, scene, {**brief, **sets})
+                self.assertEqual(len(expected), 1, expected)
+                told, made = self.told(lambda scene=scene, sets=sets: slipbench.Scene.load(scene).set({**brief, **sets}))
+                self.assertEqual(told, expected)
+                self.assertEqual(self.told(lambda made=made: made.set(seed=3).run(record="outcome"))[0], [], "said twice")
+
+    def test_what_takes_a_look_at_sensors_is_warned_of_before_trials_run(self):
+        deep = {"duration": "2.1 s", "motion.compression": "5 mm"}
+        expected = self.command_lines("run", self.STAGE, deep)
+        self.assertIn("motion.compression", " ".join(expected))
+        scene = slipbench.Scene.load(self.STAGE)
+        self.assertEqual(sorted(self.told(lambda: scene.set(deep).run(record="outcome"))[0]), sorted(expected))
+        self.assertEqual(sorted(self.told(lambda: list(scene.set(deep).sweep(record="outcome")))[0]), sorted(expected))
+
+    def test_a_dataset_without_a_part_is_warned_of(self):
+        sets = {"duration": "2 s", "motion.distance": "10 mm", "sweep": {"surface.material": ["ptfe", "felt"]}}
+        with tempfile.TemporaryDirectory() as folder:
+            expected = self.command_lines("sweep", self.LIFT, sets, "-o", folder + "/command.h5")
+            self.assertEqual(len(expected), 1, expected)
+            self.assertEqual(self.told(lambda: slipbench.Scene.load(self.LIFT).set(sets).write(folder + "/own.h5"))[0], expected)
+
+    def test_environments_warn_when_they_are_made(self):
+        import gymnasium
+
+        import slipbench.gym
+
+        sets = {"motion.speed": 5, "motion.distance": "10 mm"}
+        expected = self.command_lines("run", self.LIFT, sets)
+        for make in (slipbench.gym.GraspEnv, slipbench.gym.GraspVectorEnv):
+            self.assertEqual(self.told(lambda make=make: make(scene=self.LIFT, values=sets))[0], expected)
+        with self.assertWarnsRegex(UserWarning, "5 has no unit and is in m/s"):
+            gymnasium.make("slipbench/Grasp-v0", values=sets)
+        self.assertEqual(self.told(lambda: slipbench.gym.StageSlipEnv(self.STAGE, {"duration": "2.5 s", "motion.speed": 8}))[0],
+                         self.command_lines("run", self.STAGE, {"duration": "2.5 s", "motion.speed": 8}))
 
 
 class Errors(unittest.TestCase):
@@ -256,7 +320,7 @@ class Networks(unittest.TestCase):
     def test_a_network_is_not_judged_on_what_it_has_learnt(self):
         with tempfile.TemporaryDirectory() as folder:
             path, model = Path(folder) / "lifts.h5", Path(folder) / "grasp.onnx"
-            slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2 s", "sensors.pad.rate": "1 kHz", "sweep": {"trials": 3}}).write(path)
+            slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2 s", "motion.distance": "10 mm", "sensors.pad.rate": "1 kHz", "sweep": {"trials": 3}}).write(path)
             with slipbench.open(path) as data:
                 learnt = [data[0].sha256, data[2].sha256]
             model.write_bytes(with_training(slipbench.scenes() / "learn/papillarray_slip.onnx", {"sha256_seen": learnt}))

@@ -6,8 +6,9 @@ import json
 import math
 import os
 import sys
+import warnings
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +22,29 @@ from slipbench.bin import _core
 def _yaml(value: Any) -> str:
     """A Python value as YAML, of which JSON is a part; a text stays as it is: "4 mm/s"."""
     return value if isinstance(value, str) else json.dumps(value)
+
+
+def located(path: str | os.PathLike[str]) -> str:
+    """The scene at `path`: a file, or one of the scenes that come with the package."""
+    name = os.fspath(path)
+    if not os.path.exists(name) and not os.path.isabs(name) and (scenes() / name).exists():
+        return str(scenes() / name)
+    return name
+
+
+def overrides_of(values: dict[str, Any] | None) -> list[tuple[str, str]]:
+    """Pairs of dotted path and YAML text, as `--set` takes them."""
+    return [(path, _yaml(value)) for path, value in (values or {}).items()]
+
+
+def warn(texts: Iterable[str]) -> None:
+    """Gives warnings of the program as Python's, at the line outside of the package that led to them."""
+    here = os.path.dirname(__file__)
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == here:
+        frame, level = frame.f_back, level + 1
+    for text in texts:
+        warnings.warn(text, stacklevel=level)
 
 
 @dataclass(frozen=True)
@@ -57,6 +81,7 @@ class Sweep(Iterator[Trial]):
         self._pool = ThreadPoolExecutor(jobs)
         self._one, self._count, self._next = one, count, 0
         self._ahead: deque[Future[Trial]] = deque()
+        self._converters = _core.Converters()
         self._depth = 2 * jobs
         self.done = 0
 
@@ -69,12 +94,15 @@ class Sweep(Iterator[Trial]):
             self._next += 1
         if not self._ahead:
             self.close()
+            warn(text for _, text in self._converters.warnings())
+            self._converters = _core.Converters()
             raise StopIteration
         try:
             trial = self._ahead.popleft().result()
         except BaseException:
             self.close()
             raise
+        self._converters.add(trial._record)
         self.done += 1
         return trial
 
@@ -91,15 +119,33 @@ class Sweep(Iterator[Trial]):
 class Scene:
     """A scene file, with what was set beside it. Immutable. `Scene.load()` makes one.
 
+    What `slipbench run` warns of is a Python warning (UserWarning) here, with the same text: `load()` and `set()` warn of values, such as a speed of
+    more than 1 m/s without a unit, `run()`, `sweep()`, `write()` and `check()` of all else.
+
     Attributes:
         path: of the file
         overrides: pairs of dotted path and YAML text, as `--set` takes them
     """
 
-    def __init__(self, path: str, overrides: list[tuple[str, str]]) -> None:
+    def __init__(self, path: str, overrides: list[tuple[str, str]], told: dict[str, str] | None = None) -> None:
+        """`told`: warnings that have been given, by what they are about."""
         self.path = path
         self.overrides = overrides
         self._core = _core.Scene(path, overrides)
+        self._told: dict[str, str] = {}
+        # Classes of one's own are not made before trials run, which may be in processes of their own.
+        if not self._has_own_parts():
+            found = dict(self._core.warnings(0, 0, None, False, "", False, _core.Limits(math.inf, 0)))
+            self._told.update(found)
+            warn(text for about, text in found.items() if (told or {}).get(about) != text)
+
+    def _warn(self, draws: int = 0, trials: int = 0, seed: int | None = None, output: str = "",
+              apart: tuple[bool, _core.Limits] | None = None) -> None:
+        """Warns of what the program warns of before these trials run, where that has not been said before."""
+        isolate, limits = apart or (False, _core.Limits(math.inf, 0))
+        found = {about: text for about, text in self._core.warnings(draws, trials, seed, True, output, isolate, limits) if about not in self._told}
+        self._told.update(found)
+        warn(found.values())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Scene:
@@ -107,10 +153,7 @@ class Scene:
 
         Raises InputError: "stage.yaml:12: unknown key 'sped' in motion; did you mean 'speed'? allowed: ...".
         """
-        name = os.fspath(path)
-        if not os.path.exists(name) and not os.path.isabs(name) and (scenes() / name).exists():
-            name = str(scenes() / name)
-        return cls(name, [])
+        return cls(located(path), [])
 
     def set(self, values: dict[str, Any] | None = None, /, **more: Any) -> Scene:
         """The same scene with other values, by dotted path: `set({"motion.speed": "8 mm/s"}, seed=3)`. Text is YAML, other values are SI.
@@ -118,8 +161,7 @@ class Scene:
         `values` takes any path, `more` those that are a word. What is set is not swept, nor is what lies below it. Raises InputError for what the
         scene may not say.
         """
-        changes = [(path, _yaml(value)) for path, value in {**(values or {}), **more}.items()]
-        return Scene(self.path, self.overrides + changes)
+        return Scene(self.path, self.overrides + overrides_of({**(values or {}), **more}), self._told)
 
     @property
     def text(self) -> str:
@@ -145,7 +187,13 @@ class Scene:
             raise _core.InputError(f"trial {trial}; allowed: 0 or more")
         _check_counts(seed=seed)
         chosen = self.seed if seed is None else seed
-        return Trial(self._core.run(trial, 0, trial + 1, chosen, _full(record), None))
+        full = _full(record)
+        self._warn()
+        made = self._core.run(trial, 0, trial + 1, chosen, full, None)
+        converters = _core.Converters()
+        converters.add(made)
+        warn(text for _, text in converters.warnings())
+        return Trial(made)
 
     def sweep(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full") -> Sweep:
         """All trials of the scene's sweep, in order: `for trial in scene.sweep()`.
@@ -155,7 +203,9 @@ class Scene:
         _check_counts(draws=draws, seed=seed, jobs=jobs)
         chosen = self.seed if seed is None else seed
         full = _full(record)
-        return Sweep(lambda trial, stop: Trial(self._core.run(trial, draws, 0, chosen, full, stop)), self.trials(draws), jobs or os.cpu_count() or 1)
+        count = self.trials(draws)
+        self._warn(draws, seed=seed)
+        return Sweep(lambda trial, stop: Trial(self._core.run(trial, draws, 0, chosen, full, stop)), count, jobs or os.cpu_count() or 1)
 
     def write(self, path: str | os.PathLike[str], *, draws: int = 0, trials: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full",
               resume: bool = False, progress: Callable[[int, int], None] | None = None, isolate: bool | None = None,
@@ -174,8 +224,10 @@ class Scene:
         _check_counts(draws=draws, trials=trials, seed=seed, jobs=jobs)
         if draws and trials:
             raise _core.InputError(f"draws={draws} and trials={trials}; allowed: one of them")
-        summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, _full(record), resume, progress,
-                                                               *self._apart(isolate, trial_limit, trial_memory)))
+        full, apart = _full(record), self._apart(isolate, trial_limit, trial_memory)
+        self._warn(draws, trials, seed, os.fspath(path), apart)
+        summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, full, resume, progress, *apart))
+        warn(one["text"] for one in summary["warnings"])
         if summary.get("interrupted"):
             raise KeyboardInterrupt
         if progress is not None:
@@ -191,7 +243,14 @@ class Scene:
         """
         _check_counts(draws=draws, seed=seed, jobs=jobs)
         apart = self._apart(isolate, trial_limit, trial_memory)
-        return Check(**self._core.check(draws, seed, jobs, folder, *apart))
+        self._warn(draws, seed=seed, apart=apart)
+        result = self._core.check(draws, seed, jobs, folder, *apart)
+        warn(text for _, text in result.pop("warnings"))
+        return Check(**result)
+
+    def _has_own_parts(self) -> bool:
+        """Whether the scene may name a Python class of one's own, or a plugin."""
+        return any(name in text for name in ("plugin", *own_names) for text in [self.text, *(value for _, value in self.overrides)])
 
     def _apart(self, isolate: bool | None, time: float | None, memory: int | None) -> tuple[bool, _core.Limits]:
         """Whether trials run in processes of their own, as `write()` says, and their limits."""
@@ -201,9 +260,7 @@ class Scene:
         if limited and isolate is False:
             raise _core.InputError("isolate=False beside a limit of a trial; allowed: one of them")
         if isolate is None:
-            texts = [self.text, *(value for _, value in self.overrides)]
-            others = any(name in text for name in ("plugin", *own_names) for text in texts)
-            isolate = limited or (others and not {"torch", "ipykernel"} & sys.modules.keys())
+            isolate = limited or (self._has_own_parts() and not {"torch", "ipykernel"} & sys.modules.keys())
         if isolate and sys.stdout is not None:
             sys.stdout.flush()  # what waits would be printed by each process
         return isolate, _core.Limits(math.inf if time is None else time, memory or 0)
