@@ -9,13 +9,14 @@ import gymnasium
 import numpy as np
 from gymnasium.utils.env_checker import check_env
 from gymnasium.utils.env_match import check_environments_match
-from gymnasium.vector import SyncVectorEnv
+from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
 
 import slipbench
 import slipbench.gym
 
 del sys.argv[1]
-SHORT = {"friction": {"static": 0.2, "kinetic": 0.15}, "duration": "2.2 s"}
+# The lift ends at 1.5 s + 10 mm / (43 mm/s) + 43/400 s = 1.84 s.
+SHORT = {"friction": {"static": 0.2, "kinetic": 0.15}, "duration": "2.2 s", "motion.distance": "10 mm"}
 
 
 def make(**options):
@@ -45,7 +46,7 @@ class Grasps(unittest.TestCase):
 
     def test_a_policy_that_acts_as_a_controller_gives_the_command_lines_trial(self):
         scene = slipbench.Scene.load("grasp/lift.yaml").set({**SHORT, "controller.type": "hold_preset"})
-        preset = 5.0  # N
+        preset = 7.0  # N, which holds
         environment = make(command="position", values={**SHORT, "grip.preset": f"{preset} N"})
         position = environment.unwrapped.observation_names.index("gripper.position")
         for seed in (2, 3):
@@ -60,8 +61,8 @@ class Grasps(unittest.TestCase):
                 observation, _, terminated, truncated, info = environment.step(np.array([2.0 * last / 255.0 - 1.0], np.float64))
                 over = terminated or truncated
             expected = scene.set({"grip.preset": f"{preset} N"}).run(seed=seed, record="outcome").outcome
-            for key in ("dropped", "max_grip_force_N", "final_grip_force_N", "slip_translation_m", "touch_time_s", "max_slip_distance_m"):
-                if not expected["dropped"] or key in ("dropped", "touch_time_s"):
+            for key in ("dropped", "lifted", "max_grip_force_N", "final_grip_force_N", "slip_translation_m", "touch_time_s", "max_slip_distance_m"):
+                if (expected["lifted"] and not expected["dropped"]) or key in ("dropped", "lifted", "touch_time_s"):
                     self.assertEqual(info["outcome"][key], expected[key], key)
 
     def test_episodes_of_a_seed_differ_and_repeat(self):
@@ -96,6 +97,37 @@ class Grasps(unittest.TestCase):
             before = info
             if terminated or truncated:
                 break
+
+    def test_a_box_left_on_the_table_ends_the_episode_and_is_penalised_like_a_drop(self):
+        rise = 1.5 + 0.01 / 0.043 + 0.043 / 0.4  # s, when the arm has risen
+        for action in (-1.0, 0.5):  # never touched; 15 N for 3 kg, which needs 3*9.81/0.4 = 74 N
+            environment = make(values={**SHORT, "box.mass": "3 kg"})
+            environment.reset(seed=1)
+            over, rewards = False, []
+            while not over:
+                _, reward, terminated, truncated, info = environment.step(np.array([action], np.float32))
+                over = terminated or truncated
+                rewards.append(reward)
+            self.assertTrue(terminated)
+            self.assertFalse(truncated)
+            self.assertAlmostEqual(info["time"], rise, delta=1e-3)
+            self.assertFalse(info["outcome"]["lifted"])
+            self.assertFalse(info["outcome"]["dropped"])
+            self.assertEqual(info["outcome"]["lift_height_m"], 0.0)
+            self.assertLess(rewards[-1], -10.0 + 1e-9)
+            self.assertGreater(min(rewards[:-1]), -1.0)
+
+    def test_an_episode_may_end_before_the_lift(self):
+        environment = make(values={**SHORT, "motion.distance": "100 mm"})
+        environment.reset(seed=1)
+        over = False
+        while not over:
+            _, reward, terminated, truncated, info = environment.step(np.array([0.5], np.float32))
+            over = terminated or truncated
+        self.assertTrue(truncated)
+        self.assertGreater(reward, -1.0)
+        with self.assertRaisesRegex(slipbench.InputError, r"lift.yaml:\d+: motion: the lift ends at 3.934 s, after the trial's duration of 2.2 s"):
+            slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2.2 s"})
 
     def test_a_force_is_followed(self):
         environment = make()
@@ -155,7 +187,7 @@ class Grasps(unittest.TestCase):
 
     def test_pictures_show_the_box_rise_or_say_what_is_missing(self):
         try:
-            environment = make(values={**SHORT, "friction": {"static": 0.8, "kinetic": 0.8}, "duration": "3 s"}, render_mode="rgb_array")
+            environment = make(values={**SHORT, "friction": {"static": 0.8, "kinetic": 0.8}, "duration": "3 s", "motion.distance": "100 mm"}, render_mode="rgb_array")
         except slipbench.InputError as error:
             self.assertRegex(str(error), "needs EGL and pip install")
             self.assertFalse(importlib.util.find_spec("OpenGL") and ctypes.util.find_library("EGL"), "it is there, and was not used")
@@ -187,7 +219,7 @@ class Grasps(unittest.TestCase):
         for seed in ([7, 8], -1, 2**64):
             with self.subTest(seed=seed), self.assertRaisesRegex(slipbench.InputError, "allowed"):
                 vector.reset(seed=seed)
-        with self.assertRaisesRegex(slipbench.InputError, "options"):
+        with self.assertRaisesRegex(slipbench.InputError, "options has 'reset_mask'"):
             vector.reset(seed=1, options={"reset_mask": np.array([True, False, False])})
         before = vector.reset(seed=1)[1]["time"].copy()
         with self.assertRaisesRegex(slipbench.InputError, "action nan; allowed: -1 to 1"):
@@ -198,6 +230,83 @@ class Grasps(unittest.TestCase):
         environment.reset(seed=1)
         with self.assertRaisesRegex(slipbench.InputError, "action 1.5; allowed: -1 to 1"):
             environment.step(np.array([1.5], np.float32))
+
+
+# The friction is drawn for each episode.
+DRAWN = {"duration": "2.2 s", "motion.distance": "10 mm",
+         "sweep": {"friction.scale": {"draw": "uniform", "min": 0.5, "max": 1.5}, "trials": 1}}
+
+
+class Seeds(unittest.TestCase):
+    def scales(self, info):
+        """What was drawn for each environment of a vector."""
+        params = info["params"]
+        return [float(scale) for scale in (params["friction.scale"] if isinstance(params, dict) else [one["friction.scale"] for one in params])]
+
+    def vectors(self):
+        grasp = lambda: slipbench.gym.GraspEnv(values=DRAWN)  # noqa: E731
+        yield "GraspVectorEnv", slipbench.gym.GraspVectorEnv(4, values=DRAWN)
+        yield "make_vec", gymnasium.make_vec("slipbench/Grasp-v0", num_envs=4, values=DRAWN)
+        yield "SyncVectorEnv", SyncVectorEnv([grasp] * 4)
+        yield "AsyncVectorEnv", AsyncVectorEnv([grasp] * 4)
+
+    def test_without_a_seed_all_environments_draw_for_themselves(self):
+        seen = []
+        for name, vector in self.vectors():
+            with self.subTest(vector=name):
+                for _ in range(2):
+                    seen += self.scales(vector.reset()[1])
+                vector.close()
+        for _ in range(3):
+            environment = slipbench.gym.GraspEnv(values=DRAWN)
+            seen += [environment.reset()[1]["params"]["friction.scale"] for _ in range(2)]
+        self.assertEqual(len(set(seen)), 4 * 2 * 4 + 3 * 2, "doubles drawn twice")
+
+    def test_a_seed_repeats_and_resets_without_one_go_on_with_it(self):
+        one_by_one = []
+        for i in range(4):
+            environment = slipbench.gym.GraspEnv(values=DRAWN)
+            environment.reset()  # whatever came before
+            one_by_one.append([environment.reset(seed=7 + i)[1]["params"]["friction.scale"],
+                               *(environment.reset()[1]["params"]["friction.scale"] for _ in range(2))])
+        expected = [list(column) for column in zip(*one_by_one, strict=True)]
+        for name, vector in self.vectors():
+            with self.subTest(vector=name):
+                vector.reset()
+                self.assertEqual([self.scales(vector.reset(seed=7)[1]), *(self.scales(vector.reset()[1]) for _ in range(2))], expected)
+                mixed = self.scales(vector.reset(seed=[7, None, 9, None])[1])
+                self.assertEqual([mixed[0], mixed[2]], [expected[0][0], expected[0][2]])
+                vector.close()
+
+    def test_recordings_of_a_stage_are_seeded_alike(self):
+        values = {"duration": "2.5 s", "sweep": {"friction.scale": {"draw": "uniform", "min": 0.5, "max": 1.5}, "trials": 1}}
+        environments = [slipbench.gym.StageSlipEnv("papillarray/stage.yaml", values) for _ in range(2)]
+        self.assertNotEqual(*(one.reset()[1]["params"] for one in environments))
+        self.assertEqual(*(one.reset(seed=3)[1]["params"] for one in environments))
+        self.assertEqual(*(one.reset()[1]["params"] for one in environments))
+
+    def test_options_have_no_effect_in_either(self):
+        environment, vector = slipbench.gym.GraspEnv(values=DRAWN), slipbench.gym.GraspVectorEnv(2, values=DRAWN)
+        for options in (None, {}, {"low": 1, "high": 2}):
+            self.assertEqual(environment.reset(seed=1, options=options)[1], environment.reset(seed=1)[1])
+            self.assertEqual(self.scales(vector.reset(seed=1, options=options)[1]), self.scales(vector.reset(seed=1)[1]))
+
+    def test_a_step_needs_an_episode(self):
+        vector = slipbench.gym.GraspVectorEnv(2, values=DRAWN)
+        cases = [(slipbench.gym.GraspEnv(values=DRAWN), np.zeros(1)), (vector, np.zeros((2, 1))),
+                 (slipbench.gym.StageSlipEnv("papillarray/stage.yaml", {"duration": "2.1 s"}), 1)]
+        for environment, action in cases:
+            with self.subTest(environment=type(environment).__name__):
+                with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "no episode has begun: reset\\(\\) comes first"):
+                    environment.step(action)
+                environment.reset(seed=1)
+                if environment is vector:  # the next episode begins by itself
+                    continue
+                with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "the episode is over: reset\\(\\) comes first"):
+                    for _ in range(3000):
+                        environment.step(action)
+                environment.reset()
+                environment.step(action)
 
 
 class Failing(unittest.TestCase):

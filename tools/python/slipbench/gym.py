@@ -3,9 +3,13 @@
 `slipbench/GraspLift-v0`: the published grasp, lifted by 100 mm. `slipbench/Grasp-v0`: any grasp scene, `gymnasium.make("slipbench/Grasp-v0",
 scene="my.yaml")`. `slipbench/StageSlip-v0`: a detector's task, frame by frame, in an open recording.
 
-Reward of a grasp's step: -(F / F_ideal) dt / T - 0.1 for each mm slipped since the lift began - 10 where the box is dropped in it. F is the true grip
-force at the step's end, F_ideal the least that could hold the box, dt the step's length, T the scene's duration. The episode terminates when the box
-is dropped and is truncated when the scene's duration is over.
+Reward of a grasp's step: -(F / F_ideal) dt / T - 0.1 for each mm slipped since the lift began - 10 where the box is dropped in it, or the lift ends
+without the box. F is the true grip force at the step's end, F_ideal the least that could hold the box, dt the step's length, T the scene's duration. The
+episode terminates when the box is dropped, or when the arm has risen and the box was not lifted, and is truncated when the scene's duration is over.
+The duration may be shorter than the lift; the episode's end then stands for the lift's.
+
+Seeds. `reset(seed=s)` begins the first episode of seed s, each `reset()` after it the next one. Where no seed was ever given, `reset()` draws one from the
+operating system's entropy, another one for each environment.
 """
 
 from __future__ import annotations
@@ -24,10 +28,10 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from slipbench._render import Renderer
-from slipbench._scene import Scene
+from slipbench._scene import Scene, located, overrides_of, warn
 from slipbench.bin import _core
 
-__all__ = ["GraspEnv", "GraspVectorEnv", "StageSlipEnv"]
+__all__ = ["GraspEnv", "GraspVectorEnv", "ResetNeeded", "StageSlipEnv"]
 
 Observation = NDArray[np.float32]
 
@@ -38,11 +42,31 @@ def _seed(seed: int | None) -> int | None:
     return None if seed is None else int(seed)
 
 
+def _next_episode(environment: gymnasium.Env[Any, Any] | VectorEnv[Any, Any, Any], seed: int | None, episode: int,
+                  asked: int | None) -> tuple[int, int]:
+    """Seed and number of the episode that a reset with the seed `asked` begins, after episode number `episode` of `seed`."""
+    if asked is not None:
+        return int(asked), 0
+    if seed is not None:
+        return seed, episode + 1
+    return int(environment.np_random.integers(_SEEDS)), 0
+
+
 def _refuse_pictures(render_mode: str | None, allowed: str) -> None:
     if render_mode is not None:
         raise _core.InputError(f"render_mode {render_mode!r}; allowed: {allowed}")
 
 
+class ResetNeeded(gymnasium.error.ResetNeeded, RuntimeError):
+    """A step without an episode: before the first reset(), or after the episode's end."""
+
+
+def _begun(episode: int) -> None:
+    if episode < 0:
+        raise ResetNeeded("no episode has begun: reset() comes first")
+
+
+_SEEDS = 2**63  # seeds that are drawn are below
 _TRUTHS = ("time", "grip_force", "ideal_force", "slip_distance", "lifting")
 _GREATEST = np.finfo(np.float32).max  # what a sensor's float32 may be: it has no other bound
 _BOUNDS = {"gripper.position": 255.0, "gripper.moving": 1.0, "gripper.stopped": 1.0, "slip.state": 3.0}
@@ -81,33 +105,42 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         """
         if render_mode != "rgb_array":
             _refuse_pictures(render_mode, "None, 'rgb_array'")
-        chosen = Scene.load(scene).set(values)
         self.render_mode = render_mode
-        self._grasp = _core.Grasp(chosen.path, chosen.overrides, command)
-        self._scene = chosen
-        self._seed, self._episode = chosen.seed, -1
+        self._path, self._overrides = located(scene), overrides_of(values)
+        self._grasp = _core.Grasp(self._path, self._overrides, command)
+        warn(text for _, text in self._grasp.warnings())
+        self._seed: int | None = None
+        self._episode, self._over = -1, False
         self.observation_names: list[str] = self._grasp.names
         self.observation_space, self.action_space = _spaces(self.observation_names)
         self._renderer = Renderer(self._grasp.bodies()) if render_mode else None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Begins the next episode of the seed, with `seed` the first one of that seed, and runs it to its first read of the gripper.
+        """Begins the next episode of the seed, and runs it to its first read of the gripper.
 
-        Gives the observation [len(observation_names)], and `info`: the truth before the first step. `options` says nothing.
+        With `seed`: the first episode of that seed. Without a seed now or before, a seed is drawn from the operating system's entropy. `options` has no
+        effect, whatever it holds.
+
+        Returns the observation [len(observation_names)], and `info`: the truth before the first step.
         """
         super().reset(seed=_seed(seed))
-        self._seed, self._episode = (self._seed, self._episode + 1) if seed is None else (int(seed), 0)
-        observation, _, _, _, truth = self._grasp.reset(self._seed, self._episode)
+        self._seed, self._episode = _next_episode(self, self._seed, self._episode, seed)
+        observation, _, failed, ended, truth = self._grasp.reset(self._seed, self._episode)
+        self._over = failed or ended
         return observation, _info(truth, self._grasp.params)
 
     def step(self, action: Observation) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Commands `action` [1], -1 to 1, and runs on to the next read. Gives observation, reward, terminated, truncated, info.
 
         `info` holds the truth: time s, grip_force N, ideal_force N, slip_distance m since the trial began, lifting, what was drawn (`params`), and after the
-        last step the trial's `outcome`.
+        last step the trial's `outcome`. Raises ResetNeeded before the first reset() and after the episode's end.
         """
-        observation, reward, dropped, ended, truth = self._grasp.step(float(np.asarray(action).reshape(())))
-        return observation, reward, dropped, ended, _info(truth, self._grasp.params)
+        _begun(self._episode)
+        if self._over:
+            raise ResetNeeded("the episode is over: reset() comes first")
+        observation, reward, failed, ended, truth = self._grasp.step(float(np.asarray(action).reshape(())))
+        self._over = failed or ended
+        return observation, reward, failed, ended, _info(truth, self._grasp.params)
 
     def render(self) -> NDArray[np.uint8] | None:
         """The grasp as it is, [480, 480, 3]: box, plates of the fingers (the blue one carries the first sensor) and table."""
@@ -122,8 +155,8 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
     @property
     def episode_command(self) -> str:
         """The command line that runs this episode's trial with the scene's own controller."""
-        sets = "".join(f" --set {shlex.quote(f'{path}={value}')}" for path, value in self._scene.overrides)
-        return self._grasp.command(shlex.quote(self._scene.path) + sets)
+        sets = "".join(f" --set {shlex.quote(f'{path}={value}')}" for path, value in self._overrides)
+        return self._grasp.command(shlex.quote(self._path) + sets)
 
 
 class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
@@ -144,11 +177,12 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         _refuse_pictures(render_mode, "None, in a vector of grasps")
         if num_envs < 1 or jobs < 0:
             raise _core.InputError(f"num_envs {num_envs}, jobs {jobs}; allowed: 1 or more, 0 or more")
-        chosen = Scene.load(scene).set(values)
         self.render_mode = render_mode
         self.num_envs = num_envs
-        self._grasps = _core.Grasps(chosen.path, chosen.overrides, command, num_envs, jobs or os.cpu_count() or 1)
-        self._seeds, self._episodes = [chosen.seed] * num_envs, [-1] * num_envs
+        self._grasps = _core.Grasps(located(scene), overrides_of(values), command, num_envs, jobs or os.cpu_count() or 1)
+        warn(text for _, text in self._grasps.warnings())
+        self._seeds: list[int | None] = [None] * num_envs
+        self._episodes = [-1] * num_envs
         self._drawn: list[str] = []
         self._params: dict[str, Any] = {}
         self.observation_names: list[str] = self._grasps.names
@@ -157,22 +191,28 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         self.action_space = batch_space(self.single_action_space, num_envs)
 
     def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Begins an episode in each; a single `seed` is that of the first, the others follow it. Observations are [num_envs, values]. `options` says nothing."""
+        """Begins an episode in each, as GraspEnv does: environment i with `seed` + i, or with the seed that a list has for it. Without a seed now or before,
+        each environment draws a seed of its own from the operating system's entropy. `options` has no effect, but that the key
+        `reset_mask`, which asks for a reset of some environments alone, is refused.
+
+        Returns the observations [num_envs, values], and `info`.
+        """
         first = seed if seed is None or not isinstance(seed, (list, tuple)) else None
         super().reset(seed=_seed(first))
         seeds = list(seed) if isinstance(seed, (list, tuple)) else [None if first is None else int(first) + i for i in range(self.num_envs)]
         if len(seeds) != self.num_envs:
             raise _core.InputError(f"{len(seeds)} seeds; allowed: one for each of {self.num_envs} environments")
-        if options:
-            raise _core.InputError(f"options {options!r}; allowed: None")
+        if options and "reset_mask" in options:
+            raise _core.InputError("options has 'reset_mask', and this vector resets its environments together; allowed: any other key, without effect")
         for i, one in enumerate([_seed(one) for one in seeds]):
-            self._seeds[i], self._episodes[i] = (self._seeds[i], self._episodes[i] + 1) if one is None else (one, 0)
+            self._seeds[i], self._episodes[i] = _next_episode(self, self._seeds[i], self._episodes[i], one)
         observations, _, _, _, infos = self._batch(self._grasps.reset(self._seeds, self._episodes))
         return observations, infos
 
     def step(self, actions: Observation) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Commands each with its row of `actions` [num_envs, 1], but where its episode has ended: there the next one begins, and the action counts for
-        nothing."""
+        nothing. Raises ResetNeeded before the first reset()."""
+        _begun(min(self._episodes))
         return self._batch(self._grasps.step(np.asarray(actions, np.float64).reshape(self.num_envs).tolist()))
 
     def _batch(self, told: Any) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
@@ -208,8 +248,10 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         _refuse_pictures(render_mode, "None: a recording is no picture")
         self._scene = Scene.load(scene).set(values)
         self.render_mode = render_mode
-        self._sensor, self._seed, self._episode = sensor, self._scene.seed, -1
-        self._record(self._seed, 0)
+        self._sensor = sensor
+        self._seed: int | None = None
+        self._episode = -1
+        self._record(self._scene.seed, 0)
         self.observation_space = gymnasium.spaces.Box(-_GREATEST, _GREATEST, (self._values.shape[1],), np.float32)
         self.action_space = gymnasium.spaces.Discrete(4)
 
@@ -230,18 +272,21 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         return {"time": float(self._time[self._at]), "state": int(self._states[self._at]), "params": dict(self._params)}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Simulates the next recording of the seed, with `seed` the first one of that seed. `options` says nothing."""
+        """Simulates the next recording of the seed, with `seed` the first one of that seed. Without a seed now or before, a seed is drawn from the operating
+        system's entropy. `options` has no effect, whatever it holds."""
         super().reset(seed=_seed(seed))
-        self._seed, self._episode = (self._seed, self._episode + 1) if seed is None else (int(seed), 0)
+        self._seed, self._episode = _next_episode(self, self._seed, self._episode, seed)
         self._record(self._seed, self._episode)
         return self._values[0].copy(), self._info()
 
     def step(self, action: np.int64 | int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Judges what `action`, the code of a `State`, says of the sample shown last, and shows the next."""
+        """Judges what `action`, the code of a `State`, says of the sample shown last, and shows the next. Raises ResetNeeded before the first
+        reset() and after the recording's end."""
+        _begun(self._episode)
         if not self.action_space.contains(np.int64(action)):
             raise _core.InputError(f"action {action}; allowed: 0 to 3, a State")
         if self._at + 1 == len(self._values):
-            raise RuntimeError("the episode is over: reset() comes first")
+            raise ResetNeeded("the episode is over: reset() comes first")
         right = (int(action) >= 2) == (self._states[self._at] >= 2)
         self._at += 1
         return self._values[self._at].copy(), float(right), False, self._at + 1 == len(self._values), self._info()
