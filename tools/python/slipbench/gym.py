@@ -31,7 +31,7 @@ from slipbench._render import Renderer
 from slipbench._scene import Scene, located, overrides_of, warn
 from slipbench.bin import _core
 
-__all__ = ["GraspEnv", "GraspVectorEnv", "ResetNeeded", "StageSlipEnv"]
+__all__ = ["GraspEnv", "GraspVectorEnv", "StageSlipEnv"]
 
 Observation = NDArray[np.float32]
 
@@ -57,13 +57,13 @@ def _refuse_pictures(render_mode: str | None, allowed: str) -> None:
         raise _core.InputError(f"render_mode {render_mode!r}; allowed: {allowed}")
 
 
-class ResetNeeded(gymnasium.error.ResetNeeded, RuntimeError):
+class _ResetNeeded(gymnasium.error.ResetNeeded, RuntimeError):
     """A step without an episode: before the first reset(), or after the episode's end."""
 
 
 def _begun(episode: int) -> None:
     if episode < 0:
-        raise ResetNeeded("no episode has begun: reset() comes first")
+        raise _ResetNeeded("no episode has begun: reset() comes first")
 
 
 _SEEDS = 2**63  # seeds that are drawn are below
@@ -133,11 +133,11 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         """Commands `action` [1], -1 to 1, and runs on to the next read. Gives observation, reward, terminated, truncated, info.
 
         `info` holds the truth: time s, grip_force N, ideal_force N, slip_distance m since the trial began, lifting, what was drawn (`params`), and after the
-        last step the trial's `outcome`. Raises ResetNeeded before the first reset() and after the episode's end.
+        last step the trial's `outcome`. Raises gymnasium.error.ResetNeeded before the first reset() and after the episode's end.
         """
         _begun(self._episode)
         if self._over:
-            raise ResetNeeded("the episode is over: reset() comes first")
+            raise _ResetNeeded("the episode is over: reset() comes first")
         observation, reward, failed, ended, truth = self._grasp.step(float(np.asarray(action).reshape(())))
         self._over = failed or ended
         return observation, reward, failed, ended, _info(truth, self._grasp.params)
@@ -211,7 +211,7 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
 
     def step(self, actions: Observation) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Commands each with its row of `actions` [num_envs, 1], but where its episode has ended: there the next one begins, and the action counts for
-        nothing. Raises ResetNeeded before the first reset()."""
+        nothing. Raises gymnasium.error.ResetNeeded before the first reset()."""
         _begun(min(self._episodes))
         return self._batch(self._grasps.step(np.asarray(actions, np.float64).reshape(self.num_envs).tolist()))
 
@@ -280,13 +280,13 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         return self._values[0].copy(), self._info()
 
     def step(self, action: np.int64 | int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Judges what `action`, the code of a `State`, says of the sample shown last, and shows the next. Raises ResetNeeded before the first
+        """Judges what `action`, the code of a `State`, says of the sample shown last, and shows the next. Raises gymnasium.error.ResetNeeded before the first
         reset() and after the recording's end."""
         _begun(self._episode)
         if not self.action_space.contains(np.int64(action)):
             raise _core.InputError(f"action {action}; allowed: 0 to 3, a State")
         if self._at + 1 == len(self._values):
-            raise ResetNeeded("the episode is over: reset() comes first")
+            raise _ResetNeeded("the episode is over: reset() comes first")
         right = (int(action) >= 2) == (self._states[self._at] >= 2)
         self._at += 1
         return self._values[self._at].copy(), float(right), False, self._at + 1 == len(self._values), self._info()
