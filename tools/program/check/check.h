@@ -46,7 +46,7 @@ struct ExpectationResult {
   Interval rate;                            // of trials that keep it
   double median = 0.0;                      // as ObservedValue::value; of an even number of trials the worse of the middle two
   ObservedValue worst;                      // the earliest such trial
-  std::string median_text, worst_text;      // as a person reads them, in the limit's unit: "2.31 mm", "never", "box dropped"
+  std::string median_text, worst_text;      // as a person reads them, in the limit's unit: "2.31 mm", "never", "no delay"
   std::optional<std::size_t> control_kept;  // trials of the negative control; empty: the scene has none
   std::string replay;                       // command that repeats exactly the worst trial; `-o` is left to its user
 
