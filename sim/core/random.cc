@@ -99,8 +99,10 @@ constexpr std::size_t most_drawn = 64, most_pairs = most_drawn / 2;
 
 constexpr double above(std::uint64_t upper_half) { return std::bit_cast<double>((upper_half + 1) << 32); }
 
-// Cosine and sine of angles in [0, 2 pi), to the bit as musl (and FreeBSD's msun) works them out: the angle less n quarter turns in two parts, and
-// a polynomial of each. Angles that are nearly whole quarter turns, where that takes more parts, are left to musl.
+// Cosine and sine of angles in [0, 2 pi), by the argument reduction and the polynomials of
+// FreeBSD's msun: the angle less n quarter turns in two parts, and a polynomial of each. Angles
+// that are nearly whole quarter turns, where that takes more parts, are left to the scalar
+// functions.
 SLIPBENCH_DISPATCHED void put_on_circle(const double* angles, std::size_t count, double* cosines, double* sines) {
   using Bits = decltype(Quad{} < Quad{});
   constexpr double quarter = 0x1.921fb544p+0, rest_of_quarter = 0x1.0b4611a626331p-34;
@@ -174,10 +176,14 @@ double RandomStream::normal() {
     has_spare_ = false;
     return spare_normal_;
   }
-  const double radius = std::sqrt(squared_radius_of(uniform())), angle = angle_of(uniform());
-  spare_normal_ = radius * std::sin(angle);
+  const double radius = std::sqrt(squared_radius_of(uniform()));
+  // As of many: a draw does not depend on how many are drawn at once.
+  std::array<double, quad> angles, cosines, sines;
+  angles.fill(angle_of(uniform()));
+  put_on_circle(angles.data(), quad, cosines.data(), sines.data());
+  spare_normal_ = radius * sines.front();
   has_spare_ = true;
-  return radius * std::cos(angle);
+  return radius * cosines.front();
 }
 
 std::uint64_t RandomStream::integer(std::uint64_t bound) {
