@@ -52,7 +52,9 @@ struct ContactFrame {
   PadState state = PadState::no_contact;        // rule strict: a unit slips when all of it slips
   PadState state_micro = PadState::no_contact;  // rule micro: a unit slips as soon as a part of it does
   double stuck_fraction = 0.0;                  // share of the touching elements that stick, NaN while nothing touches
-  double slip_direction = 0.0;  // rad, direction of the translation of the slip in the pad plane, NaN while no unit slips
+  // rad, of the slip's translation in the pad plane. NaN while no unit slips or the mean velocity of
+  // those that slip is below 1e-6 of the fastest.
+  double slip_direction = 0.0;
   Eigen::Array2d slip_centre{0.0, 0.0};  // m, instantaneous centre of the slip, NaN where the slip has no rotation
   double slip_angle = 0.0;               // rad, rotation of the slip about the pad's normal, accumulated
   std::vector<ContactEvent> events;      // of the last step, in order of time

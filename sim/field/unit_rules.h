@@ -58,9 +58,11 @@ void judge_pad(ContactFrame& frame, const Count& elements);
 // The same where every unit is one element.
 void judge_pad_of_elements(ContactFrame& frame, const Count& elements);
 
-// Sets slip_direction and slip_centre from the rigid motion that fits the slipping units' velocities best (least squares, equal
-// weights), and returns the rate of its rotation [rad/s]. `undeformed`: [3,N] m, mean of each unit's undeformed tips in P. `plane`: that in
-// which all units slip; a level one where each has its own.
+// Sets slip_direction and slip_centre from the rigid motion that fits the slipping units'
+// velocities best (least squares, equal weights), and returns the rate of its rotation [rad/s].
+// Each is NaN where the fit has no translation or no rotation. `undeformed`: [3,N] m, mean of each
+// unit's undeformed tips in P. `plane`: that in which all units slip; a level one where each has
+// its own.
 double fit_slip_motion(ContactFrame& frame, const Eigen::Array3Xd& undeformed, const ContactPlane& plane);
 
 // An element's change and the unit that it belongs to.

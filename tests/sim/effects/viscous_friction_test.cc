@@ -1,4 +1,5 @@
 // The rate law of the slipping tip: mu_k g(w), g(w) = 1 + gain log10(1 + w/v0) = 1 + c ln y with c = gain/ln 10, y = 1 + w/v0.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/core/random.h"
+#include "sim/field/contact_labels.h"
 #include "tests/sim/effects/effect_rig.h"
 
 namespace slipbench::testing_effects::viscous_friction_test {
@@ -133,6 +135,32 @@ TEST(ViscousFriction, CreepEndsOnceAndForGood) {
   EXPECT_EQ(stuck, 1);
   EXPECT_EQ(slipped, 0);
   EXPECT_NEAR(field.tangential_force(0).x(), mu * load, 1e-8);
+}
+
+TEST(ViscousFriction, PartOfAUnitThatSlipsBearsMoreThanStaticFriction) {
+  // Two bristles with the loads N_a = 0.5 N and N_b = 1.5 N on springs k = 300 N/m. At a slide of x
+  // bristle a, which lets go at mu N_a/k = 0.83 mm, has come within 1e-7 of mu g N_a, g = 1 + 0.2
+  // log10(1 + 9) = 1.2; b sticks up to mu N_b/k = 2.5 mm and bears k x. So the unit, which slips in
+  // part, has the margin 1 - (mu g N_a + k x)/(mu (N_a + N_b)), below 0 from x = 2.33 mm on, and no
+  // bristle has left its cone.
+  const double mu = 0.5, g = 1.2, k = 300.0, light = 0.5, heavy = 1.5, v0 = 1e-3, v = 9e-3, dt = 1e-3;
+  PadLayout pad = one_unit(1000.0, 2.0 * k, 2);
+  pad.elements[0].k_normal = light / depth;
+  pad.elements[1].k_normal = heavy / depth;
+  Field field = field_with(pad, {mu, mu}, {law(0.2, v0)});
+  ContactLabels labels(field.layout());
+  double least = 1.0;
+  for (int tick = 0; v * dt * tick < 2.49e-3; ++tick) {
+    const double x = v * dt * tick;
+    field.step(at(x, 0.0, -depth), dt);
+    const ContactFrame& frame = labels.update({&field, 1}, tick * dt, dt);
+    least = std::min(least, frame.margin[0]);
+    if (x < 2e-3) continue;
+    ASSERT_EQ(frame.unit_state[0], UnitState::partial) << x;
+    EXPECT_NEAR(frame.margin[0], 1.0 - (mu * g * light + k * x) / (mu * (light + heavy)), 1e-7) << x;
+    EXPECT_LE(field.tangential_force(1).norm(), mu * heavy);
+  }
+  EXPECT_LT(least, -0.04);
 }
 
 TEST(ViscousFriction, StaticFrictionIsALatch) {

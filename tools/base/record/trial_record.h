@@ -39,7 +39,7 @@ struct LabelRecord {
   std::vector<std::uint8_t> state_micro;  // [L] PadState, rule micro
   std::vector<std::uint8_t> state_paper;  // [L] PadState, the rule of the sensor's paper
   std::vector<float> stuck_fraction;      // [L], NaN while nothing touches
-  std::vector<float> slip_direction;      // [L] rad, NaN while nothing slips
+  std::vector<float> slip_direction;      // [L] rad, NaN while nothing slips or the slip has no translation
   std::vector<float> slip_centre;         // [L,2] m, NaN while the slip has no rotation
   std::vector<float> slip_angle;          // [L] rad, accumulated
   std::vector<double> event_time;         // [E] s, resolved inside the step

@@ -75,7 +75,8 @@ class Verification {
 // Times rise strictly, those of a sensor at its rate to 1e-6 of a sample.
 void check_times(const TrialRecord& record, Verification& verification);
 
-// Finite, but for what README.md of tools/base/dataset allows NaN: where nothing touches or slips.
+// Finite, but for what README.md of tools/base/dataset allows NaN: where nothing touches, or what
+// slips has no direction.
 void check_values(const TrialRecord& record, Verification& verification);
 
 // Events in order, onset times the first events, unit_state what the events leave behind, the pad's states what the units' are.
@@ -84,6 +85,7 @@ void check_events(const SensorRecord& sensor, std::size_t trial, Verification& v
 // Coulomb's law in the labels, as far as README.md says that it holds for a unit.
 // Which parts of the law the labels of one sensor keep.
 struct ConeLaw {
+  bool partial = true;                     // what holds in stick holds of units of which a part slips
   bool margin = true;                      // stick and partial: margin >= 0
   bool stick = true;                       // stick and partial: f_t <= mu_static f_n
   bool margin_value = true;                // touching: margin = 1 - f_t/(mu_static f_n)

@@ -33,7 +33,7 @@ class Labels:
         state_micro: [T] the same, rule micro: a unit slips as soon as a part of it does
         state_paper: [T] the same, rule of the sensor's paper
         stuck_fraction: [T] share of the touching elements that stick, 0 to 1; NaN while nothing touches
-        slip_direction: [T] rad, of the slip's translation; NaN while nothing slips
+        slip_direction: [T] rad, of the slip's translation; NaN while nothing slips or the slip has none
         slip_centre: [T, 2] m, centre of the slip's rotation; NaN while it does not turn
         slip_angle: [T] rad, rotation of the slip, accumulated
         event_time: [E] s, when a unit changed its state, resolved inside the step

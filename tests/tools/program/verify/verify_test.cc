@@ -113,16 +113,53 @@ TEST(VerifyContact, AnElementPressesOnOneSurface) {
               ElementsAre(HasSubstr("unit 4: has let go, and element 4 is still 0.3 mm deep in what it touched")));
 }
 
+// A dataset of one trial of the scene.
+Verified verified_run(const std::string& path, const std::string& text) {
+  const Scene scene = parsed(text);
+  DatasetWriter writer(path, {"1.2.3", text, "{}", scene.seed, "slipbench run a.yaml"}, 1);
+  writer.append(TrialEncoder().encode(run_trial(scene, 0, Recording::full).record));
+  writer.commit();
+  return verify_datasets({path});
+}
+
+// By a rate law the bristles that slip bear up to mu g(w) f_n, more than mu_static f_n, while
+// others of their pillar stick: a pillar that slips in part has a margin below 0
+// (ViscousFriction.PartOfAUnitThatSlipsBearsMoreThanStaticFriction).
+TEST_F(VerifyTest, PillarsThatSlipInPartUnderARateLawHold) {
+  const Verified verified = verified_run(
+      path("a.h5"),
+      "slipbench: 1\nduration: 0.9 s\ntime_step: 1 ms\nfriction: {static: 0.5, kinetic: 0.5}\n"
+      "motion: {kind: stage, compression: 1 mm, start: 0.5 s, speed: 16 mm/s, acceleration: 1 m/s2}\n"
+      "effects: [{viscous_friction: {gain: 0.4}}]\nsensors: {pad: {type: papillarray, bristles: 12, bristle_spread: 0.8}}\n");
+  EXPECT_TRUE(verified.holds) << verified.datasets.dump(1);
+}
+
+// What slips to all sides alike has no direction: a dome that is pressed straight spreads at its
+// rim.
+TEST_F(VerifyTest, SlipWithoutTranslationHasNoDirection) {
+  const Verified dome = verified_run(
+      path("a.h5"),
+      "slipbench: 1\nduration: 0.4 s\nfriction: {static: 0.5, kinetic: 0.5}\neffects: [{elastic_skin: {shear_modulus: 0.15 MPa}}]\n"
+      "motion: {kind: stage, compression: 0.3 mm, gap: 0.1 mm, speed: 0 mm/s}\n"
+      "sensors: {gel: {type: gel_markers, rate: 60 Hz, dome: 100 mm, field: 19 mm, distance: 22 mm, marker_rows: 8, marker_pitch: 1.8 mm}}\n");
+  EXPECT_TRUE(dome.holds) << dome.datasets.dump(1);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto with_direction = [&](std::size_t sample, double direction) {
+    return failures([=](TrialRecord& record) { labels_of(record).slip_direction[sample] = static_cast<float>(direction); });
+  };
+  EXPECT_THAT(with_direction(sliding, nan).at(0),
+              HasSubstr("values: labels/pad/slip_direction 88: is nan, and the units that slip have a mean velocity of 0.008"));
+  EXPECT_THAT(
+      with_direction(pressed, 0.5).at(0),
+      HasSubstr("values: labels/pad/slip_direction 48: is 0.5 rad, and the units that slip have a mean velocity of 0 m/s"));
+}
+
 // The points of a unit meet a sphere's faces of several directions, whose margins add up to no margin of the unit's force.
 TEST_F(VerifyTest, UnitsOfSeveralPointsOnASphereHold) {
   const std::string text =
       "slipbench: 1\nduration: 1 s\nsurface: {shape: sphere, radius: 20 mm}\nmotion: {compression: 0.6 mm, start: 0.5 s}\n"
       "sensors: {pad: {type: taxels, points: 3}}\n";
-  const Scene scene = parsed(text);
-  DatasetWriter writer(path("a.h5"), {"1.2.3", text, "{}", scene.seed, "slipbench run a.yaml"}, 1);
-  writer.append(TrialEncoder().encode(run_trial(scene, 0, Recording::full).record));
-  writer.commit();
-  const Verified verified = verify_datasets({path("a.h5")});
+  const Verified verified = verified_run(path("a.h5"), text);
   EXPECT_TRUE(verified.holds) << verified.datasets.dump(1);
 }
 
