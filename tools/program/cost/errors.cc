@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array<MeasureInfo, num_measures> measures{{
     {Measure::onset, "onset", "slip onset", "%", 100.0,
-     "by unit, how far apart the two runs let it begin to slip as a whole, as a share of the time that the reference's friction took to be used up, at least 10 ms; where it slips in one run alone, how long before the trial's end, as a share of that run's"},
+     "by unit, how far apart the two runs let it begin to slip as a whole, as a share of the time that the reference's friction took to be used up, at least 10 ms; where it slips in one run alone, how long before the trial's end, as a share of that run's; units whose first slips are two different events, the one over before the other begins, have no share"},
     {Measure::micro_onset, "micro_onset", "first micro-slip", "%", 100.0,
      "the same of when a first part of the unit begins to slip"},
     {Measure::slip_distance, "slip_distance", "slipped distance", "%", 100.0,
@@ -40,7 +40,9 @@ constexpr std::array<MeasureInfo, num_measures> measures{{
 
 constexpr double time_rounding = 1e-9;  // s, of times that are sums of decimal steps
 constexpr double least_slip = 1e-6;     // m
-constexpr double least_hold = 0.1;      // s
+// Slips that begin within this share of the loading time are one event, however short they are.
+constexpr double same_event_share = 0.01;
+constexpr double least_hold = 0.1;  // s
 constexpr std::uint8_t detached_state = static_cast<std::uint8_t>(UnitState::detached);
 constexpr std::uint8_t sticking_state = static_cast<std::uint8_t>(UnitState::stick);
 
@@ -61,8 +63,22 @@ std::vector<float> margin_of(const LabelRecord& labels, std::size_t unit) {
   return column;
 }
 
-// `onsets`: onset_time or micro_onset_time.
-std::optional<MeasureError> onset_error(const std::vector<Both>& sensors, std::vector<double> LabelRecord::*onsets, double end) {
+// When the unit's slip that began at `onset` ended [s]: it was no longer a slip of the whole unit,
+// or, `in_part`, of any part of it. Infinite where it went on to the end of the trial.
+double slip_end(const LabelRecord& labels, std::size_t unit, double onset, bool in_part) {
+  for (std::size_t e = 0; e < labels.event_time.size(); ++e) {
+    if (labels.event_unit[e] != unit || !(labels.event_time[e] > onset)) continue;
+    const auto kind = static_cast<EventKind>(labels.event_kind[e]);
+    if (kind == EventKind::stick || kind == EventKind::detach || (kind == EventKind::part_sticks && !in_part))
+      return labels.event_time[e];
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+// `onsets`: onset_time, or micro_onset_time (`in_part`). First slips of which one had ended before
+// the other began are two events: the one run has just missed what the other has just done.
+std::optional<MeasureError> onset_error(const std::vector<Both>& sensors, std::vector<double> LabelRecord::*onsets, bool in_part,
+                                        double end) {
   MeasureValues values;
   for (const Both& both : sensors) {
     if (!both.same_units()) continue;
@@ -71,7 +87,14 @@ std::optional<MeasureError> onset_error(const std::vector<Both>& sensors, std::v
       if (std::isnan(in_run) && std::isnan(in_reference)) continue;
       const SensorRecord& slipping = std::isnan(in_reference) ? both.run : both.reference;
       const double load = load_time(slipping.time, margin_of(slipping.labels, unit), (slipping.labels.*onsets)[unit]);
-      values.add_onsets(in_run, in_reference, load, end);
+      const SensorRecord& first = in_run < in_reference ? both.run : both.reference;
+      const double later = std::max(in_run, in_reference);
+      if (std::abs(in_run - in_reference) > same_event_share * load &&
+          slip_end(first.labels, unit, std::min(in_run, in_reference), in_part) <= later) {
+        values.add_other_event();
+      } else {
+        values.add_onsets(in_run, in_reference, load, end);
+      }
     }
   }
   return values.error();
@@ -499,8 +522,8 @@ double load_time(std::span<const double> times, std::span<const float> margin, d
 Errors compare(const Scene& scene, const TrialResult& run, const TrialResult& reference) {
   const std::vector<Both> sensors = paired(run.record, reference.record);
   Errors errors;
-  at(errors, Measure::onset) = onset_error(sensors, &LabelRecord::onset_time, scene.duration);
-  at(errors, Measure::micro_onset) = onset_error(sensors, &LabelRecord::micro_onset_time, scene.duration);
+  at(errors, Measure::onset) = onset_error(sensors, &LabelRecord::onset_time, false, scene.duration);
+  at(errors, Measure::micro_onset) = onset_error(sensors, &LabelRecord::micro_onset_time, true, scene.duration);
   at(errors, Measure::slip_distance) = slip_distance_error(sensors);
   at(errors, Measure::force) = force_error(sensors);
   at(errors, Measure::creep) = creep_error(scene, run.record, reference.record);

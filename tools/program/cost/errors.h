@@ -52,8 +52,9 @@ const MeasureInfo& info_of(Measure measure);
 // One error. Shares are of 1 (0.01: 1 %), creep is in m/s; finite.
 struct MeasureError {
   double worst = 0.0;
-  double median = 0.0;     // over the same units, sensors or channels
-  bool different = false;  // something happened in one of the two and not in the other
+  double median = 0.0;  // over the same units, sensors or channels
+  // Something happened in one of the two and not in the other; the figures are of all else.
+  bool different = false;
 };
 
 // By measure; empty: it does not apply, since nothing of the kind is in the reference, or no time is in both records.
@@ -112,6 +113,8 @@ class MeasureValues {
       add(std::abs(in_run - in_reference) / load_time);
     }
   }
+  // Of a unit whose first slips in the two runs are two events, between which no time is an error.
+  void add_other_event() { different_ = true; }
   // Divides all values gathered so far.
   void divide(double by) {
     for (double& value : values_) value /= by;
@@ -119,7 +122,7 @@ class MeasureValues {
 
   // Empty when nothing was added.
   [[nodiscard]] std::optional<MeasureError> error() const {
-    if (values_.empty()) return std::nullopt;
+    if (values_.empty()) return different_ ? std::optional(MeasureError{0.0, 0.0, true}) : std::nullopt;
     return MeasureError{std::ranges::max(values_), median(values_), different_};
   }
 

@@ -443,6 +443,12 @@ class Search {
     }
   }
 
+  // What may be wished for where an error has to be at most `share` of the wish.
+  static std::string allowed(const Wish& wish, const MeasureError& error, double share) {
+    if (error.different && error.worst <= share * wish.limit) return "no wish";
+    return fmt::format("from {} on, or no wish", error_text(wish.measure, error.worst / share));
+  }
+
   // Where even the finest runs do not agree.
   [[noreturn]] void refuse_unsettled(const Errors& errors, const std::string& reference) const {
     for (const Wish& wish : wishes_) {
@@ -451,10 +457,9 @@ class Search {
       refuse(
           fmt::format("accuracy.{}", info_of(wish.measure).name),
           fmt::format(
-              "{} cannot be shown: the run with {} is still {} from that with twice the step{}, and has to be no farther than a tenth of the wish; allowed: from {} on, or no wish",
+              "{} cannot be shown: the run with {} is still {} from that with twice the step{}, and has to be no farther than a tenth of the wish; allowed: {}",
               error_text(wish.measure, wish.limit), reference, error_text(wish.measure, error.worst),
-              error.different ? ", and something happens in one of them alone" : "",
-              error_text(wish.measure, error.worst / reference_share)));
+              error.different ? ", and something happens in one of them alone" : "", allowed(wish, error, reference_share)));
     }
     throw std::logic_error("a reference that is good enough was refused");
   }
@@ -467,11 +472,11 @@ class Search {
     for (const Wish& wish : wishes_) {
       const std::optional<MeasureError>& error = at(last.errors, wish.measure);
       if (!error || (!error->different && error->worst <= margin * wish.limit)) continue;
-      refuse(fmt::format("accuracy.{}", info_of(wish.measure).name),
-             fmt::format("{} cannot be met: with {} it is {}{}, and has to be half of the wish; allowed: from {} on, or no wish",
-                         error_text(wish.measure, wish.limit), setting_text(last.overrides),
-                         error_text(wish.measure, error->worst), error->different ? ", and a unit slips in one run alone" : "",
-                         error_text(wish.measure, error->worst / margin)));
+      refuse(
+          fmt::format("accuracy.{}", info_of(wish.measure).name),
+          fmt::format("{} cannot be met: with {} it is {}{}, and has to be half of the wish; allowed: {}",
+                      error_text(wish.measure, wish.limit), setting_text(last.overrides), error_text(wish.measure, error->worst),
+                      error->different ? ", and a slip of one run is not in the other" : "", allowed(wish, *error, margin)));
     }
     throw std::logic_error("a setting that meets the wish was refused");
   }

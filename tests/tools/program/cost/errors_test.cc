@@ -157,6 +157,36 @@ TEST_F(TrialErrors, TellOfAUnitThatSlipsInOneRunAlone) {
   EXPECT_NEAR(late.worst, 0.005, float_rounding);
 }
 
+// In the run unit 1 slips at 0.4 s for 5 ms, which the reference just misses: 300 ms of a load of
+// 200 ms say nothing of the step. Where the two slips overlap, or begin within 1 % of the load,
+// they are one.
+TEST_F(TrialErrors, SlipsOfWhichOneHadEndedBeforeTheOtherAreTwoEvents) {
+  const auto with_slip = [&](double begin, double end) {
+    LabelRecord& labels = labels_of(run);
+    labels.onset_time[1] = begin;
+    labels.event_time = {begin, begin, end};
+    labels.event_unit = {1, 1, 1};
+    labels.event_kind = {static_cast<std::uint8_t>(EventKind::micro), static_cast<std::uint8_t>(EventKind::slip),
+                         static_cast<std::uint8_t>(EventKind::stick)};
+    return error_of(run, reference, Measure::onset).value();
+  };
+  constexpr double onset = 0.7;  // the reference's
+  const MeasureError two = with_slip(0.4, 0.405);
+  EXPECT_TRUE(two.different);
+  EXPECT_NEAR(two.worst, 0.0, float_rounding) << "of the unit 0 alone";
+  const MeasureError overlapping = with_slip(onset - 0.01, onset + 0.002);
+  EXPECT_FALSE(overlapping.different);
+  EXPECT_NEAR(overlapping.worst, 0.01 / 0.2, 1e-3);
+  EXPECT_FALSE(with_slip(onset - 0.001, onset - 0.0005).different) << "half a percent";
+  TrialResult first = run, second = reference;
+  labels_of(first).onset_time = {never, 0.4};
+  labels_of(first).event_time = {0.4, 0.4, 0.405};
+  labels_of(second).onset_time = {never, onset};
+  const MeasureError alone = error_of(first, second, Measure::onset).value();
+  EXPECT_TRUE(alone.different) << "also where no other unit slips";
+  EXPECT_EQ(alone.worst, 0.0);
+}
+
 TEST_F(TrialErrors, OfSlippedDistanceAreSharesOfTheLargest) {
   // 2.9 mm in the last sample, one unit 29 um on.
   labels_of(run).slip_distance.back() += 29e-6F;
