@@ -219,7 +219,10 @@ TrialResult TrialRun::finish() {
   judge_.finish(sensors_);
   if (recorder_) check_finite(result_.record);
   check_last_tick(result_.record, sensors_, *simulation_, sampler_);
-  result_.time_step = shortest_step(*simulation_, sensors_.size());
+  result_.time_step = std::numeric_limits<double>::infinity();
+  for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
+    if (scene_.sensors[pad].follows.empty()) result_.time_step = std::min(result_.time_step, simulation_->time_step(pad));
+  }
   if (!scene_.model.empty()) result_.record.model_sha256 = file_sha256(scene_.model);
   return std::move(result_);
 }

@@ -32,7 +32,8 @@ struct UnitOutcome {
 struct TrialResult {
   TrialRecord record;
   std::vector<std::vector<UnitOutcome>> units;  // [sensor][N]
-  double time_step = 0.0;                       // s, the shortest of any pad's
+  // s, the shortest of any pad that follows no other; of bodies that forces move, theirs.
+  double time_step = 0.0;
 };
 
 // Memory for all trials that are recorded at a time [bytes].

@@ -66,13 +66,14 @@ std::string overrides_json(const std::vector<Override>& overrides) {
 // A trial as a worker hands it over.
 struct FinishedTrial {
   TrialSummary summary;
-  double duration = 0.0;  // s, simulated
-  double computed = 0.0;  // s, on the clock
+  double duration = 0.0;   // s, simulated
+  double computed = 0.0;   // s, on the clock
+  double time_step = 0.0;  // s
   std::optional<EncodedTrial> encoded;
   std::string failure = {};  // why the trial failed; empty: it did not
 };
 
-SLIPBENCH_FIELDS(FinishedTrial, summary, duration, computed, encoded, failure)
+SLIPBENCH_FIELDS(FinishedTrial, summary, duration, computed, time_step, encoded, failure)
 
 FinishedTrial failed_trial(std::size_t trial, std::string why) {
   FinishedTrial failed;
@@ -124,7 +125,7 @@ FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* enc
   TrialResult result = run_trial(trial.scene, index, plan.recording, plan.max_bytes, plan.interrupt);
   const std::chrono::duration<double> computed = std::chrono::steady_clock::now() - start;
   result.record.params = params_json(trial.drawn);
-  FinishedTrial finished{summary_of(result), trial.scene.duration, computed.count(), std::nullopt};
+  FinishedTrial finished{summary_of(result), trial.scene.duration, computed.count(), result.time_step, std::nullopt};
   if (plan.recording == Recording::outcome) keep_outcome(result.record);
   if (encoder != nullptr) finished.encoded = encoder->encode(result.record);
   return finished;
@@ -286,7 +287,7 @@ FinishedTrial resumed_trial(const KeptTrials& kept, const WorkPlan& plan, std::s
   result.record = std::move(read->counts);
   result.units.resize(result.record.sensors.size());
   const Scene scene = plan.trials.trial(index).scene;
-  FinishedTrial finished{summary_of(result), scene.duration, 0.0, std::move(read->encoded)};
+  FinishedTrial finished{summary_of(result), scene.duration, 0.0, 0.0, std::move(read->encoded)};
   finished.encoded->material = split_group(scene);
   finished.summary.resumed = true;
   return finished;
@@ -513,6 +514,8 @@ void RunningSweep::take(FinishedTrial& trial) {
   } else {
     summary_.simulated += trial.duration;
     summary_.computed += trial.computed;
+    summary_.shortest_step = summary_.longest_step == 0.0 ? trial.time_step : std::min(summary_.shortest_step, trial.time_step);
+    summary_.longest_step = std::max(summary_.longest_step, trial.time_step);
   }
   if (options_.on_trial) options_.on_trial(trial.summary);
   if (!options_.keep_units && summary_.planned > 1) {

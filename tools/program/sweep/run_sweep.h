@@ -91,6 +91,7 @@ struct SweepSummary {
   std::size_t kept = 0;              // trials in `files`
   double simulated = 0.0;            // s, of the trials that this run has simulated
   double computed = 0.0;             // s, what their simulation took on the clock, summed over the workers
+  double shortest_step = 0.0, longest_step = 0.0;  // s, of these trials; 0 where there is none
   bool interrupted = false;
   std::vector<std::string> files;  // written; those of the kept partial dataset when interrupted
 };

@@ -373,6 +373,7 @@ std::string summary_json(const SweepSummary& summary) {
                {"resumed", summary.resumed},
                {"failed", std::move(failed)},
                {"simulated_s", summary.simulated},
+               {"time_step_s", summary.longest_step > 0.0 ? Json{summary.shortest_step, summary.longest_step} : Json(nullptr)},
                {"interrupted", summary.interrupted},
                {"files", summary.files}};
   if (summary.shard) json["shard"] = shard_text(*summary.shard);

@@ -461,6 +461,17 @@ std::string speed_text(const SweepSummary& summary, double elapsed) {
          fmt::format("; one core steps at {} x real time", short_count(summary.simulated / std::max(summary.computed, shortest)));
 }
 
+std::string steps_text(const SweepSummary& summary) {
+  if (!summary.scene.grasp || summary.scene.fidelity != "field" || !(summary.longest_step > 0.0)) return "";
+  const auto text = [](double step) { return fmt::format("{:.4g} ms", 1e3 * step); };
+  const std::string steps = summary.shortest_step < summary.longest_step
+                                ? fmt::format("{} to {}", text(summary.shortest_step), text(summary.longest_step))
+                                : text(summary.longest_step);
+  return fmt::format(
+      "time step {}{}: a slip begins within one step of where a far shorter step puts it; `accuracy: {{onset: 1 %}}` finds the step for a wish\n",
+      steps, summary.scene.time_step ? "" : " (auto)");
+}
+
 void print_warnings(const std::vector<Warning>& warnings) {
   const Style style = style_for(stderr);
   for (const Warning& warning : warnings) {

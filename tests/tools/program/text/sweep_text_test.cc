@@ -357,5 +357,18 @@ TEST(Summary, SpeedIsSimulatedTimeOverRealTime) {
   EXPECT_EQ(speed_text(summary, 2.0), "400 s simulated in 2 s: 200 x real time; one core steps at 1.6k x real time");
 }
 
+TEST(Summary, GraspsSayTheirStepAndWhatItIsGoodFor) {
+  SweepSummary summary;
+  summary.scene.fidelity = "field";
+  summary.shortest_step = 5e-3 / 9.0;
+  summary.longest_step = 2e-3 / 3.0;
+  EXPECT_EQ(steps_text(summary), "") << "nothing is held";
+  summary.scene.grasp.emplace();
+  EXPECT_THAT(steps_text(summary), StartsWith("time step 0.5556 ms to 0.6667 ms (auto): a slip begins within one step of"));
+  summary.shortest_step = summary.longest_step;
+  summary.scene.time_step = summary.longest_step;
+  EXPECT_THAT(steps_text(summary), StartsWith("time step 0.6667 ms: a slip begins within one step of"));
+}
+
 }  // namespace
 }  // namespace slipbench

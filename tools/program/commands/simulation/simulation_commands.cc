@@ -134,7 +134,7 @@ void print_summary(const SweepOptions& options, const Finished& finished, const 
   }
   if (summary.shard)
     fmt::print("shard {}: {} of the sweep's {} trials\n", shard_text(*summary.shard), summary.planned, summary.shard->trials);
-  fmt::print("\n{}\n", speed_text(summary, finished.elapsed));
+  fmt::print("\n{}\n{}", speed_text(summary, finished.elapsed), steps_text(summary));
   print_next(options, summary, style);
 }
 
