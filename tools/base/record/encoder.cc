@@ -179,20 +179,24 @@ struct TrialEncoder::State {
     const std::size_t plane = size / element;
     std::size_t stored = 0;
     while (stored + plane < size && is_noise(source + stored, plane)) stored += plane;
-    deflated.resize(std::max(deflated.size(), size + size / 1024 + libdeflate_deflate_compress_bound(compressor.get(), size)));
+    constexpr std::size_t header = 2, checksum = 4, block_header = 5, most_in_block = 0xFFFF;  // bytes
+    const std::size_t blocks = (stored + most_in_block - 1) / most_in_block;
+    const std::size_t bound = libdeflate_deflate_compress_bound(compressor.get(), size - stored);
+    deflated.resize(std::max(deflated.size(), header + blocks * block_header + stored + bound + checksum));
     std::uint8_t* out = deflated.data();
     const auto put = [&out](std::size_t value, std::initializer_list<int> shifts) {
       for (const int shift : shifts) *out++ = static_cast<std::uint8_t>(value >> shift);
     };
     put(0x7801, {8, 0});
     for (std::size_t first = 0; first < stored;) {
-      const std::size_t block = std::min<std::size_t>(stored - first, 0xFFFF);
+      const std::size_t block = std::min(stored - first, most_in_block);
       put(block << 8 | ~block << 24, {0, 8, 16, 24, 32});  // a stored block that is not the last (RFC 1951, 3.2.4)
       out = std::copy_n(source + first, block, out);
       first += block;
     }
-    out += libdeflate_deflate_compress(compressor.get(), source + stored, size - stored, out,
-                                       static_cast<std::size_t>(deflated.data() + deflated.size() - out));
+    const std::size_t compressed = libdeflate_deflate_compress(compressor.get(), source + stored, size - stored, out, bound);
+    if (compressed == 0) throw std::logic_error("libdeflate exceeded the bound that it gave for the compressed size");
+    out += compressed;
     put(libdeflate_adler32(1, source, size), {24, 16, 8, 0});
     return {deflated.data(), out};
   }
