@@ -145,6 +145,20 @@ void for_each_trial(const DatasetReader& reader, const std::function<void(const 
   check.finish();
 }
 
+std::vector<std::string> checked_files(const std::string& path, bool content) {
+  return Packed(guarded(path,
+                        [&] {
+                          const DatasetReader reader(path);
+                          if (content) {
+                            ContentCheck check(reader);
+                            for (const std::size_t trial : reader.trials()) check.add(trial);
+                            check.finish();
+                          }
+                          return Packed::bytes_of(reader.files());
+                        }))
+      .take<std::vector<std::string>>();
+}
+
 void check_content(const DatasetReader& reader, std::size_t file) {
   ContentCheck check(reader);
   for (const std::size_t trial : reader.trials()) {

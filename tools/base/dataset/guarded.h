@@ -59,6 +59,10 @@ DatasetReader whole_dataset(const std::string& path);
 // Hands each trial, checked so, to `use`. Throws InputError also where a trial has its outcome alone.
 void for_each_trial(const DatasetReader& reader, const std::function<void(const TrialRecord& record)>& use);
 
+// Names of the files of a dataset in their order, read in a child process (guarded). `content`: also compares all that they hold with their
+// digests. Throws InputError for what DatasetReader or ContentCheck refuses.
+std::vector<std::string> checked_files(const std::string& path, bool content);
+
 // Reads all trials of a file for that.
 void check_content(const DatasetReader& reader, std::size_t file);
 

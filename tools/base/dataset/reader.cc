@@ -51,7 +51,7 @@ template <class T>
 Array<T> read_array(const Place& place, const Handle& object) {
   Array<T> array{hdf5::array_extents(place, object), {}};
   array.values.resize(hdf5::count_of(place, array.shape, 1, hdf5::best_compression));
-  if (!array.values.empty()) hdf5::read_values(place, object, array.shape, memory_type(T{}), array.values.data());
+  if (!array.values.empty()) hdf5::read_values(place, object, memory_type(T{}), array.values.data());
   return array;
 }
 

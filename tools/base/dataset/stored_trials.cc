@@ -92,7 +92,7 @@ void read_chunks(const Place& place, const Handle& dataset, const Handle& proper
   if (array.chunk_rows == 0) place.fail("is not stored as this program does it; allowed: the files of sweep --shard");
   for (std::size_t row = 0; row < array.shape.front(); row += array.chunk_rows) {
     if (!hdf5::read_chunk(dataset, array.shape.size(), row, array.chunks.emplace_back()))
-      place.fail("misses a chunk, or cannot be read: " + hdf5::last_error());
+      place.fail("has a chunk that is missing or not stored as this program does it; allowed: the files of sweep --shard");
   }
 }
 

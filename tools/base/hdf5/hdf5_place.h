@@ -118,9 +118,8 @@ std::vector<std::size_t> array_extents(const Place& place, const Handle& array, 
 // Creation properties of what is open at `place`. Throws InputError where it is no array.
 Handle array_properties(const Place& place, const Handle& array);
 
-// The values of an array of these extents, as `type`, into `to`. Where it is stored as this program does it and `type` is its own, libdeflate unfolds
-// it, in a third of the time that HDF5 takes.
-void read_values(const Place& place, const Handle& array, const std::vector<std::size_t>& extents, hid_t type, void* to);
+// Reads all values of an array, converted to `type`, into `to`, which must have room for them.
+void read_values(const Place& place, const Handle& array, hid_t type, void* to);
 
 // Rows of a chunk of an array that is stored as the encoder does it: in chunks of whole rows, through its filters. 0: it is stored otherwise.
 std::size_t folded_rows(const Handle& properties, const std::vector<std::size_t>& extents, std::size_t element);

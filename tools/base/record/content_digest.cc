@@ -55,7 +55,7 @@ Values array_values(const Place& place, const Handle& array) {
   return values_of(
       place, "", type, extents, hdf5::best_compression, [&] { return hdf5::texts_of(place, array); },
       [&](void* bytes) {
-        hdf5::read_values(place, array, extents, type.get(), bytes);
+        hdf5::read_values(place, array, type.get(), bytes);
         return herr_t{0};
       });
 }

@@ -6,8 +6,11 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstring>
+#include <numeric>
 
 #include <hdf5.h>
+#include <zlib.h>
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
@@ -203,37 +206,74 @@ TEST_F(FailureTest, RunKilledAtAnyTimeLeavesItsTrials) {
   }
 }
 
-// Whatever bytes a file has lost or changed, guarded reading ends in values or in an InputError.
-// What was never written reads as zeros. A chunk that unfolds to too little, or is said to be stored without a filter, HDF5 1.10 would read beyond.
-TEST_F(FailureTest, AMissingChunkIsReadAndADamagedOneIsRefused) {
-  const std::vector<std::size_t> extents{50, 24};
+// HDF5 leaves out an optional filter that does not make a chunk smaller and notes so in the chunk's filter mask: h5repack and h5py write such files.
+// A chunk that was never written reads as zeros.
+TEST_F(FailureTest, ChunksAreReadWhateverFiltersTheyLeaveOut) {
+  constexpr std::size_t rows_of_chunk = 25, columns = 24, values_of_chunk = rows_of_chunk * columns;
   const std::string name = path("chunks.h5");
   const hdf5::Handle file(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), &H5Fclose);
   const hdf5::Handle properties(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
-  const std::array<hsize_t, 2> size{50, 24}, chunk{25, 24}, second{25, 0};
+  const std::array<hsize_t, 2> size{5 * rows_of_chunk, columns}, chunk{rows_of_chunk, columns};
   H5Pset_chunk(properties.get(), 2, chunk.data());
   H5Pset_shuffle(properties.get());
   H5Pset_deflate(properties.get(), 1);
   const hdf5::Handle space(H5Screate_simple(2, size.data(), nullptr), &H5Sclose);
   const hdf5::Handle array(
       H5Dcreate2(file.get(), "force", H5T_IEEE_F32LE, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Dclose);
-  const hdf5::Handle first(H5Dget_space(array.get()), &H5Sclose);
-  const std::array<hsize_t, 2> begin{0, 0};
-  H5Sselect_hyperslab(first.get(), H5S_SELECT_SET, begin.data(), nullptr, chunk.data(), nullptr);
-  const std::vector<float> written(50 * 24, 1.5F);
-  const hdf5::Handle part(H5Screate_simple(2, chunk.data(), nullptr), &H5Sclose);
-  ASSERT_GE(H5Dwrite(array.get(), H5T_IEEE_F32LE, part.get(), first.get(), H5P_DEFAULT, written.data()), 0);
+
+  // Bit 0 of the mask leaves shuffle out, bit 1 deflate. The fifth chunk is missing.
+  std::vector<float> written(5 * values_of_chunk);
+  for (std::uint32_t mask = 0; mask < 4; ++mask) {
+    float* const values = written.data() + mask * values_of_chunk;
+    std::iota(values, values + values_of_chunk, 1.5F + 1000.0F * static_cast<float>(mask));
+    std::vector<std::uint8_t> bytes(4 * values_of_chunk);
+    std::memcpy(bytes.data(), values, bytes.size());
+    if ((mask & 1) == 0) {
+      for (std::size_t i = 0; i < values_of_chunk; ++i)
+        for (std::size_t byte = 0; byte < 4; ++byte)
+          bytes[byte * values_of_chunk + i] = reinterpret_cast<const std::uint8_t*>(values)[4 * i + byte];
+    }
+    if ((mask & 2) == 0) {
+      std::vector<std::uint8_t> deflated(::compressBound(bytes.size()));
+      uLongf count = deflated.size();
+      ASSERT_EQ(::compress(deflated.data(), &count, bytes.data(), bytes.size()), Z_OK);
+      deflated.resize(count);
+      bytes = deflated;
+    }
+    const std::array<hsize_t, 2> offset{mask * rows_of_chunk, 0};
+    ASSERT_GE(H5Dwrite_chunk(array.get(), H5P_DEFAULT, mask, offset.data(), bytes.size(), bytes.data()), 0);
+  }
   const hdf5::Place place{file.get(), name, "/force"};
-  std::vector<float> read(50 * 24, -1.0F);
-  hdf5::read_values(place, array, extents, H5T_IEEE_F32LE, read.data());
-  for (std::size_t i = 0; i < read.size(); ++i) EXPECT_EQ(read[i], i < 25 * 24 ? 1.5F : 0.0F) << i;
-  for (const std::uint32_t left_out : {0U, 3U}) {  // filters
-    ASSERT_GE(H5Dwrite_chunk(array.get(), H5P_DEFAULT, left_out, second.data(), 40, written.data()), 0);
-    EXPECT_EQ(refusal_of([&] { hdf5::read_values(place, array, extents, H5T_IEEE_F32LE, read.data()); }),
-              name + ": /force: cannot be read: a chunk is damaged");
+  std::vector<float> read(written.size(), -1.0F);
+  hdf5::read_values(place, array, H5T_IEEE_F32LE, read.data());
+  EXPECT_EQ(read, written);
+
+  for (const std::uint32_t mask : {2U, 3U}) {
+    const std::array<hsize_t, 2> offset{mask * rows_of_chunk, 0};
+    ASSERT_GE(H5Dwrite_chunk(array.get(), H5P_DEFAULT, mask, offset.data(), 40, written.data()), 0);
+    EXPECT_EQ(refusal_of([&] { hdf5::read_values(place, array, H5T_IEEE_F32LE, read.data()); }),
+              name + ": /force: is damaged: a chunk without compression has 40 of 2400 bytes");
   }
 }
 
+// HDF5 1.10 reads beyond the values of a chunk that decompresses to too few bytes.
+TEST_F(FailureTest, AChunkThatDecompressesToTooLittleIsRefused) {
+  write(path("a.h5"), 1);
+  {
+    const hdf5::Handle file(H5Fopen(path("a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT), &H5Fclose);
+    const hdf5::Handle array(H5Dopen2(file.get(), "/data/demo_0/labels/pad/force", H5P_DEFAULT), &H5Dclose);
+    const std::array<std::uint8_t, 40> bytes{};
+    std::array<std::uint8_t, 100> deflated{};
+    uLongf count = deflated.size();
+    ASSERT_EQ(::compress(deflated.data(), &count, bytes.data(), bytes.size()), Z_OK);
+    const std::array<hsize_t, 3> offset{};
+    ASSERT_GE(H5Dwrite_chunk(array.get(), H5P_DEFAULT, 0, offset.data(), count, deflated.data()), 0);
+  }
+  EXPECT_THAT(refusal_of([&] { checked_files(path("a.h5"), true); }),
+              AllOf(HasSubstr(path("a.h5") + ": "), HasSubstr("damaged")));
+}
+
+// Whatever bytes a file has lost or changed, guarded reading ends in values or in an InputError.
 TEST_F(FailureTest, DamagedFilesAreRefusedOrRead) {
   {
     DatasetWriter writer(path("whole.h5"), header, 1);
