@@ -102,6 +102,9 @@ std::vector<std::string> read_texts(const Place& place, const Handle& object, co
 
 FileAbout read_about(const Place& place) {
   const Handle object = open_object(place);
+  if (H5Aexists(object.get(), "schema") <= 0)
+    reject("{}: is an HDF5 file, but not a dataset of slipbench; expected a file that slipbench run, sweep or import wrote",
+           place.file_name);
   const auto schema = read_number<std::uint64_t>(place, object, "schema");
   if (schema < oldest_dataset_schema || schema > dataset_schema) {
     place.fail(fmt::format("has schema {}; this program reads {} to {}", schema, oldest_dataset_schema, dataset_schema));
@@ -219,6 +222,8 @@ struct DatasetReader::State {
   // Reads one file's header; returns the number of files of the dataset, which a killed run has not noted.
   std::size_t add_file(const std::string& path) {
     const std::size_t index = files.size();
+    if (index > 0 && !std::filesystem::exists(path))
+      reject("{}: no such file; expected file {} of the dataset that begins with {}", path, index, files.front().name);
     files.push_back({path, open_file(path)});
     if (index > 0) hdf5::keep_little(files.back().handle);
     const Place place = root(index);

@@ -7,12 +7,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <new>
 #include <numeric>
+#include <optional>
 #include <string_view>
 #include <system_error>
 
@@ -107,6 +111,54 @@ herr_t note_reason(unsigned, const H5E_error2_t* error, void* context) {
   return 0;
 }
 
+// The number that follows `name` in a message of the library.
+std::optional<std::uint64_t> number_after(std::string_view message, std::string_view name) {
+  const std::size_t start = message.find(name);
+  if (start == std::string_view::npos) return std::nullopt;
+  std::uint64_t number = 0;
+  const char* const end = message.data() + message.size();
+  const bool found = std::from_chars(message.data() + start + name.size(), end, number).ec == std::errc();
+  return found ? std::optional(number) : std::nullopt;
+}
+
+// Says what a file is that H5Fopen() has refused with `message`: cut short, or one of the kinds that are often found in place of a dataset.
+std::string why_not_hdf5(const std::string& path, const std::string& message) {
+  using namespace std::string_view_literals;
+  constexpr std::size_t superblock = 96;  // bytes, at least
+  std::array<char, superblock> bytes{};
+  std::ifstream file(path, std::ios::binary);
+  if (!file.is_open()) return "cannot be read: " + message;
+  file.read(bytes.data(), bytes.size());
+  const std::string_view start(bytes.data(), static_cast<std::size_t>(file.gcount()));
+  if (start.empty()) return "is empty, not an HDF5 file";
+  constexpr std::string_view signature = "\x89HDF\r\n\x1a\n"sv;
+  if (start.starts_with(signature.substr(0, start.size()))) {
+    const auto found = number_after(message, "truncated file: eof = "), written = number_after(message, "stored_eof = ");
+    if (found && written) return fmt::format("is cut short: it has {} of {} bytes; copy or download it again", *found, *written);
+    if (start.size() < superblock) return fmt::format("is cut short: it has {} bytes; copy or download it again", start.size());
+    return "is damaged: " + message;
+  }
+  struct Kind {
+    std::string_view start, what;
+  };
+  constexpr std::array kinds{
+      Kind{"version https://git-lfs"sv, "is a Git LFS pointer, not the data; run 'git lfs pull' in its repository"sv},
+      Kind{"\x1f\x8b"sv, "is compressed with gzip, not an HDF5 file; decompress it first"sv},
+      Kind{"\x28\xb5\x2f\xfd"sv, "is compressed with zstd, not an HDF5 file; decompress it first"sv},
+      Kind{"\xfd\x37zXZ"sv, "is compressed with xz, not an HDF5 file; decompress it first"sv},
+      Kind{"BZh"sv, "is compressed with bzip2, not an HDF5 file; decompress it first"sv},
+      Kind{"PK\x03\x04"sv, "is a ZIP archive, not an HDF5 file; unpack it first"sv},
+  };
+  for (const Kind& kind : kinds) {
+    if (start.starts_with(kind.start)) return std::string(kind.what);
+  }
+  std::string text(start.substr(std::min(start.find_first_not_of(" \t\r\n\xef\xbb\xbf"sv), start.size())));
+  std::ranges::transform(text, text.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  if (text.starts_with("<!doctype html") || text.starts_with("<html"))
+    return "is an HTML page, not an HDF5 file; download the file itself";
+  return "is not an HDF5 file";
+}
+
 // Of the filters of a dataset, shuffle alone keeps the number of bytes. A chunk that leaves all others out must have the bytes of all of its values:
 // HDF5 1.10 reads beyond a shorter one.
 void check_unfiltered_chunks(const Place& place, const Handle& array) {
@@ -157,7 +209,7 @@ Handle open_file(const std::string& path) {
   Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
   check(H5Pset_file_locking(access.get(), false, true));
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get());
-  if (file < 0) reject("{}: is no readable HDF5 file: {}", path, last_error());
+  if (file < 0) reject("{}: {}", path, why_not_hdf5(path, last_error()));
   return {file, &H5Fclose};
 }
 

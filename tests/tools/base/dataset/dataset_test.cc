@@ -2,6 +2,10 @@
 
 #include <cmath>
 #include <cstring>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <hdf5.h>
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
@@ -263,6 +267,12 @@ TEST_F(DatasetTest, RefusesAShardOfAnotherRun) {
   std::filesystem::rename(path("b-0001.h5"), path("a-0001.h5"));
   EXPECT_THAT(refusal_of([&] { DatasetReader reader(first); }), HasSubstr("belongs to another dataset"));
   EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("a-0002.h5")); }), HasSubstr("open the first"));
+  std::filesystem::copy_file(first, path("a-0001.h5"), std::filesystem::copy_options::overwrite_existing);
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(first); }),
+              HasSubstr("a-0001.h5: /: is file 0 of its dataset, expected file 1"));
+  std::filesystem::remove(path("a-0001.h5"));
+  EXPECT_EQ(refusal_of([&] { DatasetReader reader(first); }),
+            path("a-0001.h5") + ": no such file; expected file 1 of the dataset that begins with " + first);
 }
 
 TEST_F(DatasetTest, TrialsComeInOrder) {
@@ -271,11 +281,48 @@ TEST_F(DatasetTest, TrialsComeInOrder) {
   EXPECT_THROW(writer.append(make_trial(1, 10)), std::logic_error);
 }
 
+// What people have under the name of a dataset, and a word by which the message tells them.
+TEST_F(DatasetTest, ReaderSaysWhatAFileIs) {
+  using namespace std::string_literals;
+  const std::string whole = bytes_of(write("whole.h5", 2, 10, DatasetWriter::default_shard_limit));
+  const auto cut = [&](std::size_t bytes) {
+    return std::pair(whole.substr(0, bytes), fmt::format("is cut short: it has {} ", bytes));
+  };
+  const std::vector<std::pair<std::string, std::string>> files{
+      {"", "is empty"},
+      cut(1),
+      cut(50),
+      cut(whole.size() / 2),
+      cut(whole.size() - 1),
+      {std::string(1000, '\0'), "is not an HDF5 file"},
+      {"t,force\n0,1\n", "is not an HDF5 file"},
+      {"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n", "git lfs pull"},
+      {"\n<!DOCTYPE html>\n<html></html>\n", "is an HTML page"},
+      {"<HTML><body>404</body></HTML>", "is an HTML page"},
+      {"\x1f\x8b\x08\0"s, "gzip"},
+      {"\x28\xb5\x2f\xfd"s, "zstd"},
+      {"\xfd\x37zXZ\0"s, "xz"},
+      {"BZh9", "bzip2"},
+      {"PK\x03\x04", "ZIP archive"},
+      {"\x89HDF\r\n\x1a\n"s + std::string(1000, '\x7f'), "is damaged: "},
+  };
+  for (const auto& [bytes, word] : files) {
+    std::ofstream(path("other.h5"), std::ios::binary | std::ios::trunc) << bytes;
+    EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("other.h5")); }),
+                AllOf(HasSubstr(path("other.h5") + ": "), HasSubstr(word)));
+  }
+  // The size that was written stands in the file's first bytes.
+  std::ofstream(path("other.h5"), std::ios::binary | std::ios::trunc) << whole.substr(0, whole.size() / 2);
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("other.h5")); }), HasSubstr(fmt::format("of {} bytes", whole.size())));
+  std::ofstream(path("other.h5"), std::ios::binary | std::ios::trunc) << whole << '\0';
+  EXPECT_EQ(DatasetReader(path("other.h5")).trials().size(), 2U);
+  H5Fclose(H5Fcreate(path("other.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("other.h5")); }), HasSubstr("not a dataset of slipbench"));
+}
+
 TEST_F(DatasetTest, ReaderNamesWhatIsWrong) {
   EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("none.h5")); }), HasSubstr("no such file"));
   EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("")); }), HasSubstr("is a folder"));
-  std::ofstream(path("text.h5")) << "not HDF5";
-  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("text.h5")); }), HasSubstr("no readable HDF5 file"));
   const DatasetReader reader(write("a.h5", 2, 10, DatasetWriter::default_shard_limit));
   EXPECT_THAT(refusal_of([&] { static_cast<void>(reader.info(2)); }), HasSubstr("no trial 2; the first is 0, the last 1"));
   EXPECT_THAT(refusal_of([&] { static_cast<void>(reader.read<float>(0, "labels/pad/speed")); }),
