@@ -19,6 +19,8 @@
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
 #include "sim/core/of_each.h"
+#include "sim/core/process/interrupted.h"
+#include "tools/base/dataset/guarded.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/sample_timing.h"
 #include "tools/base/workers/child_process.h"
@@ -279,6 +281,13 @@ std::string evaluate(const std::string& type, const Pairs& parameters, const std
   return eval::evaluate(options).dump();
 }
 
+std::vector<std::string> dataset_files(const std::string& path, bool content) {
+  const SharedInterrupt guard;
+  const nb::gil_scoped_release release;
+  const InterruptScope scope(&InterruptGuard::flag());
+  return checked_files(path, content);
+}
+
 std::string describe(const std::string& name) {
   const Catalogues catalogues = program_catalogues();
   Json entries = Json::array();
@@ -330,6 +339,7 @@ void bind_scene(nb::module_& module) {
   module.def("timing_text", [](const Times& times, double resolution) {
     return timing_text(timing_of(span_of(times), resolution), span_of(times).front());
   });
+  module.def("dataset_files", &dataset_files, nb::arg("path"), nb::arg("content"));
   module.def("describe", &describe);
   module.def("list_names", &list_names);
   module.def("project_file", [](const std::string& path) { return project_file(path); });

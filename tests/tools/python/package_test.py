@@ -1,5 +1,6 @@
 """The package gives what the command line gives. Argument: the program."""
 
+import gzip
 import importlib.util
 import json
 import os
@@ -289,14 +290,130 @@ class Datasets(unittest.TestCase):
             group = file["data/demo_0/sensors/pad"]
             del group["force"]
             group["force"] = h5py.ExternalLink(self.path, "/data/demo_0/sensors/pad/force")
-        with slipbench.open(linked) as data, self.assertRaisesRegex(slipbench.InputError, "is a link to another place"):
+        with self.assertRaisesRegex(slipbench.InputError, "linked.h5: .*is a link to elsewhere"):
+            slipbench.open(linked)
+        with slipbench.open(linked, check=False) as data, self.assertRaisesRegex(slipbench.InputError, "is a link to another place"):
             data[0].sensors["pad"]["force"]
 
+
+def values_of(path, check):
+    """Everything that the package reads of a dataset, as text."""
+
+    def arrays(group):
+        return {name: arrays(group[name]) if isinstance(group[name], slipbench.Arrays) else group[name][()].tobytes() for name in group}
+
+    with slipbench.open(path, check=check) as data:
+        return repr(
+            [(data.scene, data.seed, data.command, data.failed, [data.mask(part) for part in ("train", "valid", "test")])]
+            + [
+                (number, trial.params, trial.outcome, trial.sha256)
+                + tuple({name: (arrays(group), group.attrs) for name, group in groups.items()} for groups in (trial.sensors, trial.labels, trial.bodies))
+                for number, trial in data.items()
+            ]
+        )
+
+
+class DamagedDatasets(unittest.TestCase):
+    """What the command line refuses, the package refuses: an InputError of one line that begins with the file's name."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = Path(cls.folder.name) / "a.h5"
+        scene = slipbench.Scene.load("papillarray/stage.yaml").set({"duration": "0.9 s", "motion.start": "0.5 s", "sensors.pad.rate": "100 Hz"})
+        scene = scene.set({"sweep": {"motion.speed": ["2 mm/s", "4 mm/s"]}})
+        scene.write(cls.path)
+        cls.whole = cls.path.read_bytes()
+        scene.write(Path(cls.folder.name) / "other.h5", seed=5)
+        cls.other = (Path(cls.folder.name) / "other.h5").read_bytes()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def refusal(self, path, **options):
+        with self.assertRaises(slipbench.InputError) as refused, slipbench.open(path, **options):
+            pass
+        message = str(refused.exception)
+        self.assertNotIn("\n", message)
+        told = subprocess.run([PROGRAM, "report", path, "-o", Path(self.folder.name) / "page.html"], capture_output=True, text=True, check=False)
+        self.assertEqual((told.returncode, told.stderr), (2, f"slipbench: {message}\n"))
+        return message
+
     def test_other_files_are_no_datasets(self):
-        other = Path(self.folder.name) / "other.h5"
-        other.write_bytes(b"not HDF5")
-        with self.assertRaisesRegex(slipbench.InputError, "other.h5"):
-            slipbench.open(other)
+        path = Path(self.folder.name) / "file.h5"
+        self.assertEqual(self.refusal(path), f"{path}: no such file")
+        self.assertIn("is a folder", self.refusal(Path(self.folder.name)))
+        kinds = {
+            b"": "is empty",
+            self.whole[:1]: "is cut short",
+            self.whole[: len(self.whole) // 2]: f"is cut short: it has {len(self.whole) // 2} of {len(self.whole)} bytes",
+            self.whole[:-1]: "is cut short",
+            bytes(4096): "is not an HDF5 file",
+            b"version https://git-lfs.github.com/spec/v1\n": "is a Git LFS pointer, not the data; run 'git lfs pull'",
+            b"<!DOCTYPE html>": "is an HTML page",
+            gzip.compress(self.whole): "is compressed with gzip",
+        }
+        for data, kind in kinds.items():
+            with self.subTest(kind=kind):
+                path.write_bytes(data)
+                self.assertIn(f"{path}: {kind}", self.refusal(path))
+        path.write_bytes(self.whole + b"\0")
+        self.assertEqual(values_of(path, check=True), values_of(self.path, check=True))
+
+    def write_pair(self, first, second, number):
+        """`first` and `second` as files 0 and `number` of a dataset of two files."""
+        import h5py
+
+        paths = [Path(self.folder.name) / name for name in ("pair.h5", "pair-0001.h5")]
+        for path, data, shard in zip(paths, (first, second), (0, number), strict=True):
+            path.write_bytes(data)
+            with h5py.File(path, "r+") as file:
+                file.attrs.modify("shards", 2)
+                file.attrs.modify("shard", shard)
+                if shard:
+                    for trial in (1, 0):
+                        file.move(f"data/demo_{trial}", f"data/demo_{trial + 2}")
+                    for part in ("train", "valid", "test"):
+                        del file["mask"][part]
+                        file["mask"][part] = np.array([], "S6")
+        return paths
+
+    def test_files_that_do_not_belong_together(self):
+        first, second = self.write_pair(self.whole, self.other, 1)
+        self.assertEqual(self.refusal(first), f"{second}: /: belongs to another dataset than {first}")
+        first, second = self.write_pair(self.whole, self.whole, 0)
+        self.assertIn(f"{second}: /: is file 0 of its dataset, expected file 1", self.refusal(first))
+        self.assertEqual(self.refusal(first, check=False), self.refusal(first))
+        second.unlink()
+        self.assertEqual(self.refusal(first), f"{second}: no such file; expected file 1 of the dataset that begins with {first}")
+        second.write_bytes(self.whole[:1000])
+        self.assertIn(f"{second}: is cut short: it has 1000 of {len(self.whole)} bytes", self.refusal(first))
+        first, second = self.write_pair(self.whole, self.whole, 1)
+        with slipbench.open(first, check=False) as data:  # together they are one; their digests are of two
+            self.assertEqual(data.trials, [0, 1, 2, 3])
+        self.assertIn("is damaged: its content has the SHA-256", self.refusal(first))
+
+    def test_a_flipped_bit_is_refused_or_changes_nothing(self):
+        path = Path(self.folder.name) / "flip.h5"
+        expected = values_of(self.path, check=True)
+        used = [place for place, byte in enumerate(self.whole) if byte]
+        refused = 0
+        for k in range(60):
+            places = used if k % 2 else range(len(self.whole))
+            flipped = bytearray(self.whole)
+            flipped[places[k * len(places) // 60]] ^= 1 << k // 2 % 8
+            path.write_bytes(flipped)
+            for check in (True, False):
+                with self.subTest(flip=k, check=check):
+                    try:
+                        found = values_of(path, check)
+                    except slipbench.InputError as error:
+                        self.assertTrue(str(error).startswith(f"{path}: "), error)
+                        refused += check
+                    else:
+                        self.assertTrue(found == expected or not check)
+        self.assertGreater(refused, 15)
 
 
 def with_training(network, trained):

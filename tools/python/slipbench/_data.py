@@ -6,7 +6,7 @@ import json
 import os
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,19 +22,34 @@ if TYPE_CHECKING:
 RULES = {"strict": "state", "micro": "state_micro", "paper": "state_paper"}
 
 
+@contextmanager
+def reading(what: h5py.Group | h5py.Dataset, *errors: type[Exception]) -> Iterator[None]:
+    """Turns what h5py and json raise on damaged data into an InputError that names the file and the object. `errors`: which; default: all of them."""
+    try:
+        yield
+    except _core.InputError:
+        raise
+    except errors or (OSError, RuntimeError, LookupError, TypeError, ValueError, MemoryError) as error:
+        raise _core.InputError(f"{what.file.filename}: {what.name}: is damaged: {error}") from error
+
+
 def _member(group: h5py.Group, name: str) -> Any:
-    """What stands in a group, where it is the file's own: a link or a store elsewhere could be anybody's file."""
+    """The object `name` of a group. Links and storage elsewhere, which could be anybody's file, are refused."""
     import h5py  # takes as long to load as all else here
 
-    link = group.get(name, getlink=True)
+    from slipbench._array import Array
+
+    with reading(group):
+        link = group.get(name, getlink=True)
     if link is None:
         raise KeyError(name)
     if not isinstance(link, h5py.HardLink):
         raise _core.InputError(f"{group.file.filename}: {group.name}/{name} is a link to another place; allowed: what the file itself holds")
-    member = group[name]
-    if isinstance(member, h5py.Dataset) and member.external:
-        raise _core.InputError(f"{group.file.filename}: {group.name}/{name} is stored in another file; allowed: what the file itself holds")
-    return member
+    with reading(group):
+        found = group[name]
+        if isinstance(found, h5py.Dataset) and (found.external or found.is_virtual):
+            raise _core.InputError(f"{group.file.filename}: {found.name} is stored in another file; allowed: what the file itself holds")
+    return Array(found.id, readonly=True) if isinstance(found, h5py.Dataset) else found
 
 
 class Arrays(Mapping[str, "h5py.Dataset"]):
@@ -46,19 +61,23 @@ class Arrays(Mapping[str, "h5py.Dataset"]):
 
     def __init__(self, group: h5py.Group) -> None:
         self._group = group
-        self.attrs: dict[str, Any] = dict(group.attrs)
+        with reading(group):
+            self.attrs: dict[str, Any] = dict(group.attrs)
+            self._names = list(group)
 
     def __getitem__(self, name: str) -> h5py.Dataset:
+        import h5py
+
         member = self._group
         for part in name.split("/"):
             member = _member(member, part)
-        return member
+        return Arrays(member) if isinstance(member, h5py.Group) else member
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._group)
+        return iter(self._names)
 
     def __len__(self) -> int:
-        return len(self._group)
+        return len(self._names)
 
 
 def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
@@ -82,16 +101,18 @@ class StoredTrial:
     def __init__(self, group: h5py.Group, trial: int) -> None:
         self._group = group
         self.trial = trial
-        self.seed = int(group.attrs["seed"])
-        self.params: dict[str, Any] = json.loads(group.attrs["params"])
-        self.outcome: dict[str, Any] = json.loads(group.attrs["outcome"])
-        self.sha256 = str(group.attrs.get("sha256", ""))
+        with reading(group):
+            self.seed = int(group.attrs["seed"])
+            self.params: dict[str, Any] = json.loads(group.attrs["params"])
+            self.outcome: dict[str, Any] = json.loads(group.attrs["outcome"])
+            self.sha256 = str(group.attrs.get("sha256", ""))
 
     def _groups(self, of: str) -> dict[str, Arrays]:
-        if of not in self._group:
-            return {}
-        parent = _member(self._group, of)
-        return {name: Arrays(_member(parent, name)) for name in parent}
+        with reading(self._group):
+            if of not in self._group:
+                return {}
+            parent = _member(self._group, of)
+            return {name: Arrays(_member(parent, name)) for name in parent}
 
     @property
     def sensors(self) -> dict[str, Arrays]:
@@ -117,7 +138,8 @@ class StoredTrial:
 
         None: the scene has neither detector nor controller.
         """
-        return Arrays(_member(self._group, "control")) if "control" in self._group else None
+        with reading(self._group):
+            return Arrays(_member(self._group, "control")) if "control" in self._group else None
 
 
 class Dataset(Mapping[int, StoredTrial]):
@@ -133,31 +155,35 @@ class Dataset(Mapping[int, StoredTrial]):
         trials: numbers of its trials
     """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], check: bool = True) -> None:
         import h5py
 
-        first = Path(path)
-        try:
-            self._files = [h5py.File(first, "r")]
-            shards = int(self._files[0].attrs.get("shards", 1))
-            for shard in range(1, shards):
-                self._files.append(h5py.File(first.with_name(f"{first.stem}-{shard:04d}{first.suffix}"), "r"))
-        except OSError as error:
-            raise _core.InputError(f"{first}: {error}") from error
-        about = self._files[0].attrs
-        if "schema" not in about or "data" not in self._files[0]:
-            raise _core.InputError(f"{first}: is no dataset of slipbench; allowed: what `slipbench run` or `sweep` writes")
-        self.version = str(about["version"])
-        self.scene = str(about["scene"])
-        self.seed = int(about["seed"])
-        self.command = str(about["command"])
-        self.complete = all(int(file.attrs.get("complete", 0)) == 1 for file in self._files)
-        self.failed: list[dict[str, Any]] = [one for file in self._files for one in json.loads(file.attrs.get("failed", "[]"))]
-        self._where = {int(name.removeprefix("demo_")): file for file in self._files for name in _member(file, "data")}
+        self._files: list[h5py.File] = []
+        for name in _core.dataset_files(os.fspath(path), check):
+            try:
+                self._files.append(h5py.File(name, "r"))
+            except OSError as error:
+                raise _core.InputError(f"{name}: cannot be read: {error}") from error
+        first = self._files[0]
+        with reading(first):
+            self.version = str(first.attrs["version"])
+            self.scene = str(first.attrs["scene"])
+            self.seed = int(first.attrs["seed"])
+            self.command = str(first.attrs["command"])
+        self.complete = True
+        self.failed: list[dict[str, Any]] = []
+        self._where: dict[int, h5py.File] = {}
+        for file in self._files:
+            with reading(file):
+                self.complete = self.complete and int(file.attrs.get("complete", 0)) == 1
+                self.failed += json.loads(file.attrs.get("failed", "[]"))
+                self._where |= {int(name.removeprefix("demo_")): file for name in _member(file, "data")}
         self.trials = sorted(self._where)
 
     def __getitem__(self, trial: int) -> StoredTrial:
-        return StoredTrial(_member(_member(self._where[trial], "data"), f"demo_{trial}"), trial)
+        file = self._where[trial]
+        with reading(file):
+            return StoredTrial(_member(_member(file, "data"), f"demo_{trial}"), trial)
 
     def __iter__(self) -> Iterator[int]:
         return iter(self.trials)
@@ -169,8 +195,12 @@ class Dataset(Mapping[int, StoredTrial]):
         """Numbers of the trials of `part`: "train", "valid" or "test". Empty where the run was killed."""
         if part not in ("train", "valid", "test"):
             raise _core.InputError(f"part {part!r}; allowed: 'train', 'valid', 'test'")
-        names = [name for file in self._files if "mask" in file for name in _member(file["mask"], part).asstr()[:]]
-        return sorted(int(name.removeprefix("demo_")) for name in names)
+        trials: list[int] = []
+        for file in self._files:
+            with reading(file):
+                if "mask" in file:
+                    trials += [int(name.removeprefix("demo_")) for name in _member(_member(file, "mask"), part).asstr()[:]]
+        return sorted(trials)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A row a trial: what was swept, then how it ended, by their own names; index `trial`. Needs pandas."""
@@ -266,6 +296,10 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return values[first : first + self._length], int(slips[first + self._length - 1])
 
 
-def open(path: str | os.PathLike[str]) -> Dataset:
-    """Opens a dataset that `slipbench run`, `sweep` or `Scene.write()` has written, by the `path` of its first file."""
-    return Dataset(path)
+def open(path: str | os.PathLike[str], *, check: bool = True) -> Dataset:
+    """Opens a dataset that `slipbench run`, `sweep`, `import` or `Scene.write()` has written, by the `path` of its first file.
+
+    Raises `InputError`, as the command line does, if a file is damaged, missing or of another dataset. `check`: compare all that the files hold with their
+    digests first, which reads them once; False: open at once, for data that have been checked before.
+    """
+    return Dataset(path, check)

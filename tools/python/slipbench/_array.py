@@ -1,0 +1,26 @@
+"""Arrays of dataset files. Imported when a first one is read: h5py takes as long to load as the rest of the package."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import h5py
+
+from slipbench._data import reading
+
+
+class Array(h5py.Dataset):  # type: ignore[misc]  # h5py has no types
+    """An array whose damage is an InputError that names the file."""
+
+    def __getitem__(self, *args: Any, **options: Any) -> Any:
+        with reading(self, OSError, RuntimeError):  # others are those of a wrong index
+            return super().__getitem__(*args, **options)
+
+    def read_direct(self, *args: Any, **options: Any) -> None:
+        with reading(self, OSError, RuntimeError):
+            super().read_direct(*args, **options)
+
+    @property
+    def attrs(self) -> dict[str, Any]:
+        with reading(self):
+            return dict(super().attrs)
