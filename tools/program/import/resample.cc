@@ -71,8 +71,8 @@ std::size_t resample_sensor(SensorRecord& sensor, double rate, const std::string
   const SampleTiming timing = sensor.timing ? *sensor.timing : timing_of(sensor.time, 0.0);
   const double most = std::max(timing.mean_rate, timing.median_rate);
   if (rate > most && !same_rate(rate, most)) {
-    reject("{}: --rate {} is above the {} of the recording; allowed: up to that rate, within 1 %", place,
-           format_quantity(rate, Quantity::frequency), format_quantity(most, Quantity::frequency));
+    reject("{}: --rate {} is above the {:.6g} Hz of the recording; allowed: up to that rate, within 1 %", place,
+           format_quantity(rate, Quantity::frequency), most);
   }
   std::vector<double> instants = instants_of(sensor, rate, place);
   const std::vector<Spot> spots = spots_of(sensor.time, instants);
