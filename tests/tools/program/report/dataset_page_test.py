@@ -32,8 +32,8 @@ class DatasetPage(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         folder = Path(cls.folder.name)
         (folder / "skin.yaml").write_text(SCENE, encoding="utf-8")
-        for words in (["sweep", "skin.yaml", "-o", "skin.h5"], ["report", "skin.h5"]):
-            subprocess.run([PROGRAM, *words, "--quiet"], check=True, cwd=folder)
+        for words in (["sweep", "skin.yaml", "-o", "skin.h5", "--quiet"], ["report", "skin.h5"]):
+            subprocess.run([PROGRAM, *words], check=True, cwd=folder, stdout=subprocess.DEVNULL)
         cls.page = folder / "skin.html"
         cls.browser = cls.enterClassContext(chromium.Chromium())
 
