@@ -184,7 +184,8 @@ Json skin_of(const Scene& scene) {
 // or is of another version. Null: one does.
 Json no_replay(const DatasetHeader& header, const Json& overrides, std::size_t trial) {
   try {
-    const TrialPlan plan{recorded_file(header.scene, overrides, "scene"), command_line_catalogues(), 0, header.seed};
+    const Catalogues catalogues = command_line_catalogues();  // which the plan refers to
+    const TrialPlan plan{recorded_file(header.scene, overrides, "scene"), catalogues, 0, header.seed};
     if (trial < plan.size()) static_cast<void>(plan.trial(trial));
     return nullptr;
   } catch (const InputError& error) {
