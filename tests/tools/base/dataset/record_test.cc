@@ -4,6 +4,7 @@
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/files/output_file.h"
+#include "tools/base/record/json.h"
 #include "tools/base/record/trial_record.h"
 
 namespace slipbench::testing {
@@ -132,7 +133,9 @@ TEST(Outcome, IsHeldDroppedOrNotLifted) {
   EXPECT_STREQ(ended(true, false), "dropped");
   EXPECT_STREQ(ended(false, std::nullopt), "held");
   EXPECT_STREQ(ended(true, std::nullopt), "dropped");
-  Json before = Json::parse(outcome_json({.grasp = GraspOutcome{}}));
+  TrialOutcome outcome;
+  outcome.grasp.emplace();
+  Json before = Json::parse(outcome_json(outcome));
   before.erase("lifted");
   before.erase("lift_height_m");
   const GraspOutcome old = parse_outcome(before.dump()).grasp.value();
