@@ -362,13 +362,17 @@ ConeLaw cone_law(const Scene& scene, std::size_t index) {
       leave_out({&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
                 fmt::format("all but margin >= 0: {} changes the friction, mu_static and mu_kinetic are the scene's", name));
     } else if (name == "viscous_friction") {
-      leave_out({&ConeLaw::partial, &ConeLaw::slip_most, &ConeLaw::slip_least},
+      leave_out({&ConeLaw::partial_margin, &ConeLaw::partial_stick, &ConeLaw::slip_most, &ConeLaw::slip_least},
                 "slip and partial: viscous_friction adds to mu_kinetic, so what slips may bear more than mu_static f_n");
     } else if (name == "stribeck") {
       leave_out({&ConeLaw::slip_least}, "slip from below: stribeck takes from mu_kinetic");
-    } else if (name == "inertia" || name == "asperities") {
-      leave_out({&ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
-                fmt::format("slip and margin's value: with {} a tip's force is also that of its mass", name));
+    } else if (name == "inertia") {
+      leave_out(
+          {&ConeLaw::margin_value, &ConeLaw::partial_stick, &ConeLaw::slip_most, &ConeLaw::slip_least},
+          "slip, partial but margin >= 0, and margin's value: with inertia the force of a tip that slips is also that of its mass");
+    } else if (name == "asperities") {
+      leave_out({&ConeLaw::stick, &ConeLaw::margin_value, &ConeLaw::slip_most, &ConeLaw::slip_least},
+                "all but margin >= 0: with asperities the force is also that of elements that ring");
     }
   }
   const std::unique_ptr<Sensor> sensor = make_sensor(scene.sensors.at(index), scene.seed, 0);
@@ -412,9 +416,11 @@ void check_cone(const ConeLaw& law, const SensorRecord& sensor, std::size_t tria
         fail("force", fmt::format("slips at f_t = {} N, more than mu_kinetic f_n = {} N", tangential, slipping));
       if (law.slip_least && tangential < slipping - slack)
         fail("force", fmt::format("slips at f_t = {} N, less than mu_kinetic f_n = {} N", tangential, slipping));
-    } else if (state == UnitState::stick || law.partial) {
-      if (law.margin && margin < -of_margin) fail("margin", fmt::format("sticks with the margin {}, below 0", margin));
-      if (law.stick && tangential > most_stuck + slack)
+    } else {
+      const bool whole = state == UnitState::stick;
+      if (law.margin && (whole || law.partial_margin) && margin < -of_margin)
+        fail("margin", fmt::format("sticks with the margin {}, below 0", margin));
+      if (law.stick && (whole || law.partial_stick) && tangential > most_stuck + slack)
         fail("force", fmt::format("sticks at f_t = {} N, more than mu_static f_n = {} N", tangential, most_stuck));
     }
     if (law.margin_value && most_stuck > 0.0 &&

@@ -85,7 +85,8 @@ void check_events(const SensorRecord& sensor, std::size_t trial, Verification& v
 // Coulomb's law in the labels, as far as README.md says that it holds for a unit.
 // Which parts of the law the labels of one sensor keep.
 struct ConeLaw {
-  bool partial = true;                     // what holds in stick holds of units of which a part slips
+  bool partial_margin = true;              // margin holds of units of which a part slips
+  bool partial_stick = true;               // stick holds of them
   bool margin = true;                      // stick and partial: margin >= 0
   bool stick = true;                       // stick and partial: f_t <= mu_static f_n
   bool margin_value = true;                // touching: margin = 1 - f_t/(mu_static f_n)
