@@ -468,7 +468,7 @@ std::string steps_text(const SweepSummary& summary) {
                                 ? fmt::format("{} to {}", text(summary.shortest_step), text(summary.longest_step))
                                 : text(summary.longest_step);
   return fmt::format(
-      "time step {}{}: a slip begins within one step of where a far shorter step puts it; `accuracy: {{onset: 1 %}}` finds the step for a wish\n",
+      "time step {}{}: a slip begins within one step of where a far shorter step puts it, as a rule; `accuracy: {{onset: 1 %}}` finds the step for a wish\n",
       steps, summary.scene.time_step ? "" : " (auto)");
 }
 
