@@ -79,7 +79,9 @@ class Field {
   }
   // True if element i, after approach(), is inside of the surface and looks at it, wherever its springs begin.
   [[nodiscard]] bool is_inside(std::size_t i) const { return columns_[gap][i] < 0.0; }
-  // How far the tip of an element that is_inside() has come along its axis since it entered, to first order [m].
+  // True if element i looks at the face that is nearest to it, after approach().
+  [[nodiscard]] bool looks_in(std::size_t i) const { return normal(i).dot(pose_.rotation * layout_.elements[i].axis) < 0.0; }
+  // How far the tip of an element that looks_in() has come along its axis since it entered, to first order [m]; negative while it is outside.
   [[nodiscard]] double way_inside(std::size_t i) const;
   // How far the tip of an element that touched has come in the step, at least to first order [m].
   [[nodiscard]] double travel(std::size_t i) const;
@@ -200,6 +202,8 @@ class Field {
   [[nodiscard]] double stop_stiffness() const { return effects_.lean ? effects_.lean->stop_stiffness : 0.0; }
   // The effect that replaces the circular friction cone, or null.
   [[nodiscard]] const ConeEffect* effect_cone() const { return effects_.cone.get(); }
+  // Whether an effect moves the surface, so that an element may touch a bump of it while it is outside of the shape.
+  [[nodiscard]] bool has_bumps() const { return !effects_.surface.empty(); }
   // Whether the pad is one elastic body. The springs of layout() are then its stiffness where it touches as a whole, which no part of it exceeds.
   [[nodiscard]] bool has_skin() const { return effects_.skin != nullptr; }
   // Whether the spring of element i counts where the pad is as stiff as it may be.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace slipbench {
@@ -42,14 +44,30 @@ void share_elements(std::span<Field> fields, std::span<const Pose> pads) {
     const auto may_meet = [&](std::size_t k) {
       return is_inside(k) && (!held || k == holder || (way(k) > own + same_place && way(k) <= own + same_place + ahead));
     };
-    const std::size_t owner = first_surface(fields.size(), may_meet, way);
+    std::size_t owner = first_surface(fields.size(), may_meet, way);
+    if (owner == none) owner = holder;  // which may touch a bump of its surface (SurfaceEffect)
+    if (owner == none && fields.front().has_bumps()) {
+      owner = first_surface(
+          fields.size(), [&](std::size_t k) { return fields[k].looks_in(i); }, way);
+    }
     if (owner == none) continue;
     if (holder != none && holder != owner) fields[holder].hand_over(i, fields[owner], pads[owner] * pads[holder].inverse());
     for (std::size_t k = 0; k < fields.size(); ++k) {
-      if (k != owner && is_inside(k)) excluded[k].push_back(static_cast<std::uint32_t>(i));
+      if (k != owner) excluded[k].push_back(static_cast<std::uint32_t>(i));
     }
   }
   for (std::size_t k = 0; k < fields.size(); ++k) fields[k].exclude(excluded[k]);
+}
+
+// A load that counts twice would be a wrong result without a word.
+void refuse_two_contacts(std::span<const Field> fields) {
+  if (fields.front().has_skin()) return;  // which may bulge against a second surface
+  for (std::size_t i = 0; i < fields.front().size(); ++i) {
+    const auto touches = [i](const Field& field) { return field.state(i) != ElementState::detached; };
+    if (std::ranges::count_if(fields, touches) > 1) {
+      throw std::logic_error("field: element " + std::to_string(i) + " touches two surfaces");
+    }
+  }
 }
 
 }  // namespace
@@ -58,12 +76,14 @@ void step_on_surfaces(std::span<Field> fields, std::span<const Pose> pads, doubl
   const auto motion_on = [&](std::size_t k) { return motions.empty() ? nullptr : &motions[k]; };
   if (fields.size() == 1) return fields.front().step(pads.front(), dt, motion_on(0));
   for (std::size_t k = 0; k < fields.size(); ++k) fields[k].approach(pads[k], dt);
-  if (std::ranges::count_if(fields, &Field::is_near) > 1) {
+  const bool shared = std::ranges::count_if(fields, &Field::is_near) > 1;
+  if (shared) {
     share_elements(fields, pads);
   } else {
     for (Field& field : fields) field.exclude({});
   }
   for (std::size_t k = 0; k < fields.size(); ++k) fields[k].finish(motion_on(k));
+  if (shared) refuse_two_contacts(fields);
 }
 
 void exclude_all_but_first(std::span<Field> fields, std::span<const Pose> pads) {

@@ -19,7 +19,8 @@
 namespace slipbench {
 
 // Steps `fields`, one for each surface that the pad may touch, all of one layout. `pads`: the pad's pose in each surface at the end of the step;
-// `dt`, `motions` (one a surface, or empty): as in Field::step(). With one field this is Field::step().
+// `dt`, `motions` (one a surface, or empty): as in Field::step(). With one field this is Field::step(). Throws std::logic_error if an
+// element touched two surfaces, which cannot be but by a fault of this file.
 void step_on_surfaces(std::span<Field> fields, std::span<const Pose> pads, double dt, std::span<const Twist> motions);
 
 // For steps that take one field at a time, to poses near `pads`: excludes every element from all surfaces but the one that it touches, or, where it

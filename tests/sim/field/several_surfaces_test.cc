@@ -182,6 +182,21 @@ TEST(SeveralSurfaces, EffectsRememberAnElementOverASeam) {
   expect_as_on_a_plane(damped, halves(0.0), {}, 1e-11);
 }
 
+TEST(SeveralSurfaces, BumpsOfTwoSurfacesBearOnce) {
+  // Ridges of 20 um stand out of two level boxes: in the step of a touch a pillar is outside of both shapes and on a bump of either.
+  const std::vector<Named> ridges{
+      testing_bench::named(effect_catalogue(), "texture", {{"height", 20e-6}, {"wavelength", 1e-3}})};
+  Rig two(pillars(), {{wide, {0.0, 0.0, -10e-3}}, {wide, {0.0, 0.0, -10e-3}}}, ridges),
+      one(pillars(), {{wide, {0.0, 0.0, -10e-3}}}, ridges);
+  for (int k = 0; k < 400; ++k) {
+    const Pose pose = at(1e-5 * k, 0.0, 30e-6 - 1e-7 * k);
+    const ContactFrame &a = two.step(pose), &b = one.step(pose);
+    ASSERT_EQ(two.touching_twice(), 0U) << k;
+    ASSERT_LT((a.force - b.force).abs().maxCoeff(), 1e-12) << k;
+  }
+  EXPECT_GT(one.fields[0].touching(), 0U);
+}
+
 TEST(SeveralSurfaces, AHigherNeighbourGivesNoEnergyToWhatComesFromTheSide) {
   // From a face at 0 on to one at 0.2 mm, swept from the side: the depth goes on from 0.3 mm, so the force does not grow.
   Rig rig(pillars(1, 0.0),
