@@ -248,7 +248,7 @@ void Field::open_excluded() {
 }
 
 bool Field::is_near() const {
-  if (touching_ > 0) return true;
+  if (touching_ > 0 || has_bumps()) return true;
   for (std::size_t k = 0; k < candidates_.count; ++k) {
     const double* const gaps = columns_[gap] + candidates_[k];
     if (std::any_of(gaps, gaps + kernel::lanes, [](double each) { return each < 0.0; })) return true;
