@@ -10,6 +10,7 @@
 #include <string>
 
 #include "sim/core/error.h"
+#include "sim/core/vectorise.h"
 #include "sim/field/return_mapping.h"
 
 namespace slipbench {
@@ -159,28 +160,7 @@ void Field::load_state(std::span<const double> state) {
   if (active_set_) active_set_->reset();
 }
 
-void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
-  begin_step(pad_in_surface, dt);
-  if (plain_ && touching_ == count_ && excluded_.empty() && contacts_.looks_at_plane(pose_)) {
-    kernel::slide_on_plane(columns_, pose_, padded_);
-  } else {
-    find_contacts();
-    find_forces(motion);
-  }
-  end_step();
-}
-
-void Field::approach(const Pose& pad_in_surface, double dt) {
-  begin_step(pad_in_surface, dt);
-  find_contacts();
-}
-
-void Field::finish(const Twist* motion) {
-  find_forces(motion);
-  end_step();
-}
-
-void Field::begin_step(const Pose& pad_in_surface, double dt) {
+SLIPBENCH_INLINE void Field::begin_step(const Pose& pad_in_surface, double dt) {
   pose_.rotation = pad_in_surface.rotation;  // apart: as a whole it waits for the position to be written
   pose_.position = pad_in_surface.position;
   step_ = placed_ ? dt : 0.0;
@@ -205,10 +185,31 @@ void Field::find_contacts() {
 
 void Field::find_forces(const Twist* motion) { effects_.skin ? step_on_skin(motion) : step_in_stages(motion); }
 
-void Field::end_step() {
+SLIPBENCH_INLINE void Field::end_step() {
   if (kernel::any_changes(columns_, active())) resolve_events();
   if (active_set_) active_set_->end_step(contacts_, columns_);
   placed_ = true;
+}
+
+void Field::step(const Pose& pad_in_surface, double dt, const Twist* motion) {
+  begin_step(pad_in_surface, dt);
+  if (plain_ && touching_ == count_ && excluded_.empty() && contacts_.looks_at_plane(pose_)) {
+    kernel::slide_on_plane(columns_, pose_, padded_);
+  } else {
+    find_contacts();
+    find_forces(motion);
+  }
+  end_step();
+}
+
+void Field::approach(const Pose& pad_in_surface, double dt) {
+  begin_step(pad_in_surface, dt);
+  find_contacts();
+}
+
+void Field::finish(const Twist* motion) {
+  find_forces(motion);
+  end_step();
 }
 
 void Field::step_in_stages(const Twist* motion) {

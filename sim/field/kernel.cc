@@ -74,7 +74,7 @@ SLIPBENCH_DISPATCHED void turn_away(const Columns& c, const Pose& pose, std::siz
 
 namespace {
 
-template <class Shape>
+template <bool kThin, class Shape>
 SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose& pose, const Groups& groups, double column) {
   const Eigen::Matrix3d& r = pose.rotation;
   for (std::size_t k = 0; k < groups.count; ++k) {
@@ -84,7 +84,7 @@ SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose&
     const Lanes tip[3] = {turned(r, 0, x, y, z) + pose.position.x(), turned(r, 1, x, y, z) + pose.position.y(),
                           turned(r, 2, x, y, z) + pose.position.z()};
     const Lanes axis[3] = {turned(r, 0, u, v, w), turned(r, 1, u, v, w), turned(r, 2, u, v, w)};
-    const Met<Lanes> met = shape.met(tip, axis, column);
+    const Met<Lanes> met = shape.template met<kThin>(tip, axis, column);
     put(c, gap, i, met.gap);
     put(c, normal_x, i, met.nx);
     put(c, normal_y, i, met.ny);
@@ -99,12 +99,13 @@ SLIPBENCH_INLINE void meet_all(const Columns& c, const Shape& shape, const Pose&
 }  // namespace
 
 SLIPBENCH_DISPATCHED void meet_box(const Columns& c, const Box& box, const Pose& pose, const Groups& groups, double column) {
-  meet_all(c, box, pose, groups, column);
+  box.is_thin(column) ? meet_all<true>(c, box, pose, groups, column) : meet_all<false>(c, box, pose, groups, column);
 }
 
 SLIPBENCH_DISPATCHED void meet_cylinder(const Columns& c, const Cylinder& cylinder, const Pose& pose, const Groups& groups,
                                         double column) {
-  meet_all(c, cylinder, pose, groups, column);
+  cylinder.is_thin(column) ? meet_all<true>(c, cylinder, pose, groups, column)
+                           : meet_all<false>(c, cylinder, pose, groups, column);
 }
 
 SLIPBENCH_DISPATCHED Sorted sort_groups(const Columns& c, const Groups& candidates, std::uint32_t* active, std::uint32_t* idle) {

@@ -33,7 +33,7 @@ void refuse_lost(const Field& field, double thickness, double time) {
   const std::optional<Field::Lost>& lost = field.lost();
   if (!lost) return;
   throw InputError(fmt::format(
-      "surface: at {} element {} of the pad was {:.3g} mm deep in a shape that is {:.3g} mm thick and has come through its middle, where its force would vanish; choose a larger shape or less motion.compression",
+      "surface: at {} element {} of the pad was {:.3g} mm deep in a shape that is {:.3g} mm thick and now looks out of another side of it, where its force would vanish; choose a larger shape or less motion.compression",
       format_quantity(time, Quantity::time), lost->element, 1e3 * lost->depth, 1e3 * thickness));
 }
 

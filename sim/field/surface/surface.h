@@ -75,7 +75,8 @@ struct Sphere {
 struct Box {
   Eigen::Vector3d half;  // m, half extents along x, y, z; centre at the origin
 
-  template <class Real>
+  // `kThin`: is_thin(column).
+  template <bool kThin, class Real>
   [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3], double column) const {
     constexpr double infinite = std::numeric_limits<double>::infinity();
     const Real none{}, one = none + 1.0;
@@ -125,7 +126,7 @@ struct Box {
       for (int k = 0; k < 3; ++k) n[k] = is_outside ? (p[k] < 0.0 ? -outside[k] : outside[k]) / distance : n[k];
       gap = is_outside ? distance : gap;
       faces = is_outside ? beyond : faces;
-      if (is_thin(column)) {
+      if constexpr (kThin) {
         for (int k = 0; k < 3; ++k) {  // the tip is beyond the face opposite to the one by which its column came in
           const Real looks = a[k] < 0.0 ? one : -one, slope = a[k] < 0.0 ? -a[k] : a[k], depth = half[k] - looks * p[k];
           const Real lateral = distance2 - outside[k] * outside[k];
@@ -144,7 +145,8 @@ struct Box {
   [[nodiscard]] bool is_thin(double column) const { return 2.0 * half.minCoeff() < column; }
 
   [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az, double column = 0.0) const {
-    const Met<double> point = met({x, y, z}, {ax, ay, az}, column);
+    const double p[3] = {x, y, z}, a[3] = {ax, ay, az};
+    const Met<double> point = is_thin(column) ? met<true>(p, a, column) : met<false>(p, a, column);
     return {point.gap, point.nx, point.ny, point.nz, static_cast<unsigned>(point.faces)};
   }
 
@@ -172,7 +174,8 @@ struct Cylinder {
   double radius;       // m
   double half_length;  // m
 
-  template <class Real>
+  // `kThin`: is_thin(column).
+  template <bool kThin, class Real>
   [[nodiscard, gnu::always_inline]] inline Met<Real> met(const Real (&p)[3], const Real (&a)[3], double column) const {
     const Real none{}, one = none + 1.0;
     const Real r = root_of(p[0] * p[0] + p[1] * p[1]);
@@ -207,7 +210,7 @@ struct Cylinder {
     const Real out_faces = beyond ? none + side_bit + cap_bit(end) : none + side_bit;
     Real share = beside ? out : past;
     Real gap = beside ? out_gap : past_gap, nz = beside ? out_z : past_z, faces = beside ? out_faces : past_faces;
-    if (is_thin(column)) {  // the tip is beyond the cap opposite to the one by which its column came in
+    if constexpr (kThin) {  // the tip is beyond the cap opposite to the one by which its column came in
       const auto through = (towards_cap >= upright) & (side <= 0.0) & (depth > 2.0 * half_length) &
                            (depth <= column * towards_cap) & enters_by_cap(p, a, depth / towards_cap);
       gap = through ? -depth : gap;
@@ -222,7 +225,8 @@ struct Cylinder {
   [[nodiscard]] bool is_thin(double column) const { return 2.0 * half_length < column; }
 
   [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az, double column = 0.0) const {
-    const Met<double> point = met({x, y, z}, {ax, ay, az}, column);
+    const double p[3] = {x, y, z}, a[3] = {ax, ay, az};
+    const Met<double> point = is_thin(column) ? met<true>(p, a, column) : met<false>(p, a, column);
     return {point.gap, point.nx, point.ny, point.nz, static_cast<unsigned>(point.faces)};
   }
 

@@ -34,8 +34,8 @@ namespace slipbench {
 // h, c: the centre of mass in the frame, with the pose of step k. The rule compares the recorded truth with the recorded motion: over a window of n
 // steps the mean of F_k - m a_k must be 0 to 0.1 % of m g.
 // The balance holds to rounding for forces that MuJoCo takes as they are at the start of the step. An integrator that looks ahead (RK4,
-// average_acceleration.h, the damping of joints and motors) puts a force between those of the step's two ends, as does the
-// term of omega for an off-centre mass. The window's mean is then off by at most sum |P_k+1 - P_k|/n, P the sum of such forces, and the rule
+// average_acceleration.h, the damping of joints and motors, MuJoCo's contacts beside implicit fields) puts a force between those of the step's two
+// ends, as does the term of omega for an off-centre mass. The window's mean is then off by at most sum |P_k+1 - P_k|/n, P the sum of such forces, and the rule
 // allows that much more.
 //
 // Energy. A field is passive: over any time, with q the generalized force of all fields, U their elastic energy and L what their

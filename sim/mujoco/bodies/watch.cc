@@ -165,7 +165,8 @@ void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocit
     now.force = pads_force + joints + linear(d()->qfrc_constraint) + linear(d()->qfrc_applied) + weight;
     now.predicted = joints - centripetal;
     if (pads_predicted) now.predicted += pads_force;
-    if (leads) now.predicted += linear(d()->qfrc_constraint);
+    // With impratio 1e4 beside implicit pads MuJoCo's solver leaves a rest that changes its sign from step to step.
+    if (leads || implicit) now.predicted += linear(d()->qfrc_constraint);
     now.mass_times_acceleration =
         mass * (rate + spin_rate.cross(arm)) + centripetal + linear(m()->dof_armature).cwiseProduct(rate);
     if (const auto wrong = body.rule.check(now, dt)) {
@@ -189,8 +190,13 @@ void DynamicSimulation::State::watch(double time, const Eigen::VectorXd& velocit
     const Pad& pad = pads[contact.pad];
     const Field& field = pad.instance->fields()[contact.field];
     const kernel::SpringSums sums = field.spring_sums();
-    const Wrench damped = field.damped_wrench_on_pad(pad.instance->motion(contact.field), pad.instance->config().damping);
-    contact.on_pad = pad_pose(pad).rotation * (field.pad_in_surface().rotation.transpose() * damped.force);
+    if (!implicit) {  // else its force is the solver's
+      const double damping = pad.instance->config().damping;
+      // RK4 has been through other stages since the tick.
+      const Wrench damped =
+          leads ? field.damped_wrench_on_pad(pad.instance->motion(contact.field), damping) : pad.instance->applied(contact.field);
+      contact.on_pad = pad_pose(pad).rotation * (field.pad_in_surface().rotation.transpose() * damped.force);
+    }
     now.elastic += sums.elastic;
     slip_loss += sums.slip_loss;
   }

@@ -436,13 +436,16 @@ void PadInstance::add_force(const mjModel* model, mjData* data) {
   const Parts state = parts(model, data);
   computed_at_ = data->time;
   rested_ = rests(model, data, state, data->time);
-  if (rested_) return;
+  if (rested_) {
+    for (Touched& touched : touched_) touched.applied = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    return;
+  }
   evaluated_ = locate(model, data);
   evaluate(state, data->time);
   if (!config_.unchecked) check_site(model, is_placed(state.fields));
   const mjtNum* origin = data->site_xpos + 3 * config_.site;
   for (std::size_t k = 0; k < fields_.size(); ++k) {
-    const Wrench wrench = fields_[k].damped_wrench_on_pad(touched_[k].motion, config_.damping);
+    const Wrench& wrench = touched_[k].applied = fields_[k].damped_wrench_on_pad(touched_[k].motion, config_.damping);
     if (wrench.force.isZero(0.0) && wrench.torque.isZero(0.0)) continue;
     const Touched& touched = touched_[k];
     const Eigen::Matrix3d surface = MjMatrix(data->geom_xmat + 9 * touched.geom) * touched.surface_in_geom.rotation;
@@ -545,9 +548,9 @@ void PadInstance::refuse_lost(const mjModel* model) const {
     const char* const body = mj_id2name(model, mjOBJ_BODY, touched_[k].body);
     const double thickness = thickness_of(touched_[k].shape);
     throw InputError(fmt::format(
-        "plugin '{}': at {:.6g} s element {} was {:.3g} mm deep in geom '{}' of body '{}' and has come through its middle, where the nearest side is another one and its force would vanish{}; press less or make the body thicker",
+        "plugin '{}': at {:.6g} s element {} was {:.3g} mm deep in geom '{}' of body '{}'{} and now looks out of another side of it, where its force would vanish; press less or make the body thicker",
         config_.name, time_, lost->element, 1e3 * lost->depth, name_of_geom(model, geom), body == nullptr ? "" : body,
-        std::isfinite(thickness) ? fmt::format("; the geom is {:.3g} mm thick", 1e3 * thickness) : ""));
+        std::isfinite(thickness) ? fmt::format(", which is {:.3g} mm thick,", 1e3 * thickness) : ""));
   }
 }
 

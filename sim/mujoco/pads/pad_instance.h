@@ -169,6 +169,8 @@ class PadInstance {
   // For the group of all pads (field_plugin.h):
   // Whether a step has been committed since the last reset.
   [[nodiscard]] bool placed(const mjModel* model, mjData* data) const;
+  // After add_force(): the force and torque of the elements of field `k` on the pad, springs and dashpots, in the frame of the surface that it meets.
+  [[nodiscard]] const Wrench& applied(std::size_t k) const { return touched_[k].applied; }
   // After add_force(): how many elements touch the geom of field `k`.
   [[nodiscard]] std::size_t touching(std::size_t k) const { return rested_ ? 0 : fields_[k].touching(); }
   // The tangent of every touched geom's elements that touch in the trial, taken as stuck.
@@ -215,6 +217,7 @@ class PadInstance {
     double reach;  // m, between the origins of pad and geom, beyond which nothing touches; 0: not known
     Pose pad_in_surface{};
     Twist motion{};  // of the pad in the surface's frame
+    Wrench applied{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  // of the last add_force()
   };
   // Parts of the instance's share of plugin_state. `fields`: the fields' states, where the pad and all that it may
   // touch were when it was last found at rest, and what it may leave out.

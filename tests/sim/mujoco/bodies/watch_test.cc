@@ -128,7 +128,8 @@ TEST_P(RightRun, ComesToItsEnd) {
   std::string shake = "duration: 0.5 s\ncontrols: {left: 6 N, right: [[0.2 s, 6 N]";
   for (int k = 1; k <= 30; ++k) shake += ", [" + std::to_string(0.2 + 0.01 * k) + " s, " + (k % 2 == 1 ? "1 N]" : "11 N]");
   EXPECT_EQ(outcome(held_box(shake + "]}\n"), two_fingers(integrator)), "accepted") << "shaken";
-  for (const std::string mass : {"5 g", "100 g", "5 kg"}) {
+  // 1 kg at 0.5 m/s is stopped within 2 mm by nine pillars of 7.1 kN/m, sqrt(m/(9 k_n)) v; they are 4.2 mm high.
+  for (const std::string mass : {"5 g", "100 g", "1 kg"}) {
     for (const std::string damping : {"0 ms", "1 ms"}) {
       EXPECT_EQ(outcome(falling_box(mass, damping), "<mujoco><option " + integrator + "/>" + lying_pad), "accepted")
           << mass << ", " << damping;

@@ -107,7 +107,7 @@ TEST_P(PluginSurfaces, AnElementThatComesThroughARoundBodyIsRefused) {
     refused = mju_error_of([=] { mj_step(m, d); });
   }
   EXPECT_THAT(refused, HasSubstr("deep in geom 'wire' of body 'object'"));
-  EXPECT_THAT(refused, HasSubstr("the geom is 0.6 mm thick"));
+  EXPECT_THAT(refused, HasSubstr("which is 0.6 mm thick, and now looks out of another side"));
 }
 
 TEST(PluginSurfaces, ACardBetweenTwoPadsIsHeldAtAnyGrip) {
