@@ -116,10 +116,16 @@ class ReferenceTest(unittest.TestCase):
             source = Path(folder) / "bts3v2_palm_45.csv"
             names = [f"{finger}_biotac_{e}" for finger in ("ff", "mf", "th") for e in range(1, 25)]
             source.write_text(",".join(["object", "slipped", *names]) + "\ncoke,1" + ",3000" * 72 + "\n", encoding="ascii")
-            out.unlink()
-            subprocess.run([PROGRAM, "import", source, "--format", "bts3v2", "-o", out], stdout=subprocess.DEVNULL, check=True)
-            with h5py.File(out) as file:
-                self.look_at(file)
+            # A recording with times, whose sensor says how even they are.
+            simulated, tables = Path(folder) / "simulated.h5", Path(folder) / "tables"
+            stage = [PROGRAM, "run", ROOT / "scenes/papillarray/stage.yaml", "-o", simulated]
+            for command in (stage, [PROGRAM, "export", simulated, "--format", "training-csv", "-o", tables]):
+                subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
+            for recording, written_as in ((source, "bts3v2"), (tables, "training-csv")):
+                out.unlink()
+                subprocess.run([PROGRAM, "import", recording, "--format", written_as, "-o", out], stdout=subprocess.DEVNULL, check=True)
+                with h5py.File(out) as file:
+                    self.look_at(file)
         self.assertEqual(set(), set(self.rows) - self.held, "the reference names what no file holds")
 
 

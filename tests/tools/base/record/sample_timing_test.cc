@@ -67,7 +67,7 @@ struct Uneven {
 // of 1,000 samples missing: 998 steps in 0.999 s.
 const std::vector<Uneven> uneven{
     {"bursts", 600, [](double k) { return 0.1 * std::floor(k / 10.0) + 0.001 * std::fmod(k, 10.0); }, 599.0 / 5.909, 1000.0,
-     0.091, 0.009},
+     0.091, NAN},
     {"two rates", 600, [](double k) { return k < 300.0 ? k / 100.0 : 3.0 + (k - 300.0) / 50.0; }, 599.0 / 8.98, 100.0, 0.02, NAN},
     {"gap", 600, [](double k) { return k / 100.0 + (k < 300.0 ? 0.0 : 0.5); }, 599.0 / 6.49, 100.0, 0.51, 2.99},
     {"lost sample", 999, [](double k) { return (k < 500.0 ? k : k + 1.0) / 1000.0; }, 998.0 / 0.999, 1000.0, 0.002, 0.499}};
