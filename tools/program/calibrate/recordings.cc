@@ -185,6 +185,9 @@ void check_same_columns(const std::string& name, const Columns& columns, const s
 
 void check_same_sampling(const RawRecording& real, const std::vector<SensorRecord>& simulated, const Columns& columns,
                          double most_longer, double lag) {
+  const auto readable = [](double value, Quantity quantity) {
+    return format_quantity(std::stod(fmt::format("{:.4g}", value)), quantity);
+  };
   const auto duration = [](const SensorRecord& sensor) {
     return sensor.time.empty() ? 0.0 : sensor.time.back() - sensor.time.front();
   };
@@ -195,15 +198,14 @@ void check_same_sampling(const RawRecording& real, const std::vector<SensorRecor
     if (recorded_step > 0.0 && scene_step > 0.0 && !same_rate(1.0 / recorded_step, 1.0 / scene_step)) {
       reject(
           "{}: {}/{} has a sample every {} and the scene's sensor every {}; allowed: the same rate within 1 %, found {} against {}",
-          real.name, place.sensor, place.channel, format_quantity(recorded_step, Quantity::time),
-          format_quantity(scene_step, Quantity::time), format_quantity(1.0 / recorded_step, Quantity::frequency),
-          format_quantity(1.0 / scene_step, Quantity::frequency));
+          real.name, place.sensor, place.channel, readable(recorded_step, Quantity::time), readable(scene_step, Quantity::time),
+          readable(1.0 / recorded_step, Quantity::frequency), readable(1.0 / scene_step, Quantity::frequency));
     }
     const double recorded_duration = duration(recorded), scene_duration = duration(scene);
     const double longer = std::max(recorded_duration, scene_duration), shorter = std::min(recorded_duration, scene_duration);
     if (shorter > 0.0 && longer - lag > most_longer * shorter) {
       reject("{}: sensor {} lasts {} and the scene's trial {}; allowed: up to {:.0f} % longer than the other", real.name,
-             place.sensor, format_quantity(recorded_duration, Quantity::time), format_quantity(scene_duration, Quantity::time),
+             place.sensor, readable(recorded_duration, Quantity::time), readable(scene_duration, Quantity::time),
              100.0 * (most_longer - 1.0));
     }
   }

@@ -196,7 +196,7 @@ TEST_F(Grouped, RefusesWhatDoesNotFit) {
                 "against 250 Hz"));
   // Trials of 1.2 s. All are compared by their last part, so up to twice as long is accepted.
   EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"duration", "2.5 s"}})),
-              HasSubstr("sensor pad lasts 2.5 s and the scene's trial 1.2 s; allowed: up to 100 % longer than the other"));
+              HasSubstr("sensor pad lasts 2496 ms and the scene's trial 1196 ms; allowed: up to 100 % longer than the other"));
 }
 
 }  // namespace
