@@ -18,7 +18,8 @@
 namespace slipbench::verify {
 namespace {
 
-constexpr double slack = 2e-6;     // m
+// Poses are float32, and a pad between two steps of the simulation is recorded on the straight way between them [m].
+constexpr double slack = 1e-5;
 constexpr double of_force = 1e-5;  // of the normal force: a float32
 
 // Effects by which f_n is not k_n times the depth in the body's shape.
@@ -70,6 +71,12 @@ void check_contact(const Scene& scene, std::size_t index, const TrialRecord& rec
     return;
   }
   const PadLayout layout = make_sensor(described, scene.seed, record.trial)->layout();
+  const auto is_sum = [](const UnitRange& unit) { return unit.count > 1; };
+  const auto is_turned = [&](const Element& element) { return element.axis != layout.elements.front().axis; };
+  if (std::ranges::any_of(layout.units, is_sum) && std::ranges::any_of(layout.elements, is_turned)) {
+    verification.leave_out(Check::contact, "elements of one unit meet faces of several directions");
+    return;
+  }
   std::vector<TouchedBody> bodies;
   const auto touch = [&](const std::string& name, const std::optional<Surface>& shape) {
     if (!shape) return false;
@@ -124,7 +131,7 @@ void check_contact(const Scene& scene, std::size_t index, const TrialRecord& rec
       }
       if (row == 0 || labels.unit_state[i] != 0 || labels.unit_state[i - units] == 0) continue;
       for (std::size_t e = first; e < end; ++e) {
-        if (depth[e] < 5.0 * slack || depth[e] < 0.5 * before[e]) continue;
+        if (depth[e] < 2.0 * slack || depth[e] < 0.5 * before[e]) continue;
         fail("unit_state",
              fmt::format("has let go, and element {} is still {:.4g} mm deep in what it touched", e, 1e3 * depth[e]));
         break;
