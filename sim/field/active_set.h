@@ -40,6 +40,8 @@ class ActiveSet {
 
   // The active groups of the last step.
   [[nodiscard]] kernel::Groups active() const { return active_.groups(); }
+  // True if element i does not sleep: where it meets the surface is up to date.
+  [[nodiscard]] bool is_awake(std::size_t i) const { return !sleeps(i / kernel::lanes); }
   // How many steps have begun.
   [[nodiscard]] std::uint64_t steps() const { return steps_; }
   // The groups that have been active in a step after the first `since`, all up to date. The list holds until the next call.

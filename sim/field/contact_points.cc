@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace slipbench {
 namespace {
@@ -50,6 +51,99 @@ bool ContactPoints::is_thin() const {
         }
       },
       surface_);
+}
+
+namespace {
+
+using Entry = ContactPoints::Entry;
+
+// A shape whose gap is the distance of the nearest point, by steps of that distance.
+template <class Shape>
+std::optional<Entry> walk_out(const Shape& shape, const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double from) {
+  constexpr int most_steps = 1000;
+  const auto gap = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& a) {
+    return shape.at(p.x(), p.y(), p.z(), a.x(), a.y(), a.z());
+  };
+  const auto distance = [&](const Eigen::Vector3d& p) { return std::min(gap(p, axis).gap, gap(p, -axis).gap); };
+  double way = from, inside = -distance(tip - way * axis);
+  if (!(inside > -same_place)) return std::nullopt;
+  for (int k = 0; k < most_steps && inside > same_place; ++k) {
+    way += inside;
+    inside = -distance(tip - way * axis);
+  }
+  const SurfacePoint met = gap(tip - way * axis, axis);
+  const Eigen::Vector3d n(met.nx, met.ny, met.nz);
+  if (inside > same_place || !(n.dot(axis) < 0.0)) return std::nullopt;
+  return Entry{way, n, SurfacePoint::only_face};
+}
+
+std::optional<Entry> way_out(const Plane& /*shape*/, const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double from) {
+  if (!(axis.z() < 0.0) || tip.z() - from * axis.z() > same_place) return std::nullopt;
+  return Entry{tip.z() / axis.z(), Eigen::Vector3d::UnitZ(), SurfacePoint::only_face};
+}
+
+std::optional<Entry> way_out(const Box& shape, const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double from) {
+  const Box::Passage passage = shape.passage(tip, axis);
+  if (!(passage.from <= from + same_place)) return std::nullopt;
+  return Entry{passage.way, passage.n, passage.faces};
+}
+
+std::optional<Entry> way_out(const Cylinder& shape, const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double from) {
+  const Eigen::Vector3d start = tip - from * axis;
+  if (std::hypot(start.x(), start.y()) > shape.radius + same_place || std::abs(start.z()) > shape.half_length + same_place)
+    return std::nullopt;
+  const double end = axis.z() < 0.0 ? 1.0 : -1.0;
+  const double by_cap =
+      axis.z() == 0.0 ? std::numeric_limits<double>::infinity() : (shape.half_length - end * tip.z()) / std::abs(axis.z());
+  // |tip - t axis|^2 = radius^2 across the cylinder's axis, the later of its two roots.
+  const Eigen::Vector2d across = axis.head<2>(), place = tip.head<2>();
+  const double a = across.squaredNorm(), b = place.dot(across), c = place.squaredNorm() - shape.radius * shape.radius;
+  const double by_side = a == 0.0 ? std::numeric_limits<double>::infinity() : (b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
+  constexpr unsigned side = 2, cap_up = 4, cap_down = 8;
+  if (by_cap <= by_side) return Entry{by_cap, {0.0, 0.0, end}, end > 0.0 ? cap_up : cap_down};
+  const Eigen::Vector2d n = (place - by_side * across) / shape.radius;
+  return Entry{by_side, {n.x(), n.y(), 0.0}, side};
+}
+
+template <class Shape>
+std::optional<Entry> way_out(const Shape& shape, const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double from) {
+  return walk_out(shape, tip, axis, from);
+}
+
+}  // namespace
+
+std::optional<Entry> ContactPoints::entry(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double from) const {
+  const std::optional<Entry> found = std::visit([&](const auto& shape) { return way_out(shape, tip, axis, from); }, surface_);
+  return found && found->way > from + same_place ? found : std::nullopt;
+}
+
+Eigen::Vector3d ContactPoints::normal_at(const Eigen::Vector3d& contact, const Eigen::Vector3d& axis, unsigned faces) const {
+  const Eigen::Vector3d of_face = std::visit(
+      [&](const auto& shape) -> Eigen::Vector3d {
+        if constexpr (requires { shape.normal_of(faces); }) return shape.normal_of(faces);
+        return Eigen::Vector3d::Zero();
+      },
+      surface_);
+  if (!of_face.isZero(0.0)) return of_face;
+  const SurfacePoint met = at(contact, axis);
+  return {met.nx, met.ny, met.nz};
+}
+
+bool ContactPoints::has_come_through(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, unsigned faces, double depth,
+                                     const SurfacePoint& met) const {
+  constexpr double far_side = 0.5;  // cosine between axis and normal
+  const double looks_away = met.nx * axis.x() + met.ny * axis.y() + met.nz * axis.z();
+  const auto round = [&] {  // it faces the far side, or is deep inside and looks out
+    return looks_away > far_side || (looks_away >= 0.0 && met.gap > 0.5 * depth && is_inside(tip));
+  };
+  if (const Box* box = std::get_if<Box>(&surface_)) return box->is_behind(faces, tip, axis);
+  if (const Cylinder* cylinder = std::get_if<Cylinder>(&surface_)) {
+    if (!cylinder->normal_of(faces).isZero(0.0)) return cylinder->is_behind(faces, tip, axis);
+    constexpr unsigned side = 2;
+    return (met.faces & ~side) == 0 && round();
+  }
+  if (on_grid()) return looks_away > far_side;  // whose edges it cannot tell from sides
+  return !on_plane() && round();
 }
 
 // A grid tells the side by the sign of the gap of one of two opposite axes.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <variant>
 
 #include <Eigen/Core>
@@ -31,6 +32,23 @@ class ContactPoints {
   [[nodiscard]] SurfacePoint at(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis) const;
   // Whether a column may stick out of both sides of the surface. The gap of a tip beyond the far side may then change by more than the tip moves.
   [[nodiscard]] bool is_thin() const;
+  // Where the straight line from a tip back along the axis leaves the surface, if it is in it at the distance `from` behind the tip [m]: at the
+  // distance `way` behind the tip, through the face whose bit is `faces`, with the outward normal n there. Nothing if it is not in it there.
+  struct Entry {
+    double way;
+    Eigen::Vector3d n;
+    unsigned faces;
+  };
+  [[nodiscard]] std::optional<Entry> entry(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double from) const;
+  // The outward normal at the point of the surface that an element of this axis touched; `faces`: what it met there.
+  [[nodiscard]] Eigen::Vector3d normal_at(const Eigen::Vector3d& contact, const Eigen::Vector3d& axis, unsigned faces) const;
+  // True if an element that has let go did so without coming out by the face that it had pressed on or beside the surface. `faces`, `depth`: what
+  // it met and how deep it was [m] in the step before; `met`: what it meets now.
+  [[nodiscard]] bool has_come_through(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, unsigned faces, double depth,
+                                      const SurfacePoint& met) const;
+  // How far behind its tip an element is fixed to the pad [m]; 0: not known.
+  [[nodiscard]] double column() const { return column_; }
+  [[nodiscard]] bool on_grid() const { return std::holds_alternative<DistanceGrid>(surface_); }
   // Whether the point p of S [m] is inside of the surface.
   [[nodiscard]] bool is_inside(const Eigen::Vector3d& p) const;
   // Whether the point p of S [m] is outside the surface; false where the gap's slope may exceed 1: between the nodes of a grid.

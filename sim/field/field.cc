@@ -249,7 +249,7 @@ void Field::open_excluded() {
 }
 
 bool Field::is_near() const {
-  if (touching_ > 0 || has_bumps()) return true;
+  if (touching_ > 0 || has_bumps() || on_grid()) return true;  // a tip in a grid may look out of it beside a seam
   for (std::size_t k = 0; k < candidates_.count; ++k) {
     const double* const gaps = columns_[gap] + candidates_[k];
     if (std::any_of(gaps, gaps + kernel::lanes, [](double each) { return each < 0.0; })) return true;
@@ -260,6 +260,26 @@ bool Field::is_near() const {
 double Field::way_inside(std::size_t i) const {
   const Eigen::Vector3d axis = pose_.rotation * layout_.elements[i].axis;
   return columns_[gap][i] / normal(i).dot(axis);
+}
+
+bool Field::keeps_face(std::size_t i) const { return is_inside(i) && (on_plane() || share_face(i)); }
+
+std::optional<ContactPoints::Entry> Field::entry(std::size_t i, double from) const {
+  if (active_set_ && !active_set_->is_awake(i)) return std::nullopt;
+  return contacts_.entry(pose_ * layout_.elements[i].tip, pose_.rotation * layout_.elements[i].axis, from);
+}
+
+void Field::meet_face(std::size_t i, const ContactPoints::Entry& entry) {
+  if (is_inside(i) && (on_plane() || static_cast<unsigned>(columns_[faces][i]) == entry.faces)) return;
+  const Eigen::Vector3d tip = pose_ * layout_.elements[i].tip, axis = pose_.rotation * layout_.elements[i].axis;
+  const double deep = -entry.way * entry.n.dot(axis);
+  const Eigen::Vector3d contact = tip + deep * entry.n;
+  columns_[gap][i] = -deep;
+  columns_[faces][i] = entry.faces;
+  for (const std::size_t k : {0U, 1U, 2U}) {
+    columns_[normal_x + k][i] = entry.n[static_cast<Eigen::Index>(k)];
+    columns_[contact_x + k][i] = contact[static_cast<Eigen::Index>(k)];
+  }
 }
 
 double Field::travel(std::size_t i) const {
@@ -279,8 +299,9 @@ void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
   if (effects_.skin) return;
   const Eigen::Vector3d axis = pose_.rotation * layout_.elements[i].axis, tip = pose_ * layout_.elements[i].tip;
   const Eigen::Vector3d contact = vector(contact_before_x, i), anchor = vector(anchor_x, i);
-  const SurfacePoint held = contacts_.at(contact, axis);
-  const Eigen::Vector3d n(held.nx, held.ny, held.nz), there = next.normal(i);
+  const Eigen::Vector3d n =
+      contacts_.normal_at(contact, axis, on_plane() ? SurfacePoint::only_face : static_cast<unsigned>(from[faces_before][i]));
+  const Eigen::Vector3d there = next.normal(i);
   const double offset = on_plane() ? 0.0 : from[depth_offset][i], beyond = (tip - contact).dot(n);
   const Eigen::Vector3d root = tip - beyond * n;  // where the element would meet the surface held here
   const Eigen::Vector3d stretch = in_plane(here_in_next.rotation * (root - anchor), there);
@@ -291,7 +312,10 @@ void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
   for (const Column c : {gap_before, f_normal_before, limit_before, mode_before}) to[c][i] = from[c][i];
   if (!next.on_plane()) {
     to[faces_before][i] = to[faces][i];
-    to[depth_offset][i] = std::max(0.0, -to[gap][i] - std::max(0.0, -beyond - offset));
+    // Less than what the tip moves in the step is where in the step the face was passed, and no jump.
+    const double jump = -to[gap][i] - std::max(0.0, -beyond);
+    const double travelled = (root - contact).norm() + std::abs(-beyond - offset + from[gap_before][i]);
+    to[depth_offset][i] = offset + (jump > travelled + same_place ? jump : 0.0);
   }
   const auto pass_on = [&](const auto& mine, const auto& others) {
     for (std::size_t k = 0; k < mine.size(); ++k) mine[k]->pass_on(i, *others[k], here_in_next.rotation);
@@ -524,16 +548,14 @@ void Field::resolve_event(std::size_t i) {
   if (to == ElementState::detached && !on_plane() && placed_) note_lost(i);
 }
 
-// An element that comes out of the face that it has pressed on goes on looking at that face, or is beside the surface. One that does not has come
-// through: it faces the far side, or is deep inside and looks out.
 void Field::note_lost(std::size_t i) {
   constexpr double least_depth = 1e-5;  // m: less is lost than positions of bodies are known by
-  constexpr double far_side = 0.5;      // cosine between axis and normal
   const double depth = -columns_[gap_before][i];
-  const double looks_away = normal(i).dot(pose_.rotation * layout_.elements[i].axis);
-  if (depth < least_depth || looks_away < 0.0) return;
-  const bool deep_inside = columns_[gap][i] > 0.5 * depth && contacts_.is_inside(pose_ * layout_.elements[i].tip);
-  if (deep_inside || looks_away > far_side) lost_ = Lost{i, depth};
+  // An element with an offset lets go where it is no deeper than that (keep_energy).
+  if (depth < least_depth || columns_[depth_offset][i] > 0.0) return;
+  const Eigen::Vector3d tip = pose_ * layout_.elements[i].tip, axis = pose_.rotation * layout_.elements[i].axis;
+  if (contacts_.has_come_through(tip, axis, static_cast<unsigned>(columns_[faces_before][i]), depth, contacts_.at(tip, axis)))
+    lost_ = Lost{i, depth};
 }
 
 ElementColumns Field::view(double dt) const {

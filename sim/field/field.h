@@ -83,6 +83,18 @@ class Field {
   [[nodiscard]] bool looks_in(std::size_t i) const { return normal(i).dot(pose_.rotation * layout_.elements[i].axis) < 0.0; }
   // How far the tip of an element that looks_in() has come along its axis since it entered, to first order [m]; negative while it is outside.
   [[nodiscard]] double way_inside(std::size_t i) const;
+  // True if element i, after approach(), is inside and meets the face that it met in the step before.
+  [[nodiscard]] bool keeps_face(std::size_t i) const;
+  // After approach(), ContactPoints::entry() of element i; nothing while its group sleeps.
+  [[nodiscard]] std::optional<ContactPoints::Entry> entry(std::size_t i, double from) const;
+  // After approach(), lets element i meet that face, as far behind its tip as the entry says, where it would meet another face or none: its column
+  // comes out of another surface at that face, or goes in there beside its edge.
+  void meet_face(std::size_t i, const ContactPoints::Entry& entry);
+  // How far behind its tip an element is fixed to the pad [m]; 0: not known.
+  [[nodiscard]] double column_length() const { return contacts_.column(); }
+  [[nodiscard]] bool on_grid() const { return contacts_.on_grid(); }
+  // True if the tip of element i is inside of the surface, whichever way the element looks.
+  [[nodiscard]] bool has_tip_inside(std::size_t i) const { return contacts_.is_inside(pose_ * layout_.elements[i].tip); }
   // How far the tip of an element that touched has come in the step, at least to first order [m].
   [[nodiscard]] double travel(std::size_t i) const;
   // After approach() of both: element i, which touched this surface in the step before, goes on at `next`, where it is_inside(), with the stretch

@@ -2,17 +2,17 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "sim/core/error.h"
 
 namespace slipbench {
 namespace {
 
 constexpr std::size_t none = static_cast<std::size_t>(-1);
-
-// Faces that differ by less lie in one place [m]: the rounding of coordinates.
-constexpr double same_place = 1e-9;
 
 // Of `count` surfaces the one whose face an element passed first, behind its tip by way(k) [m]; none where may_meet(k) holds for no k.
 template <class MayMeet, class Way>
@@ -31,25 +31,77 @@ std::size_t holder_of(std::span<const Field> fields, const State& state) {
   return touched == fields.end() ? none : static_cast<std::size_t>(touched - fields.begin());
 }
 
+// The way of one element back through the union of all surfaces that its tip is in: from each surface into those that touch it there.
+class WayBack {
+ public:
+  WayBack(std::span<const Field> fields, std::size_t i) : entries_(fields.size()) {
+    double way = 0.0;
+    for (std::size_t step = 0; step < most_steps; ++step) {
+      std::size_t next = none;
+      for (std::size_t k = 0; k < fields.size(); ++k) {
+        const std::optional<ContactPoints::Entry> entry = fields[k].entry(i, way);
+        if (!entry) continue;
+        entries_[k] = entry;
+        if (next == none || entry->way > entries_[next]->way + same_place) next = k;
+      }
+      if (next == none) return;
+      first_ = next;
+      way = entries_[next]->way;
+    }
+  }
+
+  // The surface whose face the element passed first, or none.
+  [[nodiscard]] std::size_t first() const { return first_; }
+  [[nodiscard]] const std::optional<ContactPoints::Entry>& entry(std::size_t k) const { return entries_[k]; }
+
+ private:
+  static constexpr std::size_t most_steps = 64;  // surfaces one behind the other
+  std::vector<std::optional<ContactPoints::Entry>> entries_;
+  std::size_t first_ = none;
+};
+
+// The surface that element i meets after approach() of all fields, and that it meets there as the union has it; none: it meets nothing.
+std::size_t owner_of(std::span<Field> fields, std::size_t i, std::size_t holder) {
+  const auto meets = [i](const Field& field) { return field.is_inside(i); };
+  const auto met = std::ranges::count_if(fields, meets);
+  if (holder != none && met == 1 && fields[holder].keeps_face(i)) return holder;
+  // What no surface meets may be in a mesh and look out beside it; what has touched nothing is then told from a pad that looks the wrong way by the
+  // length of its column.
+  const double column = fields.front().column_length();
+  if (met == 0 && holder == none) {
+    const auto in_grid = [i](const Field& field) { return field.on_grid() && field.has_tip_inside(i); };
+    if (column == 0.0 || std::ranges::none_of(fields, in_grid)) {
+      if (!fields.front().has_bumps()) return none;
+      return first_surface(
+          fields.size(), [&](std::size_t k) { return fields[k].looks_in(i); },
+          [&](std::size_t k) { return fields[k].way_inside(i); });
+    }
+  }
+  const WayBack back(fields, i);
+  std::size_t owner = back.first();
+  if (owner == none || (column > 0.0 && back.entry(owner)->way > column)) {
+    // A round body, or none: what each surface says by itself.
+    if (holder != none && (met == 0 || fields[holder].is_inside(i))) return holder;
+    return first_surface(
+        fields.size(), [&](std::size_t k) { return fields[k].is_inside(i); },
+        [&](std::size_t k) { return fields[k].way_inside(i); });
+  }
+  if (holder != none && holder != owner && back.entry(holder)) {
+    // It goes on to a face that has just come to lie before its own.
+    fields[holder].meet_face(i, *back.entry(holder));
+    const double ahead = back.entry(owner)->way - back.entry(holder)->way;
+    if (!(ahead > same_place && ahead <= fields[holder].travel(i) + 2.0 * same_place)) return holder;
+  }
+  fields[owner].meet_face(i, *back.entry(owner));
+  return owner;
+}
+
 // After approach() of all fields.
 void share_elements(std::span<Field> fields, std::span<const Pose> pads) {
   std::vector<std::vector<std::uint32_t>> excluded(fields.size());
   for (std::size_t i = 0; i < fields.front().size(); ++i) {
-    const auto is_inside = [&](std::size_t k) { return fields[k].is_inside(i); };
     const std::size_t holder = holder_of(fields, [i](const Field& field) { return field.state_before(i); });
-    const auto way = [&](std::size_t k) { return fields[k].way_inside(i); };
-    // An element that touches goes on to a face that has just come to lie before its own.
-    const bool held = holder != none && is_inside(holder);
-    const double own = held ? way(holder) : 0.0, ahead = held ? fields[holder].travel(i) + same_place : 0.0;
-    const auto may_meet = [&](std::size_t k) {
-      return is_inside(k) && (!held || k == holder || (way(k) > own + same_place && way(k) <= own + same_place + ahead));
-    };
-    std::size_t owner = first_surface(fields.size(), may_meet, way);
-    if (owner == none) owner = holder;  // which may touch a bump of its surface (SurfaceEffect)
-    if (owner == none && fields.front().has_bumps()) {
-      owner = first_surface(
-          fields.size(), [&](std::size_t k) { return fields[k].looks_in(i); }, way);
-    }
+    const std::size_t owner = owner_of(fields, i, holder);
     if (owner == none) continue;
     if (holder != none && holder != owner) fields[holder].hand_over(i, fields[owner], pads[owner] * pads[holder].inverse());
     for (std::size_t k = 0; k < fields.size(); ++k) {
@@ -61,7 +113,14 @@ void share_elements(std::span<Field> fields, std::span<const Pose> pads) {
 
 // A load that counts twice would be a wrong result without a word.
 void refuse_two_contacts(std::span<const Field> fields) {
-  if (fields.front().has_skin()) return;  // which may bulge against a second surface
+  if (fields.front().has_skin()) {
+    // Each field would solve for a skin that is pressed by its surface alone.
+    if (std::ranges::count_if(fields, [](const Field& field) { return field.touching() > 0; }) > 1) {
+      throw InputError(
+          "effects: elastic_skin: the pad touches two surfaces at once, and its skin is solved for one; let it touch one");
+    }
+    return;
+  }
   for (std::size_t i = 0; i < fields.front().size(); ++i) {
     const auto touches = [i](const Field& field) { return field.state(i) != ElementState::detached; };
     if (std::ranges::count_if(fields, touches) > 1) {
@@ -76,7 +135,7 @@ void step_on_surfaces(std::span<Field> fields, std::span<const Pose> pads, doubl
   const auto motion_on = [&](std::size_t k) { return motions.empty() ? nullptr : &motions[k]; };
   if (fields.size() == 1) return fields.front().step(pads.front(), dt, motion_on(0));
   for (std::size_t k = 0; k < fields.size(); ++k) fields[k].approach(pads[k], dt);
-  const bool shared = std::ranges::count_if(fields, &Field::is_near) > 1;
+  const bool shared = std::ranges::any_of(fields, &Field::is_near);
   if (shared) {
     share_elements(fields, pads);
   } else {

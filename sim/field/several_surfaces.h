@@ -2,8 +2,8 @@
 //
 // Objects made of several primitives, and convex decompositions of meshes, overlap as a rule. What an element meets is the union of all that it
 // may touch: a spring for each surface would count the same load twice.
-// - An element that touches nothing meets, of all surfaces that its tip is inside of, the one whose face it passed first along its axis; of two
-//   at the same place, the first one in the list.
+// - An element that touches nothing meets the face that it passed first along its axis: from its tip the way goes back through all surfaces that
+//   lie in or against each other, and a face between two of them is not met. Of two faces at the same place it is that of the first surface.
 // - An element that touches keeps its surface as long as its tip is inside of that, unless the face of another one comes to lie before it. A face
 //   that comes from below, as where a slope begins, does so by no more than the tip moves in the step. One that lies before by more was met from
 //   the side, which no element feels (field.h), and is not taken.
@@ -19,8 +19,8 @@
 namespace slipbench {
 
 // Steps `fields`, one for each surface that the pad may touch, all of one layout. `pads`: the pad's pose in each surface at the end of the step;
-// `dt`, `motions` (one a surface, or empty): as in Field::step(). With one field this is Field::step(). Throws std::logic_error if an
-// element touched two surfaces, which cannot be but by a fault of this file.
+// `dt`, `motions` (one a surface, or empty): as in Field::step(). With one field this is Field::step(). Throws InputError
+// if a pad with an elastic skin touches two surfaces at once, std::logic_error if an element touched two, which is a fault of this file.
 void step_on_surfaces(std::span<Field> fields, std::span<const Pose> pads, double dt, std::span<const Twist> motions);
 
 // For steps that take one field at a time, to poses near `pads`: excludes every element from all surfaces but the one that it touches, or, where it

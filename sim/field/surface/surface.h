@@ -144,6 +144,53 @@ struct Box {
   // True if a column of that length [m] may stick out of both sides.
   [[nodiscard]] bool is_thin(double column) const { return 2.0 * half.minCoeff() < column; }
 
+  // The outward normal of the face of one bit of SurfacePoint::faces; 0 for several or none.
+  [[nodiscard]] Eigen::Vector3d normal_of(unsigned faces) const {
+    for (int k = 0; k < 3; ++k) {
+      for (const double side : {1.0, -1.0}) {
+        if (faces == static_cast<unsigned>(face_bit(k, side))) return side * Eigen::Vector3d::Unit(k);
+      }
+    }
+    return Eigen::Vector3d::Zero();
+  }
+
+  // Where the straight line from the tip back along the axis leaves the box: at the distance `way` behind the tip [m], through the face of the bit
+  // `faces` whose normal is n; and from which distance on it is in the box.
+  struct Passage {
+    double from, way;
+    Eigen::Vector3d n;
+    unsigned faces;
+  };
+  [[nodiscard]] Passage passage(const Eigen::Vector3d& p, const Eigen::Vector3d& a) const {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    Passage passage{-infinite, infinite, Eigen::Vector3d::Zero(), 0};
+    for (int k = 0; k < 3; ++k) {
+      const double looks = a[k] < 0.0 ? 1.0 : -1.0, slope = std::abs(a[k]);
+      if (slope == 0.0) {
+        if (std::abs(p[k]) > half[k]) passage.from = infinite;
+        continue;
+      }
+      passage.from = std::max(passage.from, (-half[k] - looks * p[k]) / slope);
+      const double way = (half[k] - looks * p[k]) / slope;
+      if (way < passage.way)
+        passage = {passage.from, way, looks * Eigen::Vector3d::Unit(k), static_cast<unsigned>(face_bit(k, looks))};
+    }
+    return passage;
+  }
+
+  // True if an element that pressed on the face of the bit `faces` is past the middle behind that face, neither its tip nor its column beyond the
+  // edges of the face.
+  [[nodiscard]] bool is_behind(unsigned faces, const Eigen::Vector3d& p, const Eigen::Vector3d& a) const {
+    const Eigen::Vector3d n = normal_of(faces);
+    const double slope = -n.dot(a);
+    if (!(slope > 0.0)) return false;
+    Eigen::Index k = 0;
+    n.cwiseAbs().maxCoeff(&k);
+    const double depth = half[k] - n.dot(p), tip[3] = {p.x(), p.y(), p.z()}, axis[3] = {a.x(), a.y(), a.z()};
+    const int pair = static_cast<int>(k);
+    return depth > half[k] && enters_by(pair, tip, axis, 0.0) && enters_by(pair, tip, axis, depth / slope);
+  }
+
   [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az, double column = 0.0) const {
     const double p[3] = {x, y, z}, a[3] = {ax, ay, az};
     const Met<double> point = is_thin(column) ? met<true>(p, a, column) : met<false>(p, a, column);
@@ -156,7 +203,8 @@ struct Box {
 
   // True where the column at the distance `way` behind the tip is within the edges of the faces of pair k.
   template <class Real>
-  [[gnu::always_inline]] inline auto enters_by(int k, const Real (&p)[3], const Real (&a)[3], const Real& way) const {
+  [[gnu::always_inline]] inline decltype(Real{} <= Real{})
+      enters_by(int k, const Real (&p)[3], const Real (&a)[3], const Real& way) const {
     const int u = (k + 1) % 3, v = (k + 2) % 3;
     const Real x = p[u] - way * a[u], y = p[v] - way * a[v];
     return (x <= half[u]) & (x >= -half[u]) & (y <= half[v]) & (y >= -half[v]);
@@ -224,6 +272,21 @@ struct Cylinder {
   // True if a column of that length [m] may stick out of both caps.
   [[nodiscard]] bool is_thin(double column) const { return 2.0 * half_length < column; }
 
+  // The outward normal of the cap of one bit of SurfacePoint::faces; 0 for the side, several or none.
+  [[nodiscard]] Eigen::Vector3d normal_of(unsigned faces) const {
+    for (const double end : {1.0, -1.0}) {
+      if (faces == static_cast<unsigned>(cap_bit(end))) return {0.0, 0.0, end};
+    }
+    return Eigen::Vector3d::Zero();
+  }
+
+  // As of a Box, for a cap.
+  [[nodiscard]] bool is_behind(unsigned faces, const Eigen::Vector3d& p, const Eigen::Vector3d& a) const {
+    const double end = normal_of(faces).z(), slope = -end * a.z(), depth = half_length - end * p.z();
+    const double tip[3] = {p.x(), p.y(), p.z()}, axis[3] = {a.x(), a.y(), a.z()};
+    return slope > 0.0 && depth > half_length && enters_by_cap(tip, axis, 0.0) && enters_by_cap(tip, axis, depth / slope);
+  }
+
   [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az, double column = 0.0) const {
     const double p[3] = {x, y, z}, a[3] = {ax, ay, az};
     const Met<double> point = is_thin(column) ? met<true>(p, a, column) : met<false>(p, a, column);
@@ -236,7 +299,8 @@ struct Cylinder {
 
   // True where the column at the distance `way` behind the tip is within the edge of the caps.
   template <class Real>
-  [[gnu::always_inline]] inline auto enters_by_cap(const Real (&p)[3], const Real (&a)[3], const Real& way) const {
+  [[gnu::always_inline]] inline decltype(Real{} <= Real{})
+      enters_by_cap(const Real (&p)[3], const Real (&a)[3], const Real& way) const {
     const Real x = p[0] - way * a[0], y = p[1] - way * a[1];
     return x * x + y * y <= radius * radius;
   }

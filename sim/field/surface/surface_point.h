@@ -3,6 +3,9 @@
 
 namespace slipbench {
 
+// Places that differ by less are one [m]: the rounding of coordinates.
+inline constexpr double same_place = 1e-9;
+
 // What an element meets: `gap` is the signed distance of its undeformed tip [m] (negative: penetration), `normal` the unit
 // outward normal of the surface there. An element whose axis points away from every face near it never touches: its gap is
 // positive.

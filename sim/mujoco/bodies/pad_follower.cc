@@ -4,7 +4,10 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
+
+#include "sim/core/error.h"
 
 #include "sim/effects/effect_catalogue.h"
 #include "sim/field/several_surfaces.h"
@@ -64,6 +67,12 @@ void PadFollower::go_to(double time, bool arrives) {
     motions_[k] = followed_.motion(k);
   }
   step_on_surfaces(fields_, poses_, dt, arrives ? std::span<const Twist>(motions_) : std::span<const Twist>());
+  for (const Field& field : fields_) {
+    if (!field.lost()) continue;
+    throw InputError(fmt::format(
+        "a sensor that follows '{}': at {:.6g} s its element {} was {:.3g} mm deep in what it touches and has come through it, where its force would vanish; press less or make the body thicker",
+        followed_.config().name, time, field.lost()->element, 1e3 * field.lost()->depth));
+  }
   labels_.update(fields_, time, dt);
   time_ = time;
   placed_ = true;

@@ -409,6 +409,8 @@ void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
 
 // What exerts no force because it looks away, or a huge one because it begins deep inside, was meant otherwise.
 void PadInstance::check_site(const mjModel* model, bool placed) {
+  std::size_t touching = 0;  // on any geom: one may lie beside another
+  for (const Field& field : fields_) touching += field.touching();
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     Touched& touched = touched_[k];
     const auto mistake = [&](const std::string& where, const std::string& what) {
@@ -416,7 +418,7 @@ void PadInstance::check_site(const mjModel* model, bool placed) {
       config_.report(fmt::format("tips of the pad at site '{}' are {} the touched geom '{}'{}",
                                  mj_id2name(model, mjOBJ_SITE, config_.site), where, name_of_geom(model, touched.geom), what));
     };
-    if (touched.watch.looks_out(touched.shape, touched.pad_in_surface, fields_[k].touching())) {
+    if (touched.watch.looks_out(touched.shape, touched.pad_in_surface, touching)) {
       mistake(
           "inside",
           " and look out of it: the site looks the wrong way, or lies inside; allowed: +Z from the touched object into the pad");

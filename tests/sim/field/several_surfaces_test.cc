@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -127,15 +128,15 @@ std::vector<ContactEvent> by_unit(std::vector<ContactEvent> events) {
 }
 
 // The same way over a plane and over surfaces with a seam at x = 0 is felt alike.
-void expect_as_on_a_plane(const PadLayout& pad, std::vector<Placed> surfaces, const std::vector<Named>& effects,
-                          double shortest) {
+void expect_as_on_a_plane(const PadLayout& pad, std::vector<Placed> surfaces, const std::vector<Named>& effects, double shortest,
+                          double tilt = 0.0) {
   Rig seams(pad, std::move(surfaces), effects), plane(pad, {{Plane{}, Eigen::Vector3d::Zero()}}, effects);
   int stuck = 0, slipping = 0;
   for (int tick = 0; tick < 600; ++tick) {
     // Down to 0.3 mm, then 6 mm along x with 12 mm/s, back by 0.1 mm, and up.
     const double x = tick < 40 ? 0.0 : tick < 540 ? 12e-6 * (tick - 40) : 6e-3 - 5e-6 * (tick - 540);
     const double z = tick < 590 ? std::max(-0.3e-3, 0.05e-3 - 1e-5 * tick) : -0.3e-3 + 4e-5 * (tick - 589);
-    const Pose pose = at(x - 3.02e-3, 0.1e-3, z);
+    const Pose pose{Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitY()).toRotationMatrix(), {x - 3.02e-3, 0.1e-3, z}};
     const ContactFrame &a = seams.step(pose), &b = plane.step(pose);
     ASSERT_EQ(seams.touching_twice(), 0U) << tick;
     ASSERT_LT((a.force - b.force).abs().maxCoeff(), shortest * k_n) << tick;
@@ -172,6 +173,66 @@ TEST(SeveralSurfaces, ASeamBetweenLevelFacesIsNotFelt) {
   expect_as_on_a_plane(pillars(), slices, {}, 1e-12);
 }
 
+TEST(SeveralSurfaces, ASeamIsNotFeltByATiltedPad) {
+  // Just past a seam the column of an element comes from the other half. With and without a known height, on boxes and on a box beside a mesh.
+  constexpr double degree = std::numbers::pi / 180.0;
+  PadLayout high = pillars();
+  high.unit_height = 5e-3;
+  for (const double tilt : {-3.0 * degree, -0.1 * degree, 0.1 * degree, 1.0 * degree, 3.0 * degree}) {
+    SCOPED_TRACE(tilt / degree);
+    expect_as_on_a_plane(pillars(), halves(0.0), {}, 1e-11, tilt);
+    expect_as_on_a_plane(high, halves(0.0), {}, 1e-11, tilt);
+    expect_as_on_a_plane(high, halves(0.3e-3), {}, 1e-11, tilt);
+  }
+}
+
+TEST(SeveralSurfaces, AStillTiltedPadPressesBesideASeamAsOnAPlane) {
+  const double tilt = std::numbers::pi / 180.0;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  PadLayout pad = pillars();
+  pad.unit_height = 5e-3;
+  for (const double x : {-20e-6, -5e-6, -1e-6, 0.0, 1e-6, 5e-6, 20e-6}) {
+    Rig seams(pad, halves(0.0)), plane(pad, {{Plane{}, Eigen::Vector3d::Zero()}});
+    for (int k = 0; k <= 40; ++k) {
+      const Pose pose{turn, {x, 0.0, 0.1e-3 - 1e-5 * k}};
+      const ContactFrame &a = seams.step(pose), &b = plane.step(pose);
+      ASSERT_LT((a.force - b.force).abs().maxCoeff(), 1e-9) << x << " " << k;
+    }
+  }
+}
+
+TEST(SeveralSurfaces, ManyWaysUpAndDownASlopeLoseNoForce) {
+  // A ramp that rises out of a flat face, crossed to and fro: back on the flat the element presses with k_n d as before.
+  for (const double angle : {5.0, 20.0}) {
+    const double rise = angle * std::numbers::pi / 180.0;
+    const Box ramp{{20e-3, 20e-3, 10e-3}};
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(-rise, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    // Its upper face goes through the line x = z = 0.
+    const Eigen::Vector3d middle = turn * Eigen::Vector3d(0.0, 0.0, -10e-3);
+    std::vector<Field> fields;
+    const PadLayout pad = pillars(1, 0.0);
+    for (const Box& box : {wide, ramp}) fields.emplace_back(pad, box, Friction{0.0, 0.0});
+    const auto force_at = [&](double x) {
+      const Pose pose = at(x, 0.0, -0.3e-3),
+                 in_ramp{turn.transpose() * pose.rotation, turn.transpose() * (pose.position - middle)};
+      step_on_surfaces(fields, std::array{Pose{pose.rotation, pose.position - Eigen::Vector3d(0.0, 0.0, -10e-3)}, in_ramp}, 1e-3,
+                       {});
+      return fields[0].normal_force(0) + fields[1].normal_force(0);
+    };
+    for (int k = 0; k <= 40; ++k) {
+      const Pose pose = at(-2e-3, 0.0, 0.1e-3 - 1e-5 * k);
+      const Pose in_ramp{turn.transpose() * pose.rotation, turn.transpose() * (pose.position - middle)};
+      step_on_surfaces(fields, std::array{Pose{pose.rotation, pose.position - Eigen::Vector3d(0.0, 0.0, -10e-3)}, in_ramp}, 1e-3,
+                       {});
+    }
+    for (int pass = 0; pass < 50; ++pass) {
+      for (int k = 0; k <= 80; ++k) force_at(-2e-3 + 50e-6 * k);
+      for (int k = 0; k <= 80; ++k) force_at(2e-3 - 50e-6 * k);
+    }
+    EXPECT_NEAR(force_at(-2e-3), k_n * 0.3e-3, 1e-6) << angle;
+  }
+}
+
 TEST(SeveralSurfaces, EffectsRememberAnElementOverASeam) {
   for (const char* name : {"ageing", "viscous_friction", "viscoelastic"}) {
     SCOPED_TRACE(name);
@@ -184,8 +245,7 @@ TEST(SeveralSurfaces, EffectsRememberAnElementOverASeam) {
 
 TEST(SeveralSurfaces, BumpsOfTwoSurfacesBearOnce) {
   // Ridges of 20 um stand out of two level boxes: in the step of a touch a pillar is outside of both shapes and on a bump of either.
-  const std::vector<Named> ridges{
-      testing_bench::named(effect_catalogue(), "texture", {{"height", 20e-6}, {"wavelength", 1e-3}})};
+  const std::vector<Named> ridges{testing_bench::named(effect_catalogue(), "texture", {{"height", 20e-6}, {"wavelength", 1e-3}})};
   Rig two(pillars(), {{wide, {0.0, 0.0, -10e-3}}, {wide, {0.0, 0.0, -10e-3}}}, ridges),
       one(pillars(), {{wide, {0.0, 0.0, -10e-3}}}, ridges);
   for (int k = 0; k < 400; ++k) {
