@@ -315,7 +315,7 @@ void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
     // Less than what the tip moves in the step is where in the step the face was passed, and no jump.
     const double jump = -to[gap][i] - std::max(0.0, -beyond);
     const double travelled = (root - contact).norm() + std::abs(-beyond - offset + from[gap_before][i]);
-    to[depth_offset][i] = offset + (jump > travelled + same_place ? jump : 0.0);
+    to[depth_offset][i] = std::max(0.0, offset + (std::abs(jump) > travelled + same_place ? jump : 0.0));
   }
   const auto pass_on = [&](const auto& mine, const auto& others) {
     for (std::size_t k = 0; k < mine.size(); ++k) mine[k]->pass_on(i, *others[k], here_in_next.rotation);

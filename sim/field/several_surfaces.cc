@@ -96,12 +96,35 @@ std::size_t owner_of(std::span<Field> fields, std::size_t i, std::size_t holder)
   return owner;
 }
 
+// The grid of a mesh rounds edges and knows the nearest face alone: where meshes lie against each other it meets the wall between them, which no
+// element can touch. `owner`: the surface that element i meets, or none.
+void refuse_seam_of_meshes(std::span<const Field> fields, std::span<const Pose> pads, std::size_t i, std::size_t owner) {
+  constexpr double rounded = 1e-4;  // m, a fifth of a cell of half a millimetre
+  constexpr double leaning = -0.7;  // cosine between axis and normal of a face that leans by 45 deg
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    const Field& field = fields[k];
+    if (!field.on_grid() || (owner != none && owner != k) || !field.has_tip_inside(i)) continue;
+    const Eigen::Vector3d axis = pads[k].rotation * field.layout().elements[i].axis, contact = field.contact_point(i);
+    if (field.normal(i).dot(axis) < leaning) continue;
+    for (std::size_t j = 0; j < fields.size(); ++j) {
+      // The element with its tip at that point.
+      Pose there = pads[j] * pads[k].inverse();
+      there = {pads[j].rotation, there * contact - pads[j].rotation * field.layout().elements[i].tip};
+      if (j == k || std::abs(fields[j].meet(i, there).gap) > rounded) continue;
+      throw InputError("a pad is on the seam of two geoms, at least one a mesh, whose edges its distance grid rounds; element " +
+                       std::to_string(i) +
+                       " would press on the wall between them: join the meshes, let them overlap by 2 mm, or use boxes");
+    }
+  }
+}
+
 // After approach() of all fields.
 void share_elements(std::span<Field> fields, std::span<const Pose> pads) {
   std::vector<std::vector<std::uint32_t>> excluded(fields.size());
   for (std::size_t i = 0; i < fields.front().size(); ++i) {
     const std::size_t holder = holder_of(fields, [i](const Field& field) { return field.state_before(i); });
     const std::size_t owner = owner_of(fields, i, holder);
+    if (std::ranges::any_of(fields, &Field::on_grid)) refuse_seam_of_meshes(fields, pads, i, owner);
     if (owner == none) continue;
     if (holder != none && holder != owner) fields[holder].hand_over(i, fields[owner], pads[owner] * pads[holder].inverse());
     for (std::size_t k = 0; k < fields.size(); ++k) {
