@@ -312,10 +312,12 @@ void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
   for (const Column c : {gap_before, f_normal_before, limit_before, mode_before}) to[c][i] = from[c][i];
   if (!next.on_plane()) {
     to[faces_before][i] = to[faces][i];
-    // Less than what the tip moves in the step is where in the step the face was passed, and no jump.
+    // Ways along the axis tell a jump from a bend: where both faces are passed at one place there is none, though depths along their normals differ.
     const double jump = -to[gap][i] - std::max(0.0, -beyond);
+    const double along_there = there.dot(here_in_next.rotation * axis), along = n.dot(axis);
+    const double ahead = to[gap][i] / along_there - beyond / along;
     const double travelled = (root - contact).norm() + std::abs(-beyond - offset + from[gap_before][i]);
-    to[depth_offset][i] = std::max(0.0, offset + (std::abs(jump) > travelled + same_place ? jump : 0.0));
+    to[depth_offset][i] = std::max(0.0, offset + (std::abs(ahead) > travelled + same_place ? jump : 0.0));
   }
   const auto pass_on = [&](const auto& mine, const auto& others) {
     for (std::size_t k = 0; k < mine.size(); ++k) mine[k]->pass_on(i, *others[k], here_in_next.rotation);
