@@ -73,7 +73,8 @@ TEST_F(LearnedLoop, TheNextCommandThatIsNamedRuns) {
         "detector={type: truth, sensor: pad}"});
   const std::string text = said({"train", grasps_, "--recipe", "grasp_gru", "--steps", "5", "-o", folder_ / "grasp.onnx"});
   const std::vector<std::string> words = next_command(text);
-  EXPECT_THAT(words, ElementsAre("eval", folder_ / "grasp.onnx", grasps_, "--sensor", "pad", "--labels", "micro", "--split", "test"));
+  EXPECT_THAT(words,
+              ElementsAre("eval", folder_ / "grasp.onnx", grasps_, "--sensor", "pad", "--labels", "micro", "--split", "test"));
   said(words);
 }
 
@@ -83,7 +84,8 @@ TEST_F(LearnedLoop, TheNextCommandOfMemoriesRuns) {
         "sensors={pad: {type: papillarray, rate: 100 Hz}, skin: {type: piezo_skin, follows: pad}}", "--set",
         "detector={type: truth, sensor: pad}"});
   const std::vector<std::string> words = next_command(said({"train", grasps_, "--labels", "micro", "-o", folder_ / "memories"}));
-  EXPECT_THAT(words, ElementsAre("eval", folder_ / "memories", grasps_, "--sensor", "pad", "--labels", "micro", "--split", "test"));
+  EXPECT_THAT(words,
+              ElementsAre("eval", folder_ / "memories", grasps_, "--sensor", "pad", "--labels", "micro", "--split", "test"));
   said(words);
 }
 
