@@ -18,9 +18,10 @@
 
 namespace slipbench {
 
-// Steps `fields`, one for each surface that the pad may touch, all of one layout. `pads`: the pad's pose in each surface at the end of the step;
-// `dt`, `motions` (one a surface, or empty): as in Field::step(). With one field this is Field::step(). Throws InputError
-// if a pad with an elastic skin touches two surfaces at once, std::logic_error if an element touched two, which is a fault of this file.
+// Steps the fields of one pad, one for each surface that it may touch, all of one layout. `pads` is the pose of the pad in each surface at the end of
+// the step, `dt` and `motions` (one for each surface, or empty) are as in Field::step(), which this is with one field. Throws InputError if a pad with
+// an elastic skin touches two surfaces at once, or if an element is on the seam of two meshes; std::logic_error if an element touched two surfaces,
+// which is a fault of this file.
 void step_on_surfaces(std::span<Field> fields, std::span<const Pose> pads, double dt, std::span<const Twist> motions);
 
 // For steps that take one field at a time, to poses near `pads`: excludes every element from all surfaces but the one that it touches, or, where it

@@ -216,7 +216,7 @@ class PadInstance {
     SiteWatch watch;
     double reach;  // m, between the origins of pad and geom, beyond which nothing touches; 0: not known
     Pose pad_in_surface{};
-    Twist motion{};  // of the pad in the surface's frame
+    Twist motion{};                                                    // of the pad in the surface's frame
     Wrench applied{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  // of the last add_force()
   };
   // Parts of the instance's share of plugin_state. `fields`: the fields' states, where the pad and all that it may
