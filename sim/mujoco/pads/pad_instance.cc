@@ -305,11 +305,15 @@ void PadInstance::evaluate(const Parts& state, double time) {
       fields_[k].step((pose_at(frame, frame + 3) * touched_[k].surface_in_geom).inverse() * pad, step_);
     }
   }
-  for (std::size_t k = 0; k < fields_.size(); ++k) {
-    pads_in_surfaces_[k] = touched_[k].pad_in_surface;
-    motions_[k] = touched_[k].motion;
+  if (fields_.size() == 1) {
+    fields_.front().step(touched_.front().pad_in_surface, dt, &touched_.front().motion);
+  } else {
+    for (std::size_t k = 0; k < fields_.size(); ++k) {
+      pads_in_surfaces_[k] = touched_[k].pad_in_surface;
+      motions_[k] = touched_[k].motion;
+    }
+    step_on_surfaces(fields_, pads_in_surfaces_, dt, motions_);
   }
-  step_on_surfaces(fields_, pads_in_surfaces_, dt, motions_);
   fields_hold_state_ = false;
   evaluated_ = true;
   judged_ = measured_ = false;
@@ -536,6 +540,7 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
     const Touched& touched = touched_[k];
     const Pose geom = pose_at(data->geom_xpos + 3 * touched.geom, data->geom_xmat + 9 * touched.geom);
     contacts.push_back({&fields_[k], ended, model->site_bodyid[config_.site], touched.body, pad, geom * touched.surface_in_geom});
+    pads_in_surfaces_[k] = touched.pad_in_surface;
     pads_in_surfaces_[k].position += step_ * touched.motion.linear;
   }
   exclude_all_but_first(fields_, pads_in_surfaces_);  // the solver steps one field at a time
@@ -616,7 +621,7 @@ void PadInstance::commit(const mjModel* model, mjData* data) {
     evaluated_ = locate(model, data);
     evaluate(state, computed_at_);
   }
-  refuse_lost(model);
+  if (std::ranges::any_of(fields_, [](const Field& field) { return field.lost().has_value(); })) refuse_lost(model);
   state.header[committed_time] = time_;
   if (watched_) remember_readings(state);
   evaluated_ = false;
