@@ -206,7 +206,8 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
             raise _core.InputError("options has 'reset_mask', and this vector resets its environments together; allowed: any other key, without effect")
         for i, one in enumerate([_seed(one) for one in seeds]):
             self._seeds[i], self._episodes[i] = _next_episode(self, self._seeds[i], self._episodes[i], one)
-        observations, _, _, _, infos = self._batch(self._grasps.reset(self._seeds, self._episodes))
+        drawn = [one for one in self._seeds if one is not None]  # all of them
+        observations, _, _, _, infos = self._batch(self._grasps.reset(drawn, self._episodes))
         return observations, infos
 
     def step(self, actions: Observation) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
