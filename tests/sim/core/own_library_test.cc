@@ -1,6 +1,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -22,6 +23,21 @@ TEST(OwnLibrary, StandsByTheProgramsFolder) {
 TEST(OwnLibrary, ThatIsMissingIsNamedWithWhatHelps) {
   EXPECT_THAT(refusal_of([&] { own_symbol("../lib/gone.so", "make", "allowed: another build"); }),
               AllOf(StartsWith("cannot load a library: " + own_path("../lib/gone.so")), EndsWith("; allowed: another build")));
+}
+
+TEST(OwnLibrary, LeavesSignalsToTheProgram) {
+  const auto handler_of = [](int signal) {
+    struct sigaction action {};
+    sigaction(signal, nullptr, &action);
+    return action.sa_handler;
+  };
+  const auto before = std::signal(SIGHUP, [](int) {});
+  const auto ours = handler_of(SIGHUP);
+  own_symbol(SLIPBENCH_TEST_PLUGINS "/takes_signals.so", "nothing", "");
+  EXPECT_EQ(handler_of(SIGHUP), ours);
+  EXPECT_EQ(handler_of(SIGINT), SIG_DFL);
+  EXPECT_EQ(handler_of(SIGTERM), SIG_DFL);
+  std::signal(SIGHUP, before);
 }
 
 std::string refusal(const std::string& path, std::uintmax_t most) {
