@@ -30,7 +30,7 @@ class ContactPoints {
   [[nodiscard]] bool looks_at_plane(const Pose& pose) const { return pose.rotation.row(2).dot(axis_) < 0.0; }
   // Where an element with its tip at `tip` [m] and the unit vector `axis`, both in S, meets the surface.
   [[nodiscard]] SurfacePoint at(const Eigen::Vector3d& tip, const Eigen::Vector3d& axis) const;
-  // Whether a column may stick out of both sides of the surface. The gap of a tip beyond the far side may then change by more than the tip moves.
+  // Returns true if a column may stick out of both sides of the surface. The gap of a tip beyond the far side may then change by more than the tip moves.
   [[nodiscard]] bool is_thin() const;
   // Where the straight line from a tip back along the axis leaves the surface, if it is in it at the distance `from` behind the tip [m]: at the
   // distance `way` behind the tip, through the face whose bit is `faces`, with the outward normal n there. Nothing if it is not in it there.
@@ -49,7 +49,7 @@ class ContactPoints {
   // How far behind its tip an element is fixed to the pad [m]; 0: not known.
   [[nodiscard]] double column() const { return column_; }
   [[nodiscard]] bool on_grid() const { return std::holds_alternative<DistanceGrid>(surface_); }
-  // Whether the point p of S [m] is inside of the surface.
+  // Returns true if the point p of S [m] is inside the surface.
   [[nodiscard]] bool is_inside(const Eigen::Vector3d& p) const;
   // Whether the point p of S [m] is outside the surface; false where the gap's slope may exceed 1: between the nodes of a grid.
   [[nodiscard]] bool is_outside(const Eigen::Vector3d& p) const;

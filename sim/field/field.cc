@@ -239,7 +239,7 @@ void Field::step_in_stages(const Twist* motion) {
   if (has_memory()) commit_rheology(step_);
 }
 
-// What another surface holds is as far outside of this one as it is inside, and meets no face of it.
+// Moves elements that touch another surface out of this one, by as much as they are inside.
 void Field::open_excluded() {
   for (const std::uint32_t i : excluded_) {
     if (columns_[gap][i] >= 0.0) continue;
@@ -312,7 +312,8 @@ void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
   for (const Column c : {gap_before, f_normal_before, limit_before, mode_before}) to[c][i] = from[c][i];
   if (!next.on_plane()) {
     to[faces_before][i] = to[faces][i];
-    // Ways along the axis tell a jump from a bend: where both faces are passed at one place there is none, though depths along their normals differ.
+    // A bend of the surface is passed at one place along the axis, although the depths along the two normals differ. Only a
+    // distance between the faces along the axis is a jump.
     const double jump = -to[gap][i] - std::max(0.0, -beyond);
     const double along_there = there.dot(here_in_next.rotation * axis), along = n.dot(axis);
     const double ahead = to[gap][i] / along_there - beyond / along;

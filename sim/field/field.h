@@ -214,7 +214,7 @@ class Field {
   [[nodiscard]] double stop_stiffness() const { return effects_.lean ? effects_.lean->stop_stiffness : 0.0; }
   // The effect that replaces the circular friction cone, or null.
   [[nodiscard]] const ConeEffect* effect_cone() const { return effects_.cone.get(); }
-  // Whether an effect moves the surface, so that an element may touch a bump of it while it is outside of the shape.
+  // Returns true if an effect moves the surface: an element may then touch a bump while it is outside the shape.
   [[nodiscard]] bool has_bumps() const { return !effects_.surface.empty(); }
   // Whether the pad is one elastic body. The springs of layout() are then its stiffness where it touches as a whole, which no part of it exceeds.
   [[nodiscard]] bool has_skin() const { return effects_.skin != nullptr; }

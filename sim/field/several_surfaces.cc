@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t none = static_cast<std::size_t>(-1);
 
-// Of `count` surfaces the one whose face an element passed first, behind its tip by way(k) [m]; none where may_meet(k) holds for no k.
+// Returns the surface k of `count` with the largest way(k), the distance [m] behind the tip at which the element passed its face; none if
+// may_meet(k) is false for every k.
 template <class MayMeet, class Way>
 std::size_t first_surface(std::size_t count, const MayMeet& may_meet, const Way& way) {
   std::size_t first = none;
@@ -65,8 +66,8 @@ std::size_t owner_of(std::span<Field> fields, std::size_t i, std::size_t holder)
   const auto meets = [i](const Field& field) { return field.is_inside(i); };
   const auto met = std::ranges::count_if(fields, meets);
   if (holder != none && met == 1 && fields[holder].keeps_face(i)) return holder;
-  // What no surface meets may be in a mesh and look out beside it; what has touched nothing is then told from a pad that looks the wrong way by the
-  // length of its column.
+  // The grid of a mesh may miss an element that is inside it beside an edge. A first touch there is accepted only within the length of the column, since a
+  // pad that looks the wrong way is inside, too.
   const double column = fields.front().column_length();
   if (met == 0 && holder == none) {
     const auto in_grid = [i](const Field& field) { return field.on_grid() && field.has_tip_inside(i); };

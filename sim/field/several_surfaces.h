@@ -7,8 +7,8 @@
 // - An element that touches keeps its surface as long as its tip is inside of that, unless the face of another one comes to lie before it. A face
 //   that comes from below, as where a slope begins, does so by no more than the tip moves in the step. One that lies before by more was met from
 //   the side, which no element feels (field.h), and is not taken.
-// - Where the surface changes, the element goes on with the stretch that it has and no more depth than it has (Field::hand_over): nothing is let
-//   go of on a seam between two level faces, and no energy comes from a step.
+// - Where the surface changes, the element goes on with the stretch that it has and no more depth than it has (Field::hand_over): no
+//   force is lost on a seam between two level faces, and a step in the surface gives no energy.
 #pragma once
 
 #include <span>
@@ -24,8 +24,8 @@ namespace slipbench {
 // which is a fault of this file.
 void step_on_surfaces(std::span<Field> fields, std::span<const Pose> pads, double dt, std::span<const Twist> motions);
 
-// For steps that take one field at a time, to poses near `pads`: excludes every element from all surfaces but the one that it touches, or, where it
-// touches none, the one that it would meet first along its axis. An element that crosses a seam in such a step is let go of in this step.
+// Prepares steps that take one field at a time, to poses near `pads` (the pad in each surface): excludes every element from all surfaces but the one
+// that it touches, or that it would meet first along its axis. An element that crosses a seam in such a step has no force in this step.
 void exclude_all_but_first(std::span<Field> fields, std::span<const Pose> pads);
 
 }  // namespace slipbench
