@@ -33,7 +33,7 @@ TEST(OwnLibrary, LeavesSignalsToTheProgram) {
   };
   const auto before = std::signal(SIGHUP, [](int) {});
   const auto ours = handler_of(SIGHUP);
-  own_symbol(SLIPBENCH_TEST_PLUGINS "/takes_signals.so", "nothing", "");
+  own_symbol("../tests/sim/core/takes_signals.so", "nothing", "");
   EXPECT_EQ(handler_of(SIGHUP), ours);
   EXPECT_EQ(handler_of(SIGINT), SIG_DFL);
   EXPECT_EQ(handler_of(SIGTERM), SIG_DFL);
