@@ -191,7 +191,7 @@ TEST_F(Calibrated, LogsAreReadAndTheFittedSceneIsAScene) {
   EXPECT_THAT(calibration_page(logs.json), HasSubstr("Real and synthetic"));
 }
 
-// A trial of 1.1 s at 250 Hz: 276 samples in 1.1 s. Recordings of 1.2 s last 9 % longer, which a log stopped by hand may; those of 1.3 s last 18 % longer.
+// A trial of 1.1 s at 250 Hz has its samples at 4 ms, 8 ms ... 1.1 s, so they span 1096 ms. Recordings of 1.2 s last 9 % longer, which a log stopped by hand may; those of 1.3 s last 18 % longer.
 TEST_F(Calibrated, RecordingsLastAsLongAsTheirTrialsAndHaveTheirRate) {
   const Override one{"sweep", "{motion.direction: [0 deg]}"};
   Options wanted = options({normal}, {one, {"sensors.pad.electronics", "ideal"}});
@@ -205,9 +205,9 @@ TEST_F(Calibrated, RecordingsLastAsLongAsTheirTrialsAndHaveTheirRate) {
   EXPECT_EQ(recorded({"duration", "1.2 s"}), "accepted");
   EXPECT_NEAR(of(fitted(wanted), "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
   EXPECT_EQ(recorded({"duration", "1.3 s"}),
-            name + ": sensor pad lasts 1.3 s and the scene's trial 1.1 s; allowed: up to 10 % longer than the other");
+            name + ": sensor pad lasts 1296 ms and the scene's trial 1096 ms; allowed: up to 10 % longer than the other");
   EXPECT_EQ(recorded({"duration", "0.9 s"}),
-            name + ": sensor pad lasts 0.9 s and the scene's trial 1.1 s; allowed: up to 10 % longer than the other");
+            name + ": sensor pad lasts 896 ms and the scene's trial 1096 ms; allowed: up to 10 % longer than the other");
   EXPECT_EQ(
       recorded({"sensors.pad.rate", "100 Hz"}),
       name +
