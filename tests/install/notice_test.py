@@ -2,6 +2,7 @@
 Arguments: the project's root, the build folder, the folder of its modules (lib/slipbench), the libraries that a module loads by name
 (joined by ":"), the foreign files that are inlined."""
 
+import hashlib
 import os
 import platform
 import re
@@ -19,12 +20,13 @@ del sys.argv[1:]
 # Of https://spdx.org/licenses, those in use.
 LICENCES = {
     "Apache-2.0", "Artistic-2.0", "BSD-2-Clause", "BSD-3-Clause", "BSD-Attribution-HPND-disclaimer", "GPL-2.0-only", "GPL-2.0-or-later",
-    "GPL-3.0-or-later", "LGPL-2.0-or-later", "LGPL-2.1-or-later", "LGPL-3.0-only", "LGPL-3.0-or-later", "LicenseRef-public-domain", "MIT",
+    "GPL-3.0-or-later", "ISC", "LGPL-2.0-or-later", "LGPL-2.1-or-later", "LGPL-3.0-only", "LGPL-3.0-or-later", "LicenseRef-public-domain", "MIT",
     "MPL-2.0", "OLDAP-2.8", "Python-2.0", "Unicode-DFS-2016", "Zlib", "bzip2-1.0.6", "curl"}
 EXCEPTIONS = {"GCC-exception-3.1", "Linux-syscall-note"}
 PROGRAMS = ("bin/slipbench", "bin/slipbench-studies")
 PINS = {name: version for listing in ("requirements", "requirements-test")
         for name, version in re.findall(r"^([a-z-]+)==(\S+)", (ROOT / f"tools/setup/{listing}.txt").read_text(encoding="utf-8"), re.MULTILINE)}
+D3 = ROOT / "tools/base/page/d3"
 SONAME = re.compile(r"[\w.+-]+\.so(?:\.[\w.]+)?")
 
 
@@ -40,6 +42,8 @@ def version_of(package):
     """Of what is installed: a Debian package's to two numbers, since updates of Debian 12 change the others, a pinned one's whole."""
     if package.startswith("PyPI: "):
         return PINS[package.removeprefix("PyPI: ")]
+    if package == "npm: d3":
+        return re.match(r"// https://d3js\.org v(\S+) ", (D3 / "d3.min.js").read_text(encoding="utf-8"))[1]
     listed = subprocess.run(["dpkg-query", "--show", "--showformat=${Version}\n", package], capture_output=True, text=True, check=False).stdout
     return (re.findall(r"^(?:\d+:)?(\d+(?:\.\d+)?)", listed) or ["none"])[0]
 
@@ -106,7 +110,7 @@ def findings(text):
         if any(word not in LICENCES for word in re.split(r" AND | OR ", words.strip())):
             found.append(f"{licence} is no licence of SPDX")
         for package in row_packages:
-            if not package.startswith("PyPI: ") and not Path(f"/usr/share/doc/{package}/copyright").exists():
+            if not package.startswith(("PyPI: ", "npm: ")) and not Path(f"/usr/share/doc/{package}/copyright").exists():
                 found.append(f"{package} has no copyright file here")
             elif version != version_of(package):
                 found.append(f"{package} is {version_of(package)} here, not {version}")
@@ -151,7 +155,8 @@ class NoticeTest(unittest.TestCase):
 
     def test_the_pages_carry_the_licence_of_their_script(self):
         self.assertEqual([path.name for path in INLINED], ["d3.min.js"])
-        self.assertIn("Copyright (c)", (ROOT / "tools/base/page/web/d3_licence.txt").read_text(encoding="utf-8"))
+        self.assertTrue((D3 / "d3_licence.txt").read_text(encoding="utf-8").startswith(f"D3 {version_of('npm: d3')},"))
+        self.assertIn(f"| `d3.min.js` | {hashlib.sha256((D3 / 'd3.min.js').read_bytes()).hexdigest()} |", (D3 / "README.md").read_text(encoding="utf-8"))
 
 
 if __name__ == "__main__":

@@ -65,7 +65,8 @@ def stage(folder):
 
 
 def carry_licences(files, info):
-    """Debian's copyright file of every package that NOTICE.md names or whose library `files` load, nanobind's licence, and the packages' versions."""
+    """Debian's copyright file of every package that NOTICE.md names or whose library `files` load, nanobind's
+    and d3's licences, and the packages' versions."""
     folder = info / "licenses"
     folder.mkdir(exist_ok=True)
     loaded = {os.path.realpath(path) for file in files for path in re.findall(r"=> (/\S+)", said("ldd", file))}
@@ -80,6 +81,7 @@ def carry_licences(files, info):
     there = [path.stem for path in folder.glob("*.txt")]
     (folder / "libraries.txt").write_text(said("dpkg-query", "--show", *sorted(there)), encoding="utf-8")
     shutil.copy(next(VENV.glob("lib/python3*/site-packages/nanobind-*.dist-info/licenses/LICENSE")), folder / "nanobind.txt")
+    shutil.copy(ROOT / "tools/base/page/d3/d3_licence.txt", folder / "d3.txt")
     for name in ("LICENSE", "NOTICE.md"):
         shutil.copy(ROOT / name, folder)
 

@@ -10,8 +10,7 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
     foreach(file IN LISTS ARG_FILES)
       get_filename_component(path ${file} ABSOLUTE)
       list(APPEND files ${path})
-      cmake_path(IS_PREFIX PROJECT_SOURCE_DIR ${path} ours)
-      if(NOT ours)
+      if(path MATCHES "[.]min[.](js|css)$")  # the name of others' files
         set_property(GLOBAL APPEND PROPERTY SLIPBENCH_FOREIGN_FILES ${path})  # for NOTICE.md
       endif()
     endforeach()

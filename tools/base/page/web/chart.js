@@ -26,7 +26,7 @@ sb.text = (x, y, anchor, words, kind) => mark('text.' + (kind || ''), {x, y, 'te
 sb.key = (viewBox, marks, words, kind) =>
     el('span', {}, mark('svg.' + (kind || ''), {viewBox, 'aria-hidden': 'true'}, marks), words);
 
-sb.scale = (logarithmic, domain, range) => (logarithmic ? d3.scale.log() : d3.scale.linear()).domain(domain).range(range);
+sb.scale = (logarithmic, domain, range) => (logarithmic ? d3.scaleLog() : d3.scaleLinear()).domain(domain).range(range);
 // Ticks of a logarithmic axis of `room` px, of which each needs some.
 sb.logTicks = ([low, high], room, needed) => {
   const decade = room / Math.log10(high / low);

@@ -354,8 +354,8 @@ class Diagram {
       this.listed.push([row, node]);
       return node;
     };
-    const reasons = kind => d3.nest().key(({row}) => choice.reason(row)).entries(marks.filter(mark => mark.kind === kind));
-    const entries = kind => reasons(kind).map(({key, values}) => el('li', {}, el('span.why', {}, key), values.map(link)));
+    const reasons = kind => d3.groups(marks.filter(mark => mark.kind === kind), ({row}) => choice.reason(row));
+    const entries = kind => reasons(kind).map(([reason, marks]) => el('li', {}, el('span.why', {}, reason), marks.map(link)));
     const unrun = marks.filter(mark => mark.kind === 'unrun').length;
     this.failures.replaceChildren(...entries('failure'));
     this.unrun.hidden = !unrun;

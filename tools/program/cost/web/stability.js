@@ -73,8 +73,8 @@ function maps(combinations) {
     const [by, facet] = lineOrder[across.key].map(name => axes.find(axis => axis.key === name));
     const byLevels = levels(combinations, by.key), facets = levels(combinations, facet.key);
     // One picture for each case, integrator and level of the third axis.
-    const groups = d3.nest().key(one => JSON.stringify([one.case, one.integrator])).entries(combinations);
-    const pictures = groups.flatMap(({values}) => facets.map(level => {
+    const groups = d3.groups(combinations, one => JSON.stringify([one.case, one.integrator]));
+    const pictures = groups.flatMap(([, values]) => facets.map(level => {
       const held = values.filter(combination => combination[facet.key] === level), {case: name, integrator} = values[0];
       const title =
           [name, integrator, facets.length < 2 ? '' : facet.name + ' ' + facet.text(level)].filter(text => text).join(', ');

@@ -2,7 +2,7 @@
 const el = sb.element, mark = sb.mark;
 
 // Colours of magnitude 0 to 1: dark is little, bright is much, in grey prints as well.
-const ramp = d3.scale.linear()
+const ramp = d3.scaleLinear()
                  .domain([0, 0.25, 0.5, 0.75, 1])
                  .range(['#0b1330', '#3b2f7f', '#a3386f', '#ee7b3c', '#fbe7a1'])
                  .clamp(true);
@@ -45,7 +45,7 @@ class Spectrogram extends sb.TimeChart {
     // A row is drawn around the middle of its window.
     const hop = time.length > 1 ? (last - first) / (time.length - 1) : window_s;
     const [x, end] = [first - 0.5 * hop, last + 0.5 * hop].map(t => this.x(t - 0.5 * window_s));
-    const ticks = d3.scale.linear().domain([0, (columns.length - 0.5) * bin_hz]).ticks(4);
+    const ticks = d3.scaleLinear().domain([0, (columns.length - 0.5) * bin_hz]).ticks(4);
     const middle = tick => height * (1 - (tick + 0.5 * bin_hz) / (columns.length * bin_hz));
     const within = y => Math.min(height - 2, Math.max(9, y + 4));  // all of it on the picture
     return [
@@ -60,9 +60,9 @@ class Spectrogram extends sb.TimeChart {
 // Values of a channel in groups small enough for one chart: those whose names differ in their last part ("T4_W", "T4_N"), or all of them.
 function groupsOf(channel) {
   if (channel.names.length <= 4) return [{name: '', columns: d3.range(channel.names.length)}];
-  const groups = d3.nest().key(i => channel.names[i].replace(/_[^_]*$/, '')).entries(d3.range(channel.names.length));
+  const groups = d3.groups(d3.range(channel.names.length), i => channel.names[i].replace(/_[^_]*$/, ''));
   if (groups.length === 1) return channel.names.map((name, i) => ({name, columns: [i]}));
-  return groups.map(({key, values}) => ({name: key, columns: values}));
+  return groups.map(([name, columns]) => ({name, columns}));
 }
 
 // Charts of one channel, with a choice of the group where there are several.

@@ -90,7 +90,7 @@ sb.TimeChart = class {
   // As the page shows it, or as it is saved: with its heading above and the times below.
   drawing(saved) {
     const {width, height} = this, view = saved ? [0, -18, width, height + 18 + times] : [0, 0, width, height + this.foot];
-    const instants = d3.scale.linear().domain(this.timeline.window).ticks(Math.max(1, Math.floor(this.plot / 80))).map(t => {
+    const instants = d3.scaleLinear().domain(this.timeline.window).ticks(Math.max(1, Math.floor(this.plot / 80))).map(t => {
       const words = sb.significant(+t.toFixed(5), 6) + ' s', over = this.x(t) + 3.2 * words.length > width;
       return text(over ? width : this.x(t), height + 14, over ? 'end' : 'middle', words);
     });
@@ -256,7 +256,7 @@ sb.LineChart = class extends sb.TimeChart {
 
   contents() {
     const {height, bands, strip, columns, factor, plot} = this;
-    const ticks = d3.scale.linear().domain(this.range.map(value => value * factor)).ticks(Math.max(2, height / 32));
+    const ticks = d3.scaleLinear().domain(this.range.map(value => value * factor)).ticks(Math.max(2, height / 32));
     const at = tick => this.y(tick / factor);
     const name = tick =>
         text(left - 5, Math.max(9, Math.min(height, at(tick) + 4)), 'end', sb.significant(+tick.toFixed(9), 4));

@@ -70,14 +70,14 @@ function dots(axis, values, logarithmic) {
   const [low, high] = d3.extent(values);
   const scale = sb.scale(logarithmic, [low, high > low ? high : low + 1], [6, 154]);
   // Ticks at one place are one mark, as dark as they are together.
-  const places = d3.nest().key(value => scale(value).toFixed(0)).rollup(same => same.length).entries(values);
+  const places = d3.rollups(values, same => same.length, value => scale(value).toFixed(0));
   const through = values.length > 40 ? 0.75 : 0.4;
   const said = sb.pathWord(axis.path) + ' of the trials, ' + plain(axis, low) + ' to ' + plain(axis, high);
   return mark(
       'svg', {width: 160, height: 18, role: 'img', 'aria-label': said}, mark('path', {d: 'M6,15H154', stroke: 'var(--line)'}),
       places.map(
-          ({key, values: count}) =>
-              mark('path', {d: 'M' + key + ',4V15', stroke: 'var(--accent)', 'stroke-opacity': 1 - through ** count})));
+          ([place, count]) =>
+              mark('path', {d: 'M' + place + ',4V15', stroke: 'var(--accent)', 'stroke-opacity': 1 - through ** count})));
 }
 
 // Share of all samples in each state by each rule.
@@ -132,17 +132,17 @@ function durations(sensor) {
   const x = axisOf('incipient phase, ms', logarithmic, ends, [box.left, box.width - box.right]);
   const count = Math.min(24, Math.max(6, Math.round(Math.sqrt(values.length) * 1.6)));
   const edges = d3.range(count + 1).map(i => x.at.invert(box.left + (box.width - box.left - box.right) * i / count));
-  const bins = d3.layout.histogram().bins(edges)(values.map(value => value * 1e3));
-  const most = d3.max(bins, bin => bin.y);
+  const bins = d3.bin().domain(d3.extent(edges)).thresholds(edges.slice(1, -1))(values.map(value => value * 1e3));
+  const most = d3.max(bins, bin => bin.length);
   const y = axisOf('trials', false, [0, most], [box.height - box.bottom, box.top], Math.min(most, 5));
   const svg = sb.axes(box, {...x, bare: true}, y, {role: 'img', 'aria-label': 'trials against incipient phase, ms'});
   svg.append(...bins.map(bin => mark('rect', {
-    x: x.at(bin.x) + 0.5, width: Math.max(1, x.at(bin.x + bin.dx) - x.at(bin.x) - 1), y: y.at(bin.y),
-    height: y.at(0) - y.at(bin.y), fill: 'url(#hatch)'
+    x: x.at(bin.x0) + 0.5, width: Math.max(1, x.at(bin.x1) - x.at(bin.x0) - 1), y: y.at(bin.length),
+    height: y.at(0) - y.at(bin.length), fill: 'url(#hatch)'
   })));
   host.append(svg);
   sb.saveCorner(host, 'Length of the incipient phase', () => svg,
-                () => [['from [ms]', 'to [ms]', 'trials'], ...bins.map(bin => [bin.x, bin.x + bin.dx, bin.y])]);
+                () => [['from [ms]', 'to [ms]', 'trials'], ...bins.map(bin => [bin.x0, bin.x1, bin.length])]);
   return section;
 }
 
@@ -180,7 +180,7 @@ function encoding(path) {
   values.sort((a, b) => a - b);
   const range = [values[0], values[values.length - 1]];
   const position = sb.scale(wide(range, 8, axis.unit), range[0] === range[1] ? [range[0], range[0] + 1] : range, [0, 1]);
-  const ramp = d3.scale.linear().domain(d3.range(gradient.length).map(i => i / (gradient.length - 1))).range(gradient);
+  const ramp = d3.scaleLinear().domain(d3.range(gradient.length).map(i => i / (gradient.length - 1))).range(gradient);
   const colour = value => ramp(position(value));
   const samples = values.length <= 8 ? values : d3.range(5).map(i => position.invert(i / 4));
   // What is endless has no place on the scale of colours: it gets a colour and a shape of its own.

@@ -151,7 +151,7 @@ class GraspView {
   // Straight down, so that the height over the table shows.
   shadow(box) {
     const within = c => Math.min(table.half, Math.max(-table.half, c));
-    const hull = d3.geom.hull(box.points.map(([x, y]) => [within(x), within(y)]));
+    const hull = d3.polygonHull(box.points.map(([x, y]) => [within(x), within(y)]));
     return mark(
         'path', {d: outline(hull.map(([x, y]) => this.camera.project([x, y, this.tableHeight]))), fill: 'rgba(0,0,0,.22)'});
   }

@@ -81,7 +81,7 @@ class Maps {
         'straight between the middles of neighbouring cells. Click a cell for its trials and the command that replays one.' +
         (all.length > mostMaps ? ' The first ' + mostMaps + ' of ' + all.length + ' maps are shown.' : '');
     this.drawMapLegend(range, maps.some(map => map.series.control));
-    for (const {values: group} of d3.nest().key(map => map.series.others).entries(maps)) {
+    for (const [, group] of d3.groups(maps, map => map.series.others)) {
       for (const map of group) this.drawMap(map, control(map.series), columns, rows, range);
       if (group.filter(map => map.frontier.length).length > 1) this.drawFrontiers(group, columns, rows);
     }
