@@ -1,5 +1,4 @@
 
-#include <algorithm>
 #include <cstddef>
 #include <fstream>
 #include <map>
@@ -221,10 +220,10 @@ TEST(CostStyles, UseOnlyTheKitsColours) {
 // Two series differ in both colour and shape: as many colours as there are shapes.
 TEST(CostStyles, HaveAColourForEachShape) {
   const std::string marks = web_files("tools/base/page/web", ".js").at("chart.js");
-  const std::string sizes =
-      marks.substr(marks.find("const sizes = ["), marks.find(';', marks.find("const sizes = [")) - marks.find("const sizes = ["));
-  const std::size_t shapes = static_cast<std::size_t>(std::count(sizes.begin(), sizes.end(), ',')) + 1;
-  EXPECT_EQ(shapes, page::series_count);
+  const std::size_t begin = marks.find("const shapes = [");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string shapes = marks.substr(begin, marks.find("];", begin) - begin);
+  EXPECT_EQ(matches(shapes, R"((d3\.symbol\w+))").size(), page::series_count);
 }
 
 }  // namespace

@@ -1,24 +1,12 @@
-// What charts are made of: marks of series, scales with their ticks, axes, keys, tips.
+// What charts are made of: marks of series, axes, keys, tips.
 const el = sb.element, mark = sb.mark;
 
-// A shape for each colour, so that neither is needed to tell two series apart. Corners of polygons; the first is a circle.
-const polygon = (corners, turn, inner) => d3.range(inner ? 2 * corners : corners).map(i => {
-  const angle = turn + i * 2 * Math.PI / (inner ? 2 * corners : corners);
-  const radius = inner && i % 2 ? inner : 1;
-  return [radius * Math.sin(angle), -radius * Math.cos(angle)];
-});
+// A shape for each colour, so that neither is needed to tell two series apart.
 const shapes = [
-  null, polygon(4, Math.PI / 4), polygon(3, 0), polygon(4, 0), polygon(5, 0, 0.45), polygon(3, Math.PI), polygon(6, 0),
-  polygon(4, 0, 0.35)
+  d3.symbolCircle, d3.symbolSquare, d3.symbolTriangle, d3.symbolDiamond2, d3.symbolStar, d3.symbolWye, d3.symbolCross, d3.symbolDiamond
 ];
-const sizes = [1, 1.2, 1.3, 1.25, 1.45, 1.3, 1.1, 1.5];  // of equal weight to the eye
-sb.markPath = (index, radius) => {
-  const shape = shapes[index % shapes.length];
-  const r = radius * sizes[index % shapes.length];
-  if (!shape) return 'M' + r + ',0A' + [r, r, 0, 1, 1, -r, 0] + 'A' + [r, r, 0, 1, 1, r, 0] + 'Z';
-  return 'M' + shape.map(([x, y]) => (r * x).toFixed(2) + ',' + (r * y).toFixed(2)).join('L') + 'Z';
-};
-sb.crossPath = radius => 'M' + [-radius, -radius] + 'L' + [radius, radius] + 'M' + [-radius, radius] + 'L' + [radius, -radius];
+// The mark of a series; all have the area of a circle of that radius [px].
+sb.markPath = (index, radius) => d3.symbol(shapes[index % shapes.length], Math.PI * radius ** 2)();
 sb.hue = index => 'var(--s' + index % shapes.length + ')';
 
 sb.text = (x, y, anchor, words, kind) => mark('text.' + (kind || ''), {x, y, 'text-anchor': anchor}, words);
@@ -26,28 +14,33 @@ sb.text = (x, y, anchor, words, kind) => mark('text.' + (kind || ''), {x, y, 'te
 sb.key = (viewBox, marks, words, kind) =>
     el('span', {}, mark('svg.' + (kind || ''), {viewBox, 'aria-hidden': 'true'}, marks), words);
 
-sb.scale = (logarithmic, domain, range) => (logarithmic ? d3.scaleLog() : d3.scaleLinear()).domain(domain).range(range);
-// Ticks of a logarithmic axis of `room` px, of which each needs some.
-sb.logTicks = ([low, high], room, needed) => {
-  const decade = room / Math.log10(high / low);
-  const factors = decade > 4 * needed ? [1, 2, 5] : [1];
-  const stride = Math.max(1, Math.ceil(needed / decade));
-  return d3.range(Math.floor(Math.log10(low)), Math.ceil(Math.log10(high)) + 1)
-      .filter(power => power % stride === 0)
-      .flatMap(power => factors.map(factor => +(factor + 'e' + power)))
-      .filter(tick => tick >= low && tick <= high);
+sb.scale = (logarithmic, domain, range) => (logarithmic ? d3.scaleLog : d3.scaleLinear)(domain, range);
+
+// The ticks of a scale, about one in `needed` px. Of a logarithmic one the powers of ten, and 2 and 5 times these where they have room.
+sb.ticks = (scale, needed) => {
+  const [begin, end] = scale.range(), room = Math.abs(end - begin);
+  if (!scale.base) return scale.ticks(Math.max(1, room / needed));
+  const decades = Math.log10(scale.domain()[1] / scale.domain()[0]);
+  if (Math.abs(decades) * 4 * needed > room) return scale.ticks(Math.min(room / needed, Math.abs(decades)));
+  return scale.ticks(Math.abs(decades) + 2).filter(tick => /^[125]/.test(tick.toExponential()));
 };
 
-// An SVG with axes. box: {width, height, left, right, top, bottom}: its size, and what is beside the plot [px]. x, y: {title,
-// ticks, at(tick): where it stands [px], text(tick), bare: no lines}.
+// An axis of d3 at `transform`, in the page's font and without a line of its own. Lines of `across` px cross the plot at its ticks.
+sb.axis = (kind, {scale, ticks, text}, transform, across = 0) => {
+  const axis = kind(scale).tickValues(ticks).tickFormat(text).tickSize(-across).offset(0).tickPadding(kind === d3.axisBottom ? 8 : 5);
+  const group = d3.create('svg:g').attr('class', 'axis').attr('transform', transform).call(axis);
+  group.select('.domain').remove();
+  return group.attr('font-family', null).attr('font-size', null).node();
+};
+
+// An SVG with axes. box: {width, height, left, right, top, bottom}: its size, and what is beside the plot [px]. x, y: {title, scale,
+// ticks, text, bare: no lines}.
 sb.axes = ({width, height, left, right, top, bottom}, x, y, attributes) => {
   const end = width - right, foot = height - bottom;
   return mark(
       'svg', {viewBox: [0, 0, width, height].join(' '), ...attributes},
-      !x.bare && x.ticks.map(tick => mark('path.mesh', {d: 'M' + x.at(tick) + ',' + top + 'V' + foot})),
-      !y.bare && y.ticks.map(tick => mark('path.mesh', {d: 'M' + left + ',' + y.at(tick) + 'H' + end})),
-      x.ticks.map(tick => sb.text(x.at(tick), foot + 16, 'middle', x.text(tick))),
-      y.ticks.map(tick => sb.text(left - 6, y.at(tick) + 4, 'end', y.text(tick))),
+      sb.axis(d3.axisBottom, x, 'translate(0,' + foot + ')', x.bare ? 0 : foot - top),
+      sb.axis(d3.axisLeft, y, 'translate(' + left + ',0)', y.bare ? 0 : end - left),
       mark('rect.map-edge', {x: left, y: top, width: end - left, height: foot - top}),
       sb.text((left + end) / 2, height - 5, 'middle', x.title, 'title'),
       mark('text.title', {transform: 'translate(11,' + (top + foot) / 2 + ')rotate(-90)', 'text-anchor': 'middle'}, y.title));

@@ -5,6 +5,7 @@ const lane = 16;     // px, of a strip of marks
 const pad = 6;       // px, of a strip beside its lanes
 const radius = 5.5;  // px, of a mark
 const reach = 26;    // px, from which a mark is still meant
+const cross = d3.symbol(d3.symbolTimes, 55)();
 
 // Puts marks side by side into as few lanes as hold them apart. at: px of each, ascending. Returns the lane of each.
 function lanes(at, gap) {
@@ -66,7 +67,7 @@ function layout(width, rows) {
   const narrow = width < 560;
   const box = {left: narrow ? 46 : 58, end: width - 14, top: narrow ? 60 : 44};
   const costs = choice.rows.filter(timed).map(row => row.cost);
-  const x = sb.scale(true, sb.logDomain(costs.length ? costs : [1e-3]), [box.left, box.end]);
+  const x = d3.scaleLog(sb.logDomain(costs.length ? costs : [1e-3]), [box.left, box.end]);
 
   const height = narrow ? 300 : 380;
   const above = strips(rows, x, [box.left, box.end], height / 4);
@@ -88,7 +89,7 @@ function layout(width, rows) {
   const low = errors.length ? Math.min(...errors) : 1e-3;
   // A floor far below every error would only squeeze them together.
   if (floor > low / 10 && !choice.none(floor)) errors.push(floor);
-  const y = sb.scale(true, sb.logDomain(errors.length ? errors : [low]), [box.foot, box.plot]);
+  const y = d3.scaleLog(sb.logDomain(errors.length ? errors : [low]), [box.foot, box.plot]);
 
   const marks = [
     ...above.flatMap(strip => strip.marks),
@@ -106,20 +107,13 @@ const across = (kind, {left, end}, y) => path(kind, 'M' + left + ',' + y + 'H' +
 
 function axes({narrow, box, x, y}) {
   const measure = choice.measure, middle = (box.left + box.end) / 2;
-  const [fast, slow] = x.domain().map(cost => 1 / cost);
-  const errorAt = tick => y(tick / measure.factor);
-  const below = tick => [
-    path('mesh', 'M' + x(tick) + ',' + box.mesh + 'V' + box.bottom), text(x(tick), box.bottom + 16, 'middle', sb.tickText(tick))
-  ];
-  const above = tick => [
-    path('tick', 'M' + x(1 / tick) + ',' + (box.top - 5) + 'v5'),
-    text(x(1 / tick), box.top - 9, 'middle', sb.tickText(tick) + ' ×')
-  ];
-  const beside = tick => [across('mesh', box, errorAt(tick)), text(box.left - 7, errorAt(tick) + 4, 'end', sb.tickText(tick))];
+  const axis = (kind, scale, needed, text, ...place) => sb.axis(kind, {scale, ticks: sb.ticks(scale, needed), text}, ...place);
+  const speed = d3.scaleLog(x.domain().map(cost => 1 / cost), x.range());
+  const error = d3.scaleLog(y.domain().map(error => error * measure.factor), y.range());
   return [
-    sb.logTicks(x.domain(), box.end - box.left, narrow ? 44 : 52).map(below),
-    sb.logTicks([slow, fast], box.end - box.left, narrow ? 56 : 62).map(above),
-    sb.logTicks(y.domain().map(error => error * measure.factor), box.foot - box.plot, 22).map(beside),
+    axis(d3.axisBottom, x, narrow ? 44 : 52, sb.tickText, 'translate(0,' + box.bottom + ')', box.bottom - box.mesh),
+    axis(d3.axisTop, speed, narrow ? 56 : 62, tick => sb.tickText(tick) + ' ×', 'translate(0,' + box.top + ')', -5),
+    axis(d3.axisLeft, error, 22, sb.tickText, 'translate(' + box.left + ',0)', box.end - box.left),
     text(middle, box.bottom + 36, 'middle', 'CPU seconds per simulated second', 'title'),
     text(narrow ? middle : box.end, narrow ? 30 : 13, narrow ? 'middle' : 'end', 'times real time', 'title'),
     text(0, 13, 'start', choice.statistic + ' error of ' + sb.titled(measure), 'title'), across('edge', box, box.bottom),
@@ -164,8 +158,9 @@ function front({box, marks}) {
   if (!points.length || choice.statistic !== 'worst') return null;
   // What has no error at all needs its cheapest setting alone.
   const end = points.findIndex(point => point.exact) + 1;
-  const steps = points.slice(0, end || points.length).map(({x, y}, i) => (i ? 'H' + x : 'M' + x + ',' + box.plot) + 'V' + y);
-  return path('front', steps.join('') + 'H' + box.end);
+  const steps = points.slice(0, end || points.length).map(({x, y}) => [x, y]);
+  const stairs = [[steps[0][0], box.plot], ...steps, [box.end, steps.at(-1)[1]]];
+  return path('front', d3.line().curve(d3.curveStepAfter)(stairs));
 }
 
 // A thin line joins the best of each series: what no other of its settings undercuts in both.
@@ -173,7 +168,7 @@ const ways = ({marks}) => choice.series.map((series, index) => {
   const points =
       marks.filter(({kind, row}) => kind === 'point' && row.series === series.name).sort((a, b) => a.x - b.x || b.y - a.y);
   const best = points.filter((point, i) => points.slice(0, i).every(cheaper => !cheaper.exact && cheaper.y < point.y));
-  return best.length > 1 && path('way', 'M' + best.map(({x, y}) => x + ',' + y).join('L'), index);
+  return best.length > 1 && path('way', d3.line(({x}) => x, ({y}) => y)(best), index);
 });
 
 const intervals = ({x, marks}) => marks.map(({kind, row, y: at}) => {
@@ -215,7 +210,7 @@ function markNode({row, kind, number, bare, x, y}) {
   return mark(
       'g.point.' + kind, attributes, mark('circle.here', {r: radius + 4}), row.own && mark('circle.own', {r: radius + 4.5}),
       kind !== 'failure' ? path('mark.' + kind, sb.markPath(index, kind === 'unrun' ? 4 : radius)) :
-                           [path('cross', sb.crossPath(4.5)), !bare && text(8, 4, 'start', number)]);
+                           [path('cross', cross), !bare && text(8, 4, 'start', number)]);
 }
 
 class Diagram {
@@ -261,9 +256,9 @@ class Diagram {
   // Pointing shows a row, a click or Enter selects it; arrow keys go on from mark to mark.
   listen(svg) {
     const nearest = event => {
-      const seen = svg.getBoundingClientRect(), scale = this.drawn / seen.width;
-      const far = ({x, y}) => Math.hypot(x - (event.clientX - seen.left) * scale, y - (event.clientY - seen.top) * scale);
-      const [best] = this.order.slice().sort((a, b) => far(a) - far(b));
+      const [atX, atY] = d3.pointer(event, svg);
+      const far = ({x, y}) => Math.hypot(x - atX, y - atY);
+      const best = d3.least(this.order, far);
       return best && far(best) < reach ? best : null;
     };
     const leave = () => {
@@ -381,7 +376,7 @@ function legend() {
   const samples = [
     [row => (row.pareto || []).length, mark('path.front', {d: 'M2,1V8H14V14H23'}), 'Pareto front'],
     [row => row.own, mark('circle.own', {...middle, r: 6.5}), 'the scene’s own setting'],
-    [row => choice.failed(row), mark('path.cross', {...middle, d: sb.crossPath(4.5)}), 'failed'],
+    [row => choice.failed(row), mark('path.cross', {...middle, d: cross}), 'failed'],
     [row => choice.notRun(row), mark('path.mark.unrun', {...middle, d: sb.markPath(0, 4)}), 'not run'],
     [() => true, mark('path.interval', {d: 'M2,4v8M22,4v8M2,8H22'}), 'spread of the CPU time']
   ];

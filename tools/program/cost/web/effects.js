@@ -9,7 +9,7 @@ const spread = effect => priced(effect) && effect.low !== null && effect.high !=
 // A share of the CPU time as a bar from zero, with its interval.
 function bar(effect, range) {
   const width = 220, height = 18;
-  const x = sb.scale(false, range, [1, width - 1]), [from, to] = [0, effect.share].map(x).sort(d3.ascending);
+  const x = d3.scaleLinear(range, [1, width - 1]), [from, to] = [0, effect.share].map(x).sort(d3.ascending);
   const [low, high] = [effect.low, effect.high].map(x);
   return el(
       'span.bar-holder', {},

@@ -33,11 +33,10 @@ const spot = (combination, index, x, y) => mark('path.mark.spot', {
 function levelAxis(title, values, range) {
   const positive = values.filter(value => value > 0);
   const apart = positive.length < values.length ? Math.sign(range[1] - range[0]) * 34 : 0;
-  const scale = sb.scale(true, sb.logDomain(positive.length ? positive : [1]), [range[0] + apart, range[1]]);
-  const ticks = sb.logTicks(scale.domain(), Math.abs(range[1] - range[0] - apart), 44);
+  const scale = d3.scaleLog(sb.logDomain(positive.length ? positive : [1]), [range[0] + apart, range[1]]);
   return {
-    title, at: value => value > 0 ? scale(value) : range[0] + apart / 2, ticks: apart ? [0, ...ticks] : ticks,
-    text: tick => tick ? sb.tickText(tick) : '0'
+    title, scale, ticks: sb.ticks(scale, 44), text: sb.tickText, at: value => value > 0 ? scale(value) : range[0] + apart / 2,
+    zero: apart ? range[0] + apart / 2 : null
   };
 }
 
@@ -45,16 +44,17 @@ function levelAxis(title, values, range) {
 function panel(title, combinations, across, by, xLevels, steps, byLevels) {
   const box = {width: 380, height: 300, left: 52, right: 10, top: 8, bottom: 42}, foot = box.height - box.bottom;
   const x = levelAxis(across.name + ', ' + across.unit, xLevels, [box.left, box.width - box.right]);
-  const scale = sb.scale(true, steps.map(step => step * 1e3), [foot, box.top]);
-  const y = {title: 'step, ms', at: scale, ticks: sb.logTicks(scale.domain(), foot - box.top, 24), text: sb.tickText};
+  const scale = d3.scaleLog(steps.map(step => step * 1e3), [foot, box.top]);
+  const y = {title: 'step, ms', scale, ticks: sb.ticks(scale, 24), text: sb.tickText};
   const svg = sb.axes(box, x, y, {class: 'map', role: 'img', 'aria-label': 'Longest stable step: ' + title});
+  if (x.zero !== null) svg.append(sb.text(x.zero, foot + 16, 'middle', '0'));
   byLevels.forEach((level, index) => {
     const line = combinations.filter(combination => combination[by.key] === level).sort((a, b) => a[across.key] - b[across.key]);
     const place = (combination, key) => [x.at(combination[across.key]), scale(combination[key] * 1e3)];
     for (const kind of ['predicted', 'allowed']) {
       const points =
           line.filter(combination => combination[kind + '_s'] > 0).map(combination => place(combination, kind + '_s'));
-      if (points.length > 1) svg.append(mark('path.' + kind, {d: 'M' + points.join('L'), style: 'color:' + sb.hue(index)}));
+      if (points.length > 1) svg.append(mark('path.' + kind, {d: d3.line()(points), style: 'color:' + sb.hue(index)}));
     }
     svg.append(...line.filter(found).map(combination => spot(combination, index, ...place(combination, 'measured_s'))));
   });
@@ -109,8 +109,8 @@ function ratios(combinations) {
     const domain = [Math.min(0.75, extent[0] - 0.03), Math.max(1.05, extent[1] + 0.03)];
     const x =
         levelAxis('measured longest stable step, ms', seen.map(combination => combination.measured_s * 1e3), [box.left, end]);
-    const y = sb.scale(false, domain, [box.height - box.bottom, box.top]);
-    const ratio = {title: '', at: y, ticks: y.ticks(5), text: tick => sb.significant(tick, 2)};
+    const y = d3.scaleLinear(domain, [box.height - box.bottom, box.top]);
+    const ratio = {title: '', scale: y, ticks: y.ticks(5), text: tick => sb.significant(tick, 2)};
     const svg =
         sb.axes(box, x, ratio, {role: 'img', 'aria-label': 'Predicted over measured longest stable step of each combination'});
     svg.prepend(mark('rect.beyond', {x: box.left, y: box.top, width: end - box.left, height: y(1) - box.top}));

@@ -2,10 +2,7 @@
 const el = sb.element, mark = sb.mark;
 
 // Colours of magnitude 0 to 1: dark is little, bright is much, in grey prints as well.
-const ramp = d3.scaleLinear()
-                 .domain([0, 0.25, 0.5, 0.75, 1])
-                 .range(['#0b1330', '#3b2f7f', '#a3386f', '#ee7b3c', '#fbe7a1'])
-                 .clamp(true);
+const ramp = d3.scaleLinear([0, 0.25, 0.5, 0.75, 1], ['#0b1330', '#3b2f7f', '#a3386f', '#ee7b3c', '#fbe7a1']).clamp(true);
 const decades = 2.5;  // from the strongest value down to what is drawn as nothing
 
 // A spectrogram. spectrum: {bin_hz, window_s, time, columns: one a bin, unit}; each row stands for the window that ended at its time.
@@ -45,7 +42,7 @@ class Spectrogram extends sb.TimeChart {
     // A row is drawn around the middle of its window.
     const hop = time.length > 1 ? (last - first) / (time.length - 1) : window_s;
     const [x, end] = [first - 0.5 * hop, last + 0.5 * hop].map(t => this.x(t - 0.5 * window_s));
-    const ticks = d3.scaleLinear().domain([0, (columns.length - 0.5) * bin_hz]).ticks(4);
+    const ticks = d3.ticks(0, (columns.length - 0.5) * bin_hz, 4);
     const middle = tick => height * (1 - (tick + 0.5 * bin_hz) / (columns.length * bin_hz));
     const within = y => Math.min(height - 2, Math.max(9, y + 4));  // all of it on the picture
     return [

@@ -30,14 +30,11 @@ sb.TimeChart = class {
     return Math.max(1, this.width - left - right);
   }
   // Where an instant stands [px], and which one stands there.
-  x(t) {
-    const [from, to] = this.timeline.window;
-    return left + (t - from) / (to - from) * this.plot;
+  get x() {
+    return d3.scaleLinear(this.timeline.window, [left, left + this.plot]);
   }
   timeAt(event) {
-    const [from, to] = this.timeline.window;
-    const share = (event.clientX - this.node.getBoundingClientRect().left - left) / this.plot;
-    return from + Math.min(1, Math.max(0, share)) * (to - from);
+    return this.x.clamp(true).invert(d3.pointer(event, this.node)[0]);
   }
 
   listen() {
@@ -90,12 +87,17 @@ sb.TimeChart = class {
   // As the page shows it, or as it is saved: with its heading above and the times below.
   drawing(saved) {
     const {width, height} = this, view = saved ? [0, -18, width, height + 18 + times] : [0, 0, width, height + this.foot];
-    const instants = d3.scaleLinear().domain(this.timeline.window).ticks(Math.max(1, Math.floor(this.plot / 80))).map(t => {
-      const words = sb.significant(+t.toFixed(5), 6) + ' s', over = this.x(t) + 3.2 * words.length > width;
-      return text(over ? width : this.x(t), height + 14, over ? 'end' : 'middle', words);
-    });
     return mark('svg.plot', {viewBox: view.join(' '), role: 'img', 'aria-label': this.label},
-                this.contents(), instants, saved && this.heading());
+                this.contents(), this.instants(), saved && this.heading());
+  }
+
+  // The axis below the plot.
+  instants() {
+    const {x: scale, width, height} = this, words = t => sb.significant(+t.toFixed(5), 6) + ' s';
+    const axis = sb.axis(d3.axisBottom, {scale, ticks: sb.ticks(scale, 80), text: words}, 'translate(0,' + height + ')');
+    // A name that would leave the picture ends where it does.
+    d3.select(axis).selectAll('text').filter(t => scale(t) + 3.2 * words(t).length > width).attr('text-anchor', 'end').attr('x', t => width - scale(t));
+    return axis;
   }
 
   heading() {
@@ -111,10 +113,10 @@ sb.TimeChart = class {
 
   // Runs of states as bars. fill(state): null where there is none; size(state): how much of the height.
   bars(runs, bottom, height, fill, size = () => 1) {
-    const [from, to] = this.timeline.window;
+    const {x, timeline: {window: [from, to]}} = this;
     return runs.filter(run => run.to >= from && run.from <= to && fill(run.state)).map(run => {
-      const begin = Math.max(left, this.x(run.from)), tall = height * size(run.state);
-      const width = Math.max(0.5, Math.min(left + this.plot, this.x(run.to)) - begin);
+      const begin = Math.max(left, x(run.from)), tall = height * size(run.state);
+      const width = Math.max(0.5, Math.min(left + this.plot, x(run.to)) - begin);
       return mark('rect', {x: px(begin), y: px(bottom - tall), width: px(width), height: px(tall), fill: fill(run.state)});
     });
   }
@@ -206,20 +208,17 @@ sb.LineChart = class extends sb.TimeChart {
     return [text(left, -6, 'start', title + (symbol ? ', ' + symbol : ''), 'name'), names];
   }
 
-  y(value) {
-    const [low, high] = this.range;
-    return this.height * (high - value) / (high - low);
+  // Where a value stands [px].
+  get y() {
+    return d3.scaleLinear(this.range, [this.height, 0]);
   }
 
   curve(column, i) {
-    const {rows, colours, solid, step} = this, [from, to] = this.timeline.window;
+    const {rows, colours, solid, step, x, y} = this, [from, to] = this.timeline.window;
     const begin = Math.max(0, d3.bisectLeft(rows, from) - 1), end = Math.min(rows.length - 1, d3.bisectRight(rows, to));
-    let d = '', drawn = false;
-    for (const row of telling(column, begin, end, this.plot)) {
-      const x = px(this.x(rows[row])), y = px(this.y(column[row])), there = !isNaN(y);
-      if (there) d += !drawn ? 'M' + x + ',' + y : step ? 'H' + x + 'V' + y : 'L' + x + ',' + y;
-      drawn = there;
-    }
+    const line = d3.line(row => x(rows[row]), row => y(column[row])).defined(row => !isNaN(column[row])).digits(1);
+    if (step) line.curve(d3.curveStepAfter);
+    const d = line(telling(column, begin, end, this.plot));
     // The second of several curves is dashed: it may lie on the first.
     return mark(
         'path.curve', {d, style: 'stroke:var(--' + colours[i] + ')', 'stroke-dasharray': i === 1 && !solid ? '6 3' : null});
@@ -256,15 +255,15 @@ sb.LineChart = class extends sb.TimeChart {
 
   contents() {
     const {height, bands, strip, columns, factor, plot} = this;
-    const ticks = d3.scaleLinear().domain(this.range.map(value => value * factor)).ticks(Math.max(2, height / 32));
-    const at = tick => this.y(tick / factor);
-    const name = tick =>
-        text(left - 5, Math.max(9, Math.min(height, at(tick) + 4)), 'end', sb.significant(+tick.toFixed(9), 4));
+    const scale = d3.scaleLinear(this.range.map(value => value * factor), [height, 0]);
+    const ticks = {scale, ticks: scale.ticks(Math.max(2, height / 32)), text: tick => sb.significant(+tick.toFixed(9), 4)};
+    const axis = sb.axis(d3.axisLeft, ticks, 'translate(' + left + ',0)', plot);
+    // All of a figure is on the picture.
+    d3.select(axis).selectAll('text').attr('dy', null).attr('y', tick => Math.max(9, Math.min(height, scale(tick) + 4)) - scale(tick));
     return [
       this.bars(bands, height, height, state => state && 'var(--band' + state + ')'),
       strip && this.bars(strip, height, 5, state => stateFill(sb.states.unit[state].key)),
-      ticks.map(tick => [mark('path.mesh', {d: 'M' + left + ',' + at(tick) + 'h' + plot}), name(tick)]),
-      this.clipped([columns.map((column, i) => this.curve(column, i)), this.notes()])
+      axis, this.clipped([columns.map((column, i) => this.curve(column, i)), this.notes()])
     ];
   }
 };

@@ -131,14 +131,14 @@ function durations(sensor) {
   const box = {width: 640, height: 170, left: 40, right: 10, top: 8, bottom: 36};
   const x = axisOf('incipient phase, ms', logarithmic, ends, [box.left, box.width - box.right]);
   const count = Math.min(24, Math.max(6, Math.round(Math.sqrt(values.length) * 1.6)));
-  const edges = d3.range(count + 1).map(i => x.at.invert(box.left + (box.width - box.left - box.right) * i / count));
+  const edges = d3.range(count + 1).map(i => x.scale.invert(box.left + (box.width - box.left - box.right) * i / count));
   const bins = d3.bin().domain(d3.extent(edges)).thresholds(edges.slice(1, -1))(values.map(value => value * 1e3));
   const most = d3.max(bins, bin => bin.length);
   const y = axisOf('trials', false, [0, most], [box.height - box.bottom, box.top], Math.min(most, 5));
   const svg = sb.axes(box, {...x, bare: true}, y, {role: 'img', 'aria-label': 'trials against incipient phase, ms'});
   svg.append(...bins.map(bin => mark('rect', {
-    x: x.at(bin.x0) + 0.5, width: Math.max(1, x.at(bin.x1) - x.at(bin.x0) - 1), y: y.at(bin.length),
-    height: y.at(0) - y.at(bin.length), fill: 'url(#hatch)'
+    x: x.scale(bin.x0) + 0.5, width: Math.max(1, x.scale(bin.x1) - x.scale(bin.x0) - 1), y: y.scale(bin.length),
+    height: y.scale(0) - y.scale(bin.length), fill: 'url(#hatch)'
   })));
   host.append(svg);
   sb.saveCorner(host, 'Length of the incipient phase', () => svg,
@@ -148,15 +148,12 @@ function durations(sensor) {
 
 // An axis of numbers for sb.axes. `round`: about so many ticks, and ends at them.
 function axisOf(title, logarithmic, domain, range, round) {
-  const scale = sb.scale(logarithmic, domain, range), room = Math.abs(range[1] - range[0]);
+  const scale = sb.scale(logarithmic, domain, range);
   if (round) scale.nice(round);
-  return {
-    title: title + (logarithmic ? ' (log)' : ''),
-    at: scale,
-    ticks: logarithmic ? sb.logTicks(domain, room, 26) : scale.ticks(round || room / 50),
-    // The tick at zero may be what rounding leaves of it.
-    text: tick => sb.significant(!logarithmic && Math.abs(tick) < 1e-9 * (domain[1] - domain[0]) ? 0 : tick, 4)
-  };
+  // The tick at zero may be what rounding leaves of it.
+  const text = tick => sb.significant(!logarithmic && Math.abs(tick) < 1e-9 * (domain[1] - domain[0]) ? 0 : tick, 4);
+  const ticks = round ? scale.ticks(round) : sb.ticks(scale, logarithmic ? 26 : 50);
+  return {title: title + (logarithmic ? ' (log)' : ''), scale, ticks, text};
 }
 sb.axisOf = axisOf;
 
@@ -180,11 +177,11 @@ function encoding(path) {
   values.sort((a, b) => a - b);
   const range = [values[0], values[values.length - 1]];
   const position = sb.scale(wide(range, 8, axis.unit), range[0] === range[1] ? [range[0], range[0] + 1] : range, [0, 1]);
-  const ramp = d3.scaleLinear().domain(d3.range(gradient.length).map(i => i / (gradient.length - 1))).range(gradient);
+  const ramp = d3.scaleLinear(d3.range(gradient.length).map(i => i / (gradient.length - 1)), gradient);
   const colour = value => ramp(position(value));
   const samples = values.length <= 8 ? values : d3.range(5).map(i => position.invert(i / 4));
   // What is endless has no place on the scale of colours: it gets a colour and a shape of its own.
-  const star = 7,
+  const star = 4,
         beyond = page.trials.some(trial => endless(axis, trial)) ? [sb.dot('var(--ink)', star, sb.endless(axis.unit))] : [];
   return {
     colour: trial => endless(axis, trial) ? 'var(--ink)' :
@@ -219,7 +216,7 @@ function placesAlong(axis, happened, begin, end) {
   return {
     x,
     shown: trial => endless(axis, trial) ? sb.endless(axis.unit) : shown(trial),
-    place: trial => endless(axis, trial) ? beyondAt : zeros && shown(trial) === 0 ? zeroAt : x.at(shown(trial)),
+    place: trial => endless(axis, trial) ? beyondAt : zeros && shown(trial) === 0 ? zeroAt : x.scale(shown(trial)),
     words: [zeros && [zeroAt, '0'], beyond && [beyondAt, sb.endless(axis.unit)]].filter(word => word)
   };
 }
@@ -242,7 +239,7 @@ function scatterPicture(host, axis, happened, {name, times, logarithmic, encoded
     ...varied.map(other => sb.pathWord(other.path) + ': ' + said(other, trial))
   ];
   const point = trial => mark('path.point', {
-    transform: 'translate(' + place(trial) + ',' + y.at(times(trial)) + ')',
+    transform: 'translate(' + place(trial) + ',' + y.scale(times(trial)) + ')',
     d: sb.markPath(encoded.shape(trial), 3.9),
     style: 'fill:' + encoded.colour(trial) + ';fill-opacity:.85',
     onclick: () => sb.isEmbedded(trial.index) ? open(trial.index) : sb.pointAtRow(trial.index),

@@ -128,17 +128,17 @@ class Maps {
     const box = {width: 400, left: 62, right: 6, top: 6, bottom: 40};
     box.height = box.top + box.bottom + Math.min(300, Math.max(180, 34 * rows.length));
     // Places of levels along an axis of so much room; where names would meet some are left out.
-    const axisOf = (axis, levels, begin, room, needed) => {
-      const pitch = room / levels.length, stride = Math.ceil(needed / Math.abs(pitch));
+    const axisOf = (axis, levels, range, needed) => {
+      const scale = d3.scaleLinear([-0.5, levels.length - 0.5], range), pitch = Math.abs(scale(1) - scale(0));
       const tick = ({at, text: words}) =>
           isFinite(at) ? sb.significant(sb.rounded(at, axis.unit) * sb.factor(axis.unit), 3) : words;
       return {
-        title: label(axis), pitch: Math.abs(pitch), at: i => begin + (i + 0.5) * pitch,
-        ticks: d3.range(0, levels.length, stride), text: i => tick(levels[i]), bare: true
+        title: label(axis), pitch, scale, bare: true,
+        ticks: d3.range(0, levels.length, Math.ceil(needed / pitch)), text: i => tick(levels[i])
       };
     };
-    const x = axisOf(this.x, columns, box.left, box.width - box.left - box.right, 34);
-    const y = axisOf(this.y, rows, box.height - box.bottom, box.top + box.bottom - box.height, 15);
+    const x = axisOf(this.x, columns, [box.left, box.width - box.right], 34);
+    const y = axisOf(this.y, rows, [box.height - box.bottom, box.top], 15);
     // A group: its cells are buttons.
     const svg = sb.axes(box, x, y, {class: 'map', role: 'group', 'aria-label': title + ', ' + y.title + ' against ' + x.title});
     const panel = el('div', {}, el('h3', {}, title, note && el('span.note', {}, ' · ' + note)), svg);
@@ -155,7 +155,7 @@ class Maps {
     const size = Math.min(11, 11 * (width - 4) / (6.2 * widest), 0.75 * height);
     const cell = (trials, r, c) => {
       const [fill, opacity] = this.paint(valueIn(quantity, trials), range);
-      const place = {x: x.at(c) - width / 2, y: y.at(r) - height / 2, width, height};
+      const place = {x: x.scale(c) - width / 2, y: y.scale(r) - height / 2, width, height};
       const rect = mark('rect', {...place, style: 'fill:' + fill + ';fill-opacity:' + opacity});
       if (!trials.length) return mark('g.map-cell', {}, rect);
       const open = () => this.showCell(map.series, columns[c], rows[r], trials);
@@ -170,7 +170,7 @@ class Maps {
       }, rect);
     };
     const number = (words, r, c) => mark('text.map-number', {
-      x: x.at(c), y: y.at(r) + 0.36 * size, 'text-anchor': 'middle', style: 'font-size:' + size + 'px'
+      x: x.scale(c), y: y.scale(r) + 0.36 * size, 'text-anchor': 'middle', style: 'font-size:' + size + 'px'
     }, words);
     const each = (table, draw) => table.flatMap((row, r) => row.map((held, c) => draw(held, r, c)));
     // Numbers stand over the frontiers, which may go through the middle of a cell.
@@ -193,7 +193,7 @@ class Maps {
   }
 
   contour(x, y, lines, kind, style) {
-    const d = lines.map(([a, b]) => 'M' + x.at(a[0]) + ',' + y.at(a[1]) + 'L' + x.at(b[0]) + ',' + y.at(b[1])).join('');
+    const d = lines.map(d3.line(([c]) => x.scale(c), ([, r]) => y.scale(r))).join('');
     return lines.length ? [mark('path.halo', {d}), mark('path.' + kind, {d, style})] : [];
   }
 
@@ -309,15 +309,15 @@ class Maps {
     ]);
     svg.append(...shown.flatMap(({series, points: own}, i) => {
       const shift = (i - (all.length - 1) / 2) * 3;  // intervals beside each other
-      const left = point => x.at(at(point)) + shift;
+      const left = point => x.scale(at(point)) + shift;
       const line = 'fill:none;stroke:' + sb.hue(i);
       const lines = point =>
           [series.name, sb.pathWord(this.x.path) + ': ' + point.level.text, ...this.said(point.trials),
            ...this.saidOfDetector(point.trials)];
       const interval = (point, [low, high]) =>
-          mark('path', {d: 'M' + left(point) + ',' + y.at(low) + 'V' + y.at(high), style: line});
+          mark('path', {d: 'M' + left(point) + ',' + y.scale(low) + 'V' + y.scale(high), style: line});
       const spot = point => mark('path.point', {
-        transform: 'translate(' + left(point) + ',' + y.at(value(point)) + ')',
+        transform: 'translate(' + left(point) + ',' + y.scale(value(point)) + ')',
         d: sb.markPath(i, 4),
         style: 'fill:' + sb.hue(i),
         onclick: () => this.showCell(series, point.level, null, point.trials),
@@ -325,7 +325,7 @@ class Maps {
       });
       return [
         own.length > 0 && mark('path', {
-          d: 'M' + own.map(point => left(point) + ',' + y.at(value(point))).join('L'),
+          d: d3.line(left, point => y.scale(value(point)))(own),
           style: line + ';stroke-width:1.6' + (series.control ? ';stroke-dasharray:5 4' : '')
         }),
         ...own.flatMap(point => [range(point) && interval(point, range(point)), spot(point)])

@@ -130,16 +130,16 @@ class SkinFields {
     const box = {width: 3 * size + 2 * gap, height: 230, left: 58, right: 8, top: 8, bottom: 36};
     const half = 0.5 * xs.length * pitchX;
     const top = Math.max(1e-9, d3.max(fields, f => Math.max(f.z, f.size)), form ? form.pressure(0) : 0);
-    const across = sb.scale(false, [-half, half], [box.left, box.width - box.right]);
-    const along = sb.scale(false, [0, 1.05 * top], [box.height - box.bottom, box.top]);
+    const across = d3.scaleLinear([-half, half], [box.left, box.width - box.right]);
+    const along = d3.scaleLinear([0, 1.05 * top], [box.height - box.bottom, box.top]);
     const row = d3.min(ys, y => Math.abs(y - centre.y));
-    const axis = (title, at, count, factor) => ({title, ticks: at.ticks(count), at, text: value => sb.significant(value * factor, 3)});
+    const axis = (title, scale, count, factor) => ({title, scale, ticks: scale.ticks(count), text: value => sb.significant(value * factor, 3)});
     const chart = sb.axes(box, axis('distance from the middle of the contact, mm', across, 8, 1e3), axis('kPa', along, 5, 1e-3), {
       class: 'plot', role: 'img', 'aria-label': 'Pressure and traction along the row through the middle'
     });
     const line = (of, colour) => {
-      const places = d3.range(201).map(i => (i / 100 - 1) * half).map(x => across(x) + ',' + along(of(Math.hypot(x, row))));
-      chart.append(mark('path.curve', {d: 'M' + places.join('L'), style: 'stroke:var(--' + colour + ')'}));
+      const places = d3.range(201).map(i => (i / 100 - 1) * half), curve = d3.line(across, x => along(of(Math.hypot(x, row))));
+      chart.append(mark('path.curve', {d: curve(places), style: 'stroke:var(--' + colour + ')'}));
     };
     if (form) line(form.pressure, 'stick');
     if (form && first) line(form.traction, 'slip');

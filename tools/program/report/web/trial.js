@@ -257,7 +257,7 @@ function onsets(recording, timeline) {
   const word = sb.unitWord(recording.type);
   const times = [...recording.micro_onset_s, ...recording.onset_s].filter(t => t !== null);
   const first = Math.min(...times), last = Math.max(...times);
-  const scale = sb.scale(false, [first, Math.max(last, first + 1e-4)], [8, 152]);
+  const scale = d3.scaleLinear([first, Math.max(last, first + 1e-4)], [8, 152]);
   const bar = ({micro, full}) => mark(
       'svg', {
         width: 160, height: 16, role: 'img',
