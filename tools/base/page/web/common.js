@@ -1,19 +1,14 @@
 // What all pages of the program share: numbers as text, nodes, choices, tables, copying.
 
 sb.missing = '–';
+// A finite number as d3's `format` has it.
+const formatted = (value, format) => Number.isFinite(value) ? d3.format(format)(value) : sb.missing;
 // A number with `digits` significant digits, plain notation where that is readable.
 sb.significant = (value, digits) => {
-  if (value === null || value === undefined || !isFinite(value)) return sb.missing;
-  if (value === 0) return '0';
-  const size = Math.abs(value);
-  if (size >= 1e5 || size < 1e-4) return value.toExponential(digits - 1);
-  return String(+value.toPrecision(digits)).replace('-', '−');
+  const size = Math.abs(value), plain = value === 0 || (size >= 1e-4 && size < 1e5);
+  return formatted(value, plain ? '.' + digits + '~r' : '.' + (digits - 1) + 'e');
 };
-sb.fixed = (value, decimals) => {
-  if (value === null || value === undefined || !isFinite(value)) return sb.missing;
-  const text = value.toFixed(decimals);
-  return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
-};
+sb.fixed = (value, decimals) => formatted(value, '.' + decimals + 'f');
 // Nodes in one expression: element('p.note', {title: 'x'}, 'text', child). Text is never parsed as HTML; what is null,
 // undefined or false is left out.
 const made = create => (selector, attributes, ...children) => {

@@ -220,8 +220,8 @@ class Diagram {
     this.failures = el('ul.failures');
     this.unrun = el('details.unrun');
     sb.onWidth(this.host, () => this.draw());
-    choice.on('view', () => this.draw());
-    choice.on('row', () => this.mark());
+    choice.addEventListener('view', () => this.draw());
+    choice.addEventListener('row', () => this.mark());
   }
 
   draw() {
@@ -427,8 +427,8 @@ function detail() {
     ];
     host.replaceChildren(...parts.filter(part => part));
   };
-  choice.on('row', draw);
-  choice.on('view', draw);
+  choice.addEventListener('row', draw);
+  choice.addEventListener('view', draw);
   draw();
   return host;
 }

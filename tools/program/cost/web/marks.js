@@ -12,11 +12,10 @@ sb.swatch = (index, kind) => el(
     })));
 
 const superscript = number => String(number).replace(/[-0-9]/g, c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c]);
-const grouped = text => text.replace(/^\d{4,}$/, digits => digits.replace(/\B(?=(\d{3})+$)/g, ','));
 // A number with `digits` significant digits, powers of ten where it is small or large.
-sb.figure = (value, digits) => {
-  if (Math.abs(value) >= 1e5 && Math.abs(value) < 1e7) return grouped(String(Math.round(+value.toPrecision(digits || 3))));
-  return grouped(sb.significant(value, digits || 3))
+sb.figure = (value, digits = 3) => {
+  if (Math.abs(value) >= 1e-4 && Math.abs(value) < 1e7) return d3.format(',.' + digits + '~r')(value);
+  return sb.significant(value, digits)
       .replace(/^1e([+-]\d+)$/, (_, power) => '10' + superscript(+power))
       .replace(/e([+-]\d+)$/, (_, power) => ' × 10' + superscript(+power));
 };
@@ -47,7 +46,7 @@ sb.logDomain = values => {
   return [10 ** (low - air), 10 ** (high + air)];
 };
 sb.tickText = value => {
-  if (value >= 1e-3 && value < 1e7) return grouped(String(+value.toPrecision(1)));
+  if (value >= 1e-3 && value < 1e7) return d3.format(',.1~r')(value);
   const power = Math.floor(Math.log10(value) + 1e-9);
   const factor = Math.round(value / Math.pow(10, power));
   return (factor === 1 ? '' : factor + '×') + '10' + superscript(power);
@@ -62,38 +61,30 @@ sb.copyButton = command => {
 };
 sb.percentText = share => sb.figure(100 * share, 2) + ' %';
 
-// What the reader has chosen. on(what, act): 'view' when what is drawn changes, 'row' when another row is shown.
-class Choice {
+// What the reader has chosen. Events: 'view' when what is drawn changes, 'row' when another row is shown.
+class Choice extends EventTarget {
   constructor(data) {
+    super();
     const {measures = [], series = [], rows = []} = data;
     Object.assign(this, {measures, series, rows, measure: measures[0] || null, statistic: 'worst', hidden: new Set()});
     this.selected = rows.find(row => row.own) || rows[0] || null;
     this.pointed = null;
-    this.listeners = {view: [], row: []};
-  }
-
-  on(what, act) {
-    this.listeners[what].push(act);
-  }
-
-  tell(what) {
-    for (const act of this.listeners[what]) act();
   }
 
   view(change) {
     Object.assign(this, change);
-    this.tell('view');
+    this.dispatchEvent(new Event('view'));
   }
 
   select(row) {
     this.selected = row;
-    this.tell('row');
+    this.dispatchEvent(new Event('row'));
   }
 
   point(row) {
     if (row === this.pointed) return;
     this.pointed = row;
-    this.tell('row');
+    this.dispatchEvent(new Event('row'));
   }
 
   // The row that is shown: what is pointed at, else what is selected.

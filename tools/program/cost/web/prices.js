@@ -64,7 +64,7 @@ sb.pricesTable = () => {
             ] :
             []);
   };
-  choice.on('view', draw);
+  choice.addEventListener('view', draw);
   draw();
   return host;
 };

@@ -80,8 +80,8 @@ sb.rowsSection = () => {
     table.refresh();
     mark();
   };
-  choice.on('row', mark);
-  choice.on('view', view);
+  choice.addEventListener('row', mark);
+  choice.addEventListener('view', view);
   view();
   return sb.section('All runs', '', note, holder);
 };

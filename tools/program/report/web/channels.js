@@ -69,7 +69,7 @@ function channelCharts(channel, recording, timeline) {
   const host = el('div');
   let chart = null;
   const draw = group => {
-    timeline.forget([chart]);
+    chart?.release();
     const labels = group.columns.map(i => channel.names[i]);
     host.replaceChildren(sb.legendOf(labels.map((name, i) => ({name, colour: sb.channelColours[i]}))));
     chart = new sb.LineChart(host, timeline, {

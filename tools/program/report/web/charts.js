@@ -18,9 +18,15 @@ sb.TimeChart = class {
     parent.append(this.node);
     sb.saveCorner(this.node, title, () => this.drawing(true), () => this.savedRows());
     this.listen();
-    timeline.on('window', () => this.draw(), this);
-    timeline.on('cursor', () => this.placeCursor(), this);
+    this.listening = new AbortController();
+    const {signal} = this.listening;
+    timeline.addEventListener('window', () => this.draw(), {signal});
+    timeline.addEventListener('cursor', () => this.placeCursor(), {signal});
     sb.onWidth(this.node, () => this.draw());
+  }
+  // Ends what connects the chart with the timeline, before it leaves the page.
+  release() {
+    this.listening.abort();
   }
 
   get width() {

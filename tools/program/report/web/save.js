@@ -43,9 +43,8 @@ async function pngOf(file) {
 }
 
 // Six digits, as many as the page's curves have; what is no number is empty.
-const cell = value => typeof value === 'string' ? (/[\u0022,\n]/.test(value) ? '"' + value.replace(/\u0022/g, '""') + '"' : value) :
-    typeof value === 'number' && isFinite(value) ? String(+value.toPrecision(6)) : '';
-const csvOf = rows => rows.map(row => row.map(cell).join(',')).join('\n') + '\n';
+const cell = value => typeof value !== 'number' ? value : isFinite(value) ? +value.toPrecision(6) : null;
+const csvOf = rows => d3.csvFormatRows(rows.map(row => row.map(cell))) + '\n';
 
 // "hexapod-trial-3-slip-speed": the page, the trial, the chart.
 function fileName(title) {

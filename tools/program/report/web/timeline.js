@@ -1,23 +1,15 @@
 // The time that all pictures of a trial share: the visible window, the cursor, and playing.
 
-sb.Timeline = class {
+// Events: 'window', 'cursor' and 'playing' when these have changed.
+sb.Timeline = class extends EventTarget {
   constructor(time) {
+    super();
     const full = [time[0], time[time.length - 1]];
     Object.assign(this, {time, full, window: full.slice(), cursor: full[0], rate: 0.25, playing: false, frame: 0});
-    this.listeners = {window: [], cursor: [], playing: []};
   }
 
-  // `owner`: the chart that listens, so that it can be forgotten when it is taken off the page.
-  on(what, listener, owner) {
-    this.listeners[what].push({listener, owner});
-  }
-  forget(owners) {
-    for (const what of Object.keys(this.listeners)) {
-      this.listeners[what] = this.listeners[what].filter(entry => !owners.includes(entry.owner));
-    }
-  }
   tell(what) {
-    for (const {listener} of this.listeners[what]) listener();
+    this.dispatchEvent(new Event(what));
   }
 
   setWindow(from, to) {

@@ -30,7 +30,7 @@ function player(timeline) {
     timeline.rate = +value;
     timeline.tell('playing');
   });
-  timeline.on('playing', () => {
+  timeline.addEventListener('playing', () => {
     button.textContent = timeline.playing ? 'Pause' : 'Play';
     speed.value = String(timeline.rate);
   });
@@ -170,7 +170,7 @@ function gridOf(recording) {
 // Curves of each unit, laid out like the pad, or of one unit.
 class UnitCharts {
   constructor(recording, timeline) {
-    Object.assign(this, {recording, timeline, readings: [], legend: el('div'), host: el('div')});
+    Object.assign(this, {recording, timeline, readings: [], charts: [], legend: el('div'), host: el('div')});
     const per_unit =
         Object.keys(recording.curves).filter(key => recording.curves[key].per_unit && key !== 'labels/slip_velocity');
     // What the sensor emits first.
@@ -194,7 +194,7 @@ class UnitCharts {
         'Background: state of the sensor by the strict rule (blue non-slip, amber incipient, red gross). ' +
             'The strip below the curves: state of the ' + word + ' itself. All ' + words + ' share one scale.',
         el('div.controls', {}, segments, el('label', {}, 'show', this.select), this.legend), this.host);
-    timeline.on('cursor', () => this.read());
+    timeline.addEventListener('cursor', () => this.read());
   }
 
   show(unit) {
@@ -209,7 +209,7 @@ class UnitCharts {
     const colours = components.length === 1 ? ['fz'] : components.map((_, i) => componentColours[i % 3]);
     const entries = components.map((name, i) => ({name, colour: colours[i], dashed: i === 1}));
     this.legend.replaceChildren(components.length > 1 ? sb.legendOf(entries) : '');
-    timeline.forget(this.charts || []);
+    for (const chart of this.charts) chart.release();
     this.host.replaceChildren();
     this.readings = [];
     this.charts = [];
@@ -364,7 +364,7 @@ sb.showTrial = async (host, index, sensorName) => {
     const sample = recording.sampleAt(timeline.cursor);
     for (const part of [controls, readings, pad, onset, skin, grasp]) part?.update(sample);
   };
-  timeline.on('cursor', update);
+  timeline.addEventListener('cursor', update);
   // Opens where there is most to see: when half of the units that let go have done so.
   const middle = (timeline.full[0] + timeline.full[1]) / 2;
   timeline.cursor = grasp?.opens_s ?? d3.median(recording.onset_s.filter(t => t !== null)) ?? summary.first_micro_s ?? middle;
