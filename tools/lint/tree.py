@@ -1,12 +1,8 @@
 """The project's files, and how a check reports what it found. Shared by the checks of this folder."""
 
-import platform
 import subprocess
 import sys
 from pathlib import Path
-
-# Layout and clang-tidy's findings are those of clang 14, which Debian 12 alone has.
-HAS_CLANG_14 = platform.freedesktop_os_release().get("VERSION_ID") == "12"
 
 
 def project_files(root):
