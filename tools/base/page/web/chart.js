@@ -1,9 +1,18 @@
 // What charts are made of: marks of series, axes, keys, tips.
 const el = sb.element, mark = sb.mark;
 
+// A symbol of d3: its triangle, pointing down.
+const triangleDown = {
+  draw(path, size) {
+    const mirrored = {
+      moveTo: (x, y) => path.moveTo(x, -y), lineTo: (x, y) => path.lineTo(x, -y), closePath: () => path.closePath()
+    };
+    d3.symbolTriangle.draw(mirrored, size);
+  }
+};
 // A shape for each colour, so that neither is needed to tell two series apart.
 const shapes = [
-  d3.symbolCircle, d3.symbolSquare, d3.symbolTriangle, d3.symbolDiamond2, d3.symbolStar, d3.symbolWye, d3.symbolCross, d3.symbolDiamond
+  d3.symbolCircle, d3.symbolSquare, d3.symbolTriangle, d3.symbolDiamond2, d3.symbolStar, triangleDown, d3.symbolCross, d3.symbolWye
 ];
 // The mark of a series; all have the area of a circle of that radius [px].
 sb.markPath = (index, radius) => d3.symbol(shapes[index % shapes.length], Math.PI * radius ** 2)();
