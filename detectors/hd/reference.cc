@@ -3,7 +3,6 @@
 #include <string>
 
 #include "detectors/hd/engine.h"
-#include "sim/core/of_each.h"
 
 namespace slipbench::hd {
 namespace {
@@ -18,7 +17,9 @@ Vector bipolar(const Hypervector& bits) {
 }
 
 std::vector<Vector> bipolar(const std::vector<Hypervector>& memory) {
-  return of_each<Vector>(memory, [](const Hypervector& row) { return bipolar(row); });
+  std::vector<Vector> rows;
+  for (const Hypervector& row : memory) rows.push_back(bipolar(row));
+  return rows;
 }
 
 Vector operator*(Vector a, const Vector& b) {

@@ -10,7 +10,6 @@
 
 #include "detectors/hd/features.h"
 #include "detectors/hd/model.h"
-#include "sim/core/of_each.h"
 
 namespace slipbench::hd {
 
@@ -42,7 +41,9 @@ std::string name_of(const Words& words, Value value) {
 // All words of a table.
 template <class Words>
 std::vector<std::string> names_of(const Words& words) {
-  return of_each<std::string>(words, [](const auto& word) { return word.name; });
+  std::vector<std::string> names;
+  for (const auto& word : words) names.emplace_back(word.name);
+  return names;
 }
 
 // What a word stands for, if it stands in the table.

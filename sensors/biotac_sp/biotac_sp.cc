@@ -9,7 +9,6 @@
 #include "sensors/electronics/band_pass.h"
 #include "sensors/electronics/electronics.h"
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "sim/core/sensor.h"
 
 namespace slipbench {
@@ -205,7 +204,12 @@ SignalModel vibration_model(double rate) {
 
 // The parts among `all` that are, or are not, one of `named`.
 std::vector<Named> parts(const std::vector<Named>& all, std::initializer_list<std::string_view> named, bool are) {
-  return of_those(all, [&](const Named& part) { return (std::ranges::find(named, part.name) != named.end()) == are; });
+  std::vector<Named> kept;
+  for (const Named& part : all) {
+    const bool is_named = std::ranges::find(named, part.name) != named.end();
+    if (is_named == are) kept.push_back(part);
+  }
+  return kept;
 }
 
 class BioTacSp final : public Sensor {

@@ -2,15 +2,15 @@
 
 #include <array>
 #include <cstdio>
+#include <numeric>
 #include <vector>
-
-#include "sim/core/of_each.h"
 
 namespace slipbench {
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   // One row of the dynamic programme: row[j] is the distance of a's first i and b's first j characters.
-  std::vector<std::size_t> row = of_numbers(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
     std::size_t diagonal = row[0];
     row[0] = i;

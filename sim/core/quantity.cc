@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 
 namespace slipbench {
 namespace {
@@ -61,8 +60,11 @@ const std::array<QuantityInfo, 14>& table() {
 const QuantityInfo& info(Quantity quantity) { return table().at(static_cast<std::size_t>(quantity)); }
 
 std::vector<std::string_view> unit_names(Quantity quantity) {
-  return of_those<std::string_view>(
-      units_of(quantity), [](const Unit& unit) { return !unit.symbol.empty(); }, &Unit::symbol);
+  std::vector<std::string_view> names;
+  for (const Unit& unit : units_of(quantity)) {
+    if (!unit.symbol.empty()) names.push_back(unit.symbol);
+  }
+  return names;
 }
 
 bool is_space(char c) { return c == ' ' || c == '\t'; }

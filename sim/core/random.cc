@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
-#include "sim/core/of_each.h"
 #include "sim/core/vectorise.h"
 
 namespace slipbench {
@@ -231,7 +231,8 @@ void RandomStream::seek(std::uint64_t pairs) {
 }
 
 std::vector<std::size_t> shuffled(std::size_t count, RandomStream random) {
-  std::vector<std::size_t> order = of_numbers(count);
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
   shuffle(order, random);
   return order;
 }

@@ -3,7 +3,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "sim/core/of_each.h"
 #include "sim/scene/scene_values.h"
 #include "sim/scene/section_readers.h"
 
@@ -194,7 +193,9 @@ class SceneReader : EntryReader {
     if (node->children.size() > max_sensors) {
       fail(node->origin, std::to_string(node->children.size()) + " sensors; allowed: at most " + std::to_string(max_sensors));
     }
-    return of_each<SensorScene>(node->children, [&](const YamlNode& child) { return read_sensor(child); });
+    std::vector<SensorScene> sensors;
+    for (const YamlNode& child : node->children) sensors.push_back(read_sensor(child));
+    return sensors;
   }
 
   SensorScene read_sensor(const YamlNode& node) {
@@ -328,9 +329,11 @@ class SceneReader : EntryReader {
       const std::array<std::string_view, 2> allowed{"ideal", "typical"};
       fail(node->origin, path + ": unknown value " + quote(choice) + allowed_names(choice, allowed) + ", or a sequence of parts");
     }
-    return of_each(parts, [&](const Entry& entry) {
-      return Named{entry.name, parameters(nullptr, path + "." + entry.name, path, entry, {})};
-    });
+    std::vector<Named> electronics;
+    for (const Entry& entry : parts) {
+      electronics.push_back({entry.name, parameters(nullptr, path + "." + entry.name, path, entry, {})});
+    }
+    return electronics;
   }
 
   const Catalogues& catalogues_;

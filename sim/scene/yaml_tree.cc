@@ -12,7 +12,6 @@
 #include <yaml-cpp/parser.h>
 
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "sim/core/process/regular_file.h"
 
 namespace slipbench {
@@ -130,7 +129,8 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   static void refuse_duplicates(const YamlNode& map) {
-    std::vector<const YamlNode*> sorted = of_each<const YamlNode*>(map.children, [](const YamlNode& child) { return &child; });
+    std::vector<const YamlNode*> sorted;
+    for (const YamlNode& child : map.children) sorted.push_back(&child);
     std::ranges::stable_sort(sorted, {}, [](const YamlNode* child) -> const std::string& { return child->key; });
     const auto twin =
         std::ranges::adjacent_find(sorted, {}, [](const YamlNode* child) -> const std::string& { return child->key; });
@@ -229,7 +229,8 @@ struct Place {
 };
 
 std::vector<Place> places_of(const std::vector<std::string>& header, const std::vector<TableColumn>& columns, const Origin& at) {
-  const std::vector<std::string> names = of_each<std::string>(columns, &TableColumn::name);
+  std::vector<std::string> names;
+  for (const TableColumn& column : columns) names.emplace_back(column.name);
   std::vector<Place> places;
   for (const std::string& cell : header) {
     const std::size_t bracket = std::min(cell.find('['), cell.size());

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <span>
 
@@ -18,7 +19,6 @@
 
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/project/project_file.h"
@@ -142,8 +142,10 @@ class Scene {
     const std::uint64_t chosen = seed.value_or(seed_);
     const PythonForks forks;
     const ReadSweep read{file_, chosen, plan_trials(file_, *catalogues_, options, chosen)};
-    return texts_of(build ? scene_warnings(read, options)
-                          : scene_warnings(read.planned.plan, of_numbers(read.planned.asked), false));
+    if (build) return texts_of(scene_warnings(read, options));
+    std::vector<std::size_t> trials(read.planned.asked);
+    std::iota(trials.begin(), trials.end(), std::size_t{0});
+    return texts_of(scene_warnings(read.planned.plan, trials, false));
   }
 
   // Trial `trial` of the first `limit` ones. `stop`: ends it from another thread; none: Ctrl-C does.
@@ -309,9 +311,9 @@ struct Converters {
 }  // namespace
 
 Texts texts_of(const std::vector<Warning>& warnings) {
-  return of_each<Texts::value_type>(warnings, [](const Warning& warning) -> Texts::value_type {
-    return {warning.about, warning.text};
-  });
+  Texts texts;
+  for (const Warning& warning : warnings) texts.emplace_back(warning.about, warning.text);
+  return texts;
 }
 
 void bind_scene(nb::module_& module) {

@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "sim/scene/parser.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/record/trial_record.h"
@@ -241,7 +240,9 @@ std::vector<Named> chosen(const std::vector<Named>& all, const std::vector<std::
 // The names of rows.
 template <class Named>
 std::vector<std::string> names_of(const std::vector<Named>& all) {
-  return of_each<std::string>(all, [](const Named& one) { return one.name; });
+  std::vector<std::string> names;
+  for (const Named& one : all) names.emplace_back(one.name);
+  return names;
 }
 
 // The rows of a table that options.only names; all where it is empty. Throws as check_only.

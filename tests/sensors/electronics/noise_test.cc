@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/core/of_each.h"
 #include "tests/sensors/electronics/model.h"
 
 namespace slipbench {
@@ -28,7 +27,9 @@ double mean_product(const std::vector<float>& a, const std::vector<float>& b, st
 }
 
 std::vector<double> times_at(double rate, std::size_t count) {
-  return of_numbers<double>(count, [&](std::size_t k) { return static_cast<double>(k) / rate; });
+  std::vector<double> times;
+  for (std::size_t k = 0; k < count; ++k) times.push_back(static_cast<double>(k) / rate);
+  return times;
 }
 
 class NoiseAtRate : public testing::TestWithParam<double> {};

@@ -10,7 +10,6 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/core/of_each.h"
 #include "sim/simulation/stage_setup.h"
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
@@ -219,12 +218,16 @@ TEST(MyrmexValidations, JudgeEveryWindowOfTheFoldsThatAreAskedFor) {
 
 // 500 Hz for 4 s.
 std::vector<double> times() {
-  return of_numbers<double>(2000, [](int k) { return k / 500.0; });
+  std::vector<double> time;
+  for (int k = 0; k < 2000; ++k) time.push_back(k / 500.0);
+  return time;
 }
 
 // A sum of 100 that falls from 3 s on by 50 a second.
 std::vector<double> falling(const std::vector<double>& time) {
-  return of_each<double>(time, [](const double t) { return t < 3.0 ? 100.0 : 100.0 - 50.0 * (t - 3.0); });
+  std::vector<double> sums;
+  for (const double t : time) sums.push_back(t < 3.0 ? 100.0 : 100.0 - 50.0 * (t - 3.0));
+  return sums;
 }
 
 TEST(DecreaseOnset, IsWhereTheSumLeavesItsLevelForGood) {

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "sim/core/of_each.h"
 #include "tests/scenes.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/program/run/run_trial.h"
@@ -26,8 +26,9 @@ Eigen::MatrixXd random_rows(Eigen::Index rows, Eigen::Index columns, const char*
 }
 
 std::vector<Eigen::Index> rows_from(Eigen::Index first, Eigen::Index end) {
-  return of_numbers<Eigen::Index>(static_cast<std::size_t>(end - first),
-                                  [&](auto k) { return first + static_cast<Eigen::Index>(k); });
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(end - first));
+  std::iota(rows.begin(), rows.end(), first);
+  return rows;
 }
 
 TEST(QuadraticFit, FindsAQuadraticAgain) {

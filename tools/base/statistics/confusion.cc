@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "sim/core/of_each.h"
 #include "tools/base/statistics/descriptive.h"
 
 namespace slipbench {
@@ -14,9 +13,11 @@ constexpr std::array slip_states{PadState::incipient, PadState::gross};
 
 // The recalls of the states that occur.
 std::vector<double> recalls(const Confusion& confusion) {
-  return of_those<double>(
-      contact_states, [&](const PadState truth) { return samples_in(confusion, truth) > 0; },
-      [&](const PadState truth) { return recall(confusion, truth); });
+  std::vector<double> found;
+  for (const PadState truth : contact_states) {
+    if (samples_in(confusion, truth) > 0) found.push_back(recall(confusion, truth));
+  }
+  return found;
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/core/of_each.h"
 #include "sim/core/random.h"
 
 namespace slipbench {
@@ -73,6 +72,14 @@ double unbiased(std::size_t groups) { return groups < 2 ? 0.0 : static_cast<doub
 
 }  // namespace
 
+std::vector<std::size_t> evenly_spaced(std::size_t size, std::size_t most) {
+  const std::size_t count = std::min(size, most);
+  if (count == 1) return {0};
+  std::vector<std::size_t> indices;
+  for (std::size_t k = 0; k < count; ++k) indices.push_back(k * (size - 1) / (count - 1));
+  return indices;
+}
+
 MeanSd mean_sd(std::span<const double> values) {
   if (values.empty()) return {nan, nan};
   const auto n = static_cast<double>(values.size());
@@ -124,9 +131,12 @@ std::vector<Interval> bootstrap_intervals(std::size_t groups, std::size_t draws,
       if (!std::isnan(found[k])) values[k].push_back(found[k]);
     }
   }
-  return of_each<Interval>(values, [&](const std::vector<double>& of_figure) {
-    return groups < 2 ? Interval{nan, nan} : Interval{quantile(of_figure, 0.025), quantile(of_figure, 0.975)};
-  });
+  if (groups < 2) return std::vector<Interval>(values.size(), Interval{nan, nan});
+  std::vector<Interval> intervals;
+  for (const std::vector<double>& of_figure : values) {
+    intervals.push_back({quantile(of_figure, 0.025), quantile(of_figure, 0.975)});
+  }
+  return intervals;
 }
 
 Interval clopper_pearson(std::size_t k, std::size_t n, double confidence) {
@@ -193,7 +203,8 @@ Auc auc(std::span<const double> positives, std::span<const std::size_t> positive
 }
 
 Auc auc(std::span<const double> positives, std::span<const double> negatives) {
-  const std::vector<std::size_t> alone = of_numbers(positives.size() + negatives.size());
+  std::vector<std::size_t> alone(positives.size() + negatives.size());
+  std::iota(alone.begin(), alone.end(), std::size_t{0});
   const std::span<const std::size_t> all(alone);
   return auc(positives, all.first(positives.size()), negatives, all.last(negatives.size()));
 }
@@ -216,7 +227,9 @@ std::vector<RocPoint> roc_curve(std::span<const double> positives, std::span<con
     points.push_back({values[i].first, static_cast<double>(wrong) / static_cast<double>(negatives.size()),
                       static_cast<double>(right) / static_cast<double>(positives.size())});
   }
-  return spread_over(points, most);
+  std::vector<RocPoint> kept;
+  for (const std::size_t k : evenly_spaced(points.size(), most)) kept.push_back(points[k]);
+  return kept;
 }
 
 std::vector<CalibrationBin> calibration(std::span<const double> positives, std::span<const double> negatives, std::size_t parts) {

@@ -1,7 +1,6 @@
 // What a sample of values comes to.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -9,16 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "sim/core/of_each.h"
-
 namespace slipbench {
 
-// At most so many of a list, at equal distances, the first and the last among them.
-template <class List>
-auto spread_over(const List& all, std::size_t most) {
-  const std::size_t count = std::min(all.size(), most);
-  return of_numbers(count, [&](std::size_t k) { return all[count == 1 ? 0 : k * (all.size() - 1) / (count - 1)]; });
-}
+// Indices of at most `most` of `size` items, ascending, evenly spaced from the first item to the last.
+// Only the first item's where `most` is 1.
+std::vector<std::size_t> evenly_spaced(std::size_t size, std::size_t most);
 
 // part/all; NaN where that is none.
 inline double share_of(std::size_t part, std::size_t all) {

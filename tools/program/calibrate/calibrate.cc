@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "sim/core/random.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/calibrate/recordings.h"
@@ -231,7 +230,9 @@ Json residuals_json(const Compared& data, const Disturbances& disturbances, cons
 }
 
 Json rounded(const VectorXd& values) {
-  return of_each<Json>(values, [&](const double value) { return std::stod(fmt::format("{:.5g}", value)); });
+  Json list = Json::array();
+  for (const double value : values) list.push_back(std::stod(fmt::format("{:.5g}", value)));
+  return list;
 }
 
 // Of each component the mean over the units and the unit that is worst fitted.

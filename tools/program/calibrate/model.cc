@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "sensors/electronics/electronics.h"
-#include "sim/core/of_each.h"
 #include "sim/core/random.h"
 #include "sim/scene/section_readers.h"
 #include "sim/scene/sweep.h"
@@ -329,7 +328,9 @@ std::string FitKey::text(double value, int digits) const {
 std::vector<FitKey> parse_fit_keys(const std::string& text) {
   const YamlNode root = parse_yaml(text, "--fit " + text, false);
   require_map(root, "--fit", "KEY: {min: .., max: ..}");
-  return of_each(root.children, read_fit_key);
+  std::vector<FitKey> keys;
+  for (const YamlNode& child : root.children) keys.push_back(read_fit_key(child));
+  return keys;
 }
 
 std::string fitted_scene(const SceneFile& file, const std::vector<FitKey>& keys, const Json& result) {

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
@@ -176,7 +175,9 @@ Columns shared_columns(const RawRecording& real, const std::vector<SensorRecord>
 void check_same_columns(const std::string& name, const Columns& columns, const std::string& first_name, const Columns& first) {
   // With the names the shapes are the same: both are the scene's.
   const auto names = [](const Columns& of) {
-    return of_each<std::string>(of.channels, [](const ChannelPlace& place) { return place.sensor + "/" + place.channel; });
+    std::vector<std::string> found;
+    for (const ChannelPlace& place : of.channels) found.push_back(place.sensor + "/" + place.channel);
+    return found;
   };
   if (names(columns) == names(first)) return;
   reject("{}: holds {} and {} holds {}; allowed: recordings of one kind", name, fmt::join(names(columns), ", "), first_name,

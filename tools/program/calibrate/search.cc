@@ -8,7 +8,6 @@
 #include <Eigen/Cholesky>
 #include <nlopt.hpp>
 
-#include "sim/core/of_each.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/random.h"
 #include "tools/base/workers/ordered_workers.h"
@@ -89,7 +88,9 @@ class Searcher {
   }
 
   std::vector<Task> all_recordings(const VectorXd& places) const {
-    return of_numbers(model().recordings(), [&](std::size_t r) { return Task{places, r}; });
+    std::vector<Task> tasks;
+    for (std::size_t r = 0; r < model().recordings(); ++r) tasks.push_back({places, r});
+    return tasks;
   }
 
   // A global and a local search from one point. A start is one thread's, and NLopt's generator is each thread's own.

@@ -10,7 +10,6 @@
 #include "detectors/hd/words.h"
 #include "detectors/nib/slip_detectors.h"
 #include "rtl/verilated/rtl_engine.h"
-#include "sim/core/of_each.h"
 #include "sim/motion/motion.h"
 #include "tools/program/catalogue/registry.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
@@ -98,7 +97,19 @@ Registry<ControllerMaker>& registered_controllers() {
   return registry;
 }
 
-std::vector<Entry> own_entries() { return of_each(controller_catalogue(), &ControllerKind::about); }
+// The entries of the program's own detectors and controllers, without the registered ones.
+
+std::vector<Entry> own_detector_entries() {
+  std::vector<Entry> entries;
+  for (const DetectorKind& kind : detector_catalogue()) entries.push_back(kind.about);
+  return entries;
+}
+
+std::vector<Entry> own_controller_entries() {
+  std::vector<Entry> entries;
+  for (const ControllerKind& kind : controller_catalogue()) entries.push_back(kind.about);
+  return entries;
+}
 
 using Comparison = ExpectationKind::Comparison;
 
@@ -277,7 +288,7 @@ const std::vector<ExpectationKind>& expectation_catalogue() {
 }
 
 std::vector<Entry> detector_entries() {
-  std::vector<Entry> entries = of_each(detector_catalogue(), &DetectorKind::about);
+  std::vector<Entry> entries = own_detector_entries();
   for (const Entry& entry : registered_detectors().entries()) entries.push_back(entry);
   for (Entry& entry : entries) entry.parameters.push_back(flip_spec());
   return entries;
@@ -290,7 +301,7 @@ bool counts_frames(const std::string& type) {
 }
 
 void register_detector(const Entry& about, DetectorMaker make) {
-  registered_detectors().put("detector", about, std::move(make), of_each(detector_catalogue(), &DetectorKind::about));
+  registered_detectors().put("detector", about, std::move(make), own_detector_entries());
 }
 
 std::unique_ptr<Detector> make_detector(const DetectorScene& scene, const FrameSource& source, const Simulation& simulation) {
@@ -328,13 +339,13 @@ const std::vector<ControllerKind>& controller_catalogue() {
 }
 
 std::vector<Entry> controller_entries() {
-  std::vector<Entry> entries = own_entries();
+  std::vector<Entry> entries = own_controller_entries();
   for (const Entry& entry : registered_controllers().entries()) entries.push_back(entry);
   return entries;
 }
 
 void register_controller(const Entry& about, ControllerMaker make) {
-  registered_controllers().put("controller", about, std::move(make), own_entries());
+  registered_controllers().put("controller", about, std::move(make), own_controller_entries());
 }
 
 Answers answers_of(const Named& controller) {

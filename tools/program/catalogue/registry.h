@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "sim/core/parameters.h"
 
 namespace slipbench {
@@ -37,7 +36,9 @@ class Registry {
   // In the order of their names.
   [[nodiscard]] std::vector<Entry> entries() const {
     const std::scoped_lock lock(mutex_);
-    return of_each(held_, [](const auto& held) { return held.second.first; });
+    std::vector<Entry> entries;
+    for (const auto& [name, held] : held_) entries.push_back(held.first);
+    return entries;
   }
 
  private:

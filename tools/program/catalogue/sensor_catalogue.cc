@@ -1,6 +1,5 @@
 #include "tools/program/catalogue/sensor_catalogue.h"
 
-#include "sim/core/of_each.h"
 #include "sim/simulation/stage_setup.h"
 #include "tools/program/catalogue/registry.h"
 
@@ -38,7 +37,9 @@ Registry<SensorMaker>& registered_sensors() {
 }  // namespace
 
 void register_sensor(const Entry& about, SensorMaker make) {
-  registered_sensors().put("sensor", about, std::move(make), of_each(sensor_catalogue(), &SensorKind::about));
+  std::vector<Entry> own;
+  for (const SensorKind& kind : sensor_catalogue()) own.push_back(kind.about);
+  registered_sensors().put("sensor", about, std::move(make), own);
 }
 
 std::vector<Entry> registered_sensor_entries() { return registered_sensors().entries(); }

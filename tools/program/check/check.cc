@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tools/base/page/page.h"
 #include "tools/base/workers/child_process.h"
@@ -137,7 +136,8 @@ ExpectationResult result_of(const Named& expectation, const CheckOptions& option
   result.rate = clopper_pearson(result.kept, result.trials, confidence);
 
   // A trial that fails to run is the worst; else that which does not keep it, then that of the worst value, then the earliest.
-  std::vector<const CheckedTrial*> order = of_each(trials, [](const CheckedTrial& trial) { return &trial; });
+  std::vector<const CheckedTrial*> order;
+  for (const CheckedTrial& trial : trials) order.push_back(&trial);
   const auto rank = [&](const CheckedTrial* trial) {
     return std::tuple(trial->failure.empty(), keeps(expectation, *trial), -kind.badness(observed_in(kind, *trial)));
   };

@@ -20,7 +20,6 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/record/encoder.h"
@@ -40,13 +39,15 @@ const TextKind kept_kind{"record of settings for a scene's accuracy", [](std::st
                          }};
 
 Json overrides_as_json(const std::vector<Override>& overrides) {
-  return of_each<Json>(overrides, [](const Override& change) -> Json { return {change.path, change.value}; });
+  Json list = Json::array();
+  for (const Override& change : overrides) list.push_back(Json::array({change.path, change.value}));
+  return list;
 }
 
 std::vector<Override> overrides_of(const Json& json) {
-  return of_each(json, [](const Json& change) {
-    return Override{change.at(0).get<std::string>(), change.at(1).get<std::string>()};
-  });
+  std::vector<Override> overrides;
+  for (const Json& change : json) overrides.push_back({change.at(0).get<std::string>(), change.at(1).get<std::string>()});
+  return overrides;
 }
 
 Json errors_as_json(const Errors& errors) {
@@ -168,9 +169,6 @@ constexpr std::size_t tight_cost = 2;     // as `cost` shows it for scenes/soft_
 
 const Override no_wish{"accuracy", "none"};
 
-// So many of `size` trials.
-std::vector<std::size_t> spread_trials(std::size_t size, std::size_t most) { return spread_over(of_numbers(size), most); }
-
 Measure measure_named(const std::string& name) {
   const auto found = std::ranges::find(measure_table(), name, &MeasureInfo::name);
   if (found == measure_table().end()) throw std::logic_error("no measure is called " + name);
@@ -200,7 +198,7 @@ struct Cut {
 class Search {
  public:
   explicit Search(const PlannedTrials& planned)
-      : wished_(planned.plan), asked_(planned.asked), trials_(spread_trials(asked_, most_probed)) {
+      : wished_(planned.plan), asked_(planned.asked), trials_(evenly_spaced(asked_, most_probed)) {
     const auto [scene, drawn] = wished_.trial(0);
     if (!scene.accuracy) return;
     for (const AccuracyScene::Wish& wish : scene.accuracy->wishes) wishes_.push_back({measure_named(wish.measure), wish.limit});
@@ -278,7 +276,7 @@ class Search {
   // The longest time that divides all that sensors with pads of their own leave between readings.
   void find_sampling_time() {
     std::set<double> rates;
-    for (const std::size_t trial : spread_trials(asked_, most_checked)) {
+    for (const std::size_t trial : evenly_spaced(asked_, most_checked)) {
       const Scene scene = wished_.trial(trial).scene;
       for (const SensorScene& sensor : scene.sensors) {
         if (!sensor.follows.empty()) continue;
@@ -315,7 +313,7 @@ class Search {
   std::size_t fewest_steps(bool implicit) {
     std::size_t steps = 1;
     // What is stable with a step is so with a shorter one: trials seen before are not looked at again.
-    for (const std::size_t trial : spread_trials(asked_, most_checked)) {
+    for (const std::size_t trial : evenly_spaced(asked_, most_checked)) {
       while (std::optional<SceneValueError> refusal = refusal_of({implicit, steps}, trial)) {
         last_refusal_ = std::move(refusal);
         const bool of_step = last_refusal_->path() == "time_step" || last_refusal_->path() == "duration";

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "sim/core/pad_state.h"
 #include "sim/grasp/grasp.h"
 #include "tools/base/files/reject.h"
@@ -178,7 +178,9 @@ const EnvironmentStep& GraspEnvironment::step(double action) {
 
 std::vector<Warning> GraspEnvironment::warnings() const {
   const TrialPlan plan(file_, *catalogues_, 0, seed_);
-  return scene_warnings(plan, of_numbers(plan.size()), true);
+  std::vector<std::size_t> trials(plan.size());
+  std::iota(trials.begin(), trials.end(), std::size_t{0});
+  return scene_warnings(plan, trials, true);
 }
 
 std::string GraspEnvironment::episode_command(const std::string& scene) const {

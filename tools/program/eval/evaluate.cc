@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "detectors/hd/memory_files.h"
-#include "sim/core/of_each.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
@@ -145,9 +144,10 @@ std::size_t chosen_sensor(const std::vector<std::string>& names, const std::stri
 }
 
 std::vector<SensorRecord> in_order(TrialRecord& record, const std::vector<std::string>& names) {
-  std::vector<SensorRecord> sensors = of_each<SensorRecord>(names, [&](const std::string& name) -> SensorRecord&& {
-    return std::move(*std::ranges::find(record.sensors, name, &SensorRecord::name));
-  });
+  std::vector<SensorRecord> sensors;
+  for (const std::string& name : names) {
+    sensors.push_back(std::move(*std::ranges::find(record.sensors, name, &SensorRecord::name)));
+  }
   record.sensors.clear();
   return sensors;
 }
@@ -489,7 +489,8 @@ std::string evaluated(const Options& options) {
            left_out.empty() ? "its split '" + options.split + "' is empty"
                             : "the detector was trained on all of them; allowed: other data, or --all");
   }
-  const std::vector<Judgement> judgements = of_each(trials, &Judged::judgement);
+  std::vector<Judgement> judgements;
+  for (const Judged& trial : trials) judgements.push_back(trial.judgement);
   Json json = {{result_key, 1},
                {"detector", {{"type", options.detector.type}, {"parameters", parameters_json(options.detector.parameters)}}},
                {"dataset", options.dataset},

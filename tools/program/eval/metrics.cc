@@ -8,7 +8,6 @@
 
 #include "detectors/hd/words.h"
 #include "sim/core/contact_frame.h"
-#include "sim/core/of_each.h"
 #include "sim/motion/motion.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/samples/samples.h"
@@ -139,7 +138,9 @@ std::vector<bool> stuck_again(const std::vector<PadState>& states) {
 
 std::vector<PadState> has_slipped(const SensorRecord& sensor, bool turning) {
   const PapillarraySamples samples(sensor, SlipRule::has_slipped, default_label_speed);
-  return of_numbers<PadState>(samples.size(), [&](std::size_t row) { return samples.pad_state(row, turning); });
+  std::vector<PadState> states;
+  for (std::size_t row = 0; row < samples.size(); ++row) states.push_back(samples.pad_state(row, turning));
+  return states;
 }
 
 std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vector<std::uint8_t>& codes) {

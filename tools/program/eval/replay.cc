@@ -9,7 +9,6 @@
 
 #include "detectors/detector_kinds.h"
 #include "detectors/hd/memory_files.h"
-#include "sim/core/of_each.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/trial_run.h"
@@ -81,8 +80,10 @@ std::string yaml_word(const std::string& text) {
 
 // The detector's type, and the parameter that `text` stands for, where it is no name.
 std::pair<std::string, std::vector<Override>> type_of(const std::string& text) {
-  const std::vector<std::string> names = of_those<std::string>(
-      detector_entries(), [&](const Entry& entry) { return entry.name != oracle_type; }, &Entry::name);
+  std::vector<std::string> names;
+  for (const Entry& entry : detector_entries()) {
+    if (entry.name != oracle_type) names.push_back(entry.name);
+  }
   const std::string allowed = allowed_names(text, names) + ", FILE.onnx, or a folder of memories";
   if (text == oracle_type)
     throw InputError("eval: " + quote(text) + " is the oracle, which reads the simulation and no recording" + allowed);

@@ -21,7 +21,6 @@
 #include <zlib.h>
 
 #include "detectors/hd/words.h"
-#include "sim/core/of_each.h"
 #include "sim/core/process/own_library.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/files/reject.h"
@@ -194,8 +193,10 @@ const FormatKind& kind_of(ExportFormat format) { return *std::ranges::find(forma
 
 // The names of those that have a trait.
 std::string names_with(bool FormatKind::*trait) {
-  const std::vector<std::string_view> names = of_those<std::string_view>(
-      formats, [&](const FormatKind& kind) { return kind.*trait; }, &FormatKind::name);
+  std::vector<std::string_view> names;
+  for (const FormatKind& kind : formats) {
+    if (kind.*trait) names.push_back(kind.name);
+  }
   return fmt::format("{}", fmt::join(names, ", "));
 }
 std::string export_format_name(ExportFormat format) { return std::string(kind_of(format).name); }

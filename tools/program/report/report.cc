@@ -104,7 +104,8 @@ class CurveShares {
 // The trials whose curves go into the page: the one asked for and others at equal distances over the file.
 std::vector<std::size_t> embedded_trials(const std::vector<std::size_t>& trials, std::size_t count,
                                          const std::optional<std::size_t>& asked) {
-  std::vector<std::size_t> chosen = spread_over(trials, count);
+  std::vector<std::size_t> chosen;
+  for (const std::size_t k : evenly_spaced(trials.size(), count)) chosen.push_back(trials[k]);
   if (asked && std::find(chosen.begin(), chosen.end(), *asked) == chosen.end()) {
     // It takes the place of the nearest one.
     const auto distance = [&](std::size_t trial) { return trial > *asked ? trial - *asked : *asked - trial; };

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "sim/core/contact_frame.h"
-#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -158,7 +157,9 @@ std::optional<std::pair<double, std::string>> number_with_unit(const std::string
 }  // namespace
 
 Json numbers_or_null(const std::vector<double>& values) {
-  return of_each<Json>(values, [](double value) { return or_null(value); });
+  Json list = Json::array();
+  for (const double value : values) list.push_back(or_null(value));
+  return list;
 }
 
 std::vector<double> touch_times(const LabelRecord& labels) {

@@ -9,7 +9,6 @@
 
 #include "detectors/channel.h"
 #include "detectors/hd/words.h"
-#include "sim/core/of_each.h"
 #include "sim/motion/motion.h"
 #include "sim/scene/parser.h"
 #include "tools/base/files/reject.h"
@@ -280,8 +279,10 @@ std::array<double, 3> PapillarraySamples::tip(std::size_t pillar) const {
 
 std::vector<std::string> papillarrays_of(const DatasetReader& reader, std::size_t trial) {
   reader.check_recorded(trial);
-  const std::vector<std::string> names =
-      of_those(reader.sensors(trial), [&](const std::string& name) { return reader.sensor_type(trial, name) == "papillarray"; });
+  std::vector<std::string> names;
+  for (const std::string& name : reader.sensors(trial)) {
+    if (reader.sensor_type(trial, name) == "papillarray") names.push_back(name);
+  }
   if (names.empty()) reject("trial {}: has no papillarray, which is what this format holds", trial);
   return names;
 }

@@ -17,7 +17,6 @@
 
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/statistics/descriptive.h"
@@ -33,7 +32,9 @@ namespace {
 // One number of every unit; nlohmann writes NaN as null.
 template <class Number>
 Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) {
-  return of_each<Json>(units, [&](const UnitOutcome& unit) { return unit.*member; });
+  Json list = Json::array();
+  for (const UnitOutcome& unit : units) list.push_back(unit.*member);
+  return list;
 }
 
 void add_trial(DetectorScore& score, const TrialOutcome& outcome, const Confusion& confusion) {
@@ -232,10 +233,11 @@ void count(const TrialOutcome& outcome, const std::string& sensor, const StateCo
 SLIPBENCH_FIELDS(Warning, about, text)
 
 std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers, bool build) {
-  const std::vector<std::size_t> trials = spread_over(numbers, most_read);
-  const std::vector<std::size_t> built = spread_over(trials, build ? most_built : 0);
-  Collector found(plan, trials.size());
-  for (const std::size_t trial : trials) {
+  const std::vector<std::size_t> read = evenly_spaced(numbers.size(), most_read);
+  const std::vector<std::size_t> built = evenly_spaced(read.size(), build ? most_built : 0);
+  Collector found(plan, read.size());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    const std::size_t trial = numbers[read[i]];
     try {
       Trace values;
       const Scene scene = plan.read(trial, values);
@@ -243,7 +245,7 @@ std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::
       look_at_motion(scene, trial, found);
       look_at_texture(scene, trial, found);
       look_at_material(values, plan, trial, found);
-      if (std::ranges::find(built, trial) != built.end()) look_at_steps(scene, trial, found);
+      if (std::ranges::find(built, i) != built.end()) look_at_steps(scene, trial, found);
     } catch (const InputError&) {
       continue;
     }
@@ -254,7 +256,8 @@ std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::
 std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers) {
   std::vector<std::pair<std::size_t, std::string>> trials;
   std::optional<SplitRule> rule;
-  for (const std::size_t trial : spread_over(numbers, most_split)) {
+  for (const std::size_t k : evenly_spaced(numbers.size(), most_split)) {
+    const std::size_t trial = numbers[k];
     try {
       const TrialPlan::Trial planned = plan.trial(trial);
       rule = split_rule(planned.scene);
@@ -286,7 +289,13 @@ std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::
 
 std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& sweep) {
   const PlannedTrials& planned = read.planned;
-  const std::vector<std::size_t> numbers = sweep.only ? std::vector{*sweep.only} : of_numbers(planned.asked);
+  std::vector<std::size_t> numbers;
+  if (sweep.only) {
+    numbers.push_back(*sweep.only);
+  } else {
+    numbers.resize(planned.asked);
+    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  }
   std::vector<Warning> warnings;
   try {
     warnings = IsolatedWorker::made(sweep.isolate, sweep.limits, [&] { return scene_warnings(planned.plan, numbers, true); });
@@ -323,9 +332,9 @@ std::vector<Warning> converter_warnings(const std::vector<TrialSummary>& trials)
 }
 
 Json warnings_json(const std::vector<Warning>& warnings) {
-  return of_each<Json>(warnings, [](const Warning& warning) -> Json {
-    return {{"about", warning.about}, {"text", warning.text}};
-  });
+  Json list = Json::array();
+  for (const Warning& warning : warnings) list.push_back({{"about", warning.about}, {"text", warning.text}});
+  return list;
 }
 
 std::string trial_json(const TrialSummary& trial) {

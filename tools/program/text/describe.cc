@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "sim/core/detector.h"
-#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_values.h"
@@ -149,7 +149,8 @@ std::vector<CatalogueItem> items_of(const std::vector<CatalogueItem>& items, con
 }
 
 std::vector<std::string> kind_names() {
-  std::vector<std::string> names = of_each<std::string>(kinds, &CatalogueKind::plural);
+  std::vector<std::string> names;
+  for (const CatalogueKind& kind : kinds) names.emplace_back(kind.plural);
   names.emplace_back("recipes");  // which is no catalogue of scenes
   return names;
 }
@@ -197,7 +198,9 @@ std::string scaling_text(train::Scaling scaling) {
 }
 
 std::string classes_text(const train::Recipe& recipe) {
-  return fmt::format("{}", fmt::join(of_each(train::classes_of(recipe.classes, recipe.labels), &network::Class::name), ", "));
+  std::vector<std::string> names;
+  for (const network::Class& one : train::classes_of(recipe.classes, recipe.labels)) names.push_back(one.name);
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::string training_text(const train::TrainingOptions& training) {
@@ -281,9 +284,11 @@ std::vector<CatalogueItem> catalogue_items(const Catalogues& catalogues) {
 
 std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, const std::string& name,
                                       const std::vector<std::string>& others) {
-  const std::vector<CatalogueItem> found = of_those(items, [&](const CatalogueItem& item) { return item.entry.name == name; });
+  std::vector<CatalogueItem> found;
+  std::ranges::copy_if(items, std::back_inserter(found), [&](const CatalogueItem& item) { return item.entry.name == name; });
   if (found.empty()) {
-    std::vector<std::string> names = of_each(items, [](const CatalogueItem& item) { return item.entry.name; });
+    std::vector<std::string> names;
+    for (const CatalogueItem& item : items) names.push_back(item.entry.name);
     names.insert(names.end(), others.begin(), others.end());
     reject("describe: unknown name {}{} `slipbench list` shows all names", quote(name), suggestion(name, names));
   }

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "tools/program/eval/evaluate.h"
 
 namespace slipbench {
@@ -45,7 +45,10 @@ constexpr std::array shown{Measure::onset, Measure::force, Measure::label, Measu
 constexpr std::size_t most_named = 3;
 
 std::vector<Measure> measures_of(const Exploration& exploration) {
-  return of_those(shown, [&](const Measure measure) { return at(exploration.own().errors, measure); });
+  std::vector<Measure> measures;
+  std::ranges::copy_if(shown, std::back_inserter(measures),
+                       [&](const Measure measure) { return at(exploration.own().errors, measure).has_value(); });
+  return measures;
 }
 
 std::string number_text(double number) { return number < 100.0 ? fmt::format("{:.2g}", number) : cost::ratio_text(number); }

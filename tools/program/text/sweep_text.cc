@@ -16,7 +16,6 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/detector.h"
-#include "sim/core/of_each.h"
 #include "sim/core/sensor.h"
 #include "tools/base/statistics/confusion.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
@@ -115,9 +114,10 @@ std::string gross_text(const TrialOutcome& outcome, const Style& style) {
 
 // A row of the sweep's table: how many trials came to this, and when.
 std::vector<std::string> stage_row(const std::string& name, const std::vector<TrialSummary>& trials, double TrialOutcome::*time) {
-  const std::vector<double> times = of_those<double>(
-      trials, [&](const TrialSummary& trial) { return !std::isnan(trial.outcome.*time); },
-      [&](const TrialSummary& trial) { return trial.outcome.*time; });
+  std::vector<double> times;
+  for (const TrialSummary& trial : trials) {
+    if (!std::isnan(trial.outcome.*time)) times.push_back(trial.outcome.*time);
+  }
   if (times.empty()) return {name, "0", "-", "-", "-"};
   const auto [first, last] = std::ranges::minmax(times);
   return {name, std::to_string(times.size()), onset_text(first), onset_text(median(times)), onset_text(last)};
@@ -205,8 +205,11 @@ NamedGrasps named_grasps(const std::vector<TrialSummary>& trials, bool parameter
 // Of the values that are there; NaN: none is.
 template <class Value>
 double median_of(const std::vector<const TrialSummary*>& trials, const Value& value) {
-  std::vector<double> values = of_each<double>(trials, [&](const TrialSummary* trial) { return value(*trial->outcome.grasp); });
-  std::erase_if(values, [](double found) { return std::isnan(found); });
+  std::vector<double> values;
+  for (const TrialSummary* trial : trials) {
+    const double found = value(*trial->outcome.grasp);
+    if (!std::isnan(found)) values.push_back(found);
+  }
   return median(std::move(values));
 }
 
@@ -388,24 +391,26 @@ std::string detectors_text(const std::vector<DetectorScore>& scores, const Style
 }
 
 Json detectors_json(const std::vector<DetectorScore>& scores) {
-  return of_each<Json>(scores, [](const DetectorScore& score) -> Json {
-    return {{"type", score.type},
-            {"oracle", score.type == oracle_type},
-            {"recall_of_slip", recall_of_slip(score.confusion)},
-            {"balanced_accuracy", balanced_accuracy(score.confusion)},
-            {"constant_balanced_accuracy", constant_balanced_accuracy(score.confusion)},
-            {"median_delay_s", median(score.delays)},
-            {"worst_delay_s", quantile(score.delays, 1.0)},
-            {"trials", score.trials},
-            {"slipping", score.slipping},
-            {"seen", score.seen()},
-            {"early", score.early},
-            {"missed", score.missed},
-            {"false_alarms", score.false_alarms},
-            {"accuracy", accuracy(score.confusion)},
-            {"constant_accuracy", constant_accuracy(score.confusion)},
-            {"confusion", score.confusion}};
-  });
+  Json list = Json::array();
+  for (const DetectorScore& score : scores) {
+    list.push_back({{"type", score.type},
+                    {"oracle", score.type == oracle_type},
+                    {"recall_of_slip", recall_of_slip(score.confusion)},
+                    {"balanced_accuracy", balanced_accuracy(score.confusion)},
+                    {"constant_balanced_accuracy", constant_balanced_accuracy(score.confusion)},
+                    {"median_delay_s", median(score.delays)},
+                    {"worst_delay_s", quantile(score.delays, 1.0)},
+                    {"trials", score.trials},
+                    {"slipping", score.slipping},
+                    {"seen", score.seen()},
+                    {"early", score.early},
+                    {"missed", score.missed},
+                    {"false_alarms", score.false_alarms},
+                    {"accuracy", accuracy(score.confusion)},
+                    {"constant_accuracy", constant_accuracy(score.confusion)},
+                    {"confusion", score.confusion}});
+  }
+  return list;
 }
 
 std::vector<GraspRow> grasp_rows(const SweepSummary& summary) {
@@ -435,18 +440,20 @@ std::vector<GraspRow> grasp_rows(const SweepSummary& summary) {
 }
 
 Json grasp_json(const std::vector<GraspRow>& rows) {
-  return of_each<Json>(rows, [](const GraspRow& row) -> Json {
-    return {{"name", row.name},
-            {"trials", row.trials},
-            {"held", row.held},
-            {"dropped", row.dropped},
-            {"not_lifted", row.not_lifted},
-            {"held_share_95", {row.held_share.low, row.held_share.high}},
-            {"median_slip_translation_m", row.slip_translation},
-            {"median_slip_rotation_rad", row.slip_rotation},
-            {"median_force_ratio", row.force_ratio},
-            {"median_reaction_time_s", row.reaction_time}};
-  });
+  Json list = Json::array();
+  for (const GraspRow& row : rows) {
+    list.push_back({{"name", row.name},
+                    {"trials", row.trials},
+                    {"held", row.held},
+                    {"dropped", row.dropped},
+                    {"not_lifted", row.not_lifted},
+                    {"held_share_95", {row.held_share.low, row.held_share.high}},
+                    {"median_slip_translation_m", row.slip_translation},
+                    {"median_slip_rotation_rad", row.slip_rotation},
+                    {"median_force_ratio", row.force_ratio},
+                    {"median_reaction_time_s", row.reaction_time}});
+  }
+  return list;
 }
 
 std::string speed_text(const SweepSummary& summary, double elapsed) {

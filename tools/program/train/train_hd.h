@@ -14,7 +14,6 @@
 #include "detectors/hd/memory_files.h"
 #include "detectors/hd/model.h"
 #include "detectors/hd/words.h"
-#include "sim/core/of_each.h"
 #include "tools/base/record/json.h"
 #include "tools/base/statistics/confusion.h"
 #include "tools/base/statistics/descriptive.h"
@@ -115,7 +114,9 @@ HdSummary train_hd(const HdTraining& options);
 // Mean and standard deviation of `figure` over the draws that make the figures: all but number 0.
 template <class Figure>
 MeanSd over_draws(std::span<const Evaluation> draws, Figure&& figure) {
-  return mean_sd(of_each<double>(draws.subspan(1), figure));
+  std::vector<double> values;
+  for (const Evaluation& draw : draws.subspan(1)) values.push_back(figure(draw));
+  return mean_sd(values);
 }
 
 // The same draws put together: their frames and their sequences, those tested in several draws each time.

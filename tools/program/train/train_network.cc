@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/of_each.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
@@ -265,8 +264,9 @@ network::Description described(const Recipe& recipe, const Scale& scale, const s
 
 // The scale of the frames that teach.
 Scale scale_of_learning(const Lesson& lesson, Scaling scaling) {
-  return scale_of(of_each<const FrameSequence*>(lesson.learning, [](const Example* example) { return &example->frames; }),
-                  lesson.examples.inputs, scaling);
+  std::vector<const FrameSequence*> frames;
+  for (const Example* example : lesson.learning) frames.push_back(&example->frames);
+  return scale_of(frames, lesson.examples.inputs, scaling);
 }
 
 struct Ensemble {

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
@@ -20,8 +19,10 @@ namespace slipbench::reproduce::biotac {
 namespace {
 
 MeanSd over_folds(const std::vector<Figures>& folds, double Figures::*member) {
-  const std::vector<double> values = of_those<double>(
-      folds, [&](const Figures& fold) { return !std::isnan(fold.*member); }, [&](const Figures& fold) { return fold.*member; });
+  std::vector<double> values;
+  for (const Figures& fold : folds) {
+    if (!std::isnan(fold.*member)) values.push_back(fold.*member);
+  }
   return mean_sd(values);
 }
 
@@ -375,7 +376,9 @@ std::vector<std::size_t> folds_by_object(std::span<const std::string> objects, s
   const std::vector<std::size_t> dealt = train::folds(std::vector<std::size_t>(different.size()), count, seed);
   std::map<std::string, std::size_t> fold_of;
   for (const std::string& object : different) fold_of.emplace(object, dealt[fold_of.size()]);
-  return of_each(objects, [&](const std::string& object) { return fold_of.at(object); });
+  std::vector<std::size_t> folds;
+  for (const std::string& object : objects) folds.push_back(fold_of.at(object));
+  return folds;
 }
 
 }  // namespace slipbench::reproduce::biotac

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -10,7 +11,6 @@
 
 #include "sensors/biotac_sp/skin.h"
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 
 namespace slipbench::reproduce::biotac {
 
@@ -19,7 +19,8 @@ std::vector<double> nearest_graph(std::size_t k) {
   const auto& places = biotac_sp::electrode_places();
   std::vector<double> adjacency(electrodes * electrodes, 0.0);
   for (std::size_t node = 0; node < electrodes; ++node) {
-    std::vector<std::size_t> order = of_numbers(electrodes);
+    std::vector<std::size_t> order(electrodes);
+    std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&](std::size_t other) { return (places[other] - places[node]).squaredNorm(); });
     for (std::size_t i = 0; i <= k; ++i) adjacency[node * electrodes + order[i]] = 1.0 / static_cast<double>(k + 1);
   }

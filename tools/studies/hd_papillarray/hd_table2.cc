@@ -12,7 +12,6 @@
 #include <fmt/ranges.h>
 #include <Eigen/Core>
 
-#include "sim/core/of_each.h"
 #include "sim/core/pad_state.h"
 #include "sim/motion/motion.h"
 #include "tools/base/project/project_file.h"
@@ -290,7 +289,9 @@ std::size_t drops(const Grasps& trials) {
 
 // `scale`: to the table's unit.
 Spread spread_of(const Grasps& trials, double GraspFigures::*figure, double scale = 1.0) {
-  return spread(of_each(trials, [&](const GraspFigures& trial) { return trial.*figure * scale; }));
+  std::vector<double> values;
+  for (const GraspFigures& trial : trials) values.push_back(trial.*figure * scale);
+  return spread(values);
 }
 
 std::string number(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2f}", value); }
@@ -412,9 +413,10 @@ Json cell_json(const GraspCell& cell, const Grasps& trials, std::uint64_t seed) 
 
 // "grip: clearance 1 mm, ...": what the catalogues call assumed, at the defaults that the scene leaves them at.
 std::string assumed_text(const Entry& entry) {
-  const std::vector<std::string> values = of_those<std::string>(
-      entry.parameters, [](const ParameterSpec& spec) { return spec.source.starts_with("assumed"); },
-      [](const ParameterSpec& spec) { return spec.name + " " + spec.default_text; });
+  std::vector<std::string> values;
+  for (const ParameterSpec& spec : entry.parameters) {
+    if (spec.source.starts_with("assumed")) values.push_back(spec.name + " " + spec.default_text);
+  }
   return fmt::format("Assumed, {}: {}.", entry.name, fmt::join(values, ", "));
 }
 

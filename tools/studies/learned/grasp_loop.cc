@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/train/train_hd.h"
@@ -133,8 +132,10 @@ Lift lift_of(const TrialRecord& record) {
 
 // Of the boxes that were held.
 double median_of(const std::vector<Lift>& lifts, double Lift::*figure) {
-  std::vector<double> values = of_those<double>(
-      lifts, [](const Lift& lift) { return !lift.dropped; }, [&](const Lift& lift) { return lift.*figure; });
+  std::vector<double> values;
+  for (const Lift& lift : lifts) {
+    if (!lift.dropped) values.push_back(lift.*figure);
+  }
   return median(std::move(values));
 }
 

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/benchmark/benchmark.h"
@@ -33,9 +32,9 @@ struct Subject {
 };
 
 std::vector<Override> at(std::initializer_list<std::pair<const char*, const char*>> values) {
-  return of_each(values, [](const auto& value) {
-    return Override{fmt::format("sweep.{}", value.first), fmt::format("[{}]", value.second)};
-  });
+  std::vector<Override> overrides;
+  for (const auto& [key, value] : values) overrides.push_back({fmt::format("sweep.{}", key), fmt::format("[{}]", value)});
+  return overrides;
 }
 
 const std::vector<Subject>& subjects() {

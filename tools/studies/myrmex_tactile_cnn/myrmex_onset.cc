@@ -10,7 +10,6 @@
 
 #include "sensors/myrmex/foam_cell.h"
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/studies/grid.h"
 
@@ -30,9 +29,11 @@ const std::vector<float>& taxels_of(const SensorRecord& sensor) {
 std::vector<double> most_missing(const SensorRecord& sensor) {
   const std::vector<float>& taxels = taxels_of(sensor);
   const std::size_t units = sensor.labels.units();
-  return of_numbers<double>(sensor.time.size(), [&](std::size_t k) {
-    return rest - static_cast<double>(*std::ranges::min_element(std::span(taxels).subspan(k * units, units)));
-  });
+  std::vector<double> missing;
+  for (std::size_t k = 0; k < sensor.time.size(); ++k) {
+    missing.push_back(rest - static_cast<double>(*std::ranges::min_element(std::span(taxels).subspan(k * units, units))));
+  }
+  return missing;
 }
 
 constexpr double still = bench_apart - bench_settled;
@@ -351,9 +352,10 @@ Result myrmex_onset_label(const ReproduceOptions& options) {
   for (const OnsetTrial& trial : trials) {
     if (std::ranges::find(objects, trial.object) == objects.end()) objects.push_back(trial.object);
   }
-  const std::vector<double> lengths = of_those<double>(
-      trials, [](const OnsetTrial& trial) { return trial.truth.onset; },
-      [&](const OnsetTrial& trial) { return 1e3 * (trial.truth.end - *trial.truth.onset); });
+  std::vector<double> lengths;
+  for (const OnsetTrial& trial : trials) {
+    if (trial.truth.onset) lengths.push_back(1e3 * (trial.truth.end - *trial.truth.onset));
+  }
   result.tables.push_back(kept_table(trials, result.figures));
   for (std::size_t e = 0; e < end_count; ++e) result.tables.push_back(bias_table(trials, objects, e, result.figures));
   result.setup = {

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "detectors/nib/slip_detectors.h"
-#include "sim/core/of_each.h"
 #include "sim/effects/effect_catalogue.h"
 #include "tools/program/samples/samples.h"
 #include "tools/studies/grid.h"
@@ -38,9 +37,10 @@ constexpr std::size_t window_samples = 150, hop_samples = 30;  // samples at 300
 
 // Median of `figure` over those of the slips that have waves or not; empty of none.
 std::optional<double> median_of(const std::vector<std::optional<Signature>>& found, bool wavy, double Signature::*figure) {
-  std::vector<double> values = of_those<double>(
-      found, [&](const std::optional<Signature>& signature) { return signature && signature->wavy == wavy; },
-      [&](const std::optional<Signature>& signature) { return *signature.*figure; });
+  std::vector<double> values;
+  for (const std::optional<Signature>& signature : found) {
+    if (signature && signature->wavy == wavy) values.push_back(*signature.*figure);
+  }
   if (values.empty()) return std::nullopt;
   return median(std::move(values));
 }
@@ -100,7 +100,13 @@ std::vector<KindRun> kind_runs(std::size_t trials, const ReproduceOptions& optio
 using Score = double (*)(const KindRun&);
 using Chosen = bool (*)(const KindRun&);
 
-std::vector<double> scores(const std::vector<KindRun>& runs, Score score, Chosen chosen) { return of_those(runs, chosen, score); }
+std::vector<double> scores(const std::vector<KindRun>& runs, Score score, Chosen chosen) {
+  std::vector<double> values;
+  for (const KindRun& run : runs) {
+    if (chosen(run)) values.push_back(score(run));
+  }
+  return values;
+}
 
 bool is_linear(const KindRun& run) { return run.slips && !run.rotational; }
 bool is_rotational(const KindRun& run) { return run.slips && run.rotational; }

@@ -1,12 +1,12 @@
 // Table I of the nib pad's paper: forces and moments out of the 36 capacitances, under uniform and under partial loads.
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
-#include "sim/core/of_each.h"
 #include "sim/simulation/stage_simulation.h"
 #include "tools/base/project/project_file.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -75,7 +75,9 @@ CalibrationSplit split_of(const CalibrationCase& one, const LoadRecordings& reco
 }
 
 CalibrationRecording recording_of(const CalibrationCase& one, const LoadRecordings& recordings) {
-  return joined(of_each(one.loads, [&](CalibrationLoad load) { return recordings[load]; }));
+  std::vector<CalibrationRecording> parts;
+  for (const CalibrationLoad load : one.loads) parts.push_back(recordings[load]);
+  return joined(parts);
 }
 
 PadWrench error_of(const CalibrationCase& one, const LoadRecordings& recordings, SplitKind kind, std::uint64_t seed) {
@@ -307,7 +309,9 @@ std::vector<Eigen::Index> draw(std::vector<Eigen::Index> rows, std::size_t count
 }
 
 std::vector<Eigen::Index> range(std::size_t first, std::size_t end) {
-  return of_numbers<Eigen::Index>(end - first, [&](std::size_t k) { return static_cast<Eigen::Index>(first + k); });
+  std::vector<Eigen::Index> rows(end - first);
+  std::iota(rows.begin(), rows.end(), static_cast<Eigen::Index>(first));
+  return rows;
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/studies/grid.h"
 
@@ -86,7 +85,8 @@ std::vector<ReorientCell> all_cells() {
 
 std::vector<ReorientRuns> run_reorientations(const std::vector<ReorientCell>& cells, std::size_t trials,
                                              const ReproduceOptions& options) {
-  const std::vector<GridCell> grid = of_each(cells, [&](const ReorientCell& cell) { return cell.grid(trials); });
+  std::vector<GridCell> grid;
+  for (const ReorientCell& cell : cells) grid.push_back(cell.grid(trials));
   return run_grid<ReorientRun>(grid, options, [target = reorient_defaults().number("target")](const GridTrial& trial) {
     const TrialRecord record = trial.record();
     const GraspOutcome& grasp = record.outcome.grasp.value();

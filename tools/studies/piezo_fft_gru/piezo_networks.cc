@@ -8,7 +8,6 @@
 #include <fmt/ranges.h>
 
 #include "detectors/spectral/spectral_features.h"
-#include "sim/core/of_each.h"
 #include "sim/core/pad_state.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/train/recipes/recipe.h"
@@ -80,7 +79,9 @@ Confusion all_of(const GroupCounts& fold) {
 
 template <class Of>
 MeanSd over(const std::vector<GroupCounts>& folds, Of&& of) {
-  return mean_sd(of_each<double>(folds, of));
+  std::vector<double> values;
+  for (const GroupCounts& fold : folds) values.push_back(of(fold));
+  return mean_sd(values);
 }
 
 template <class Of>
@@ -131,9 +132,11 @@ std::vector<float> without_trend(std::span<const float> values) {
     square += t * t;
   }
   slope /= square;
-  return of_numbers<float>(values.size(), [&](std::size_t i) {
-    return static_cast<float>(static_cast<double>(values[i]) - mean - slope * (static_cast<double>(i) - middle));
-  });
+  std::vector<float> straightened;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    straightened.push_back(static_cast<float>(static_cast<double>(values[i]) - mean - slope * (static_cast<double>(i) - middle)));
+  }
+  return straightened;
 }
 
 // Power in the band of one frame at a time.
@@ -235,8 +238,9 @@ std::vector<train::FoldExample> examples_of(const std::vector<PiezoRecording>& r
 }
 
 std::vector<std::size_t> groups_of(const std::vector<PiezoRecording>& recordings) {
-  return of_each<std::size_t>(recordings,
-                              [](const PiezoRecording& recording) { return recording.motors_only ? motors_alone : with_slip; });
+  std::vector<std::size_t> groups;
+  for (const PiezoRecording& recording : recordings) groups.push_back(recording.motors_only ? motors_alone : with_slip);
+  return groups;
 }
 
 NetworkFigures on_slip(const std::vector<GroupCounts>& folds) {

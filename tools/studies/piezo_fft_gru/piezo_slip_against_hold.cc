@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/of_each.h"
 #include "tools/studies/piezo_fft_gru/piezo_networks.h"
 
 namespace slipbench::reproduce {
@@ -266,8 +265,10 @@ std::vector<std::string> remarks_on(const Json& figures) {
     return 100.0 * causes.at(cause).at("paper").at("share_of_missing").get<double>();
   };
   const auto readings = [&](const char* cause) {
-    const std::vector<std::string> areas = of_numbers<std::string>(
-        frame_spectra, [&](std::size_t k) { return area_text(causes.at(cause).at(frame_readings[k].name).at("auc")); });
+    std::vector<std::string> areas;
+    for (std::size_t k = 0; k < frame_spectra; ++k) {
+      areas.push_back(area_text(causes.at(cause).at(frame_readings[k].name).at("auc")));
+    }
     return fmt::format("{}", fmt::join(areas, ", "));
   };
   return {

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/train/recipes/recipe.h"
 #include "tools/studies/piezo_fft_gru/piezo_networks.h"
@@ -247,8 +246,8 @@ ResultTable label_table(const std::vector<PiezoRecording>& recordings, Json& fig
 
 Result piezo_table2(const ReproduceOptions& options) {
   const StudySize size = size_of(options, usual_recordings);
-  const std::vector<network::Input> inputs =
-      of_each(bands(options.full), [](const Band& band) { return spectra_of(band.low, band.high); });
+  std::vector<network::Input> inputs;
+  for (const Band& band : bands(options.full)) inputs.push_back(spectra_of(band.low, band.high));
   const std::vector<PiezoRecording> recordings = recordings_for(options, size, {bench_level}, inputs);
   Validations validations(options, size);
   std::vector<NetworkRow> rows;
@@ -464,7 +463,9 @@ double alarm_delay(std::span<const double> time, std::span<const std::uint8_t> c
 }
 
 void Alarms::add(std::span<const double> time, std::span<const std::uint8_t> called, double onset) {
-  first.add(time, of_each(called, [](std::uint8_t one) { return one == 1 ? PadState::gross : PadState::non_slip; }), onset);
+  std::vector<PadState> states;
+  for (const std::uint8_t one : called) states.push_back(one == 1 ? PadState::gross : PadState::non_slip);
+  first.add(time, states, onset);
   if (std::isnan(onset)) return;
   const double delay = alarm_delay(time, called, onset);
   if (std::isnan(delay)) {

@@ -10,6 +10,16 @@
 namespace slipbench {
 namespace {
 
+TEST(EvenlySpaced, KeepsTheFirstAndTheLast) {
+  using Indices = std::vector<std::size_t>;
+  EXPECT_EQ(evenly_spaced(11, 3), (Indices{0, 5, 10}));
+  EXPECT_EQ(evenly_spaced(10, 4), (Indices{0, 3, 6, 9}));
+  EXPECT_EQ(evenly_spaced(3, 5), (Indices{0, 1, 2}));
+  EXPECT_EQ(evenly_spaced(8, 1), Indices{0});
+  EXPECT_EQ(evenly_spaced(8, 0), Indices{});
+  EXPECT_EQ(evenly_spaced(0, 4), Indices{});
+}
+
 TEST(MeanSd, OfTheSample) {
   const MeanSd found = mean_sd(std::vector<double>{1.0, 2.0, 3.0, 4.0});
   EXPECT_DOUBLE_EQ(found.mean, 2.5);

@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "sim/core/of_each.h"
 #include "tests/expect.h"
 #include "tools/program/cli/command.h"
 #include "tools/program/commands/command_table.h"
@@ -36,7 +35,9 @@ std::string refusal(const std::vector<std::string>& words) {
 }
 
 std::vector<std::string> paths(const std::vector<Override>& overrides) {
-  return of_each<std::string>(overrides, [](const Override& change) { return change.path + " -> " + change.value; });
+  std::vector<std::string> texts;
+  for (const Override& change : overrides) texts.push_back(change.path + " -> " + change.value);
+  return texts;
 }
 
 std::vector<std::string> run_paths(const std::vector<std::string>& words) {

@@ -4,7 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim/core/of_each.h"
 #include "tests/expect.h"
 #include "tests/tools/program/commands/child_process.h"
 
@@ -26,8 +25,8 @@ struct LearnedLoop : ::testing::Test {
   }
 
   // Half of them with either controller.
-  void make_grasps(const std::string& of_each) {
-    said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", of_each, "--jobs", "2", "-o", grasps_});
+  void make_grasps(const std::string& trials) {
+    said({"sweep", SLIPBENCH_SOURCE_DIR "/scenes/grasp/learn.yaml", "--trials", trials, "--jobs", "2", "-o", grasps_});
   }
   // 4 N hold 2 0.2 4 N = 1.6 N of the 1.96 N of the box. The loop's own samples, judged afterwards.
   Json lifted(const std::string& detector, const std::string& model) {
@@ -106,9 +105,11 @@ struct LearnedCheck : LearnedLoop {
     std::vector<std::string> words{"check", SLIPBENCH_SOURCE_DIR "/scenes/grasp/check_learned.yaml", "--trials", "10", "--json"};
     words.insert(words.end(), more.begin(), more.end());
     const Json check = Json::parse(run_program_file(words).out, nullptr, false);
-    return of_those<std::string>(
-        check["scenes"][0]["expectations"], [](const Json& expectation) { return !expectation["passed"]; },
-        [](const Json& expectation) { return expectation["name"]; });
+    std::vector<std::string> names;
+    for (const Json& expectation : check["scenes"][0]["expectations"]) {
+      if (!expectation["passed"].get<bool>()) names.push_back(expectation["name"].get<std::string>());
+    }
+    return names;
   }
 };
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <set>
 
-#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "tests/expect.h"
 #include "tests/scenes.h"
@@ -23,8 +22,11 @@ std::set<std::string> series_of(const std::vector<Setting>& settings) {
 }
 
 std::vector<std::string> labels_of(const std::vector<Setting>& settings, const std::string& series) {
-  return of_those<std::string>(
-      settings, [&](const Setting& setting) { return setting.series == series; }, &Setting::label);
+  std::vector<std::string> labels;
+  for (const Setting& setting : settings) {
+    if (setting.series == series) labels.push_back(setting.label);
+  }
+  return labels;
 }
 
 TEST(CostSettings, WhatMovesAsPrescribedHasNoIntegratorAndNoSolver) {

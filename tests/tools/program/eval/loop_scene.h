@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/core/of_each.h"
 #include "tests/scenes.h"
 #include "tools/program/eval/metrics.h"
 #include "tools/program/eval/replay.h"
@@ -13,7 +12,9 @@
 namespace slipbench::eval::testing {
 
 inline std::vector<std::uint8_t> codes(const std::vector<PadState>& states) {
-  return of_each<std::uint8_t>(states, [](const PadState state) { return static_cast<std::uint8_t>(state); });
+  std::vector<std::uint8_t> codes;
+  for (const PadState state : states) codes.push_back(static_cast<std::uint8_t>(state));
+  return codes;
 }
 
 // What the loop saw in a trial of the scene, and what the replay of its record sees. Returns the replay.

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <limits>
 
-#include "sim/core/of_each.h"
 #include "tests/expect.h"
 #include "tests/tools/program/report/sample.h"
 #include "tools/base/dataset/writer.h"
@@ -46,8 +45,11 @@ Json reported(const std::string& name, const std::string& text, const std::vecto
 }
 
 std::vector<TrialRecord> trials(std::size_t count) {
-  return of_numbers<TrialRecord>(
-      count, [&](std::size_t k) { return sample_trial(k, R"({"motion.speed": ")" + std::to_string(k + 1) + R"( mm/s"})"); });
+  std::vector<TrialRecord> records;
+  for (std::size_t k = 0; k < count; ++k) {
+    records.push_back(sample_trial(k, R"({"motion.speed": ")" + std::to_string(k + 1) + R"( mm/s"})"));
+  }
+  return records;
 }
 
 std::vector<std::string> embedded(const Json& data) {
@@ -197,7 +199,8 @@ TEST(Report, HoldsAGrasp) {
 
 // Every trial of a grasp is in the page, where of another 6 are.
 TEST(Report, HoldsEveryGraspOfASet) {
-  const std::vector<TrialRecord> records = of_numbers<TrialRecord>(9, [](std::size_t k) { return sample_grasp(k); });
+  std::vector<TrialRecord> records;
+  for (std::size_t k = 0; k < 9; ++k) records.push_back(sample_grasp(k));
   const Json data = reported("report_grasps", grasp_scene, records);
   EXPECT_EQ(embedded(data).size(), 9U);
   EXPECT_EQ(data.at("by_grasp").size(), 9U);
@@ -303,7 +306,8 @@ TEST(Report, OfManyTrialsShowsSomeAndSaysSo) {
   const std::string dataset = write_dataset("report_many.h5", scene, trials(11));
   write_report(dataset, page_path("report_many.html"), {.trial = {}, .max_trials = 2, .max_rows = 4});
   const Json data = data_of(page_path("report_many.html"));
-  const std::vector<int> shown = of_each<int>(data.at("trials"), [](const Json& row) { return row.at("index"); });
+  std::vector<int> shown;
+  for (const Json& row : data.at("trials")) shown.push_back(row.at("index").get<int>());
   EXPECT_THAT(shown, ElementsAre(0, 2, 5, 8, 10));  // every 11/4th, and 0 and 10, which have curves
   EXPECT_THAT(data.at("warnings").dump(), HasSubstr("this page is made of 5 of the dataset's 11 trials"));
   write_report(dataset, page_path("report_many.html"), {.trial = {}, .max_trials = 2, .max_rows = 11});

@@ -13,7 +13,6 @@
 
 #include "detectors/network/frames.h"
 #include "sim/core/contact_frame.h"
-#include "sim/core/of_each.h"
 #include "sim/core/random.h"
 #include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/reader.h"
@@ -210,7 +209,8 @@ std::string wanted(const network::Input& input) {
   for (const network::ChannelPick& pick : input.channels) {
     for (const std::size_t value : pick.values) values = std::max(values, value + 1);
   }
-  const std::vector<std::string> names = of_each(input.channels, &network::ChannelPick::name);
+  std::vector<std::string> names;
+  for (const network::ChannelPick& pick : input.channels) names.push_back(pick.name);
   return fmt::format("a {} at {} Hz (within 1 %) with {}{}", input.sensor, input.rate, fmt::join(names, ", "),
                      values > 0 ? fmt::format(" of {} values or more", values) : std::string());
 }

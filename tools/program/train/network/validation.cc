@@ -13,7 +13,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "sim/core/random.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/statistics/descriptive.h"
@@ -105,7 +104,8 @@ std::vector<Part> dealt_parts(std::span<const Example* const> examples, Split sp
     add_kinds(kinds_of_trial[example.trial], example);
   }
   RandomStream random(seed, 0, "split");
-  const std::vector<std::string> names = of_each(groups, [](const auto& group) { return group.first; });
+  std::vector<std::string> names;
+  for (const auto& [name, kinds] : groups) names.push_back(name);
   const std::vector<std::string> judging = dealt(names, held_out, random, [&](const std::string& name) { return groups[name]; });
   std::vector<std::string> left;
   std::ranges::copy_if(names, std::back_inserter(left),
@@ -172,8 +172,9 @@ Logits logits_in_fold(std::span<const FoldExample> examples, std::span<const std
     validating.push_back(std::move(learnt.back()));
     learnt.pop_back();
   }
-  const Scale scale = scale_of(of_each(learnt, [](const FrameSequence& sequence) { return &sequence; }), validation.shape.inputs,
-                               validation.scaling);
+  std::vector<const FrameSequence*> scaled;
+  for (const FrameSequence& sequence : learnt) scaled.push_back(&sequence);
+  const Scale scale = scale_of(scaled, validation.shape.inputs, validation.scaling);
   for (std::vector<FrameSequence>* part : {&learnt, &validating}) {
     for (FrameSequence& sequence : *part) apply(scale, sequence);
   }
