@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "tools/base/dataset/stored_trials.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/hdf5/hdf5_place.h"
@@ -347,7 +346,11 @@ DatasetReader::DatasetReader(DatasetReader&&) noexcept = default;
 DatasetReader& DatasetReader::operator=(DatasetReader&&) noexcept = default;
 
 const DatasetHeader& DatasetReader::header() const { return state_->header; }
-std::vector<std::string> DatasetReader::files() const { return of_each(state_->files, &State::File::name); }
+std::vector<std::string> DatasetReader::files() const {
+  std::vector<std::string> names;
+  for (const State::File& file : state_->files) names.push_back(file.name);
+  return names;
+}
 const std::vector<std::string>& DatasetReader::content_sha256() const { return state_->digests; }
 std::uint64_t DatasetReader::schema(std::size_t file) const { return state_->schemas[file]; }
 bool DatasetReader::complete() const { return state_->complete; }
@@ -466,7 +469,9 @@ std::string DatasetReader::trial_sha256(std::size_t trial) const {
 
 std::string DatasetReader::stored_sha256(std::size_t file, const std::vector<std::pair<std::size_t, Digest>>& trials) const {
   if (schema(file) > 1) return hexadecimal(stored_file_digest(state_->root(file), trials));
-  return content_digest(of_each(trials, [](const auto& trial) { return trial.second; }));
+  std::vector<Digest> digests;
+  for (const auto& [number, digest] : trials) digests.push_back(digest);
+  return content_digest(digests);
 }
 
 EncodedTrial DatasetReader::read_encoded(std::size_t trial) const { return slipbench::read_encoded(state_->demo(trial), trial); }

@@ -10,7 +10,6 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/core/of_each.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/stored_trials.h"
 #include "tools/base/dataset/writer.h"
@@ -149,7 +148,9 @@ std::vector<std::pair<std::size_t, std::string>> ShardSet::list() {
 const DatasetHeader& ShardSet::header() const { return shards_.front()->about().header; }
 
 std::vector<std::string> ShardSet::paths() const {
-  return of_each<std::string>(shards_, [](const auto& shard) { return shard->path(); });
+  std::vector<std::string> paths;
+  for (const auto& shard : shards_) paths.push_back(shard->path());
+  return paths;
 }
 
 std::vector<std::string> ShardSet::files() const {
@@ -159,7 +160,9 @@ std::vector<std::string> ShardSet::files() const {
 }
 
 std::vector<FailedTrial> ShardSet::failed() const {
-  return of_each(failed_, [](const auto& failed) { return failed.second; });
+  std::vector<FailedTrial> all;
+  for (const auto& [number, failed] : failed_) all.push_back(failed);
+  return all;
 }
 
 std::vector<StoredTrials*> ShardSet::at_least() {

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/content_digest.h"
@@ -170,7 +169,9 @@ StoredTrials::StoredTrials(std::string path, std::optional<FileAbout> about) : p
 }
 
 std::vector<std::string> StoredTrials::files() const {
-  return of_numbers<std::string>(*about_.shards, [&](std::size_t k) { return shard_path(path_, k); });
+  std::vector<std::string> paths;
+  for (std::size_t k = 0; k < *about_.shards; ++k) paths.push_back(shard_path(path_, k));
+  return paths;
 }
 
 void StoredTrials::open(std::size_t file) {

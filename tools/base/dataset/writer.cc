@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/core/of_each.h"
 #include "sim/core/process/regular_file.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/guarded.h"
@@ -252,7 +251,8 @@ std::vector<std::string> DatasetWriter::keep_partial() {
   if (state_->shards.empty()) return state_->kept_files;
   if (state_->shards.front().prepared()) {
     // It lacks only its name, or is seen to; under this one --resume gives it that.
-    const std::vector<std::string> names = of_each<std::string>(state_->shards, [](const Shard& shard) { return shard.path(); });
+    std::vector<std::string> names;
+    for (const Shard& shard : state_->shards) names.push_back(shard.path());
     state_->shards.clear();
     return names;
   }
@@ -299,7 +299,8 @@ std::optional<FinishedDataset> finished_dataset(const std::string& path, const D
 
 KeptTrials::KeptTrials(const std::string& path, const DatasetHeader& header) {
   std::vector<Leftover> found = leftovers(path);
-  std::vector<std::string> about = of_each<std::string>(found, &Leftover::name);
+  std::vector<std::string> about;
+  for (const Leftover& leftover : found) about.push_back(leftover.name);
   if (about.empty() && std::filesystem::exists(path)) about.push_back(path);
   for (const std::string& name : about) {
     const std::string difference = guarded(name, [&] {

@@ -12,7 +12,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/guarded.h"
@@ -216,7 +215,8 @@ Json row_json(const Board& board, const Seat& seat) {
   const std::vector<Part> parts = parts_of(board, seat);
   const Score score = score_of(parts, board.held);
   const Interval interval = score_interval(parts, board.held);
-  const std::vector<eval::Judgement> judgements = of_each(seat.answers, &Answer::judgement);
+  std::vector<eval::Judgement> judgements;
+  for (const Answer& answer : seat.answers) judgements.push_back(answer.judgement);
   Json row = {{"rank", nullptr},
               {"detector", seat.entrant->name},
               {"kind", kind_word(seat.entrant->kind)},
@@ -266,7 +266,9 @@ Json groups_json(const Board& board) {
       Json scores = Json::array();
       for (const Seat& seat : board.seats) {
         const std::vector<Part> all = parts_of(board, seat);
-        scores.push_back(score_of(of_each(trials, [&](std::size_t k) { return all[k]; }), board.held).value);
+        std::vector<Part> of_group;
+        for (const std::size_t k : trials) of_group.push_back(all[k]);
+        scores.push_back(score_of(of_group, board.held).value);
       }
       list.push_back({{"name", name}, {"trials", trials.size()}, {"scores", std::move(scores)}});
     }
@@ -304,7 +306,9 @@ Json board_json(Json json, Board board) {
 // The trials of a plan that are judged: all, or some of them spread over it.
 std::vector<std::size_t> chosen_trials(std::size_t planned, std::size_t wanted) {
   const std::size_t count = wanted == 0 ? planned : std::min(wanted, planned);
-  return of_numbers<std::size_t>(count, [&](std::size_t k) { return k * planned / count; });
+  std::vector<std::size_t> trials;
+  for (std::size_t k = 0; k < count; ++k) trials.push_back(k * planned / count);
+  return trials;
 }
 
 std::vector<std::size_t> places_of(const std::vector<std::string>& names, const TrialRecord& record) {

@@ -10,7 +10,6 @@
 #include <sys/mman.h>
 
 #include "sim/core/error.h"
-#include "sim/core/of_each.h"
 #include "sim/core/quantity.h"
 #include "sim/simulation/stage_simulation.h"
 #include "tools/base/record/encoder.h"
@@ -65,9 +64,11 @@ std::unique_ptr<Simulation> make_simulation(const Scene& scene, const Sensors& s
 }
 
 std::vector<SensorSource> sources_of(const Scene& scene, const Sensors& sensors) {
-  return of_numbers(sensors.size(), [&](std::size_t i) {
-    return SensorSource{scene.sensors[i].name, scene.sensors[i].type, sensors[i]->rate(), sensors[i]->channels()};
-  });
+  std::vector<SensorSource> sources;
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    sources.push_back({scene.sensors[i].name, scene.sensors[i].type, sensors[i]->rate(), sensors[i]->channels()});
+  }
+  return sources;
 }
 
 DelayedDetector make_delayed_detector(const DetectorScene& detector, const Scene& scene, const Sensors& sensors,

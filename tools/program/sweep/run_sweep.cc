@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -15,7 +16,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/core/of_each.h"
 #include "sim/scene/section_readers.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
@@ -338,7 +338,10 @@ std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const Sweep
       return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
     });
   }
-  return options.only ? std::vector{*options.only} : of_numbers(planned.asked);
+  if (options.only) return {*options.only};
+  std::vector<std::size_t> all(planned.asked);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return all;
 }
 
 // A sweep on its way: its trials, where they go, and what has come of them so far.

@@ -8,7 +8,6 @@
 
 #include <hdf5.h>
 
-#include "sim/core/of_each.h"
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
 #include "tools/base/dataset/writer.h"
@@ -49,7 +48,9 @@ struct ResumeTest : FolderTest {
   }
   // Every file by its name and the digest of its bytes.
   std::vector<std::string> all_bytes() {
-    return of_each<std::string>(names(), [&](const std::string& name) { return name + " " + text_sha256(bytes_of(path(name))); });
+    std::vector<std::string> all;
+    for (const std::string& name : names()) all.push_back(name + " " + text_sha256(bytes_of(path(name))));
+    return all;
   }
   // What a run that nobody disturbs writes.
   std::vector<std::string> undisturbed() {

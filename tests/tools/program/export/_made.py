@@ -63,7 +63,7 @@ def export(dataset, out, *words, status=0):
 
 def for_each_scene(format, *words):
     """The test takes a dataset and the folder with what `format` made of it, of each scene."""
-    def of_each(test):
+    def decorator(test):
         def run(self):
             for scene in SCENES:
                 with self.subTest(scene=scene):
@@ -71,7 +71,7 @@ def for_each_scene(format, *words):
                     export(make(scene), out, "--format", format, *words)
                     test(self, make(scene), out)
         return run
-    return of_each
+    return decorator
 
 
 def contents(folder):
