@@ -11,42 +11,75 @@
 
 #include "sensors/plugin_abi.h"
 
-// name, default, unit, smallest, largest, sentence, source
-#define GEL_SHEET "GelSight Mini data sheet"
-#define GEL_SDK "gelsightinc/gsrobotics: 7 x 9 markers, 31 px of 0.0634 mm apart, in pictures of 320 x 240"
-#define GEL_SPRING "assumed: E A/t, G A/t of 1 mm2, 4.25 mm, G 0.15 MPa; elastic_skin takes its place"
-#define GEL_NUMBERS(NUMBER)                                                                                                     \
-  NUMBER(rate, 25.0, "Hz", 1.0, 1e5, "Frames a second.", GEL_SHEET)                                                             \
-  NUMBER(columns, 20.0, "", 2.0, 64.0, "Elements of the skin along X, a whole number.", "assumed: they reach past the picture") \
-  NUMBER(rows, 16.0, "", 2.0, 64.0, "Elements along Y, alike.", "assumed: they reach past the picture")                         \
-  NUMBER(pitch, 1e-3, "m", 1e-5, 1.0, "Distance of elements along X and Y.", "assumed: a quarter of the gel's 4.25 mm")         \
-  NUMBER(dome, 0.0, "m", 0.0, 10.0, "Radius of a domed surface; 0: flat.", "GelSight Mini is flat")                             \
-  NUMBER(k_normal, 106.0, "N/m", 1e-6, 1e9, "Normal stiffness of an element.", GEL_SPRING)                                      \
-  NUMBER(k_tangential, 35.0, "N/m", 1e-6, 1e9, "Tangential stiffness of an element.", GEL_SPRING)                               \
-  NUMBER(marker_columns, 9.0, "", 1.0, 512.0, "Markers along X, a whole number.", GEL_SDK)                                      \
-  NUMBER(marker_rows, 7.0, "", 1.0, 512.0, "Markers along Y, alike.", GEL_SDK)                                                  \
-  NUMBER(marker_pitch, 2e-3, "m", 1e-5, 1.0, "Distance of markers.", GEL_SDK)                                                   \
-  NUMBER(width, 320.0, "", 1.0, 1e5, "Width of the picture in pixels.", GEL_SDK)                                                \
-  NUMBER(height, 240.0, "", 1.0, 1e5, "Height of the picture in pixels.", GEL_SDK)                                              \
-  NUMBER(field, 18.6e-3, "m", 1e-4, 1.0, "Width of the gel at rest that the picture shows.", GEL_SHEET)                         \
-  NUMBER(distance, 28.25e-3, "m", 1e-3, 1.0, "From the pinhole to the surface.", "TacEx: 24 mm; gel: 4.25 mm")                  \
-  NUMBER(exposure, 0.0, "s", 0.0, 1.0, "Time over which a frame blurs, up to the time of a frame.", "free")                     \
-  NUMBER(noise, 0.0, "", 0.0, 100.0, "Standard deviation of a marker's place in the picture [px].", "free")                     \
-  NUMBER(height_noise, 0.0, "m", 0.0, 1e-2, "That of a marker's height.", "free")                                               \
-  NUMBER(dropout, 0.0, "", 0.0, 1.0, "Share of the markers that a frame misses.", "free")                                       \
-  NUMBER(map, 0.0, "", 0.0, 1024.0, "Columns of the picture of heights, a whole number; 0: none.", "free")
-
+// The parameters, in the order of the declarations below.
 enum Key : std::size_t {
-#define GEL_KEY(name, ...) name,
-  GEL_NUMBERS(GEL_KEY)
+  rate,
+  columns,
+  rows,
+  pitch,
+  dome,
+  k_normal,
+  k_tangential,
+  marker_columns,
+  marker_rows,
+  marker_pitch,
+  width,
+  height,
+  field,
+  distance,
+  exposure,
+  noise,
+  height_noise,
+  dropout,
+  map,
 };
 const slipbench_parameter slipbench_sensor_parameters[] = {
-#define GEL_ROW(name, value, unit, ...) SLIPBENCH_A_NUMBER(#name, value, unit),
-    GEL_NUMBERS(GEL_ROW) SLIPBENCH_NO_MORE,
+    SLIPBENCH_A_NUMBER("rate", 25.0, "Hz"),
+    SLIPBENCH_A_NUMBER("columns", 20.0, ""),
+    SLIPBENCH_A_NUMBER("rows", 16.0, ""),
+    SLIPBENCH_A_NUMBER("pitch", 1e-3, "m"),
+    SLIPBENCH_A_NUMBER("dome", 0.0, "m"),
+    SLIPBENCH_A_NUMBER("k_normal", 106.0, "N/m"),
+    SLIPBENCH_A_NUMBER("k_tangential", 35.0, "N/m"),
+    SLIPBENCH_A_NUMBER("marker_columns", 9.0, ""),
+    SLIPBENCH_A_NUMBER("marker_rows", 7.0, ""),
+    SLIPBENCH_A_NUMBER("marker_pitch", 2e-3, "m"),
+    SLIPBENCH_A_NUMBER("width", 320.0, ""),
+    SLIPBENCH_A_NUMBER("height", 240.0, ""),
+    SLIPBENCH_A_NUMBER("field", 18.6e-3, "m"),
+    SLIPBENCH_A_NUMBER("distance", 28.25e-3, "m"),
+    SLIPBENCH_A_NUMBER("exposure", 0.0, "s"),
+    SLIPBENCH_A_NUMBER("noise", 0.0, ""),
+    SLIPBENCH_A_NUMBER("height_noise", 0.0, "m"),
+    SLIPBENCH_A_NUMBER("dropout", 0.0, ""),
+    SLIPBENCH_A_NUMBER("map", 0.0, ""),
+    SLIPBENCH_NO_MORE,
 };
+
+static const char* const data_sheet = "GelSight Mini data sheet";
+static const char* const sdk = "gelsightinc/gsrobotics: 7 x 9 markers, 31 px of 0.0634 mm apart, in pictures of 320 x 240";
+static const char* const spring = "assumed: E A/t, G A/t of 1 mm2, 4.25 mm, G 0.15 MPa; elastic_skin takes its place";
 static const slipbench_note notes[] = {
-#define GEL_NOTE(name, value, unit, least, most, doc, source) {doc, source, least, most, ""},
-    GEL_NUMBERS(GEL_NOTE)};
+    {"Frames a second.", data_sheet, 1.0, 1e5, ""},
+    {"Elements of the skin along X, a whole number.", "assumed: they reach past the picture", 2.0, 64.0, ""},
+    {"Elements along Y, alike.", "assumed: they reach past the picture", 2.0, 64.0, ""},
+    {"Distance of elements along X and Y.", "assumed: a quarter of the gel's 4.25 mm", 1e-5, 1.0, ""},
+    {"Radius of a domed surface; 0: flat.", "GelSight Mini is flat", 0.0, 10.0, ""},
+    {"Normal stiffness of an element.", spring, 1e-6, 1e9, ""},
+    {"Tangential stiffness of an element.", spring, 1e-6, 1e9, ""},
+    {"Markers along X, a whole number.", sdk, 1.0, 512.0, ""},
+    {"Markers along Y, alike.", sdk, 1.0, 512.0, ""},
+    {"Distance of markers.", sdk, 1e-5, 1.0, ""},
+    {"Width of the picture in pixels.", sdk, 1.0, 1e5, ""},
+    {"Height of the picture in pixels.", sdk, 1.0, 1e5, ""},
+    {"Width of the gel at rest that the picture shows.", data_sheet, 1e-4, 1.0, ""},
+    {"From the pinhole to the surface.", "TacEx: 24 mm; gel: 4.25 mm", 1e-3, 1.0, ""},
+    {"Time over which a frame blurs, up to the time of a frame.", "free", 0.0, 1.0, ""},
+    {"Standard deviation of a marker's place in the picture [px].", "free", 0.0, 100.0, ""},
+    {"That of a marker's height.", "free", 0.0, 1e-2, ""},
+    {"Share of the markers that a frame misses.", "free", 0.0, 1.0, ""},
+    {"Columns of the picture of heights, a whole number; 0: none.", "free", 0.0, 1024.0, ""},
+};
 const slipbench_about slipbench_sensor_about = {
     "A gel with markers on its skin and a camera behind it, after GelSight Mini.",
     "u: displacement of the skin, bilinear between its elements, u = shear across n - depth n; n: direction out of the pad\n"
