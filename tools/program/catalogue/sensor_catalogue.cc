@@ -3,29 +3,27 @@
 #include "sim/simulation/stage_setup.h"
 #include "tools/program/catalogue/registry.h"
 
-// All sensors in the order of `slipbench list`, a line each: the name of its folder in sensors/ (plugin: own), where SensorKind NAME_sensor() is
-// defined.
-#define SLIPBENCH_SENSORS(SENSOR) \
-  SENSOR(papillarray)             \
-  SENSOR(nib_pad)                 \
-  SENSOR(piezo_skin)              \
-  SENSOR(biotac_sp)               \
-  SENSOR(myrmex)                  \
-  SENSOR(taxels)                  \
-  SENSOR(gel_markers)             \
-  SENSOR(magnetic_skin)           \
-  SENSOR(plugin)
-
 namespace slipbench {
 
-#define SLIPBENCH_DECLARED(name) SensorKind name##_sensor();
-SLIPBENCH_SENSORS(SLIPBENCH_DECLARED)
+// Each is defined in the folder of its sensor, that of plugin_sensor() in sensors/own.
+SensorKind papillarray_sensor();
+SensorKind nib_pad_sensor();
+SensorKind piezo_skin_sensor();
+SensorKind biotac_sp_sensor();
+SensorKind myrmex_sensor();
+SensorKind taxels_sensor();
+SensorKind gel_markers_sensor();
+SensorKind magnetic_skin_sensor();
+SensorKind plugin_sensor();
 
 namespace {
 
+// In the order of `slipbench list`.
 const std::vector<SensorKind>& sensor_catalogue() {
-#define SLIPBENCH_LISTED(name) name##_sensor(),
-  static const std::vector<SensorKind> kinds{SLIPBENCH_SENSORS(SLIPBENCH_LISTED)};
+  static const std::vector<SensorKind> kinds{
+      papillarray_sensor(), nib_pad_sensor(),     piezo_skin_sensor(),    biotac_sp_sensor(), myrmex_sensor(),
+      taxels_sensor(),      gel_markers_sensor(), magnetic_skin_sensor(), plugin_sensor(),
+  };
   return kinds;
 }
 
