@@ -1,6 +1,7 @@
 #include "sim/mujoco/articulated/articulated.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -26,16 +27,6 @@ constexpr double tip_radius = 1e-4;  // m, as the recipe's
 constexpr double settling_times = 10.0;
 constexpr double least_time_constant = 2.0;  // steps
 constexpr double most_settling_steps = 100'000.0;
-
-template <std::size_t n>
-std::array<mjtNum, n> start_of(const mjtNum (&values)[n]) {
-  return std::to_array(values);
-}
-
-template <std::size_t n>
-void take(std::array<mjtNum, n>& target, const std::vector<double>& values) {
-  std::ranges::copy(values, target.begin());
-}
 
 // Of a contact with `solref` [s]: its own, or 2/b of one that is given directly as [-k, -b].
 double time_constant(const std::array<mjtNum, mjNREF>& solref) { return solref[0] > 0.0 ? solref[0] : -2.0 / solref[1]; }
@@ -75,7 +66,7 @@ PillarSettings articulated_pillars(const ArticulatedSettings& recipe, double dt)
   // A time constant, written directly: refsafe, which the rest of the model may need, would lengthen one that is under 2 dt.
   // Friction has no position, so the stiffness counts for nothing; that it is negative says that these are direct.
   pillars.solreffriction = {-1.0, -2.0 / (recipe.friction_time * dt)};
-  pillars.solimp = start_of(usual.solimp);
+  pillars.solimp = std::to_array(usual.solimp);
   pillars.solimp[0] = pillars.solimp[1] = recipe.impedance;  // whatever the penetration
   pillars.contact_ratio = recipe.contact_stiffness / (1.0 - recipe.impedance);
   pillars.carrier_in_scale = true;
@@ -103,10 +94,10 @@ PillarSettings user_pillars(const Parameters& contact, double dt) {
   pillars.tip_mass = contact.number("tip_mass");
   pillars.tip_radius = tip_radius;
   pillars.damping_ratio = contact.number("tip_damping");
-  take(pillars.solref, contact.vector("solref"));
-  take(pillars.solreffriction, contact.vector("solreffriction"));
-  pillars.solimp = start_of(usual.solimp);
-  take(pillars.solimp, contact.vector("solimp"));
+  std::ranges::copy(contact.vector("solref"), pillars.solref.begin());
+  std::ranges::copy(contact.vector("solreffriction"), pillars.solreffriction.begin());
+  pillars.solimp = std::to_array(usual.solimp);
+  std::ranges::copy(contact.vector("solimp"), pillars.solimp.begin());
   const double steps = settling_times * std::max(least_time_constant, time_constant(pillars.solref) / dt);
   pillars.settling_steps = std::ceil(steps * (1.0 - 1e-9));  // a hair above a whole number is rounding of a step that was divided
   pillars.cone_share = cone_share;
