@@ -7,45 +7,40 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "tests/tools/base/record/test_records.h"
 #include "tools/program/import/import.h"
 
 namespace slipbench::testing {
-
-// "a,b,c".
-inline std::string joined_cells(const std::vector<std::string>& cells) {
-  std::string line;
-  for (const std::string& cell : cells) line += cell + ",";
-  if (!line.empty()) line.pop_back();
-  return line;
-}
 
 inline std::string grasp_header() {
   std::vector<std::string> names{"object", "slipped"};
   for (const char* finger : {"ff", "mf", "th"}) {
     for (int e = 1; e <= 24; ++e) names.push_back(std::string(finger) + "_biotac_" + std::to_string(e));
   }
-  return joined_cells(names) + "\n";
+  return fmt::format("{}\n", fmt::join(names, ","));
 }
 
 // Electrode number i of the 72, from 1, reads `first` + i.
 inline std::string grasp_row(const std::string& object, const std::string& slipped, int first) {
   std::vector<std::string> cells{object, slipped};
   for (int i = 1; i <= 72; ++i) cells.push_back(std::to_string(first + i));
-  return joined_cells(cells) + "\n";
+  return fmt::format("{}\n", fmt::join(cells, ","));
 }
 
 inline std::string slide_header() {
   std::vector<std::string> names;
   for (int e = 1; e <= 24; ++e) names.push_back("ff_e" + std::to_string(e));
-  return joined_cells(names) + "\n";
+  return fmt::format("{}\n", fmt::join(names, ","));
 }
 
 // Electrode e reads 100 e + `row`.
 inline std::string slide_row(int row) {
   std::vector<std::string> cells;
   for (int e = 1; e <= 24; ++e) cells.push_back(std::to_string(100 * e + row));
-  return joined_cells(cells) + "\n";
+  return fmt::format("{}\n", fmt::join(cells, ","));
 }
 
 // The vendor's names. `printed`: as its manual prints them, where those of the second sensor's slip detection say S0.
@@ -66,7 +61,7 @@ inline std::string log_header(int sensors, bool printed = false) {
     }
     names.push_back(detection + "_FrictionEst");
   }
-  return joined_cells(names) + "\n";
+  return fmt::format("{}\n", fmt::join(names, ","));
 }
 
 // One sensor's 81 cells: pillar p is displaced by (p, 0.25, 0.5) mm and carries (p, 0, 2) N; the pillars are in `states`.
@@ -85,7 +80,7 @@ inline std::vector<std::string> log_cells(const std::vector<int>& states, bool a
 inline std::string log_row(long microseconds, const std::vector<std::vector<std::string>>& sensors) {
   std::vector<std::string> cells{std::to_string(microseconds)};
   for (const auto& sensor : sensors) cells.insert(cells.end(), sensor.begin(), sensor.end());
-  return joined_cells(cells) + "\n";
+  return fmt::format("{}\n", fmt::join(cells, ","));
 }
 
 // Pillar p has the flags (contact, slip) of `flags`, is displaced by (p, 0.25, 0.5) mm and carries (p, 0, 2) N.
@@ -95,7 +90,7 @@ inline std::string training_row(const std::string& time, const std::vector<std::
     const std::string number = std::to_string(p);
     cells.insert(cells.end(), {flags[p], number, "0.25", "0.5", number, "0", "2"});
   }
-  return joined_cells(cells) + "\n";
+  return fmt::format("{}\n", fmt::join(cells, ","));
 }
 
 struct ImportTest : FolderTest {
