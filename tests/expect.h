@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "sim/core/error.h"
 
@@ -13,6 +16,62 @@ namespace slipbench {
 using ::testing::AllOf, ::testing::AnyOf, ::testing::Contains, ::testing::DoubleNear, ::testing::Each, ::testing::ElementsAre,
     ::testing::EndsWith, ::testing::HasSubstr, ::testing::IsEmpty, ::testing::Not, ::testing::Pair, ::testing::SizeIs,
     ::testing::StartsWith;
+
+using MessageMatcher = ::testing::Matcher<const std::string&>;
+
+// True if no letter, digit or '_' of `text` continues what stands from `begin` to `end`: "4" is not in "4096", nor "speed" in
+// "top_speed".
+inline bool stands_alone(std::string_view text, std::size_t begin, std::size_t end) {
+  const auto of_a_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  const bool continued_before = begin > 0 && of_a_word(text[begin - 1]) && of_a_word(text[begin]);
+  const bool continued_after = end < text.size() && of_a_word(text[end]) && of_a_word(text[end - 1]);
+  return !continued_before && !continued_after;
+}
+
+inline bool has_word(std::string_view text, std::string_view word) {
+  for (std::size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1)) {
+    if (stands_alone(text, at, at + word.size())) return true;
+  }
+  return false;
+}
+
+MATCHER_P(HasWord, word, "has the word " + ::testing::PrintToString(word)) { return has_word(arg, word); }
+
+// Matches a message that has every one of `words`. They are what a message must name: the key, the value found, the nearest name,
+// a limit. A test that expects them fails when another error is reported, but not when a sentence is improved.
+inline MessageMatcher mentions(const std::vector<std::string>& words) {
+  std::vector<MessageMatcher> all;
+  for (const std::string& word : words) all.emplace_back(HasWord(word));
+  return ::testing::AllOfArray(all);
+}
+
+MATCHER_P2(BeginsAt, place, rest,
+           "begins with the place " + ::testing::PrintToString(place) + " and goes on with what " +
+               ::testing::DescribeMatcher<const std::string&>(rest)) {
+  const std::string_view text(arg);
+  return text.starts_with(place) && stands_alone(text, 0, place.size()) &&
+         ::testing::ExplainMatchResult(rest, std::string(text.substr(place.size())), result_listener);
+}
+
+// Matches a message that begins with `place`, a file and its line, a key or a command, and has every one of `words` behind it.
+inline MessageMatcher refused_at(const std::string& place, const std::vector<std::string>& words) {
+  return BeginsAt(place, mentions(words));
+}
+
+// A row of a table of wrong inputs. An input that is right has the place "accepted", as refusal_of() returns it, and no words.
+template <class Input = std::string>
+struct Refused {
+  Input input;
+  std::string place;
+  std::vector<std::string> words;
+};
+
+// Expects of each row that `refusal(input)`, a message, is refused at its place and with its words.
+template <class Input, class Refusal>
+void expect_refusals(const std::vector<Refused<Input>>& rows, Refusal&& refusal) {
+  for (const auto& [input, place, words] : rows)
+    EXPECT_THAT(refusal(input), refused_at(place, words)) << ::testing::PrintToString(input);
+}
 
 // The message of the Error that `call` throws, "accepted" where it throws none.
 template <class Error = InputError, class Call>
