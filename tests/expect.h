@@ -19,13 +19,17 @@ using ::testing::AllOf, ::testing::AnyOf, ::testing::Contains, ::testing::Double
 
 using MessageMatcher = ::testing::Matcher<const std::string&>;
 
-// True if no letter, digit or '_' of `text` continues what stands from `begin` to `end`: "4" is not in "4096", nor "speed" in
-// "top_speed".
+// True if what stands from `begin` to `end` of `text` is a whole word, number or key: "4" is neither in "4096" nor in "0.4", nor
+// "motion" in "motion.speed".
 inline bool stands_alone(std::string_view text, std::size_t begin, std::size_t end) {
-  const auto of_a_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-  const bool continued_before = begin > 0 && of_a_word(text[begin - 1]) && of_a_word(text[begin]);
-  const bool continued_after = end < text.size() && of_a_word(text[end]) && of_a_word(text[end - 1]);
-  return !continued_before && !continued_after;
+  const auto of_a_word = [text](std::size_t at) {
+    return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '_');
+  };
+  // From `at` on, and from its neighbour if a dot joins the two.
+  const auto goes_on = [&](std::size_t at, std::size_t neighbour) {
+    return of_a_word(at) || (at < text.size() && text[at] == '.' && of_a_word(neighbour));
+  };
+  return !(of_a_word(begin) && begin > 0 && goes_on(begin - 1, begin - 2)) && !(of_a_word(end - 1) && goes_on(end, end + 1));
 }
 
 inline bool has_word(std::string_view text, std::string_view word) {

@@ -14,6 +14,9 @@ TEST(Mentions, FindsWholeWordsOnly) {
   EXPECT_THAT(message, Not(mentions({"409"})));
   EXPECT_THAT(message, Not(mentions({"096"})));
   EXPECT_THAT(message, Not(mentions({"speed"}))) << "a part of top_speed";
+  EXPECT_THAT(message, Not(mentions({"motion"}))) << "a part of motion.top_speed";
+  EXPECT_THAT("0.4 and 4.0", Not(mentions({"4"})));
+  EXPECT_THAT("4.", mentions({"4"}));
   EXPECT_THAT(message, Not(mentions({"4 mn/s", "5 mn/s"}))) << "one of the two";
   EXPECT_THAT("40 is not 4", mentions({"4"})) << "alone behind the first place, where it is not";
 }
