@@ -22,7 +22,7 @@ TEST(OwnLibrary, StandsByTheProgramsFolder) {
 
 TEST(OwnLibrary, ThatIsMissingIsNamedWithWhatHelps) {
   EXPECT_THAT(refusal_of([&] { own_symbol("../lib/gone.so", "make", "allowed: another build"); }),
-              AllOf(StartsWith("cannot load a library: " + own_path("../lib/gone.so")), EndsWith("; allowed: another build")));
+              mentions({own_path("../lib/gone.so"), "allowed: another build"}));
 }
 
 TEST(OwnLibrary, LeavesSignalsToTheProgram) {
@@ -48,13 +48,13 @@ TEST(RegularFile, RefusesWhatIsNone) {
   const std::string name = testing::TempDir() + "slipbench_regular_" + std::to_string(getpid());
   EXPECT_EQ(refusal(name, 3), "accepted");  // nothing there: opening it says so
   ASSERT_EQ(mkfifo(name.c_str(), 0600), 0);
-  EXPECT_EQ(refusal(name, 3), name + ": is a pipe, no file");
+  EXPECT_THAT(refusal(name, 3), refused_at(name, {"pipe"}));
   std::filesystem::remove(name);
-  EXPECT_EQ(refusal("/dev/null", 3), "/dev/null: is a device, no file");
-  EXPECT_EQ(refusal("/tmp", 3), "/tmp: is a folder, no file");
+  EXPECT_THAT(refusal("/dev/null", 3), refused_at("/dev/null", {"device"}));
+  EXPECT_THAT(refusal("/tmp", 3), refused_at("/tmp", {"folder"}));
   std::ofstream(name) << "abc";
   EXPECT_EQ(refusal(name, 3), "accepted");
-  EXPECT_EQ(refusal(name, 2), name + ": has 3 bytes; allowed: at most 2");
+  EXPECT_THAT(refusal(name, 2), refused_at(name, {"3 bytes", "2"}));
   std::filesystem::remove(name);
 }
 

@@ -27,11 +27,11 @@ TEST(ParseScalar, ReadsEachType) {
 
 TEST(ParseScalar, ChecksTheRange) {
   using enum ParameterType;
-  EXPECT_EQ(refusal(spec(number, Quantity::length, "1 mm", positive), "0"), "'0' is out of range; allowed: > 0 m");
-  EXPECT_EQ(refusal(spec(number, Quantity::length, "1 mm", non_negative), "-1 um"), "'-1 um' is out of range; allowed: >= 0 m");
-  EXPECT_EQ(refusal(spec(number, Quantity::none, "0", fraction), "1.5"), "'1.5' is out of range; allowed: >= 0 and <= 1");
-  EXPECT_EQ(refusal(spec(integer, Quantity::none, "1", {1, 64}), "65"), "'65' is out of range; allowed: >= 1 and <= 64");
-  EXPECT_EQ(refusal(spec(number, Quantity::none, "0", {.max = 2.0}), "3"), "'3' is out of range; allowed: <= 2");
+  EXPECT_THAT(refusal(spec(number, Quantity::length, "1 mm", positive), "0"), mentions({"'0'", "> 0 m"}));
+  EXPECT_THAT(refusal(spec(number, Quantity::length, "1 mm", non_negative), "-1 um"), mentions({"-1 um", ">= 0 m"}));
+  EXPECT_THAT(refusal(spec(number, Quantity::none, "0", fraction), "1.5"), mentions({"1.5", ">= 0", "<= 1"}));
+  EXPECT_THAT(refusal(spec(integer, Quantity::none, "1", {1, 64}), "65"), mentions({"65", ">= 1", "<= 64"}));
+  EXPECT_THAT(refusal(spec(number, Quantity::none, "0", {.max = 2.0}), "3"), mentions({"3", "<= 2"}));
   EXPECT_EQ(refusal(spec(number, Quantity::none, "0", fraction), "1"), "accepted");
   EXPECT_EQ(refusal(spec(number, Quantity::none, "0", fraction), "0"), "accepted");
   EXPECT_EQ(refusal(spec(integer, Quantity::none, "1", {1, 64}), "64"), "accepted");
@@ -39,22 +39,19 @@ TEST(ParseScalar, ChecksTheRange) {
 
 TEST(ParseScalar, TakesInfinityOnlyWhereItHasAMeaning) {
   using enum ParameterType;
-  EXPECT_EQ(refusal(spec(number, Quantity::speed, "1", positive), "inf"), "'inf' is infinite; allowed: a finite number");
+  EXPECT_THAT(refusal(spec(number, Quantity::speed, "1", positive), "inf"), mentions({"inf", "finite"}));
   EXPECT_EQ(refusal(spec(number, Quantity::time, "inf", positive), "inf"), "accepted");
   EXPECT_EQ(refusal(spec(number, Quantity::time, "1 s", positive_or_infinite), "inf"), "accepted");
-  EXPECT_EQ(refusal(spec(number, Quantity::time, "1 s", positive_or_infinite), "-inf"), "'-inf' is out of range; allowed: > 0 s");
+  EXPECT_THAT(refusal(spec(number, Quantity::time, "1 s", positive_or_infinite), "-inf"), mentions({"-inf", "> 0 s"}));
 }
 
 TEST(ParseScalar, RefusesOtherText) {
   using enum ParameterType;
-  EXPECT_EQ(refusal(spec(integer, Quantity::none, "1"), "1.5"),
-            "'1.5' is not a whole number; allowed: digits, with a leading '-' if negative");
-  EXPECT_EQ(refusal(spec(integer, Quantity::none, "1"), "9223372036854775808"),
-            "'9223372036854775808' is beyond the range of 64 bits");
-  EXPECT_EQ(refusal(spec(flag, Quantity::none, "true"), "yes"), "'yes' is not a flag; allowed: true, false");
-  EXPECT_EQ(refusal(spec(choice, Quantity::none, "gripper"), "griper"),
-            "unknown value 'griper'; did you mean 'gripper'? allowed: gripper, hexapod");
-  EXPECT_EQ(refusal(spec(path, Quantity::none, "own"), ""), "the path is empty; allowed: a path, or own");
+  EXPECT_THAT(refusal(spec(integer, Quantity::none, "1"), "1.5"), mentions({"1.5", "whole number"}));
+  EXPECT_THAT(refusal(spec(integer, Quantity::none, "1"), "9223372036854775808"), mentions({"9223372036854775808", "64 bits"}));
+  EXPECT_THAT(refusal(spec(flag, Quantity::none, "true"), "yes"), mentions({"yes", "true", "false"}));
+  EXPECT_THAT(refusal(spec(choice, Quantity::none, "gripper"), "griper"), mentions({"griper", "gripper"}));
+  EXPECT_THAT(refusal(spec(path, Quantity::none, "own"), ""), mentions({"path", "own"}));
 }
 
 TEST(Defaults, AreReadFromTheDeclaration) {

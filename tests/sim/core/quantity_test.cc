@@ -69,27 +69,24 @@ std::string refusal(const char* text, Quantity quantity) {
 }
 
 TEST(ParseQuantity, RefusesWhatIsNoNumberOfTheQuantity) {
-  const std::string speeds = " is not a speed; allowed: a number in m/s, or one with a unit: m/s, mm/s, cm/s, um/s";
   for (const std::string text : {"fast", "", "nan", "NaN", "-", ".", "e3", "- 4", "++4", "m/s", "infinity"}) {
-    EXPECT_EQ(refusal(text.c_str(), Quantity::speed), "'" + text + "'" + speeds);
+    EXPECT_THAT(refusal(text.c_str(), Quantity::speed), mentions({"'" + text + "'", "speed", "m/s", "mm/s", "cm/s", "um/s"}));
   }
-  EXPECT_EQ(refusal("much", Quantity::none), "'much' is not a number; allowed: a number, or one with a unit: %");
-  EXPECT_EQ(refusal("4 mmm/s", Quantity::speed),
-            "unknown unit 'mmm/s' of a speed in '4 mmm/s'; did you mean 'mm/s'? allowed: m/s, mm/s, cm/s, um/s");
-  EXPECT_EQ(refusal("4 mm", Quantity::speed), "unknown unit 'mm' of a speed in '4 mm'; allowed: m/s, mm/s, cm/s, um/s");
-  EXPECT_EQ(refusal("4 N", Quantity::none), "unknown unit 'N' of a number in '4 N'; allowed: %");
-  EXPECT_EQ(refusal("0x10", Quantity::time), "unknown unit 'x10' of a time in '0x10'; allowed: s, ms, us, min");
-  EXPECT_EQ(refusal("1,5 s", Quantity::time), "unknown unit ',5 s' of a time in '1,5 s'; allowed: s, ms, us, min");
-  EXPECT_EQ(refusal("inf s", Quantity::time),
-            "'inf s' is not a time; allowed: a number in s, or one with a unit: s, ms, us, min");
+  EXPECT_THAT(refusal("much", Quantity::none), mentions({"much", "number"}));
+  EXPECT_THAT(refusal("4 mmm/s", Quantity::speed), mentions({"4 mmm/s", "speed", "mm/s"}));
+  EXPECT_THAT(refusal("4 mm", Quantity::speed), mentions({"4 mm", "speed"}));
+  EXPECT_THAT(refusal("4 N", Quantity::none), mentions({"4 N", "%"}));
+  EXPECT_THAT(refusal("0x10", Quantity::time), mentions({"0x10", "x10", "time"}));
+  EXPECT_THAT(refusal("1,5 s", Quantity::time), mentions({"1,5 s", "time"}));
+  EXPECT_THAT(refusal("inf s", Quantity::time), mentions({"inf s", "time"}));
 }
 
 TEST(ParseQuantity, RefusesNumbersBeyondADouble) {
-  EXPECT_EQ(refusal("1e999", Quantity::none), "'1e999' is beyond the range of a double");
-  EXPECT_EQ(refusal("1e308 kHz", Quantity::frequency), "'1e308 kHz' is beyond the range of a double");
-  EXPECT_EQ(refusal("1e99999999999999999999", Quantity::none), "'1e99999999999999999999' is beyond the range of a double");
-  EXPECT_EQ(refusal("1e-999", Quantity::none), "'1e-999' is beyond the range of a double");
-  EXPECT_EQ(refusal("1e308 min", Quantity::time), "'1e308 min' is beyond the range of a double");
+  EXPECT_THAT(refusal("1e999", Quantity::none), mentions({"1e999", "double"}));
+  EXPECT_THAT(refusal("1e308 kHz", Quantity::frequency), mentions({"1e308 kHz", "double"}));
+  EXPECT_THAT(refusal("1e99999999999999999999", Quantity::none), mentions({"1e99999999999999999999", "double"}));
+  EXPECT_THAT(refusal("1e-999", Quantity::none), mentions({"1e-999", "double"}));
+  EXPECT_THAT(refusal("1e308 min", Quantity::time), mentions({"1e308 min", "double"}));
 }
 
 TEST(QuantityOf, TellsAQuantityByItsUnit) {

@@ -128,9 +128,9 @@ TEST(Asperities, NeedsAnInertiaThatRings) {
   const auto refusal = [](const std::vector<Wanted>& wanted) -> std::string {
     return refusal_of<SceneValueError>([&] { installed(one_unit(k_n, k_t), wanted); });
   };
-  EXPECT_EQ(refusal({{"asperities", {}}}), "effects: asperities needs inertia");
-  EXPECT_EQ(refusal({{"inertia", {{"damping", 1.0}}}, {"asperities", {}}}),
-            "effects: asperities needs an inertia that rings; allowed: damping of inertia below 1");
+  EXPECT_THAT(refusal({{"asperities", {}}}), refused_at("effects", {"asperities", "inertia"}));
+  EXPECT_THAT(refusal({{"inertia", {{"damping", 1.0}}}, {"asperities", {}}}),
+              refused_at("effects", {"asperities", "damping", "1"}));
 }
 
 }  // namespace

@@ -129,10 +129,10 @@ TEST(PatchyFriction, RepeatsWithoutASeam) {
 
 TEST(PatchyFriction, RefusesCurvedSurfacesAndWavesOutOfOrder) {
   const PadLayout pad = one_unit(1000.0, 600.0);
-  EXPECT_EQ(refusal_of([&] {
-              installed(pad, {{"patchy_friction", {}}}, false);
-            }),
-            "effects: patchy_friction needs a flat surface; allowed shapes: plane, box");
+  EXPECT_THAT(refusal_of([&] {
+                installed(pad, {{"patchy_friction", {}}}, false);
+              }),
+              refused_at("effects", {"patchy_friction", "plane", "box"}));
   for (const double longer : {1.9e-3, 20.1e-3}) {
     EXPECT_THAT(refusal_of([&] {
                   installed(pad, {{"patchy_friction", {{"shortest", 2e-3}, {"longest", longer}}}});

@@ -121,11 +121,9 @@ std::string refusal(const std::vector<Wanted>& wanted, bool flat) {
 }
 
 TEST(Roughness, RefusesWhatItCannotTabulate) {
-  EXPECT_EQ(refusal({{"roughness", {}}}, false), "effects: roughness needs a flat surface; allowed shapes: plane, box");
-  EXPECT_EQ(refusal({{"roughness", {{"shortest", 4e-3}}}}, true),
-            "effects: longest of roughness is 3 mm; allowed is shortest (4 mm) to 1000 times that");
-  EXPECT_EQ(refusal({{"roughness", {{"shortest", 1e-6}}}}, true),
-            "effects: longest of roughness is 3 mm; allowed is shortest (1 um) to 1000 times that");
+  EXPECT_THAT(refusal({{"roughness", {}}}, false), refused_at("effects", {"roughness", "plane", "box"}));
+  EXPECT_THAT(refusal({{"roughness", {{"shortest", 4e-3}}}}, true), refused_at("effects", {"roughness", "3 mm", "4 mm", "1000"}));
+  EXPECT_THAT(refusal({{"roughness", {{"shortest", 1e-6}}}}, true), refused_at("effects", {"roughness", "3 mm", "1 um", "1000"}));
 }
 
 }  // namespace

@@ -91,10 +91,10 @@ TEST(Texture, RidgesDoNotReachBeyondTheEdgeOfABox) {
 }
 
 TEST(Texture, RefusesCurvedSurfaces) {
-  EXPECT_EQ(refusal_of([] {
-              installed(one_unit(k_n, k_t), {{"texture", {}}}, false);
-            }),
-            "effects: texture needs a flat surface; allowed shapes: plane, box");
+  EXPECT_THAT(refusal_of([] {
+                installed(one_unit(k_n, k_t), {{"texture", {}}}, false);
+              }),
+              refused_at("effects", {"texture", "plane", "box"}));
 }
 
 }  // namespace

@@ -171,14 +171,12 @@ TEST(GraspScene, EverySensorButTheFirstFollows) {
   const std::string pad = "  pad: {type: papillarray}\n";
   EXPECT_EQ(of_sensors(pad + "  skin: {type: piezo_skin, follows: pad}\n  nib: {type: nib_pad, follows: second_pad}\n"),
             "accepted");
-  EXPECT_EQ(
-      of_sensors(pad + "  skin: {type: piezo_skin}\n"),
-      "scene.yaml:5: sensors.skin has no place of its own: a finger carries one pad; allowed beside it: sensors that say 'follows: pad' or 'follows: second_pad'");
-  EXPECT_EQ(
-      of_sensors("  skin: {type: piezo_skin, follows: pad}\n" + pad),
-      "scene.yaml:4: 'follows' in sensors.skin: the first sensor of a grasp has the pad on the finger that feels; allowed: one that follows none");
-  EXPECT_EQ(of_sensors(pad + "  skin: {type: piezo_skin, follows: first_pad}\n"),
-            "scene.yaml:5: sensors.skin.follows: no pad 'first_pad'; allowed: pad, second_pad");
+  EXPECT_THAT(of_sensors(pad + "  skin: {type: piezo_skin}\n"),
+              refused_at("scene.yaml:5", {"sensors.skin", "pad", "second_pad"}));
+  EXPECT_THAT(of_sensors("  skin: {type: piezo_skin, follows: pad}\n" + pad),
+              refused_at("scene.yaml:4", {"follows", "sensors.skin", "grasp"}));
+  EXPECT_THAT(of_sensors(pad + "  skin: {type: piezo_skin, follows: first_pad}\n"),
+              refused_at("scene.yaml:5", {"first_pad", "pad", "second_pad"}));
 }
 
 TEST(GraspScene, ShippedTwoSkinsReadOneContact) {

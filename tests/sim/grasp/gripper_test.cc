@@ -174,8 +174,7 @@ TEST(Gripper, RefusesWhatIsNoByte) {
        {GripCommand{256, 0, 0}, GripCommand{-1, 0, 0}, GripCommand{0, 256, 0}, GripCommand{0, 0, -7}}) {
     Gripper gripper = at_100();
     const std::string message = refusal(gripper, command);
-    EXPECT_NE(message.find("allowed: 0 to 255"), std::string::npos) << message;
-    EXPECT_NE(message.find("0.01 s"), std::string::npos) << message;
+    EXPECT_THAT(message, mentions({"0", "255", "0.01 s"}));
   }
   Gripper gripper = at_100();
   EXPECT_EQ(refusal(gripper, {255, 255, 255}), "accepted");

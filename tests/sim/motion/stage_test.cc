@@ -106,12 +106,8 @@ TEST(Stage, RestsAtTheEndOfItsTravel) {
   EXPECT_NEAR(thrice->pad_at(3.58 + 0.79).velocity.x(), -4e-3, 1e-14);
   EXPECT_NEAR(thrice->pad_at(3.58 + 1.58).pose.position.x(), 0.0, 1e-14);
   EXPECT_NEAR(thrice->pad_at(10.0).pose.position.x(), 6e-3, 1e-14);
-  EXPECT_EQ(
-      refusal({{"travel", 6e-3}, {"stop", 1.0}}),
-      "motion.travel: 6 mm and a time both say where it ends; allowed: a speed, and neither motion.stop nor motion.reverse beside it");
-  EXPECT_EQ(
-      refusal({{"travel", 6e-3}, {"speed", 0.0}}),
-      "motion.travel: 6 mm is never gone at motion.speed 0; allowed: a speed, and neither motion.stop nor motion.reverse beside it");
+  EXPECT_THAT(refusal({{"travel", 6e-3}, {"stop", 1.0}}), refused_at("motion.travel", {"6 mm", "motion.stop", "motion.reverse"}));
+  EXPECT_THAT(refusal({{"travel", 6e-3}, {"speed", 0.0}}), refused_at("motion.travel", {"6 mm", "motion.speed", "0"}));
 }
 
 TEST(Stage, DoesTheSameHigherUp) {
@@ -234,14 +230,13 @@ TEST(Stage, TopSpeedBoundsEveryPointOfThePad) {
 }
 
 TEST(Stage, RefusesTimesOutOfOrder) {
-  EXPECT_EQ(refusal({{"start", 0.45}}), "motion.start: 450 ms is too early; pressing ends at 0.455 s, allowed is that or later");
+  EXPECT_THAT(refusal({{"start", 0.45}}), refused_at("motion.start", {"450 ms", "0.455 s"}));
   EXPECT_EQ(refusal({{"start", 0.456}}), "accepted");
-  EXPECT_EQ(refusal({{"reverse", 0.5}, {"stop", 0.4}}),
-            "motion.reverse: 0.5 s comes after motion.stop (0.4 s); allowed is an earlier time");
+  EXPECT_THAT(refusal({{"reverse", 0.5}, {"stop", 0.4}}), refused_at("motion.reverse", {"motion.stop", "0.5 s", "0.4 s"}));
   EXPECT_NE(refusal({{"reverse", 0.4}, {"stop", 0.4}}), "accepted");
   EXPECT_EQ(refusal({{"reverse", 0.4}, {"stop", 0.5}}), "accepted");
   EXPECT_EQ(refusal({{"reverse", inf}, {"stop", 0.5}}), "accepted");
-  EXPECT_EQ(refusal({{"retract", 0.1}}), "motion.retract: 0.1 s comes before motion.start (2 s); allowed is a later time");
+  EXPECT_THAT(refusal({{"retract", 0.1}}), refused_at("motion.retract", {"motion.start", "0.1 s", "2 s"}));
   EXPECT_EQ(refusal({{"retract", 2.5}}), "accepted");
 }
 

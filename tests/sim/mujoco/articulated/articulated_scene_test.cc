@@ -193,7 +193,7 @@ double box_gives_way(double m, double y, double z) {
 
 // The step that a message allows [s].
 double allowed_step(const std::string& message) {
-  EXPECT_THAT(message, StartsWith("time_step: 1 ms is too long for articulated pads on these bodies; allowed are up to "));
+  EXPECT_THAT(message, refused_at("time_step", {"1 ms", "articulated"}));
   return parse_quantity(message.substr(message.find("up to ") + 6), Quantity::time);
 }
 
@@ -204,8 +204,7 @@ TEST(ArticulatedScene, StepIsLimitedByTheLightestBody) {
   EXPECT_NEAR(allowed_step(answer(light)), std::sqrt(0.25 * 15.0 / (7100.0 * (box_gives_way(1e-3, 7e-3, 7e-3) + 1.0 / 50e-3))),
               2e-6);
   EXPECT_EQ(answer(replaced(light, "time_step: 1 ms", "time_step: auto")), "accepted");
-  EXPECT_EQ(answer(replaced(held, "time_step: 1 ms", "time_step: 5 ms")),
-            "time_step: 5 ms is too long for articulated pads on these bodies; allowed are up to 2 ms");
+  EXPECT_THAT(answer(replaced(held, "time_step: 1 ms", "time_step: 5 ms")), refused_at("time_step", {"5 ms", "2 ms"}));
 }
 
 const std::string with_wall =
@@ -247,19 +246,18 @@ TEST(ArticulatedScene, LightBoxIsPressedAsAHeavyOne) {
 }
 
 TEST(ArticulatedScene, WhatOnlyAFieldCanDoIsRefused) {
-  EXPECT_EQ(
-      answer(replaced(held, "site: right_pad,", "site: right_pad, damping: 1.1 ms,")),
-      "sensors.right.damping: 1.1 ms: articulated pads' dashpots are joint damping, which the labels contain and the friction cone does not hold; allowed: 0 to 1 ms, or fidelity: field");
-  EXPECT_EQ(answer(held + "effects: [ageing]\n"), "effects: articulated pads have none; allowed: none, or fidelity: field");
-  EXPECT_EQ(answer(replaced(held, "kinetic: 0.5", "kinetic: 0.4")),
-            "friction: articulated pads have one coefficient of friction; allowed: kinetic equal to static");
+  EXPECT_THAT(answer(replaced(held, "site: right_pad,", "site: right_pad, damping: 1.1 ms,")),
+              refused_at("sensors.right.damping", {"1.1 ms", "1 ms", "fidelity"}));
+  EXPECT_THAT(answer(held + "effects: [ageing]\n"), refused_at("effects", {"articulated", "fidelity"}));
+  EXPECT_THAT(answer(replaced(held, "kinetic: 0.5", "kinetic: 0.4")),
+              refused_at("friction", {"articulated", "kinetic", "static"}));
   EXPECT_THAT(
       answer(
           replaced(held, "touches: [box]", "touches: [rock]"),
           replaced(
               two_fingers(""), "<worldbody>",
               "<asset><mesh name='rock' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/></asset><worldbody><body name='rock' pos='0 0 5'><geom name='rock' type='mesh' mesh='rock'/></body>")),
-      StartsWith("sensors.left.touches: the geom 'rock' is a mesh"));
+      refused_at("sensors.left.touches", {"rock", "mesh"}));
 }
 
 TEST(ArticulatedScene, ModelsThatWouldHaveOtherPillarsAreRefused) {
@@ -273,7 +271,7 @@ TEST(ArticulatedScene, ModelsThatWouldHaveOtherPillarsAreRefused) {
     EXPECT_THAT(with_flag(flag + "='enable'"), StartsWith("model: its flag " + flag + " is enabled"));
   }
   EXPECT_THAT(answer(held, replaced(two_fingers(""), "<option", "<compiler boundmass='0.001'/><option")),
-              StartsWith("model: its compiler makes a pillar's tip weigh 0.001 kg, not 1e-05 kg"));
+              refused_at("model", {"0.001 kg", "1e-05 kg"}));
 }
 
 // A table under the box: beside the pillars' recipe MuJoCo's own friction is a fraction of mu f_n (sim/mujoco/README.md).

@@ -22,29 +22,26 @@ const std::string good = held_box("duration: 0.1 s\n");
 TEST(DynamicRefusal, GoodSceneIsTaken) { EXPECT_EQ(answer(good), "accepted"); }
 
 TEST(DynamicRefusal, NamesThatTheModelDoesNotHave) {
-  EXPECT_EQ(answer(replaced(good, "site: left_pad", "site: left_pat")),
-            "sensors.left.site: the model has no site 'left_pat'; did you mean 'left_pad'? allowed: left_pad, right_pad");
-  EXPECT_EQ(answer(replaced(good, "touches: [box]", "touches: [bix]")),
-            "sensors.left.touches.0: no geom or body 'bix'; did you mean 'box'? allowed: box, world, left_finger, right_finger");
-  EXPECT_EQ(answer(good + "controls: {lift: 4 N}\n"),
-            "controls.lift: the model has no actuator 'lift'; did you mean 'left'? allowed: left, right");
-  EXPECT_EQ(answer(good + "controls: {left: 21 N}\n"), "controls.left: 21 is beyond the actuator's range; allowed: 0 to 20");
-  EXPECT_EQ(answer(replaced(good, "touches: [box]", "touches: [left_finger]")),
-            "sensors.left.touches: the pad is mounted on a body that it touches; allowed: other bodies");
-  EXPECT_EQ(answer(replaced(good, "{box: {shape", "{left_finger: {shape")),
-            "bodies.left_finger: the model has a body or geom of this name already; allowed: another name");
-  EXPECT_EQ(answer(replaced(good, "position: [0, 0, 0.1]", "free: false, velocity: [1, 0, 0]")),
-            "bodies.box.velocity: the body is not free; allowed: no velocity");
+  EXPECT_THAT(answer(replaced(good, "site: left_pad", "site: left_pat")),
+              refused_at("sensors.left.site", {"left_pat", "left_pad"}));
+  EXPECT_THAT(answer(replaced(good, "touches: [box]", "touches: [bix]")), refused_at("sensors.left.touches.0", {"bix", "box"}));
+  EXPECT_THAT(answer(good + "controls: {lift: 4 N}\n"), refused_at("controls.lift", {"lift", "left"}));
+  EXPECT_THAT(answer(good + "controls: {left: 21 N}\n"), refused_at("controls.left", {"21", "0", "20"}));
+  EXPECT_THAT(answer(replaced(good, "touches: [box]", "touches: [left_finger]")),
+              refused_at("sensors.left.touches", {"pad", "body"}));
+  EXPECT_THAT(answer(replaced(good, "{box: {shape", "{left_finger: {shape")), refused_at("bodies.left_finger", {"body", "geom"}));
+  EXPECT_THAT(answer(replaced(good, "position: [0, 0, 0.1]", "free: false, velocity: [1, 0, 0]")),
+              refused_at("bodies.box.velocity", {"body", "free"}));
 }
 
 TEST(DynamicRefusal, ModelsThatCannotBeRead) {
-  EXPECT_THAT(answer(replaced(good, "fingers.xml", "fingres.xml")), EndsWith("fingres.xml' cannot be read"));
+  EXPECT_THAT(answer(replaced(good, "fingers.xml", "fingres.xml")), mentions({"fingres.xml"}));
   EXPECT_THAT(answer(good, "<mujoco><worldbody><geom tipe='box'/></worldbody></mujoco>"),
               AllOf(StartsWith("model: MuJoCo cannot read it: "), HasSubstr("tipe"), HasSubstr("Element 'geom', "),
                     HasSubstr("fingers.xml:1")));
   EXPECT_THAT(answer(good, replaced(two_fingers(""), "type='slide'",
                                     "type='hinge' springref='1' stiffness='1' range='1 -1' limited='true'")),
-              StartsWith("model: MuJoCo cannot compile it: "));
+              refused_at("model", {"compile"}));
 }
 
 // The pads' 9 pillars have 64 kN/m together, and a box of 5 g between two of them vibrates at sqrt(2 * 64e3/0.005) = 5060 rad/s at
@@ -68,7 +65,7 @@ TEST(DynamicRefusal, AutomaticStepIsTheLongestThatFits) {
   EXPECT_NEAR(divisor, std::round(divisor), 1e-9);
   // One divisor less would be a longer step: it is refused.
   EXPECT_THAT(answer(good + "time_step: " + std::to_string(1.0 / (std::round(divisor) - 1.0)) + " ms\n"),
-              HasSubstr("too long for explicit springs"));
+              mentions({"explicit springs"}));
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST(MujocoContactScene, TipsThatDoNotComeToRestAreSaidToBeThat) {
                 DynamicRig rig(held_box("fidelity: mujoco_contact\ncontact: {}\ntime_step: 1 ms\nduration: 1 s\n"),
                                folder.file("scene.yaml"));
               }),
-              StartsWith("the tips do not come to rest before the run: MuJoCo warns: Nan, Inf or huge"));
+              mentions({"tips", "MuJoCo", "Nan, Inf or huge"}));
 }
 
 // 10 time constants of 300 s in steps of 1 ms are 3,000,000, and 10 of 2/(0.01 /s) as many as 2,000,000; the 100,000 that are allowed
@@ -115,12 +115,8 @@ TEST(MujocoContactScene, RefusesAContactThatTakesTooLongToSettle) {
     }
     return "accepted";
   };
-  EXPECT_EQ(
-      refusal("[300, 1]"),
-      "contact.solref: with a time constant of 300 s tips that begin pressed in need 3000000 steps of 1 ms to come to rest before the run; allowed are up to 100000 steps: a time constant of at most 10 s, or longer steps");
-  EXPECT_EQ(
-      refusal("[-1, -0.01]"),
-      "contact.solref: with a damping of 0.01 /s tips that begin pressed in need 2000000 steps of 1 ms to come to rest before the run; allowed are up to 100000 steps: a damping of at least 0.2 /s, or longer steps");
+  EXPECT_THAT(refusal("[300, 1]"), refused_at("contact.solref", {"300 s", "3000000", "1 ms", "100000", "10 s"}));
+  EXPECT_THAT(refusal("[-1, -0.01]"), refused_at("contact.solref", {"0.01 /s", "2000000", "1 ms", "100000", "0.2 /s"}));
   EXPECT_EQ(refusal("[1, 1]"), "accepted");
   EXPECT_NE(refusal("[10.001, 1]"), "accepted");
 }
@@ -203,8 +199,8 @@ TEST(MujocoContactScene, LiftDrivesFingersFromWhereTheyAre) {
 
 // A finger turns on its spring at sqrt(100 N m/(1.2e-4 kg m2)) = 913 rad/s, which bears steps of 0.75/913 s = 0.82 ms.
 TEST(MujocoContactScene, LiftRefusesAStepThatTheFingersSpringsDoNotBear) {
-  EXPECT_EQ(refusal_of([&] { GraspRig rig(lift + "fidelity: mujoco_contact\ntime_step: 1 ms\n"); }),
-            "time_step: 1 ms is too long for the springs of the fingers, which are explicit; allowed are up to 821 us");
+  EXPECT_THAT(refusal_of([&] { GraspRig rig(lift + "fidelity: mujoco_contact\ntime_step: 1 ms\n"); }),
+              refused_at("time_step", {"1 ms", "821 us"}));
 }
 
 }  // namespace

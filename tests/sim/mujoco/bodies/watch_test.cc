@@ -25,7 +25,7 @@ TEST(Watch, ForcesMustGiveTheAccelerationToATenthOfAPercentOfTheWeight) {
   EXPECT_EQ(weighed(1.0), "");
   EXPECT_EQ(weighed(1.0009), "");
   EXPECT_EQ(weighed(0.9991), "");
-  EXPECT_THAT(weighed(1.0011), HasSubstr("by 0.00108 N, over 0.1 s; allowed: 0.001 of its weight of 0.981 N"));
+  EXPECT_THAT(weighed(1.0011), mentions({"0.00108 N", "0.1 s", "0.001", "0.981 N"}));
   EXPECT_THAT(weighed(0.9989), HasSubstr("differ from its mass times its acceleration"));
   // 2 % of the weight are missing; it falls as fast as these say, or not.
   EXPECT_EQ(weighed(0.98, {0.0, 0.0, -0.02 * 9.81}), "");
@@ -187,8 +187,7 @@ TEST_P(PlantedForce, IsFoundWithinTwoWindows) {
       const int bar = mj_name2id(rig->model(), mjOBJ_BODY, "bar");
       rig.run_to(from);
       rig->data()->xfrc_applied[6 * bar + axis] = 0.005 * weight;
-      EXPECT_THAT(refusal_of([&] { rig.run_to(from + 0.201); }), HasSubstr("body 'bar': the forces on it differ"))
-          << from << " s, axis " << axis;
+      EXPECT_THAT(refusal_of([&] { rig.run_to(from + 0.201); }), mentions({"bar", "forces"})) << from << " s, axis " << axis;
     }
   }
 }
@@ -225,9 +224,9 @@ TEST(Watch, StepBeyondTheLimitIsFoundOut) {
   let.refuse_long_steps = false;
   std::string scene = held_box("duration: 1 s\ntime_step: 1 ms\ncontrols: {left: 4 N, right: 4 N}\n");
   scene.replace(scene.find("100 g"), 5, "5 g");
-  EXPECT_THAT(outcome(scene, two_fingers("integrator='implicitfast'"), let), HasSubstr("the run has gone wrong at "));
+  EXPECT_THAT(outcome(scene, two_fingers("integrator='implicitfast'"), let), mentions({"gone wrong"}));
   let.limits.energy_share = 1e300;
-  EXPECT_THAT(outcome(scene, two_fingers("integrator='implicitfast'"), let), HasSubstr("body 'box' has"))
+  EXPECT_THAT(outcome(scene, two_fingers("integrator='implicitfast'"), let), mentions({"body", "box"}))
       << "where the pads are not watched, the box is seen to be thrown out";
 }
 
@@ -236,7 +235,7 @@ TEST(Watch, ContactThatThrowsABodyOutIsFoundOut) {
   const std::string scene =
       "duration: 0.5 s\nbodies:\n  table: {shape: plane}\n  box: {shape: box, size: [20 mm, 20 mm, 20 mm], position: [0, 0, 1 mm]}\n"
       "sensors: {pad: {type: papillarray, touches: [box]}}\nmotion: {gap: 90 mm, compression: 0.1 mm, start: 40 s}\n";
-  EXPECT_THAT(outcome(scene, ""), HasSubstr("it was thrown out"));
+  EXPECT_THAT(outcome(scene, ""), mentions({"thrown out"}));
 }
 
 TEST(Watch, WarningOfMujocoEndsTheRunWithItsTextTimeAndBody) {

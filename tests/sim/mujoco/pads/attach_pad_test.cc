@@ -121,18 +121,19 @@ TEST(AttachPad, ImplicitPadsGetAllTheyNeed) {
   EXPECT_NEAR(normal, 4.0, 1e-3);
 }
 
-void expect_refused(const SpecPointer& spec, const std::string& site, const PadOptions& pad, const std::string& what) {
-  EXPECT_THAT(refusal_of([&] { attach_pad(spec.get(), site, {"box"}, pad); }), HasSubstr(what));
+void expect_refused(const SpecPointer& spec, const std::string& site, const PadOptions& pad,
+                    const std::vector<std::string>& words) {
+  EXPECT_THAT(refusal_of([&] { attach_pad(spec.get(), site, {"box"}, pad); }), mentions(words));
 }
 
 TEST(AttachPad, MistakesAreNamed) {
   const SpecPointer spec = stock();
-  expect_refused(spec, "left_pat", {}, "no site 'left_pat' in the spec; allowed: left_pad, right_pad");
-  expect_refused(spec, "left_pad", {.check = "maybe"}, "check='maybe'; allowed: error, warn");
+  expect_refused(spec, "left_pat", {}, {"left_pat", "left_pad", "right_pad"});
+  expect_refused(spec, "left_pad", {.check = "maybe"}, {"check", "maybe", "error", "warn"});
   EXPECT_EQ(attach_pad(spec.get(), "left_pad", {"box"}).name, "left_pad");
-  expect_refused(spec, "left_pad", {}, "the spec has a plugin 'left_pad' already; allowed: another name");
+  expect_refused(spec, "left_pad", {}, {"plugin", "left_pad"});
   mjs_setName(mjs_addSensor(spec.get())->element, "taken");
-  expect_refused(spec, "right_pad", {.name = "taken"}, "the spec has a sensor 'taken' already; allowed: another name");
+  expect_refused(spec, "right_pad", {.name = "taken"}, {"sensor", "taken"});
 }
 
 }  // namespace

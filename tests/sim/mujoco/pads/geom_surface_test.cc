@@ -193,20 +193,18 @@ TEST(GeomSurface, MeshesOfTheSameTrianglesShareAGrid) {
   EXPECT_NE(samples(other), kept);
 }
 
-void expect_refused(const World& world, const std::string& what, const std::string& of = "") {
+void expect_refused(const World& world, const std::vector<std::string>& words) {
   const std::string said = refusal_of([&] { surface_of_geom(world.model(), 0); });
-  EXPECT_THAT(said, StartsWith("geom 'touched'" + of + " cannot be touched by a pad: "));
-  EXPECT_THAT(said, HasSubstr(what));
+  EXPECT_THAT(said, refused_at("geom 'touched'", words));
 }
 
 TEST(GeomSurface, OtherGeomsAreRefusedByName) {
   expect_refused(World("type='hfield' hfield='hills'", "<hfield name='hills' nrow='2' ncol='2' size='1 1 1 1'/>"),
-                 "height field; allowed: plane, box, sphere, cylinder, capsule, ellipsoid, mesh");
+                 {"height field", "plane", "box", "sphere", "cylinder", "capsule", "ellipsoid", "mesh"});
   oracle::Mesh open = oracle::box_mesh({0.03, 0.02, 0.05});
   open.faces.pop_back();
-  expect_refused(World("type='mesh' mesh='shape'", asset(open)), "fill its holes", " of the mesh 'shape'");
-  expect_refused(World("type='mesh' mesh='shape'", asset(oracle::box_mesh({0.05, 0.05, 0.0001}))),
-                 "divide it into compact meshes", " of the mesh 'shape'");
+  expect_refused(World("type='mesh' mesh='shape'", asset(open)), {"mesh 'shape'", "holes"});
+  expect_refused(World("type='mesh' mesh='shape'", asset(oracle::box_mesh({0.05, 0.05, 0.0001}))), {"mesh 'shape'", "compact"});
   World world("type='sphere' size='0.03'");
   EXPECT_THROW(surface_of_geom(world.model(), 2), std::invalid_argument);
   EXPECT_THROW(surface_of_geom(world.model(), -1), std::invalid_argument);

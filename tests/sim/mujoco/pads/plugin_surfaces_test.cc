@@ -1,13 +1,9 @@
 // Pads of the plugin on geoms that overlap, and on thin ones.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
+#include "tests/expect.h"
 #include "tests/sim/mujoco/pads/plugin_rig.h"
 
 namespace slipbench::testing_plugin {
 namespace {
-
-using testing::HasSubstr;
 
 constexpr double k_n = 3000.0, k_t = 500.0;  // of nine_pillars()
 
@@ -106,8 +102,7 @@ TEST_P(PluginSurfaces, AnElementThatComesThroughARoundBodyIsRefused) {
     d->ctrl[0] = -3.0 * k / 1000.0;
     refused = mju_error_of([=] { mj_step(m, d); });
   }
-  EXPECT_THAT(refused, HasSubstr("deep in geom 'wire' of body 'object'"));
-  EXPECT_THAT(refused, HasSubstr("which is 0.6 mm thick, and now looks out of another side"));
+  EXPECT_THAT(refused, mentions({"wire", "object", "0.6 mm"}));
 }
 
 TEST(PluginSurfaces, ACardBetweenTwoPadsIsHeldAtAnyGrip) {
