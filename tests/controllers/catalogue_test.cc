@@ -35,19 +35,18 @@ TEST(Controllers, DeclareThemselvesInFull) {
 }
 
 TEST(Controllers, RefuseAnUnknownName) {
-  EXPECT_THAT(
-      refusal_of([] {
-        (void)make_controller({"step_on_slipp", {}}, papillarray_source());
-      }),
-      HasSubstr("controller: unknown type 'step_on_slipp'; did you mean 'step_on_slip'? allowed: constant_force, force_pid"));
+  EXPECT_THAT(refusal_of([] {
+                (void)make_controller({"step_on_slipp", {}}, papillarray_source());
+              }),
+              mentions({"controller", "step_on_slipp", "step_on_slip"}));
 }
 
 TEST(Controllers, RefuseASensorWithoutForces) {
   const std::vector<Channel> image{{"image", "1", {16, 16}, {}}, {"force", "N", {3}, {}}};
   for (const ControllerKind& kind : built_in()) {
     const std::string& name = kind.about.name;
-    EXPECT_EQ(refusal_of([&] { (void)make_controller(named(name), {.channels = image}); }),
-              "controller.type: '" + name + "' reads a channel 'force' [N, 3] and the sensor has: image [16, 16], force [3]");
+    EXPECT_THAT(refusal_of([&] { (void)make_controller(named(name), {.channels = image}); }),
+                refused_at("controller.type", {name, "[N, 3]", "image [16, 16]", "force [3]"}));
   }
 }
 
@@ -55,8 +54,8 @@ TEST(Controllers, ThatWaitForADetectorRefuseASceneWithoutOne) {
   GripSource source = papillarray_source();
   source.detected = false;
   const auto refused = [&](const std::string& name) { return refusal_of([&] { (void)make_controller(named(name), source); }); };
-  const std::string rest = " needs what a detector says, and the scene has none; allowed: a detector";
-  for (const std::string name : {"step_on_slip", "stuck_fraction"}) EXPECT_EQ(refused(name), "controller.type: " + name + rest);
+  for (const std::string name : {"step_on_slip", "stuck_fraction"})
+    EXPECT_THAT(refused(name), refused_at("controller.type", {name, "detector"}));
   for (const char* name : {"constant_force", "force_pid", "force_ratio", "hold_preset"}) {
     EXPECT_EQ(refused(name), "accepted") << name;
   }
@@ -81,8 +80,8 @@ TEST(Controllers, RefuseForcesThatAreNotFinite) {
   frame.set_force(4, std::numeric_limits<double>::quiet_NaN(), 0.0);
   for (const ControllerKind& kind : built_in()) {
     const std::string& name = kind.about.name;
-    EXPECT_EQ(refusal_of([&] { (void)make(name)->update(input_of(frame, 20, PadState::non_slip, 50)); }),
-              "controller " + name + ": the sensor's normal forces sum up to nan N at t = 1 s; allowed: finite forces");
+    EXPECT_THAT(refusal_of([&] { (void)make(name)->update(input_of(frame, 20, PadState::non_slip, 50)); }),
+                refused_at("controller " + name, {"nan N", "1 s"}));
   }
 }
 
@@ -111,15 +110,14 @@ TEST(Controllers, CommandTheSameForTheSameInputs) {
 }
 
 TEST(Controllers, RefuseValuesOutOfRange) {
-  EXPECT_EQ(refused_value("force_ratio", "mu", "inf"), "'inf' is infinite; allowed: a finite number");
-  EXPECT_EQ(refused_value("hold_preset", "speed_register", "256"), "'256' is out of range; allowed: >= 0 and <= 255");
-  EXPECT_EQ(refused_value("step_on_slip", "debounce", "0"), "'0' is out of range; allowed: >= 1 and <= 1e+06");
-  EXPECT_EQ(refused_value("step_on_slip", "ceiling", "-1 N"), "'-1 N' is out of range; allowed: > 0 N");
+  EXPECT_THAT(refused_value("force_ratio", "mu", "inf"), mentions({"inf", "finite"}));
+  EXPECT_THAT(refused_value("hold_preset", "speed_register", "256"), mentions({"256", "0", "255"}));
+  EXPECT_THAT(refused_value("step_on_slip", "debounce", "0"), mentions({"0", "1", "1e+06"}));
+  EXPECT_THAT(refused_value("step_on_slip", "ceiling", "-1 N"), mentions({"-1 N", "0 N"}));
   EXPECT_EQ(refused_value("step_on_slip", "ceiling", "inf"), "accepted");
-  EXPECT_EQ(refused_value("step_on_slip", "overflow", "wrapp"),
-            "unknown value 'wrapp'; did you mean 'wrap'? allowed: refuse, hold, wrap");
-  EXPECT_EQ(refused_value("force_ratio", "margin", "0"), "'0' is out of range; allowed: > 0 and <= 1");
-  EXPECT_EQ(refused_value("force_pid", "lead", "0"), "'0' is out of range; allowed: >= 1 and <= 255");
+  EXPECT_THAT(refused_value("step_on_slip", "overflow", "wrapp"), mentions({"wrapp", "wrap"}));
+  EXPECT_THAT(refused_value("force_ratio", "margin", "0"), mentions({"0", "1"}));
+  EXPECT_THAT(refused_value("force_pid", "lead", "0"), mentions({"0", "1", "255"}));
 }
 
 }  // namespace

@@ -144,9 +144,8 @@ TEST(StepOnSlip, NeverExceedsTheCeiling) {
 TEST(StepOnSlip, RefusesToWrap) {
   const PillarFrame slack = PillarFrame::of_forces(0.0);
   EXPECT_EQ(make("step_on_slip")->update(input_of(slack, 254)).position, 255);
-  EXPECT_EQ(
-      refusal_of([&] { make("step_on_slip")->update(input_of(slack, 255, stick, 50)); }),
-      "controller step_on_slip: position 255 reached at t = 1 s, one count more would wrap to 0 and open the fingers; allowed: overflow: hold, or wrap as published");
+  EXPECT_THAT(refusal_of([&] { make("step_on_slip")->update(input_of(slack, 255, stick, 50)); }),
+              refused_at("controller step_on_slip", {"255", "1 s", "overflow"}));
   EXPECT_EQ(make("step_on_slip", {{"overflow", "hold"}})->update(input_of(slack, 255)).position, 255);
   EXPECT_EQ(make("step_on_slip", {{"overflow", "wrap"}})->update(input_of(slack, 255)).position, 0);
   EXPECT_EQ(make("step_on_slip")->update(input_of(PillarFrame::of_forces(5.0), 255)).position, 255);  // nothing asks for more

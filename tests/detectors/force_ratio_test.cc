@@ -66,9 +66,8 @@ TEST(ForceRatio, FindsItsChannelAmongOthers) {
 
 TEST(ForceRatio, RefusesASensorWithoutForces) {
   FrameSource source{"skin", "piezo_skin", 1000.0, {{"signal", "1", {8}, {}}, {"force", "N", {9}, {}}}};
-  EXPECT_EQ(
-      refusal_of<SceneValueError>([&] { detector(0.5, source); }),
-      "detector.sensor: force_ratio reads a force in three axes, which the piezo_skin 'skin' does not have; allowed: a sensor that has it");
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { detector(0.5, source); }),
+              refused_at("detector.sensor", {"force_ratio", "force", "skin"}));
 }
 
 }  // namespace

@@ -47,9 +47,8 @@ TEST(MarkerEntropy, TellsUnevenMotion) {
 TEST(MarkerEntropy, RefusesASensorWithoutMarkers) {
   const FrameSource pad{"pad", "papillarray", 1e3, {{"displacement", "m", {9, 3}, {}}}};
   const DetectorKind kind = marker_entropy_detector();
-  EXPECT_THAT(
-      refusal_of([&] { static_cast<void>(kind.create(defaults_of(kind.about.parameters), pad)); }),
-      StartsWith("detector.sensor: a detector of markers reads a pixel in two axes, which the papillarray 'pad' does not have"));
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(kind.create(defaults_of(kind.about.parameters), pad)); }),
+              refused_at("detector.sensor", {"pixel", "papillarray", "pad"}));
 }
 
 }  // namespace

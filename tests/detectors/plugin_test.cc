@@ -116,68 +116,64 @@ TEST(PluginDetector, HearsEverySampleOfEverySensor) {
 }
 
 TEST(PluginDetector, RefusesWhatIsNoDetector) {
-  EXPECT_EQ(outcome("none"), "detector.library: no library is named; allowed: the path of a shared library");
-  EXPECT_EQ(outcome(file("absent")), "detector.library: no file '" + file("absent") + "'; allowed: the path of a shared library");
-  EXPECT_EQ(outcome(file("other_part")),
-            "detector.library: '" + file("other_part") +
-                "' has no symbol 'slipbench_detector_abi'; allowed: a library that exports what detectors/plugin_abi.h declares");
-  EXPECT_EQ(outcome(file("ears"), {{"sensor", "nose"}}),
-            "detector.library: '" + file("ears") + "' makes no detector for this scene: 'no sensor of this name has one value'");
+  EXPECT_THAT(outcome("none"), refused_at("detector.library", {"path"}));
+  EXPECT_THAT(outcome(file("absent")), refused_at("detector.library", {file("absent")}));
+  EXPECT_THAT(outcome(file("other_part")),
+              refused_at("detector.library", {file("other_part"), "slipbench_detector_abi", "detectors/plugin_abi.h"}));
+  EXPECT_THAT(outcome(file("ears"), {{"sensor", "nose"}}),
+              refused_at("detector.library", {file("ears"), "no sensor of this name has one value"}));
 }
 
 TEST(PluginDetector, RefusesAnotherBuild) {
   EXPECT_EQ(outcome_of(""), "accepted");
-  EXPECT_EQ(outcome_of("version=7"), "detector.library: IT was built for version 7 of the detector interface; allowed: 1");
+  EXPECT_THAT(outcome_of("version=7"), refused_at("detector.library", {"IT", "version 7", "1"}));
   // Sizes on a machine of 64 bits: pointers, doubles and size_t of 8 bytes.
-  const std::array<std::string, 8> sizes{
-      "slipbench_parameter of 1 bytes; allowed: 40",      "slipbench_channel of 1 bytes; allowed: 48",
-      "slipbench_sensor of 1 bytes; allowed: 48",         "slipbench_source of 1 bytes; allowed: 40",
-      "slipbench_samples of 1 bytes; allowed: 40",        "slipbench_detector of 1 bytes; allowed: 288",
-      "slipbench_detector_input of 1 bytes; allowed: 24", "slipbench_estimate of 1 bytes; allowed: 24"};
+  const std::array<std::pair<std::string, std::string>, 8> sizes{{{"slipbench_parameter", "40"},
+                                                                  {"slipbench_channel", "48"},
+                                                                  {"slipbench_sensor", "48"},
+                                                                  {"slipbench_source", "40"},
+                                                                  {"slipbench_samples", "40"},
+                                                                  {"slipbench_detector", "288"},
+                                                                  {"slipbench_detector_input", "24"},
+                                                                  {"slipbench_estimate", "24"}}};
   for (std::size_t i = 0; i < sizes.size(); ++i) {
-    EXPECT_EQ(outcome_of("size" + std::to_string(i) + "=1"), "detector.library: IT was built with a " + sizes[i]);
+    const auto& [type, bytes] = sizes[i];
+    EXPECT_THAT(outcome_of("size" + std::to_string(i) + "=1"), refused_at("detector.library", {"IT", type, "1 bytes", bytes}));
   }
 }
 
 TEST(PluginDetector, RefusesARateThatDoesNotDivideTheSensors) {
   for (const std::string rate : {"nan", "inf", "-inf", "0", "-100", "300", "2000", "1e-300", "1e300"}) {
-    EXPECT_THAT(outcome_of("rate=" + rate),
-                AllOf(StartsWith("detector.library: IT makes a detector of "),
-                      HasSubstr(" Hz, which does not divide the 1 kHz of sensors.pad; allowed: that over a whole number")))
-        << rate;
+    EXPECT_THAT(outcome_of("rate=" + rate), refused_at("detector.library", {"IT", "Hz", "1 kHz", "sensors.pad"})) << rate;
   }
   EXPECT_EQ(outcome_of("rate=250"), "accepted");
 }
 
 TEST(PluginDetector, RefusesWhatIsNoEstimate) {
   for (const std::string state : {"-1", "4", "1000000"}) {
-    EXPECT_EQ(outcome_of("state=" + state), "detector.library: IT says in update state " + state +
-                                                " at 0 s; allowed: 0 no contact, 1 non-slip, 2 incipient, 3 gross");
+    EXPECT_THAT(outcome_of("state=" + state), refused_at("detector.library", {"IT", "update", state, "3"}));
   }
   for (const std::string latency : {"nan", "inf", "-1"}) {
-    EXPECT_EQ(outcome_of("latency=" + latency),
-              "detector.library: IT says in update latency " + latency + " at 0 s; allowed: 0 s or more, finite");
+    EXPECT_THAT(outcome_of("latency=" + latency), refused_at("detector.library", {"IT", "latency", latency, "0 s"}));
   }
   for (const std::string stuck : {"inf", "-0.5", "1.5"}) {
-    EXPECT_EQ(outcome_of("stuck=" + stuck),
-              "detector.library: IT says in update stuck_fraction " + stuck + " at 0 s; allowed: 0 to 1, or NaN for none");
+    EXPECT_THAT(outcome_of("stuck=" + stuck), refused_at("detector.library", {"IT", "stuck_fraction", stuck, "1"}));
   }
   EXPECT_EQ(outcome_of("stuck=nan"), "accepted");
 }
 
 TEST(PluginDetector, RefusesAFaultyDeclarationOfParameters) {
-  const std::string where = "detector.library: IT declares in slipbench_detector_parameters ";
-  EXPECT_EQ(outcome_of("rows=2"), where + "'no name' as a name; allowed: letters, digits and '_', no digit first");
-  EXPECT_THAT(outcome_of("rows=4"), StartsWith(where + "'threshold' of type 1000000; allowed: SLIPBENCH_NUMBER"));
-  EXPECT_EQ(outcome_of("rows=5"), where + "'threshold' with the default nan; allowed: a finite number");
-  EXPECT_THAT(outcome_of("rows=6"), StartsWith(where + "'threshold' in the unit 'bananas'; allowed: an SI unit"));
-  EXPECT_THAT(outcome_of("rows=7"), StartsWith(where + "'threshold' in the unit 'mN'; allowed: an SI unit"));
-  EXPECT_EQ(outcome_of("rows=9"), where + "'threshold' twice; allowed: each name once");
-  EXPECT_EQ(outcome_of("rows=10"), where + "more than 1000 parameters; allowed: SLIPBENCH_NO_MORE as the last row");
-  EXPECT_EQ(outcome_of("rows=1"), "detector.library: IT crashed in slipbench_detector_parameters: SIGSEGV (segmentation fault)");
+  const std::string where = "slipbench_detector_parameters";
+  EXPECT_THAT(outcome_of("rows=2"), refused_at("detector.library", {where, "no name"}));
+  EXPECT_THAT(outcome_of("rows=4"), refused_at("detector.library", {where, "threshold", "1000000", "SLIPBENCH_NUMBER"}));
+  EXPECT_THAT(outcome_of("rows=5"), refused_at("detector.library", {where, "threshold", "nan", "finite"}));
+  EXPECT_THAT(outcome_of("rows=6"), refused_at("detector.library", {where, "threshold", "bananas"}));
+  EXPECT_THAT(outcome_of("rows=7"), refused_at("detector.library", {where, "threshold", "mN"}));
+  EXPECT_THAT(outcome_of("rows=9"), refused_at("detector.library", {where, "threshold", "twice"}));
+  EXPECT_THAT(outcome_of("rows=10"), refused_at("detector.library", {where, "1000", "SLIPBENCH_NO_MORE"}));
+  EXPECT_THAT(outcome_of("rows=1"), refused_at("detector.library", {where, "SIGSEGV"}));
   EXPECT_EQ(outcome_of("", {{"threshold", "300 mN"}}), "accepted");
-  EXPECT_EQ(outcome_of("", {{"treshold", "1"}}),
-            "detector.parameters.treshold: IT has no parameter 'treshold'; did you mean 'threshold'? allowed: threshold");
+  EXPECT_THAT(outcome_of("", {{"treshold", "1"}}), refused_at("detector.parameters.treshold", {"IT", "treshold", "threshold"}));
 }
 
 TEST(PluginDetector, ThatCrashesIsNamedWithItsFunction) {
@@ -186,12 +182,12 @@ TEST(PluginDetector, ThatCrashesIsNamedWithItsFunction) {
   for (std::size_t crash = 0; crash < signals.size(); ++crash) {
     for (std::size_t in = 0; in < functions.size(); ++in) {
       EXPECT_THAT(outcome_of("crash=" + std::to_string(crash + 1) + ",in=" + std::to_string(in + 2)),
-                  StartsWith("detector.library: IT crashed in " + functions[in] + ": " + signals[crash]));
+                  refused_at("detector.library", {"IT", functions[in], signals[crash]}));
     }
   }
   for (std::size_t in = 0; in < functions.size(); ++in) {
-    EXPECT_EQ(outcome_of("crash=7,in=" + std::to_string(in + 2)),
-              "detector.library: IT threw 'out of ideas' in " + functions[in] + "; allowed: no exceptions");
+    EXPECT_THAT(outcome_of("crash=7,in=" + std::to_string(in + 2)),
+                refused_at("detector.library", {"IT", "out of ideas", functions[in]}));
   }
 }
 
@@ -202,8 +198,8 @@ TEST(PluginDetector, ThatIsBuiltAnewNeedsAnotherStart) {
   const std::string first = outcome(path);
   std::filesystem::remove(path);
   std::filesystem::copy_file(file("ears"), path);
-  EXPECT_THAT(first, Not(HasSubstr("has changed")));
-  EXPECT_THAT(outcome(path), HasSubstr("has changed since it was loaded; allowed: another start of the program"));
+  EXPECT_THAT(first, Not(mentions({"changed"})));
+  EXPECT_THAT(outcome(path), mentions({"changed", "another start"}));
   std::filesystem::remove(path);
 }
 

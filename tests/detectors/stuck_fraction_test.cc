@@ -76,13 +76,11 @@ std::string refusal(const FrameSource& source) {
 
 TEST(StuckFraction, RefusesWhatItCannotRead) {
   EXPECT_EQ(refusal(vector_source({"displacement", "force"}, 9, 250.0)), "accepted");
-  EXPECT_EQ(
-      refusal(vector_source({"force"}, 9, 1000.0)),
-      "detector.sensor: stuck_fraction reads a displacement in three axes, which the papillarray 'pad' does not have; allowed: a sensor that has it");
+  EXPECT_THAT(refusal(vector_source({"force"}, 9, 1000.0)),
+              refused_at("detector.sensor", {"stuck_fraction", "displacement", "pad"}));
   for (const double rate : {25.0, 120.0}) {  // 0.5 and 2.4 frames
-    EXPECT_EQ(refusal(vector_source({"force", "displacement"}, 9, rate)),
-              "detector.window: stuck_fraction compares frames that lie 20 ms apart, and sensors.pad has " +
-                  format_quantity(rate, Quantity::frequency) + "; allowed: a whole number of its frames, 1 to 1,000,000");
+    EXPECT_THAT(refusal(vector_source({"force", "displacement"}, 9, rate)),
+                refused_at("detector.window", {"sensors.pad", "20 ms", format_quantity(rate, Quantity::frequency), "1,000,000"}));
   }
 }
 

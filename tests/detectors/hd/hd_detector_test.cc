@@ -105,13 +105,11 @@ TEST(HdDetector, RefusesARateThatDoesNotDivideTheSensors) {
 }
 
 TEST(HdDetector, RefusesOtherSensors) {
-  EXPECT_THAT(refusal_at(100.0, vector_source({"force"}, 9, 1000.0)),
-              HasSubstr("detector.sensor: the hyperdimensional classifier reads a displacement in three axes"));
-  EXPECT_THAT(refusal_at(100.0, vector_source({"displacement"}, 8, 1000.0)),
-              HasSubstr("reads the nine pillars of a papillarray"));
+  EXPECT_THAT(refusal_at(100.0, vector_source({"force"}, 9, 1000.0)), mentions({"detector.sensor", "displacement"}));
+  EXPECT_THAT(refusal_at(100.0, vector_source({"displacement"}, 8, 1000.0)), mentions({"nine pillars", "papillarray"}));
   FrameSource other = papillarray;
   other.type = "nine_domes";
-  EXPECT_THAT(refusal_at(100.0, other), HasSubstr("'pad' is a nine_domes"));
+  EXPECT_THAT(refusal_at(100.0, other), mentions({"pad", "nine_domes"}));
 }
 
 TEST(HdDetector, SaysWhereItLookedForMemories) {

@@ -71,11 +71,11 @@ TEST(Hypervector, TheFirstDigitHoldsTheHighestBits) {
 }
 
 TEST(Hypervector, GarbledTextIsRefused) {
-  EXPECT_EQ(refusal("123", 16), "3 digits; 16 bits are 4");
-  EXPECT_EQ(refusal("12345", 16), "5 digits; 16 bits are 4");
-  EXPECT_EQ(refusal("12g4", 16), "'g' in column 3 is no hexadecimal digit");
-  EXPECT_EQ(refusal("12 4", 16), "' ' in column 3 is no hexadecimal digit");
-  EXPECT_EQ(refusal("21ff", 13), "the first digit has bits beyond the 13 of a vector: '2'");
+  EXPECT_THAT(refusal("123", 16), mentions({"3 digits", "16 bits", "4"}));
+  EXPECT_THAT(refusal("12345", 16), mentions({"5 digits", "16 bits", "4"}));
+  EXPECT_THAT(refusal("12g4", 16), mentions({"'g'", "column 3"}));
+  EXPECT_THAT(refusal("12 4", 16), mentions({"' '", "column 3"}));
+  EXPECT_THAT(refusal("21ff", 13), mentions({"2", "13"}));
   EXPECT_EQ(refusal("11ff", 13), "accepted");
 }
 

@@ -92,20 +92,20 @@ TEST_F(MemoryFiles, AModelIsReplacedWholeAndNothingElseIsLeft) {
 TEST_F(MemoryFiles, AFolderWithAnythingElseIsNotReplaced) {
   save(folder_, saved_);
   write("thesis.tex", {"years of work"});
-  EXPECT_THAT(refusal_of([&] { save(folder_, saved_); }), HasSubstr("holds 'thesis.tex', which is no part of a model"));
+  EXPECT_THAT(refusal_of([&] { save(folder_, saved_); }), mentions({"thesis.tex", "model"}));
   EXPECT_EQ(lines("thesis.tex"), std::vector<std::string>{"years of work"});
-  EXPECT_THAT(refusal_of([&] { save(folder_ + "/thesis.tex", saved_); }), HasSubstr("is no folder"));
+  EXPECT_THAT(refusal_of([&] { save(folder_ + "/thesis.tex", saved_); }), mentions({"thesis.tex", "folder"}));
 }
 
 TEST_F(MemoryFiles, AFolderThatCannotBeWrittenIsRefused) {
   std::ofstream(root_ + "/file") << "in the way";
-  EXPECT_EQ(refusal_of([&] { save(root_ + "/file/model", saved_); }), root_ + "/file/model: cannot write: Not a directory");
+  EXPECT_THAT(refusal_of([&] { save(root_ + "/file/model", saved_); }), refused_at(root_ + "/file/model", {"Not a directory"}));
 }
 
 TEST_F(MemoryFiles, ALinkToAFolderIsNotReplaced) {
   save(folder_, saved_);
   std::filesystem::create_directory_symlink(folder_, root_ + "/link");
-  EXPECT_THAT(refusal_of([&] { save(root_ + "/link", saved_); }), HasSubstr("link: is no folder"));
+  EXPECT_THAT(refusal_of([&] { save(root_ + "/link", saved_); }), mentions({"link", "folder"}));
 }
 
 // The second of two renames fails, as nothing is there to move: the first is undone.
@@ -118,43 +118,41 @@ TEST_F(MemoryFiles, AReplacementThatFailsLeavesWhatStoodThere) {
 
 TEST_F(MemoryFiles, WhatDoesNotFitTogetherIsNotSaved) {
   saved_.memories.associative.clear();
-  EXPECT_EQ(refusal_of([&] { save(folder_, saved_); }), "associative memory: 0 vectors; the model has 3");
+  EXPECT_THAT(refusal_of([&] { save(folder_, saved_); }), mentions({"associative memory", "0", "3"}));
   EXPECT_FALSE(std::filesystem::exists(folder_));
 }
 
 TEST_F(MemoryFiles, ShortLongAndGarbledMemoriesAreRefusedWithTheirLine) {
-  EXPECT_EQ(refusal("AM.hex", [](auto& all) { all.pop_back(); }), "AM.hex:3: the file ends after 2 lines; needed: 3");
-  EXPECT_EQ(refusal("CIM.hex", [](auto& all) { all.clear(); }), "CIM.hex:1: the file ends after 0 lines; needed: 21");
-  EXPECT_EQ(refusal("CM.hex", [](auto& all) { all.push_back(all[0]); }), "CM.hex:5: one line too many; allowed: 4");
+  EXPECT_THAT(refusal("AM.hex", [](auto& all) { all.pop_back(); }), refused_at("AM.hex:3", {"2 lines", "3"}));
+  EXPECT_THAT(refusal("CIM.hex", [](auto& all) { all.clear(); }), refused_at("CIM.hex:1", {"0 lines", "21"}));
+  EXPECT_THAT(refusal("CM.hex", [](auto& all) { all.push_back(all[0]); }), refused_at("CM.hex:5", {"line", "4"}));
   // 65 bits are 17 digits, the first of which holds one bit.
-  EXPECT_EQ(refusal("CIM.hex", [](auto& all) { all[20].pop_back(); }), "CIM.hex:21: 16 digits; 65 bits are 17");
-  EXPECT_EQ(refusal("IM.hex", [](auto& all) { all[4] += "0"; }), "IM.hex:5: 18 digits; 65 bits are 17");
-  EXPECT_EQ(refusal("IM.hex", [](auto& all) { all[1][16] = 'x'; }), "IM.hex:2: 'x' in column 17 is no hexadecimal digit");
-  EXPECT_EQ(refusal("AM.hex", [](auto& all) { all[0][0] = '2'; }),
-            "AM.hex:1: the first digit has bits beyond the 65 of a vector: '2'");
-  EXPECT_EQ(refusal("CM.hex", [](auto& all) { all[3] += "\r"; }), "CM.hex:4: 18 digits; 65 bits are 17");
-  EXPECT_EQ(refusal("IM.hex", [](auto& all) { all.insert(all.end(), 2, all[0]); }), "IM.hex:13: one line too many; allowed: 12");
+  EXPECT_THAT(refusal("CIM.hex", [](auto& all) { all[20].pop_back(); }),
+              refused_at("CIM.hex:21", {"16 digits", "65 bits", "17"}));
+  EXPECT_THAT(refusal("IM.hex", [](auto& all) { all[4] += "0"; }), refused_at("IM.hex:5", {"18 digits", "65 bits", "17"}));
+  EXPECT_THAT(refusal("IM.hex", [](auto& all) { all[1][16] = 'x'; }), refused_at("IM.hex:2", {"x", "column 17"}));
+  EXPECT_THAT(refusal("AM.hex", [](auto& all) { all[0][0] = '2'; }), refused_at("AM.hex:1", {"2", "65"}));
+  EXPECT_THAT(refusal("CM.hex", [](auto& all) { all[3] += "\r"; }), refused_at("CM.hex:4", {"18 digits", "65 bits", "17"}));
+  EXPECT_THAT(refusal("IM.hex", [](auto& all) { all.insert(all.end(), 2, all[0]); }), refused_at("IM.hex:13", {"line", "12"}));
   save(folder_, saved_);
   std::filesystem::remove(folder_ + "/CM.hex");
-  EXPECT_EQ(refusal_of([&] { load(folder_); }), folder_ + "/CM.hex: No such file or directory");
+  EXPECT_THAT(refusal_of([&] { load(folder_); }), refused_at(folder_ + "/CM.hex", {"No such file or directory"}));
 }
 
 TEST_F(MemoryFiles, GarbledDescriptionsAreRefusedWithTheirLine) {
-  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[0] = "slipbench_hd: 2"; }),
-            "model.txt:1: slipbench_hd: found '2'; allowed: 1");
-  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[1] = "dimension: 1e3"; }),
-            "model.txt:2: dimension: found '1e3'; allowed: a whole number");
-  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[1] = "dimension: 99999999999999999999"; }),
-            "model.txt:2: dimension: found '99999999999999999999'; allowed: a whole number");
-  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[2] = "window: 0"; }), "model.txt: window: 0; allowed: 1 to 1000");
-  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[5] = "ties: ones"; }),
-            "model.txt:6: ties: found 'ones'; did you mean 'one'? allowed: one, zero");
-  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[5] = "ties"; }), "model.txt:6: found 'ties'; allowed: key: value");
-  EXPECT_EQ(refusal("model.txt", [](auto& all) { all[5] = all[4]; }), "model.txt:6: 'context_driven' stands in line 5 already");
-  EXPECT_EQ(refusal("model.txt", [](auto& all) { all.erase(all.begin() + 5); }),
-            "model.txt:9: the file ends without the key 'ties'");
-  EXPECT_THAT(refusal("model.txt", [](auto& all) { all.push_back("tie: one"); }),
-              HasSubstr("model.txt:10: unknown key 'tie'; did you mean 'ties'?"));
+  EXPECT_THAT(refusal("model.txt", [](auto& all) { all[0] = "slipbench_hd: 2"; }),
+              refused_at("model.txt:1", {"slipbench_hd", "2", "1"}));
+  EXPECT_THAT(refusal("model.txt", [](auto& all) { all[1] = "dimension: 1e3"; }),
+              refused_at("model.txt:2", {"dimension", "1e3"}));
+  EXPECT_THAT(refusal("model.txt", [](auto& all) { all[1] = "dimension: 99999999999999999999"; }),
+              refused_at("model.txt:2", {"dimension", "99999999999999999999"}));
+  EXPECT_THAT(refusal("model.txt", [](auto& all) { all[2] = "window: 0"; }),
+              refused_at("model.txt", {"window", "0", "1", "1000"}));
+  EXPECT_THAT(refusal("model.txt", [](auto& all) { all[5] = "ties: ones"; }), refused_at("model.txt:6", {"ties", "ones", "one"}));
+  EXPECT_THAT(refusal("model.txt", [](auto& all) { all[5] = "ties"; }), refused_at("model.txt:6", {"ties", "key"}));
+  EXPECT_THAT(refusal("model.txt", [](auto& all) { all[5] = all[4]; }), refused_at("model.txt:6", {"context_driven", "line 5"}));
+  EXPECT_THAT(refusal("model.txt", [](auto& all) { all.erase(all.begin() + 5); }), refused_at("model.txt:9", {"ties"}));
+  EXPECT_THAT(refusal("model.txt", [](auto& all) { all.push_back("tie: one"); }), mentions({"model.txt:10", "tie", "ties"}));
 }
 
 // The dimension is that of the other lines, wherever the short one stands: 68 bits are 17 digits.
@@ -168,11 +166,11 @@ TEST_F(MemoryFiles, WithoutADescriptionTheLineThatDiffersIsBlamed) {
     std::vector<std::string> all = lines(file);
     all[0].pop_back();
     write(file, all);
-    EXPECT_EQ(refusal_of([&] { load(folder_, Model{}); }), folder_ + "/" + file + ":1: 16 digits; 68 bits are 17");
+    EXPECT_THAT(refusal_of([&] { load(folder_, Model{}); }),
+                refused_at(folder_ + "/" + file + ":1", {"16 digits", "68 bits", "17"}));
   }
   for (const char* file : {"AM.hex", "CIM.hex", "CM.hex", "IM.hex"}) write(file, {});
-  EXPECT_EQ(refusal_of([&] { load(folder_, Model{}); }),
-            folder_ + ": most lines have 0 digits: dimension: 0; allowed: 8 to 65535");
+  EXPECT_THAT(refusal_of([&] { load(folder_, Model{}); }), refused_at(folder_, {"dimension", "0", "8", "65535"}));
 }
 
 TEST_F(MemoryFiles, PublishedMemoriesNeedAModelFromElsewhere) {
@@ -199,7 +197,7 @@ TEST_F(MemoryFiles, KeepTheOperatingPoint) {
   EXPECT_THAT((std::array{alarm.on, alarm.off, alarm.least}), ElementsAre(5U, 1U, 3U));
   saved_.alarm = {0, 1, 1};
   save(folder_, saved_);
-  EXPECT_THAT(refusal_of([&] { load(folder_); }), ::testing::HasSubstr("on: found 0; allowed: 1 or more"));
+  EXPECT_THAT(refusal_of([&] { load(folder_); }), mentions({"on", "0", "1"}));
 }
 
 TEST_F(MemoryFiles, AreKnownByNameWhereTheyShip) {

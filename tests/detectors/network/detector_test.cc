@@ -124,22 +124,17 @@ TEST(NetworkDetector, SaysThatAnOpenExtentIsOne) {
   bytes.replace(bytes.find(two), two.size(), "\"history\": 4");
   const std::string path = testing::TempDir() + "network-" + std::to_string(::getpid()) + "-open.onnx";
   std::ofstream(path, std::ios::binary) << bytes;
-  EXPECT_THAT(
-      refusal(parameters(path), papillarray()),
-      HasSubstr("the network takes 6 values, its description makes 4 frames of 3; allowed: as many (an extent that the file "
-                "leaves open, that of time too, is taken as 1: export it with its length)"));
+  EXPECT_THAT(refusal(parameters(path), papillarray()), mentions({"6 values", "4 frames", "3"}));
   std::filesystem::remove(path);
 }
 
 TEST(NetworkDetector, SaysAtTheModelWhatIsWrong) {
-  EXPECT_THAT(refusal(parameters("none"), papillarray()), HasSubstr("detector.model: no network is named"));
-  EXPECT_THAT(refusal(parameters("/nowhere.onnx"), papillarray()), HasSubstr("detector.model: /nowhere.onnx: cannot be opened"));
-  EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), papillarray(500.0)),
-              HasSubstr("mlp13.onnx: the network reads a sensor of 1 kHz, this one has 500 Hz"));
+  EXPECT_THAT(refusal(parameters("none"), papillarray()), mentions({"detector.model", "no network"}));
+  EXPECT_THAT(refusal(parameters("/nowhere.onnx"), papillarray()), mentions({"detector.model", "/nowhere.onnx", "opened"}));
+  EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), papillarray(500.0)), mentions({"mlp13.onnx", "1 kHz", "500 Hz"}));
   FrameSource other = papillarray();
   other.type = "biotac_sp";
-  EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), other),
-              HasSubstr("mlp13.onnx: the network reads a 'papillarray' by its metadata, this sensor is a 'biotac_sp'"));
+  EXPECT_THAT(refusal(parameters(shipped("mlp13.onnx")), other), mentions({"mlp13.onnx", "papillarray", "biotac_sp"}));
 }
 
 }  // namespace

@@ -130,31 +130,31 @@ TEST(Engine, AFileThatChangesIsReadAgain) {
 
 TEST(Engine, SaysWhatIsMissingAndHowToAddIt) {
   const std::string message = refusal_of("mlp13.onnx", [](onnx::ModelProto& model) { model.clear_metadata_props(); });
-  EXPECT_THAT(message, HasSubstr("has no metadata 'slipbench'"));
+  EXPECT_THAT(message, mentions({"metadata", "slipbench"}));
   EXPECT_THAT(message, HasSubstr("entry.key, entry.value = \"slipbench\", json.dumps(about)"));
   EXPECT_THAT(message, HasSubstr("onnx.save(model, "));
 }
 
 TEST(Engine, RefusesWhatIsNoNetworkOfOneFile) {
   using onnx::ModelProto;
-  EXPECT_THAT(refusal_of("/dev/zero"), HasSubstr("is a device, no file"));
-  EXPECT_THAT(refusal_of(testing::TempDir()), HasSubstr("is a folder, no file"));
-  EXPECT_THAT(refusal_of("/nowhere.onnx"), HasSubstr("/nowhere.onnx: cannot be opened"));
-  EXPECT_THAT(refusal_of(TemporaryFile("").path()), HasSubstr("is no ONNX file"));
-  EXPECT_THAT(refusal_of(TemporaryFile("#!/bin/sh\n").path()), HasSubstr("is no ONNX file"));
+  EXPECT_THAT(refusal_of("/dev/zero"), mentions({"/dev/zero", "device"}));
+  EXPECT_THAT(refusal_of(testing::TempDir()), mentions({"folder"}));
+  EXPECT_THAT(refusal_of("/nowhere.onnx"), mentions({"/nowhere.onnx", "opened"}));
+  EXPECT_THAT(refusal_of(TemporaryFile("").path()), mentions({"ONNX file"}));
+  EXPECT_THAT(refusal_of(TemporaryFile("#!/bin/sh\n").path()), mentions({"ONNX file"}));
   EXPECT_THAT(refusal_of("mlp13.onnx", [](ModelProto& m) { m.mutable_graph()->mutable_node(2)->set_domain("com.acme"); }),
-              HasSubstr("uses the operator 'Relu' of 'com.acme'; allowed: the operators of ONNX itself"));
+              mentions({"Relu", "com.acme"}));
   EXPECT_THAT(refusal_of("mlp13.onnx", [](ModelProto& m) { m.mutable_graph()->mutable_node(2)->set_op_type("Frobnicate"); }),
               HasSubstr("Frobnicate"));
   EXPECT_THAT(refusal_of("mlp13.onnx", [](ModelProto& m) { m.add_functions()->set_name("mine"); }),
-              HasSubstr("defines the operator 'mine' of its own"));
+              mentions({"operator", "mine"}));
   EXPECT_THAT(refusal_of("mlp13.onnx", [](ModelProto& m) { m.mutable_opset_import(0)->set_version(12); }),
-              HasSubstr("is of the operator set 12 of ONNX; allowed: 13 to"));
+              mentions({"operator set 12", "13"}));
 }
 
 TEST(Engine, RefusesWhatNeedNotEndOrTakesAnyMemory) {
   EXPECT_THAT(refusal_of("mlp13.onnx", [](onnx::ModelProto& m) { m.mutable_graph()->mutable_node(2)->set_op_type("Loop"); }),
-              HasSubstr("uses the operator 'Loop', which need not end"));
+              mentions({"operator", "Loop"}));
   // 4 hidden values, each repeated 2^40 times: a few bytes that ask for 16 TB.
   const auto tile = [](onnx::ModelProto& m) {
     onnx::TensorProto* const repeats = m.mutable_graph()->add_initializer();
@@ -167,7 +167,7 @@ TEST(Engine, RefusesWhatNeedNotEndOrTakesAnyMemory) {
     relu->set_op_type("Tile");
     relu->add_input("repeats");
   };
-  EXPECT_THAT(refusal_of("mlp13.onnx", tile), HasSubstr("makes a tensor of more than 67108864 elements"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", tile), mentions({"tensor", "67108864"}));
 }
 
 // mlp13.onnx with `type` in place of its Relu, of the inputs of the Relu and `inputs`.
@@ -192,9 +192,7 @@ void add_scalar(onnx::ModelProto& model, const std::string& name, onnx::TensorPr
 TEST(Engine, RefusesWhatIsRandom) {
   for (const char* type :
        {"Bernoulli", "Multinomial", "RandomNormal", "RandomNormalLike", "RandomUniform", "RandomUniformLike"}) {
-    EXPECT_THAT(refusal_of_hidden(type),
-                HasSubstr("uses the operator '" + std::string(type) +
-                          "', which draws random numbers; allowed: operators that give the same each time"));
+    EXPECT_THAT(refusal_of_hidden(type), mentions({"operator", type, "random"}));
   }
   // Dropout(data, ratio, training_mode).
   const auto dropout = [](const std::string& training) {
@@ -250,8 +248,8 @@ TEST(Engine, RefusesWhatTakesAnyTime) {
   };
   EXPECT_EQ(squared(8), "accepted");
   // 4 x 2000^3 = 3.2e10, and some 1e7 values that are read and made.
-  EXPECT_THAT(squared(2000), HasSubstr(": a step of the network takes 3.20"));
-  EXPECT_THAT(squared(2000), HasSubstr("e+10 multiply-adds; allowed: at most 10000000000"));
+  EXPECT_THAT(squared(2000), HasSubstr(" 3.20"));
+  EXPECT_THAT(squared(2000), mentions({"multiply-adds", "10000000000"}));
 }
 
 // OpenVINO repeats the name of what it does not know, here 200 words of three letters.
@@ -259,7 +257,7 @@ TEST(Engine, CutsALongReasonBetweenWords) {
   std::string words;
   for (int i = 0; i < 200; ++i) words += i == 0 ? "odd" : " odd";
   const std::string message = refusal_of_hidden(words);
-  EXPECT_THAT(message, HasSubstr("OpenVINO does not take it"));
+  EXPECT_THAT(message, mentions({"OpenVINO"}));
   EXPECT_THAT(message, EndsWith(" odd ..."));
 }
 
@@ -272,8 +270,7 @@ TEST(Engine, RefusesTensorsThatAreNotWhatTheySay) {
     entry->set_key("location");
     entry->set_value("/etc/passwd");
   };
-  EXPECT_THAT(refusal_of("mlp13.onnx", [&](ModelProto& m) { external(first(m)); }),
-              HasSubstr("keeps the tensor 'W1' in another file"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", [&](ModelProto& m) { external(first(m)); }), mentions({"W1", "file"}));
   EXPECT_THAT(refusal_of("mlp13.onnx",
                          [&](ModelProto& m) {
                            onnx::AttributeProto* const branch = m.mutable_graph()->mutable_node(0)->add_attribute();
@@ -282,15 +279,14 @@ TEST(Engine, RefusesTensorsThatAreNotWhatTheySay) {
                            tensor->set_name("hidden");
                            external(tensor);
                          }),
-              HasSubstr("keeps the tensor 'hidden' in another file"));
-  EXPECT_THAT(
-      refusal_of("mlp13.onnx", [&](ModelProto& m) { first(m)->set_dims(0, std::int64_t{1} << 62); }),
-      HasSubstr("has the tensor 'W1' of an extent of 4611686018427387904; allowed: 0 or more, and 67108864 elements in all"));
-  EXPECT_THAT(refusal_of("mlp13.onnx", [&](ModelProto& m) { first(m)->set_dims(0, -4); }), HasSubstr("of an extent of -4"));
+              mentions({"hidden", "file"}));
+  EXPECT_THAT(refusal_of("mlp13.onnx", [&](ModelProto& m) { first(m)->set_dims(0, std::int64_t{1} << 62); }),
+              mentions({"W1", "4611686018427387904", "67108864"}));
+  EXPECT_THAT(refusal_of("mlp13.onnx", [&](ModelProto& m) { first(m)->set_dims(0, -4); }), mentions({"extent", "-4"}));
   EXPECT_THAT(refusal_of("mlp13.onnx", [&](ModelProto& m) { first(m)->mutable_raw_data()->resize(92); }),
-              HasSubstr("has the tensor 'W1' of 24 elements, with the data of 23; allowed: one value an element"));
+              mentions({"W1", "24", "23"}));
   EXPECT_THAT(refusal_of("mlp13.onnx", [&](ModelProto& m) { first(m)->set_data_type(onnx::TensorProto::STRING); }),
-              HasSubstr("has the tensor 'W1' of data type 8; allowed: numbers and flags"));
+              mentions({"W1", "type 8"}));
 }
 
 // A weight of nan need not be heard: behind it a ReLU says 0. The bits are those of the formats, lowest byte first.
@@ -309,7 +305,7 @@ TEST(Engine, RefusesWeightsThatAreNoNumbers) {
     const auto with = [&](const std::string& bytes) {
       return refusal_of("mlp13.onnx", [&](onnx::ModelProto& m) { add_scalar(m, "mask", one.type, bytes); });
     };
-    EXPECT_THAT(with(one.nan), HasSubstr("has the tensor 'mask' with nan in it; allowed: numbers")) << one.type;
+    EXPECT_THAT(with(one.nan), mentions({"mask", "nan"})) << one.type;
     EXPECT_EQ(with(one.infinity), "accepted") << one.type;
   }
   const auto typed = [](onnx::ModelProto& m) {
@@ -317,14 +313,14 @@ TEST(Engine, RefusesWeightsThatAreNoNumbers) {
     tensor->clear_raw_data();
     for (std::size_t i = 0; i < 24; ++i) tensor->add_float_data(i == 23 ? std::numeric_limits<float>::quiet_NaN() : 1.0F);
   };
-  EXPECT_THAT(refusal_of("mlp13.onnx", typed), HasSubstr("has the tensor 'W1' with nan in it"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", typed), mentions({"W1", "nan"}));
   const auto attribute = [](onnx::ModelProto& m) {
     onnx::AttributeProto* const alpha = m.mutable_graph()->mutable_node(2)->add_attribute();
     alpha->set_name("alpha");
     alpha->set_type(onnx::AttributeProto::FLOAT);
     alpha->set_f(std::numeric_limits<float>::quiet_NaN());
   };
-  EXPECT_THAT(refusal_of("mlp13.onnx", attribute), HasSubstr("has nan for the attribute 'alpha'; allowed: numbers"));
+  EXPECT_THAT(refusal_of("mlp13.onnx", attribute), mentions({"alpha", "nan"}));
 }
 
 // Two frames of three values are what mlp13.onnx is made for; where it leaves the two open, one is taken.
@@ -333,8 +329,7 @@ TEST(Engine, SaysThatAnOpenTimeIsTakenAsOne) {
     m.mutable_graph()->mutable_input(0)->mutable_type()->mutable_tensor_type()->mutable_shape()->mutable_dim(1)->set_dim_param(
         "t");
   };
-  EXPECT_THAT(refusal_of("mlp13.onnx", open), AllOf(HasSubstr("the extents that 'frames' leaves open are taken as 1"),
-                                                    HasSubstr("allowed: an input exported with its extents")));
+  EXPECT_THAT(refusal_of("mlp13.onnx", open), mentions({"frames", "open", "1"}));
 }
 
 // W1 is made for five values, and six come: OpenVINO says so behind the condition that failed and its place in the sources.
@@ -344,29 +339,29 @@ TEST(Engine, GivesTheReasonWithoutItsCondition) {
     weights->set_dims(1, 5);
     weights->mutable_raw_data()->resize(80);
   };
-  EXPECT_THAT(refusal_of("mlp13.onnx", narrow), AllOf(HasSubstr("OpenVINO does not take it: "), HasSubstr("MatMul"),
-                                                      Not(AnyOf(HasSubstr("Check '"), HasSubstr("failed at"), HasSubstr("  ")))));
+  EXPECT_THAT(refusal_of("mlp13.onnx", narrow),
+              AllOf(mentions({"OpenVINO", "MatMul"}), Not(AnyOf(HasSubstr("Check '"), HasSubstr("failed at"), HasSubstr("  ")))));
 }
 
 TEST(Engine, RefusesInputsAndOutputsThatTheDescriptionDoesNotSay) {
   using onnx::ModelProto;
   EXPECT_THAT(refusal_of("gru21.onnx", [](ModelProto& m) { describe(m, "[{\"input\": \"h\", \"output\": \"h_next\"}]", "[]"); }),
-              HasSubstr("has 2 inputs that are no states: 'frame', 'h'; allowed: one"));
+              mentions({"frame", "h", "2"}));
   EXPECT_THAT(refusal_of("gru21.onnx", [](ModelProto& m) { describe(m, "\"h_next\"", "\"h_nxt\""); }),
-              HasSubstr("has no output 'h_nxt', which its states name; did you mean 'h_next'?"));
+              mentions({"h_nxt", "h_next"}));
   EXPECT_THAT(refusal_of("mlp13.onnx",
                          [](ModelProto& m) {
                            m.mutable_graph()->mutable_input(0)->mutable_type()->mutable_tensor_type()->set_elem_type(
                                onnx::TensorProto::DOUBLE);
                          }),
-              HasSubstr("has the input 'frames', which is no tensor of float32; allowed: float32"));
+              mentions({"frames", "float32"}));
   EXPECT_THAT(refusal_of("mlp13.onnx",
                          [](ModelProto& m) {
                            describe(m, "\"classes\": [", "\"classes\": [{\"name\": \"air\", \"state\": \"no_contact\"}, ");
                          }),
-              HasSubstr("says 2 values; allowed: 3, one for each class of its description"));
+              mentions({"2 values", "3"}));
   EXPECT_THAT(refusal_of("mlp13.onnx", [](ModelProto& m) { describe(m, "\"stride\"", "\"strid\""); }),
-              HasSubstr("metadata 'slipbench': input: unknown key 'strid'; did you mean 'stride'?"));
+              mentions({"slipbench", "strid", "stride"}));
 }
 
 TEST(Engine, WhatIsNoNumberIsAnError) {
@@ -384,8 +379,7 @@ TEST(Engine, ValuesThatAreNoProbabilitiesAreAnError) {
   describe(model, "\"classes\"", "\"output\": \"probabilities\", \"classes\"");
   const TemporaryFile file(model.SerializeAsString());
   const std::unique_ptr<Engine> engine = load_engine(file.path());
-  EXPECT_THAT(slipbench::refusal_of([&] { engine->run(std::array<float, 6>{}); }),
-              HasSubstr("says values that are no probabilities"));
+  EXPECT_THAT(slipbench::refusal_of([&] { engine->run(std::array<float, 6>{}); }), mentions({"probabilities"}));
 }
 
 }  // namespace

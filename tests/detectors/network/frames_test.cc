@@ -260,7 +260,7 @@ TEST(Frames, UnitsAreLevelsAndRatesOfEachUnitsForce) {
                                     of(1.0),  0.0F,          0.0F,    0.0F,    0.0F,     0.0F,    0.0F,    0.0F};
   EXPECT_THAT(frames.latest(), ::testing::Pointwise(::testing::FloatNear(1e-4F), expected));
   input.channels = {{"force", {0, 1}}};
-  EXPECT_THAT(refusal_of([&] { frames_of(input); }), HasSubstr("units by 2 values; allowed: x, y, z of each unit"));
+  EXPECT_THAT(refusal_of([&] { frames_of(input); }), mentions({"units", "2 values"}));
 }
 
 TEST(Frames, APixelOfSpectraIsTheirMeanBinByBin) {
@@ -315,24 +315,23 @@ TEST(Frames, TakeARateWithinOnePerCent) {
 
 TEST(Frames, SayWhatDoesNotFitTheSensor) {
   const Input good = input_of({{"force", {0}}});
-  EXPECT_THAT(refusal(good, "biotac"), HasSubstr("reads a 'papillarray' by its metadata, this sensor is a 'biotac'"));
-  EXPECT_THAT(refusal(good, "papillarray", 500.0),
-              HasSubstr("reads a sensor of 1 kHz, this one has 500 Hz; allowed: the network's rate within 1 %"));
-  EXPECT_THAT(refusal(good, "papillarray", 989.0), HasSubstr("reads a sensor of 1 kHz, this one has 989 Hz"));
-  EXPECT_THAT(refusal(good, "papillarray", 1011.0), HasSubstr("reads a sensor of 1 kHz, this one has 1011 Hz"));
-  EXPECT_THAT(refusal(input_of({{"forces", {}}})), HasSubstr("reads the channel 'forces'; did you mean 'force'?"));
-  EXPECT_THAT(refusal(input_of({{"force", {6}}})), HasSubstr("value 6 of the channel 'force', which has 6; allowed: 0 to 5"));
+  EXPECT_THAT(refusal(good, "biotac"), mentions({"papillarray", "biotac"}));
+  EXPECT_THAT(refusal(good, "papillarray", 500.0), mentions({"1 kHz", "500 Hz", "1 %"}));
+  EXPECT_THAT(refusal(good, "papillarray", 989.0), mentions({"1 kHz", "989 Hz"}));
+  EXPECT_THAT(refusal(good, "papillarray", 1011.0), mentions({"1 kHz", "1011 Hz"}));
+  EXPECT_THAT(refusal(input_of({{"forces", {}}})), mentions({"forces", "force"}));
+  EXPECT_THAT(refusal(input_of({{"force", {6}}})), mentions({"force", "6", "0", "5"}));
   Input input = good;
   input.offset = {1.0, 2.0};
-  EXPECT_THAT(refusal(input), HasSubstr("2 values of offset for the 1 features of a frame; allowed: none, 1 or 1"));
+  EXPECT_THAT(refusal(input), mentions({"offset", "2", "1"}));
   input = good;
   input.pixels = {{1}};
-  EXPECT_THAT(refusal(input), HasSubstr("a pixel of value 1, of 1 values; allowed: 0 to 0"));
+  EXPECT_THAT(refusal(input), mentions({"pixel", "1", "0"}));
   input = good;
   input.transform = Transform::amplitude;
   input.low = 1.0;
   input.high = 2.0;
-  EXPECT_THAT(refusal(input), HasSubstr("frame is empty"));
+  EXPECT_THAT(refusal(input), mentions({"frame", "empty"}));
 }
 
 }  // namespace

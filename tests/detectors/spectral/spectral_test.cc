@@ -126,12 +126,11 @@ std::string refusal(const Parameters& parameters, const FrameSource& source) {
 }
 
 TEST(BandEnergy, RefusesWhatTheSensorCannotGive) {
-  using testing::HasSubstr;
-  EXPECT_THAT(refusal(with({}), source_at(rate, {{"signal", "", {9, 3}, {}}})), HasSubstr("reads a signal of one value"));
-  EXPECT_THAT(refusal(with({{"window", 0.25e-3}}), skin()), HasSubstr("no whole number of the samples"));
-  EXPECT_THAT(refusal(with({{"hop", 0.0}}), skin()), HasSubstr("allowed: 1 to 1,000,000"));
-  EXPECT_THAT(refusal(with({{"low", 60.0}, {"high", 90.0}}), skin()), HasSubstr("multiple of 50 Hz"));
-  EXPECT_THAT(refusal(with({{"low", 5100.0}, {"high", 6000.0}}), skin()), HasSubstr("up to half the sensor's rate"));
+  EXPECT_THAT(refusal(with({}), source_at(rate, {{"signal", "", {9, 3}, {}}})), mentions({"signal", "one value"}));
+  EXPECT_THAT(refusal(with({{"window", 0.25e-3}}), skin()), mentions({"whole number", "samples"}));
+  EXPECT_THAT(refusal(with({{"hop", 0.0}}), skin()), mentions({"1,000,000"}));
+  EXPECT_THAT(refusal(with({{"low", 60.0}, {"high", 90.0}}), skin()), mentions({"multiple", "50 Hz"}));
+  EXPECT_THAT(refusal(with({{"low", 5100.0}, {"high", 6000.0}}), skin()), mentions({"half", "rate"}));
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST(RtlDetector, RefusesWhatTheCoreIsNotBuiltFor) {
   Parameters parameters = published_parameters();
   parameters.set("quantiser", std::string("exact"));
   EXPECT_THAT(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, papillarray); }),
-              HasSubstr("detector.quantiser: exact is not what the core computes; allowed: fixed_point"));
+              mentions({"detector.quantiser", "exact", "fixed_point"}));
   parameters = published_parameters();
   parameters.set("compat", std::string("published_core"));
   EXPECT_THAT(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, papillarray); }),
@@ -134,14 +134,13 @@ TEST(RtlDetector, WritesTheWaveformOfItsTrialAlone) {
   EXPECT_EQ(std::filesystem::file_size(file), size) << "goes on after 0.3 s";
 
   parameters.set("waveform_to", 0.199);
-  EXPECT_THAT(refusal_of<SceneValueError>([&] { run(0, 1); }),
-              HasSubstr("detector.waveform_to: 199 ms: no classified frame lies between"));
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { run(0, 1); }), mentions({"detector.waveform_to", "199 ms"}));
   parameters.set("waveform_to", 0.3);
   parameters.set("waveform", std::string("nowhere/core.fst"));
-  EXPECT_THAT(refusal_of<SceneValueError>([&] { run(1, 1); }), HasSubstr("detector.waveform: there is no folder nowhere"));
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { run(1, 1); }), mentions({"detector.waveform", "nowhere"}));
   parameters.set("waveform", file);
   std::ofstream(file) << "notes";
-  EXPECT_THAT(refusal_of<SceneValueError>([&] { run(0, 1); }), HasSubstr("rtl_detector.fst is there and no waveform"));
+  EXPECT_THAT(refusal_of<SceneValueError>([&] { run(0, 1); }), mentions({"rtl_detector.fst", "waveform"}));
 }
 
 // Of the frames at 0.00, 0.01, ... 0.39 s of a trial of 0.4 s the last begins a waveform; behind it there is none.
@@ -154,7 +153,7 @@ TEST(RtlDetector, RefusesAWaveformBehindTheTrialsEnd) {
   EXPECT_EQ(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, source); }), "accepted");
   parameters.set("waveform_from", 0.391);
   EXPECT_THAT(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, source); }),
-              HasSubstr("detector.waveform_from: 391 ms: no classified frame comes from there on; the trial takes 0.4 s"));
+              mentions({"detector.waveform_from", "391 ms", "0.4 s"}));
   source.trial = 1;
   EXPECT_EQ(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, source); }), "accepted")
       << "another trial";
@@ -168,7 +167,7 @@ TEST(RtlDetector, RefusesAWaveformOfATrialThatIsNotRun) {
   parameters.set("waveform", std::string("core.fst"));
   EXPECT_EQ(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().check_run(parameters, 4); }), "accepted");
   EXPECT_THAT(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().check_run(parameters, 3); }),
-              HasSubstr("detector.waveform_trial: 3 is not run; allowed: 0 to 2"));
+              mentions({"detector.waveform_trial", "3", "0", "2"}));
 }
 
 // At 100 Hz: 20 cycles a sample make 2 kHz, 4 make 400 Hz, 1 makes 100 Hz.
@@ -181,8 +180,7 @@ TEST(RtlDetector, RefusesAClockThatDoesNotKeepUp) {
     EXPECT_EQ(refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, papillarray); }), "accepted");
     parameters.set("clock", 0.99 * clock);
     const std::string message = refusal_of<SceneValueError>([&] { gst_hd_rtl_detector().create(parameters, papillarray); });
-    EXPECT_THAT(message, HasSubstr("detector.clock: "));
-    EXPECT_THAT(message, HasSubstr(std::string("allowed: at least ") + least));
+    EXPECT_THAT(message, mentions({"detector.clock", least}));
   }
 }
 

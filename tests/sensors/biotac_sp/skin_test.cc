@@ -85,9 +85,8 @@ TEST(BioTacSkin, RefusesRadiiThatLeaveAnElectrodeWithoutSkin) {
   EXPECT_THAT(scene_refusal_of([&] {
                 make({{"radii", std::vector{100e-3, 1e-3, 1e-3}}});
               }),
-              AllOf(StartsWith("sensors.finger.radii | "),
-                    testing::ContainsRegex("\\[0.1 m, 1 mm, 1 mm\\] leaves electrode E[0-9]+ without"),
-                    HasSubstr("allowed: radii near the device's own, [13.85 mm, 10.1 mm, 9.85 mm]")));
+              AllOf(refused_at("sensors.finger.radii", {"[0.1 m, 1 mm, 1 mm]", "[13.85 mm, 10.1 mm, 9.85 mm]"}),
+                    testing::ContainsRegex("electrode E[0-9]+")));
 }
 
 double force_on_plane(const Skin& mesh, const Eigen::Vector3d& outward, double depth, const Eigen::Vector3d& of_radii) {

@@ -45,8 +45,7 @@ TEST(SkewedNoise, NeedsTheLeastDepthOfASpikeFirst) {
   even.parameters.set("spike", std::vector{5.0, 5.0});
   EXPECT_NO_THROW(Electronics({even}, two_values_a_source(1), default_key));
   EXPECT_THAT(scene_refusal_of([&] { Electronics({reversed}, two_values_a_source(1), default_key); }),
-              AllOf(StartsWith("sensors.pad.electronics.skewed_noise.spike | "),
-                    HasSubstr("[11.6, 3.2] has the greatest depth first; allowed: the least, then the greatest")));
+              refused_at("sensors.pad.electronics.skewed_noise.spike", {"[11.6, 3.2]", "depth"}));
 }
 
 TEST(SkewedNoise, IsDrawnAnewForEachSourceAndSample) {

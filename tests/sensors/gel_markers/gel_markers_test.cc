@@ -114,10 +114,10 @@ TEST(GelMarkers, AreSeenWithNoiseAndDropOuts) {
 
 TEST(GelMarkers, RefuseWhatIsNoPad) {
   const auto refusal = [](const Values& more) { return scene_refusal_of([&] { Gel gel(more); }); };
-  EXPECT_THAT(refusal({{"rows", 4.5}}), EndsWith("makes no sensor for this scene: 'rows is 4.500000; allowed: a whole number'"));
-  EXPECT_THAT(refusal({{"marker_pitch", 1e-3}}), HasSubstr("markers reach past the elements"));
-  EXPECT_THAT(refusal({{"dome", 2e-3}}), HasSubstr("dome is too narrow"));
-  EXPECT_THAT(refusal({{"exposure", 50e-3}}), HasSubstr("exposure is longer than a frame"));
+  EXPECT_THAT(refusal({{"rows", 4.5}}), mentions({"rows", "4.500000"}));
+  EXPECT_THAT(refusal({{"marker_pitch", 1e-3}}), mentions({"markers", "elements"}));
+  EXPECT_THAT(refusal({{"dome", 2e-3}}), mentions({"dome", "narrow"}));
+  EXPECT_THAT(refusal({{"exposure", 50e-3}}), mentions({"exposure", "frame"}));
 }
 
 // A sphere of radius R, d deep in a half-space of G and nu = 1/2 (Johnson, Contact Mechanics, 1985, 3.4 and 7.2): a^2 = R d, p = p0 sqrt(1 - r^2/a^2),

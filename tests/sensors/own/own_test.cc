@@ -75,33 +75,28 @@ TEST(OwnSensor, DrawsAsTrialAndSeedSay) {
 }
 
 TEST(OwnSensor, IsRefusedWithWhatItSaid) {
-  const std::string at = "sensors.pad.library: IT ";
   EXPECT_EQ(outcome(wrong("none")), "accepted");
-  EXPECT_EQ(outcome(wrong("refuses")), at + "makes no sensor for this scene: 'no, thanks'");
-  EXPECT_EQ(outcome(wrong("rate")), at + "has a rate of -1 Hz; allowed: more than 0 Hz, finite");
-  EXPECT_EQ(outcome(wrong("bare")), at + "has a layout of 0 elements; allowed: 1 to 4096");
-  EXPECT_EQ(outcome(wrong("soft")),
-            at + "has in its layout element 1 with a stiffness of 0 N/m; allowed: more than 0 N/m, finite");
-  EXPECT_EQ(outcome(wrong("direction")),
-            at + "has in its layout element 0 with a direction that is no unit vector; allowed: length 1");
-  EXPECT_EQ(outcome(wrong("nowhere")), at + "has in its layout element 1 with a tip that is not finite; allowed: metres");
-  EXPECT_THAT(outcome(wrong("gap")), StartsWith(at + "has in its layout element 1 in unit 2 where unit 1 would be the next one"));
-  EXPECT_EQ(outcome(wrong("mute")), at + "has 0 channels; allowed: 1 to 64");
-  EXPECT_THAT(outcome(wrong("empty")), StartsWith(at + "has the channel 'force' with no values, or too many"));
-  EXPECT_THAT(outcome(wrong("times")), StartsWith(at + "has the channel 't' as a name"));
-  EXPECT_EQ(outcome("type: plugin"), "sensors.pad.library: no library is named; allowed: the path of a shared library");
-  EXPECT_THAT(outcome(wrong("none, falt: 1")),
-              StartsWith("sensors.pad.parameters.falt: IT has no parameter 'falt'; did you mean 'fault'?"));
+  EXPECT_THAT(outcome(wrong("refuses")), refused_at("sensors.pad.library", {"no, thanks"}));
+  EXPECT_THAT(outcome(wrong("rate")), refused_at("sensors.pad.library", {"rate", "-1 Hz"}));
+  EXPECT_THAT(outcome(wrong("bare")), refused_at("sensors.pad.library", {"0 elements", "4096"}));
+  EXPECT_THAT(outcome(wrong("soft")), refused_at("sensors.pad.library", {"element 1", "stiffness", "0 N/m"}));
+  EXPECT_THAT(outcome(wrong("direction")), refused_at("sensors.pad.library", {"element 0", "direction"}));
+  EXPECT_THAT(outcome(wrong("nowhere")), refused_at("sensors.pad.library", {"element 1", "tip"}));
+  EXPECT_THAT(outcome(wrong("gap")), refused_at("sensors.pad.library", {"element 1", "unit 2", "unit 1"}));
+  EXPECT_THAT(outcome(wrong("mute")), refused_at("sensors.pad.library", {"0 channels", "64"}));
+  EXPECT_THAT(outcome(wrong("empty")), refused_at("sensors.pad.library", {"force", "values"}));
+  EXPECT_THAT(outcome(wrong("times")), refused_at("sensors.pad.library", {"channel", "t"}));
+  EXPECT_THAT(outcome("type: plugin"), refused_at("sensors.pad.library", {"path"}));
+  EXPECT_THAT(outcome(wrong("none, falt: 1")), refused_at("sensors.pad.parameters.falt", {"falt", "fault"}));
 }
 
 TEST(OwnSensor, ThatFailsIsNamedWithItsFunction) {
-  const std::string at = "sensors.pad.library: IT ";
-  EXPECT_EQ(outcome(wrong("nan")), at + "says in measure nan for force_1_1 at 0 s; allowed: a finite number");
-  EXPECT_EQ(outcome(wrong("infinite")), at + "says in measure inf for force_1_2 at 0 s; allowed: a finite number");
-  EXPECT_EQ(outcome(wrong("throws")), at + "threw 'out of ideas' in measure; allowed: no exceptions");
-  EXPECT_EQ(outcome(wrong("crashes")), at + "crashed in measure: SIGSEGV (segmentation fault)");
-  EXPECT_EQ(outcome(wrong("ends badly")), at + "crashed in destroy: SIGSEGV (segmentation fault)");
-  EXPECT_THAT(outcome(wrong("address")), StartsWith(at + "crashed in slipbench_make_sensor: SIG"));
+  EXPECT_THAT(outcome(wrong("nan")), refused_at("sensors.pad.library", {"nan", "force_1_1", "0 s"}));
+  EXPECT_THAT(outcome(wrong("infinite")), refused_at("sensors.pad.library", {"inf", "force_1_2", "0 s"}));
+  EXPECT_THAT(outcome(wrong("throws")), refused_at("sensors.pad.library", {"out of ideas", "measure"}));
+  EXPECT_THAT(outcome(wrong("crashes")), refused_at("sensors.pad.library", {"measure", "SIGSEGV"}));
+  EXPECT_THAT(outcome(wrong("ends badly")), refused_at("sensors.pad.library", {"destroy", "SIGSEGV"}));
+  EXPECT_THAT(outcome(wrong("address")), refused_at("sensors.pad.library", {"crashed", "slipbench_make_sensor"}));
 }
 
 TEST(OwnSensor, ThatCastsConstAwayChangesNoLabel) {
@@ -111,9 +106,8 @@ TEST(OwnSensor, ThatCastsConstAwayChangesNoLabel) {
 
 // Elements without end are read past those that there are: a crash, or too many.
 TEST(OwnSensor, PlantedFaultOfAnEndlessLayoutIsNamed) {
-  const std::string at = "sensors.pad.library: IT ";
-  EXPECT_THAT(outcome(wrong("endless")),
-              AnyOf(StartsWith(at + "crashed in slipbench_make_sensor: SIG"), StartsWith(at + "has a layout of 4097 elements")));
+  EXPECT_THAT(outcome(wrong("endless")), AnyOf(refused_at("sensors.pad.library", {"crashed", "slipbench_make_sensor"}),
+                                               refused_at("sensors.pad.library", {"layout", "4097 elements"})));
 }
 
 // wrong.cc is a part of this program as well: as a bundled sensor it says and fails the same, under the scene's type.
@@ -134,7 +128,7 @@ TEST(OwnSensor, OfTheProgramItselfIsCheckedAsALibrary) {
       expected.replace(at, library.size(), "type: 'faulty'");
     EXPECT_EQ(outcome("type: faulty, fault: " + fault), expected);
   }
-  EXPECT_THAT(outcome("type: faulty, fault: nun"), HasSubstr("did you mean 'nan'?"));
+  EXPECT_THAT(outcome("type: faulty, fault: nun"), mentions({"nun", "nan"}));
 }
 
 // Of four trials two run; the others are noted with the line of the scene.

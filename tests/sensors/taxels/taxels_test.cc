@@ -208,26 +208,21 @@ TEST(Taxels, AreRefusedWithWhatIsAllowed) {
   const NumberTable two{"", {{1.0, 2.0}}}, back{"", {{0.0, 1.0}, {0.0, 2.0}}};
   NumberTable bad = in_a_row(2);
   bad.rows[1][5] = 0.0;
-  EXPECT_THAT(refusal({{"places", bad}}),
-              StartsWith("sensors.skin.places | sensors.skin.places: taxel 1 has no direction nx, ny, nz"));
+  EXPECT_THAT(refusal({{"places", bad}}), refused_at("sensors.skin.places", {"taxel 1", "nx"}));
   bad.rows[1][5] = none;
   bad.rows[1][6] = -1.0;
-  EXPECT_THAT(refusal({{"places", bad}}), HasSubstr("taxel 1 has a stiffness that is not above 0 N/m"));
+  EXPECT_THAT(refusal({{"places", bad}}), mentions({"taxel 1", "stiffness", "0 N/m"}));
   EXPECT_THAT(refusal({{"places", in_a_row(2)}, {"rows", std::int64_t{3}}}), StartsWith("sensors.skin.places | "));
-  EXPECT_THAT(refusal({{"places", in_a_row(2)}, {"pitch", 2e-3}}), HasSubstr("stands beside rows, columns, pitch or scan_order"));
+  EXPECT_THAT(refusal({{"places", in_a_row(2)}, {"pitch", 2e-3}}), mentions({"rows", "columns", "pitch", "scan_order"}));
   EXPECT_THAT(refusal({{"channels", ParameterMap{{"t", "force"}}}}), StartsWith("sensors.skin.channels.t | "));
-  EXPECT_THAT(refusal({{"channels", ParameterMap{{"a", "force"}, {"b", "force"}}}}),
-              HasSubstr("force is read by another channel"));
-  EXPECT_THAT(refusal({{"matrix", two}}),
-              StartsWith("sensors.skin.matrix | sensors.skin.matrix: makes a signal, which no channel reads"));
-  EXPECT_THAT(refusal({{"channels", signal}, {"matrix", two}}),
-              HasSubstr("has rows of 2 numbers; allowed: 48, the x, y and z of each taxel"));
-  EXPECT_THAT(refusal({{"channels", signal}, {"curve", two}}), HasSubstr("has one point; allowed: two or more"));
-  EXPECT_THAT(refusal({{"channels", signal}, {"curve", back}}),
-              HasSubstr("goes back after the input 0; allowed: inputs that grow"));
-  EXPECT_THAT(refusal({{"range", std::vector<double>{1.0, 1.0}}}), HasSubstr("does not grow; allowed: [lowest, highest]"));
+  EXPECT_THAT(refusal({{"channels", ParameterMap{{"a", "force"}, {"b", "force"}}}}), mentions({"force", "another channel"}));
+  EXPECT_THAT(refusal({{"matrix", two}}), refused_at("sensors.skin.matrix", {"signal", "channel"}));
+  EXPECT_THAT(refusal({{"channels", signal}, {"matrix", two}}), mentions({"2", "48", "taxel"}));
+  EXPECT_THAT(refusal({{"channels", signal}, {"curve", two}}), mentions({"point", "two"}));
+  EXPECT_THAT(refusal({{"channels", signal}, {"curve", back}}), mentions({"input 0"}));
+  EXPECT_THAT(refusal({{"range", std::vector<double>{1.0, 1.0}}}), mentions({"lowest", "highest"}));
   EXPECT_THAT(refusal({{"rows", std::int64_t{64}}, {"columns", std::int64_t{64}}, {"points", std::int64_t{2}}}),
-              HasSubstr("16384 friction points; allowed: up to 4096"));
+              mentions({"16384", "4096"}));
 }
 
 }  // namespace
