@@ -204,11 +204,9 @@ TEST_F(DatasetTest, DetectorThatDoesNotFitItsTrialIsRefused) {
     return refusal_of([&] { static_cast<void>(reader.read_trial(0)); });
   };
   EXPECT_THAT(refusal([](ControlRecord& control) { control.detector_class[3] = 4; }),
-              HasSubstr("/data/demo_0/control/detector_class: holds 4, which is no state of a pad"));
-  EXPECT_THAT(refusal([](ControlRecord& control) { control.sensor = "pat"; }),
-              HasSubstr("/data/demo_0/control: reads the sensor 'pat', which the trial does not have"));
-  EXPECT_THAT(refusal([](ControlRecord& control) { control.time[3] += 1e-3; }),
-              HasSubstr("/data/demo_0/control: has not the times of its sensor"));
+              mentions({"/data/demo_0/control/detector_class", "4"}));
+  EXPECT_THAT(refusal([](ControlRecord& control) { control.sensor = "pat"; }), mentions({"/data/demo_0/control", "pat"}));
+  EXPECT_THAT(refusal([](ControlRecord& control) { control.time[3] += 1e-3; }), mentions({"/data/demo_0/control", "times"}));
 }
 
 TEST_F(DatasetTest, ReadsArraysOfSeveralChunks) {
@@ -265,14 +263,12 @@ TEST_F(DatasetTest, RefusesAShardOfAnotherRun) {
     writer.commit();
   }
   std::filesystem::rename(path("b-0001.h5"), path("a-0001.h5"));
-  EXPECT_THAT(refusal_of([&] { DatasetReader reader(first); }), HasSubstr("belongs to another dataset"));
-  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("a-0002.h5")); }), HasSubstr("open the first"));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(first); }), mentions({"another dataset"}));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("a-0002.h5")); }), mentions({"a-0002.h5", "first"}));
   std::filesystem::copy_file(first, path("a-0001.h5"), std::filesystem::copy_options::overwrite_existing);
-  EXPECT_THAT(refusal_of([&] { DatasetReader reader(first); }),
-              HasSubstr("a-0001.h5: /: is file 0 of its dataset, expected file 1"));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(first); }), mentions({"a-0001.h5", "file 0", "file 1"}));
   std::filesystem::remove(path("a-0001.h5"));
-  EXPECT_EQ(refusal_of([&] { DatasetReader reader(first); }),
-            path("a-0001.h5") + ": no such file; expected file 1 of the dataset that begins with " + first);
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(first); }), refused_at(path("a-0001.h5"), {"file 1", first}));
 }
 
 TEST_F(DatasetTest, TrialsComeInOrder) {
@@ -317,17 +313,17 @@ TEST_F(DatasetTest, ReaderSaysWhatAFileIs) {
   std::ofstream(path("other.h5"), std::ios::binary | std::ios::trunc) << whole << '\0';
   EXPECT_EQ(DatasetReader(path("other.h5")).trials().size(), 2U);
   H5Fclose(H5Fcreate(path("other.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
-  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("other.h5")); }), HasSubstr("not a dataset of slipbench"));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("other.h5")); }), mentions({"other.h5", "dataset"}));
 }
 
 TEST_F(DatasetTest, ReaderNamesWhatIsWrong) {
-  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("none.h5")); }), HasSubstr("no such file"));
-  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("")); }), HasSubstr("is a folder"));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("none.h5")); }), mentions({"none.h5", "no such file"}));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("")); }), mentions({"folder"}));
   const DatasetReader reader(write("a.h5", 2, 10, DatasetWriter::default_shard_limit));
-  EXPECT_THAT(refusal_of([&] { static_cast<void>(reader.info(2)); }), HasSubstr("no trial 2; the first is 0, the last 1"));
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(reader.info(2)); }), mentions({"trial 2", "0", "1"}));
   EXPECT_THAT(refusal_of([&] { static_cast<void>(reader.read<float>(0, "labels/pad/speed")); }),
-              HasSubstr("/data/demo_0/labels/pad/speed: missing or damaged"));
-  EXPECT_THAT(refusal_of([&] { static_cast<void>(reader.read<float>(0, "labels/pad")); }), HasSubstr("is no array"));
+              mentions({"/data/demo_0/labels/pad/speed", "missing"}));
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(reader.read<float>(0, "labels/pad")); }), mentions({"labels/pad", "array"}));
 }
 
 }  // namespace

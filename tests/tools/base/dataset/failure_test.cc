@@ -61,31 +61,30 @@ TEST_F(FailureTest, FullFilesAreNotKeptOpen) {
 }
 
 TEST_F(FailureTest, MissingFolderIsRefused) {
-  EXPECT_EQ(refusal(path("no/out.h5")), "cannot write " + path("no/out.h5") + ": there is no folder " + path("no"));
+  EXPECT_THAT(refusal(path("no/out.h5")), mentions({path("no/out.h5"), "folder " + path("no")}));
   EXPECT_THAT(names(), IsEmpty());
 }
 
 TEST_F(FailureTest, FolderAsTargetIsRefused) {
   ::mkdir(path("out.h5").c_str(), 0777);
-  EXPECT_THAT(refusal(path("out.h5")), HasSubstr("it is a folder"));
-  EXPECT_THAT(refusal(path("out.h5") + "/"), HasSubstr("no file name"));
-  EXPECT_THAT(refusal(""), HasSubstr("no file name"));
+  EXPECT_THAT(refusal(path("out.h5")), mentions({path("out.h5"), "folder"}));
+  EXPECT_THAT(refusal(path("out.h5") + "/"), mentions({"file name"}));
+  EXPECT_THAT(refusal(""), mentions({"file name"}));
 }
 
-TEST_F(FailureTest, SpecialFileIsRefused) { EXPECT_THAT(refusal("/dev/null"), HasSubstr("no regular file")); }
+TEST_F(FailureTest, SpecialFileIsRefused) { EXPECT_THAT(refusal("/dev/null"), mentions({"/dev/null", "regular file"})); }
 
 TEST_F(FailureTest, ReadOnlyTargetIsRefusedAndKept) {
   std::ofstream(path("out.h5")) << "precious";
   ::chmod(path("out.h5").c_str(), 0444);
-  EXPECT_THAT(refusal(path("out.h5")), HasSubstr("it is read-only"));
+  EXPECT_THAT(refusal(path("out.h5")), mentions({"read-only"}));
   EXPECT_EQ(bytes_of(path("out.h5")), "precious");
   EXPECT_THAT(names(), ElementsAre("out.h5"));
 }
 
 TEST_F(FailureTest, FileThatIsNoDatasetIsRefusedAndKept) {
   std::ofstream(path("out.h5")) << "slipbench: 1\n";
-  EXPECT_EQ(refusal(path("out.h5")),
-            "cannot write " + path("out.h5") + ": it exists and is no dataset; allowed: a new name, or a dataset to replace");
+  EXPECT_THAT(refusal(path("out.h5")), mentions({path("out.h5"), "dataset"}));
   EXPECT_EQ(bytes_of(path("out.h5")), "slipbench: 1\n");
   EXPECT_THAT(names(), ElementsAre("out.h5"));
 }
@@ -98,10 +97,9 @@ TEST_F(FailureTest, EmptyFileIsReplaced) {
 
 TEST_F(FailureTest, SymbolicLinkIsRefusedAndKept) {
   std::filesystem::create_symlink(path("real.h5"), path("out.h5"));  // dangling
-  EXPECT_EQ(refusal(path("out.h5")), "cannot write " + path("out.h5") + ": it is a symbolic link to " + path("real.h5") +
-                                         ", which would be replaced, not followed; allowed: a file or a new name");
+  EXPECT_THAT(refusal(path("out.h5")), mentions({path("out.h5"), "symbolic link", path("real.h5")}));
   write(path("real.h5"), 1);
-  EXPECT_THAT(refusal(path("out.h5")), HasSubstr("it is a symbolic link"));
+  EXPECT_THAT(refusal(path("out.h5")), mentions({"symbolic link"}));
   EXPECT_TRUE(std::filesystem::is_symlink(path("out.h5")));
 }
 
@@ -119,7 +117,7 @@ TEST_F(FailureTest, FolderWithoutPermissionIsRefused) {
 
 TEST_F(FailureTest, TwoRunsDoNotShareATarget) {
   const DatasetWriter first(path("out.h5"), header, 1);
-  EXPECT_THAT(refusal(path("out.h5")), HasSubstr("another run is writing it"));
+  EXPECT_THAT(refusal(path("out.h5")), mentions({"another run"}));
 }
 
 TEST_F(FailureTest, OldTargetStaysUntilTheNewOneIsWhole) {
@@ -251,8 +249,8 @@ TEST_F(FailureTest, ChunksAreReadWhateverFiltersTheyLeaveOut) {
   for (const std::uint32_t mask : {2U, 3U}) {
     const std::array<hsize_t, 2> offset{mask * rows_of_chunk, 0};
     ASSERT_GE(H5Dwrite_chunk(array.get(), H5P_DEFAULT, mask, offset.data(), 40, written.data()), 0);
-    EXPECT_EQ(refusal_of([&] { hdf5::read_values(place, array, H5T_IEEE_F32LE, read.data()); }),
-              name + ": /force: is damaged: a chunk without compression has 40 of 2400 bytes");
+    EXPECT_THAT(refusal_of([&] { hdf5::read_values(place, array, H5T_IEEE_F32LE, read.data()); }),
+                refused_at(name, {"/force", "40", "2400"}));
   }
 }
 
@@ -324,9 +322,8 @@ TEST(Guarded, CrashIsDamage) {
       return "";
     };
   };
-  EXPECT_EQ(refusal_of([&] { guarded("a.h5", raise(SIGSEGV)); }),
-            "a.h5: is damaged, or there was too little memory: HDF5 crashed on it (Segmentation fault)");
-  EXPECT_EQ(refusal_of<std::runtime_error>([&] { guarded("a.h5", raise(SIGTERM)); }), "a.h5: reading it was ended: Terminated");
+  EXPECT_THAT(refusal_of([&] { guarded("a.h5", raise(SIGSEGV)); }), refused_at("a.h5", {"HDF5", "Segmentation fault"}));
+  EXPECT_THAT(refusal_of<std::runtime_error>([&] { guarded("a.h5", raise(SIGTERM)); }), refused_at("a.h5", {"Terminated"}));
   // A terminal sends Ctrl-C to all processes of a program. The parent decides.
   const auto interrupted = []() -> std::string {
     ::raise(SIGINT);

@@ -75,7 +75,7 @@ TEST_F(IntegrityTest, WholeFileHolds) { EXPECT_NO_THROW(check()); }
 // The issue's reproducer: the onset times of all units, which report and every export took without a word.
 TEST_F(IntegrityTest, AttributeOfATrialIsCovered) {
   change([](hid_t file) { change_attribute(file, "/data/demo_1/labels/pad", "onset_time_s", 1.2345); });
-  EXPECT_THAT(refusal_of([&] { check(); }), HasSubstr("a.h5: /data/demo_1: is damaged: its content has the SHA-256 "));
+  EXPECT_THAT(refusal_of([&] { check(); }), mentions({"a.h5", "/data/demo_1", "SHA-256"}));
 }
 
 TEST_F(IntegrityTest, EveryKindOfValueOfATrialIsCovered) {
@@ -137,7 +137,7 @@ TEST_F(IntegrityTest, SchemaOneHasItsArraysChecked) {
     EXPECT_GE(H5Dwrite(array, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, other.data()), 0);
     H5Dclose(array);
   });
-  EXPECT_THAT(refusal_of([&] { check(); }), HasSubstr("is damaged: its content has the SHA-256"));
+  EXPECT_THAT(refusal_of([&] { check(); }), mentions({"damaged", "SHA-256"}));
 }
 
 TEST_F(IntegrityTest, WhatLiesInOtherFilesIsRefused) {
@@ -209,13 +209,12 @@ TEST_F(IntegrityTest, NamesWithControlCharactersAreRefused) {
   change([](hid_t file) {
     H5Lmove(file, "/data/demo_1/sensors/pad", file, "/data/demo_1/sensors/p\x1b[31m", H5P_DEFAULT, H5P_DEFAULT);
   });
-  EXPECT_THAT(refusal(),
-              HasSubstr(R"(/data/demo_1/sensors: holds the name 'p\x1b[31m'; allowed: names without control characters)"));
+  EXPECT_THAT(refusal(), mentions({"/data/demo_1/sensors", "p\\x1b[31m"}));
 }
 
 TEST_F(IntegrityTest, PipeIsRefused) {
   ASSERT_EQ(::mkfifo(path("pipe.h5").c_str(), 0600), 0);
-  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("pipe.h5")); }), EndsWith("pipe.h5: is a pipe, no file"));
+  EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("pipe.h5")); }), mentions({"pipe.h5", "a pipe"}));
 }
 
 TEST(GuardedLimits, EndlessReadingEnds) {
@@ -223,27 +222,26 @@ TEST(GuardedLimits, EndlessReadingEnds) {
   const auto message = [](const ReadingLimits& limits, const std::function<std::string()>& action) {
     return refusal_of([&] { guarded("a.h5", limits, action); });
   };
-  EXPECT_EQ(message({1, 60, plenty},
-                    []() -> std::string {
-                      volatile std::uint64_t count = 0;
-                      while (true) count = count + 1;
-                    }),
-            "a.h5: cannot be read: reading took longer than 1 s of the processor");
-  EXPECT_EQ(message({60, 1, plenty},
-                    []() -> std::string {
-                      while (true) ::pause();
-                    }),
-            "a.h5: cannot be read: reading took longer than 1 s");
-  EXPECT_EQ(message({60, 60, 2'000'000'000}, []() -> std::string { throw std::bad_alloc(); }),
-            "a.h5: cannot be read: reading needed more than 2 GB");
+  EXPECT_THAT(message({1, 60, plenty},
+                      []() -> std::string {
+                        volatile std::uint64_t count = 0;
+                        while (true) count = count + 1;
+                      }),
+              refused_at("a.h5", {"1 s", "processor"}));
+  EXPECT_THAT(message({60, 1, plenty},
+                      []() -> std::string {
+                        while (true) ::pause();
+                      }),
+              refused_at("a.h5", {"1 s"}));
+  EXPECT_THAT(message({60, 60, 2'000'000'000}, []() -> std::string { throw std::bad_alloc(); }), refused_at("a.h5", {"2 GB"}));
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST(GuardedLimits, MemoryHasALimit) {
-  EXPECT_EQ(refusal_of([] {
-              guarded("a.h5", {60, 60, 2'000'000'000}, [] { return std::string(4'000'000'000, 'x').substr(0, 1); });
-            }),
-            "a.h5: cannot be read: reading needed more than 2 GB");
+  EXPECT_THAT(refusal_of([] {
+                guarded("a.h5", {60, 60, 2'000'000'000}, [] { return std::string(4'000'000'000, 'x').substr(0, 1); });
+              }),
+              refused_at("a.h5", {"2 GB"}));
 }
 #endif
 

@@ -101,26 +101,22 @@ TEST_F(ResumeTest, AnotherRunsTrialsAreRefusedByWhatDiffers) {
     change(now);
     return now;
   };
-  EXPECT_EQ(
-      refusal(changed([](DatasetHeader& now) { now.seed = 8; })),
-      "cannot resume " + path("out.h5") + ": " + path("out.h5.partial") +
-          " was written by another run: seed 7, this run has 8; allowed: the same scene, seed, version, overrides, command and files");
+  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.seed = 8; })),
+              mentions({path("out.h5"), path("out.h5.partial"), "seed 7", "8"}));
   EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.scene = "slipbench: 1\nseed: 9\n"; })),
-              HasSubstr("scene with line 2 'seed: 7', this run's has 'seed: 9'"));
-  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.scene = "slipbench: 1\n"; })),
-              HasSubstr("scene with line 2 'seed: 7', this run's has '(its end)'"));
-  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.version = "1.2.4"; })),
-              HasSubstr("version 1.2.3, this run has 1.2.4"));
+              mentions({"line 2", "seed: 7", "seed: 9"}));
+  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.scene = "slipbench: 1\n"; })), mentions({"line 2", "seed: 7", "end"}));
+  EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.version = "1.2.4"; })), mentions({"version", "1.2.3", "1.2.4"}));
   EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.overrides = R"({"a": "1"})"; })),
               HasSubstr(R"(overrides {}, this run has {"a": "1"})"));
   EXPECT_THAT(refusal(changed([](DatasetHeader& now) { now.command += " --trials 3"; })),
-              HasSubstr("command slipbench sweep a.yaml, this"));
+              mentions({"command", "slipbench sweep a.yaml"}));
   EXPECT_EQ(all_bytes(), before);
 }
 
 TEST_F(ResumeTest, RunThatIsWritingIsLeftAlone) {
   const DatasetWriter writer(path("out.h5"), header, 1);
-  EXPECT_THAT(refusal_of([&] { KeptTrials(path("out.h5"), header); }), HasSubstr("another run is writing it"));
+  EXPECT_THAT(refusal_of([&] { KeptTrials(path("out.h5"), header); }), mentions({"another run"}));
 }
 
 TEST_F(ResumeTest, RunThatGoesOnIsLeftAlone) {
@@ -129,8 +125,8 @@ TEST_F(ResumeTest, RunThatGoesOnIsLeftAlone) {
     const std::vector<std::string> before = all_bytes();
     {
       const KeptTrials first(path("out.h5"), header);
-      EXPECT_THAT(refusal_of([&] { KeptTrials(path("out.h5"), header); }), HasSubstr("another run is writing it"));
-      EXPECT_THAT(refusal_of([&] { DatasetWriter(path("out.h5"), header, trials); }), HasSubstr("another run is writing it"));
+      EXPECT_THAT(refusal_of([&] { KeptTrials(path("out.h5"), header); }), mentions({"another run"}));
+      EXPECT_THAT(refusal_of([&] { DatasetWriter(path("out.h5"), header, trials); }), mentions({"another run"}));
       EXPECT_EQ(first.size(), 3U);
     }
     EXPECT_EQ(KeptTrials(path("out.h5"), header).size(), 3U);
@@ -156,10 +152,9 @@ TEST_F(ResumeTest, FilesOfTheSceneAreTheSame) {
     now.files = files;
     return refusal_of([&] { KeptTrials(path("out.h5"), now); });
   };
-  EXPECT_THAT(refusal({{"mine.so", std::string(64, 'b')}, {"model.xml", digest}}),
-              HasSubstr(": file mine.so has changed since;"));
-  EXPECT_THAT(refusal({{"mine.so", digest}}), HasSubstr(": file model.xml, which this run's scene does not name;"));
-  EXPECT_THAT(refusal({{"a.so", digest}, {"mine.so", digest}, {"model.xml", digest}}), HasSubstr(": no file a.so, which"));
+  EXPECT_THAT(refusal({{"mine.so", std::string(64, 'b')}, {"model.xml", digest}}), mentions({"mine.so", "changed"}));
+  EXPECT_THAT(refusal({{"mine.so", digest}}), mentions({"model.xml", "scene"}));
+  EXPECT_THAT(refusal({{"a.so", digest}, {"mine.so", digest}, {"model.xml", digest}}), mentions({"a.so"}));
 }
 
 // The first file could not be finished, the later ones were: they say that they are complete.
@@ -197,7 +192,7 @@ TEST_F(ResumeTest, WholeDatasetIsComplete) {
   EXPECT_FALSE(finished_dataset(path("out.h5"), other));
   EXPECT_FALSE(finished_dataset(path("no.h5"), header));
   // Of another run it is not replaced.
-  EXPECT_THAT(refusal_of([&] { KeptTrials(path("out.h5"), other); }), HasSubstr("out.h5 was written by another run: seed 7"));
+  EXPECT_THAT(refusal_of([&] { KeptTrials(path("out.h5"), other); }), mentions({"out.h5", "seed 7"}));
 }
 
 // The run is killed between the end of its files and their renaming.

@@ -131,8 +131,8 @@ TEST(TrialEncoder, TakesTrialsWithoutEvents) {
 TEST(TrialEncoder, RefusesAColumnOfTheWrongLength) {
   TrialRecord record = make_record(0, 10);
   record.sensors[0].labels.margin.pop_back();
-  EXPECT_EQ(refusal_of<std::logic_error>([&] { TrialEncoder().encode(record); }),
-            "labels/pad/margin: 19 values do not fill 10 rows");
+  EXPECT_THAT(refusal_of<std::logic_error>([&] { TrialEncoder().encode(record); }),
+              refused_at("labels/pad/margin", {"19", "10"}));
 }
 
 TEST(TrialEncoder, DigestFollowsEveryByte) {

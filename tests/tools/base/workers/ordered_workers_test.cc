@@ -147,8 +147,7 @@ TEST(OrderedWorkers, ThreadsThatCannotBeStartedAreRefused) {
     const RoomForThreeThreads room;
     const Workers workers(100'000, 8, make_work, nullptr);
   });
-  EXPECT_THAT(message,
-              ::testing::MatchesRegex("only [1-3] of 8 worker threads could be started \\(.*\\); allowed: fewer, with --jobs"));
+  EXPECT_THAT(message, AllOf(::testing::ContainsRegex("[1-3] of 8"), mentions({"threads", "--jobs"})));
   EXPECT_EQ(begun, 0U);
 }
 
