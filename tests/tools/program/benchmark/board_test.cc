@@ -224,8 +224,7 @@ TEST(Submission, AskedIsReadBack) {
   Json negative = asked_json(asked);
   negative["trials"] = -1;
   EXPECT_THAT(refusal_of([&] { parse_asked(negative, "a.json"); }), HasSubstr("a.json: /asked: "));
-  EXPECT_THAT(refusal_of([] { parse_submission(std::string(100'000, '['), "a.json"); }),
-              HasSubstr("a.json: is nested more than 100 deep"));
+  EXPECT_THAT(refusal_of([] { parse_submission(std::string(100'000, '['), "a.json"); }), mentions({"a.json", "100"}));
 }
 
 }  // namespace

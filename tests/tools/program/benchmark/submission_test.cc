@@ -53,9 +53,7 @@ TEST_F(Submissions, AreRecomputedByteForByte) {
   std::ofstream(file) << text;
   const ChildResult foreign = run_program_file({"benchmark", "--verify", file});
   EXPECT_EQ(foreign.status, 2);
-  EXPECT_EQ(foreign.err,
-            fmt::format("slipbench: {}: /protocol/sha256: \"{}\" in the file; allowed: \"{}\", that of slip-2 here\n", file,
-                        other, digest));
+  EXPECT_THAT(foreign.err, refused_at("slipbench: " + file, {"/protocol/sha256", other, digest, "slip-2"}));
 }
 
 #ifdef SLIPBENCH_WITH_NETWORKS
@@ -90,7 +88,7 @@ TEST_F(Submissions, RealRecordingsAreATrackOfTheirOwn) {
   EXPECT_FALSE(result.contains("transfer"));
   const ChildResult simulated = run(words, {"--real", folder_ / "sim.h5"});
   EXPECT_EQ(simulated.status, 2);
-  EXPECT_THAT(simulated.err, HasSubstr("is a simulation; allowed: recordings of a real sensor"));
+  EXPECT_THAT(simulated.err, mentions({"simulation"}));
 }
 
 #ifdef SLIPBENCH_WITH_NETWORKS
@@ -123,50 +121,46 @@ TEST_F(Submissions, NoCodeRunsThatItsReaderHasNotNamed) {
   std::ofstream(file) << submission.dump(2);
   const ChildResult unnamed = run_program_file({"benchmark", "--verify", file, "--quiet"});
   EXPECT_EQ(unnamed.status, 2);
-  EXPECT_EQ(unnamed.err,
-            fmt::format("slipbench: {}: runs a library; allowed: with --set library={}, to run its code here\n", file, library));
+  EXPECT_THAT(unnamed.err, refused_at("slipbench: " + file, {"library", "--set library=" + library}));
   EXPECT_EQ(run_program_file({"benchmark", "--verify", file, "--quiet", "--set", "library=other.so"}).err, unnamed.err);
   EXPECT_EQ(run_program_file({"benchmark", "--verify", file, "--quiet", "--set", "library=" + library}).status, 77);
 }
 
 TEST_F(Submissions, WhatIsRefused) {
-  const auto expect_refusal = [](const std::vector<std::string>& words, const std::string& message) {
-    const ChildResult result = run_program_file(words);
+  const auto expect_refusal = [](const std::vector<std::string>& arguments, const std::vector<std::string>& words) {
+    const ChildResult result = run_program_file(arguments);
     EXPECT_EQ(result.status, 2);
-    EXPECT_THAT(result.err, HasSubstr(message));
+    EXPECT_THAT(result.err, mentions(words));
   };
-  expect_refusal({"benchmark", "--sensor", "papilarray"}, "benchmark: no sensor 'papilarray'; did you mean 'papillarray'?");
-  expect_refusal({"benchmark", "--protocol", "slip-3"}, "benchmark: no protocol 'slip-3'; did you mean 'slip-1'?");
-  expect_refusal({"benchmark", "shear_rat", "--sensor", "myrmex"}, "no detector 'shear_rat'; did you mean 'shear_rate'?");
+  expect_refusal({"benchmark", "--sensor", "papilarray"}, {"papilarray", "papillarray"});
+  expect_refusal({"benchmark", "--protocol", "slip-3"}, {"slip-3", "slip-1"});
+  expect_refusal({"benchmark", "shear_rat", "--sensor", "myrmex"}, {"shear_rat", "shear_rate"});
   // The controls' own detector is the board's.
   for (const std::vector<std::string>& words : {std::vector<std::string>{"benchmark_control"},
                                                 {"benchmark_control", "--set", "from=1.9 s"},
                                                 {"shear_rate", "--set", "type=benchmark_control"}}) {
     std::vector<std::string> all{"benchmark", "--sensor", "myrmex"};
     all.insert(all.end(), words.begin(), words.end());
-    expect_refusal(all, "'benchmark_control'");
-    expect_refusal(all, "allowed: ");
+    expect_refusal(all, {"benchmark_control", "shear_rate"});
   }
   // Both would write one file, however it is spelled.
   for (const std::string& submission : {folder_ / "b.json", folder_ / "./b.json", folder_ / "b.html"}) {
     expect_refusal({"benchmark", "-o", folder_ / "b.html", "--submit", submission},
-                   fmt::format("benchmark: --submit {}: --output {} writes that file; allowed: another name", submission,
-                               folder_ / "b.html"));
+                   {"--submit " + submission, "--output " + folder_ / "b.html"});
   }
-  expect_refusal({"benchmark", "--set", "flip=1"}, "--set is of the DETECTOR given, and none is");
-  expect_refusal({"benchmark", "--verify", "a.json", "-o", "b.html"}, "--verify takes what was asked from its file");
-  expect_refusal({"benchmark", "--verify", folder_ / "none.json"}, "none.json: cannot be read");
+  expect_refusal({"benchmark", "--set", "flip=1"}, {"--set", "DETECTOR"});
+  expect_refusal({"benchmark", "--verify", "a.json", "-o", "b.html"}, {"--verify", "file"});
+  expect_refusal({"benchmark", "--verify", folder_ / "none.json"}, {"none.json", "read"});
   std::ofstream(folder_ / "no.json") << "{}";
-  expect_refusal({"benchmark", "--verify", folder_ / "no.json"},
-                 "no.json: is no submission; allowed: what benchmark --submit writes");
+  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "submission"});
   // A protocol that this program does not have is named with the file, and costs no computing.
   std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": "slip-3"}})";
-  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, "no.json: no protocol 'slip-3'; did you mean 'slip-1'?");
+  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "slip-3", "slip-1"});
   std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": 3}})";
-  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, "no.json: /protocol/name: is none");
+  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "/protocol/name"});
   std::ofstream(folder_ / "no.json") << "{}";
-  expect_refusal({"benchmark", "--submit", folder_ / "no.json"}, "no.json");
-  expect_refusal({"benchmark", "--verify", "/dev/zero"}, "/dev/zero: is a device, no file");
+  expect_refusal({"benchmark", "--submit", folder_ / "no.json"}, {"no.json"});
+  expect_refusal({"benchmark", "--verify", "/dev/zero"}, {"/dev/zero", "device"});
 }
 
 }  // namespace

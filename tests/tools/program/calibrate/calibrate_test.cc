@@ -204,15 +204,9 @@ TEST_F(Calibrated, RecordingsLastAsLongAsTheirTrialsAndHaveTheirRate) {
   const std::string name = "demo_0 of " + path("made.h5");
   EXPECT_EQ(recorded({"duration", "1.2 s"}), "accepted");
   EXPECT_NEAR(of(fitted(wanted), "sensors.pad.k_normal").at("value").get<double>(), 5500.0, 5.5);
-  EXPECT_EQ(recorded({"duration", "1.3 s"}),
-            name + ": sensor pad lasts 1296 ms and the scene's trial 1096 ms; allowed: up to 10 % longer than the other");
-  EXPECT_EQ(recorded({"duration", "0.9 s"}),
-            name + ": sensor pad lasts 896 ms and the scene's trial 1096 ms; allowed: up to 10 % longer than the other");
-  EXPECT_EQ(
-      recorded({"sensors.pad.rate", "100 Hz"}),
-      name +
-          ": pad/force has a sample every 10 ms and the scene's sensor every 4 ms; allowed: the same rate within 1 %, found "
-          "100 Hz against 250 Hz");
+  EXPECT_THAT(recorded({"duration", "1.3 s"}), refused_at(name, {"1296 ms", "1096 ms", "10 %"}));
+  EXPECT_THAT(recorded({"duration", "0.9 s"}), refused_at(name, {"896 ms", "1096 ms", "10 %"}));
+  EXPECT_THAT(recorded({"sensors.pad.rate", "100 Hz"}), refused_at(name, {"10 ms", "4 ms", "1 %", "100 Hz", "250 Hz"}));
   // What the lag may shift comes on top.
   wanted.keys.push_back(parse_fit_keys("lag: {min: -0.1 s, max: 0.05 s}").at(0));
   EXPECT_EQ(recorded({"duration", "1.3 s"}), "accepted");
@@ -230,13 +224,12 @@ TEST_F(Calibrated, TrialsMayLastDifferently) {
 }
 
 TEST_F(Calibrated, RefusesWhatCannotBeFitted) {
-  EXPECT_THAT(refusal(options({"sensors.pad.k_normla: {min: 1, max: 2}"})), HasSubstr("did you mean 'k_normal'?"));
-  EXPECT_THAT(refusal(options({normal, normal})), HasSubstr("sensors.pad.k_normal is fitted twice"));
+  EXPECT_THAT(refusal(options({"sensors.pad.k_normla: {min: 1, max: 2}"})), mentions({"k_normal"}));
+  EXPECT_THAT(refusal(options({normal, normal})), mentions({"sensors.pad.k_normal", "twice"}));
   EXPECT_THAT(refusal(options({"friction.scale: {min: -2, max: 1}"})), StartsWith("--fit friction.scale=-2: "));
   EXPECT_THAT(refusal(options({normal}, {{"sweep.motion.tilt.0", "{draw: uniform, min: 0 deg, max: 1 deg}"}})),
-              HasSubstr("sweep.motion.tilt.0 is drawn at random"));
-  EXPECT_THAT(refusal(options({"sensors.pad.electronics.0.noise.scale: {min: 0.5, max: 2}"})),
-              HasSubstr("no key but of electronics"));
+              mentions({"sweep.motion.tilt.0", "random"}));
+  EXPECT_THAT(refusal(options({"sensors.pad.electronics.0.noise.scale: {min: 0.5, max: 2}"})), mentions({"electronics"}));
   Options wanted = options({normal});
   wanted.synthetic_truth = false;
   SweepOptions sweep;
@@ -245,13 +238,12 @@ TEST_F(Calibrated, RefusesWhatCannotBeFitted) {
   sweep.output = path("three.h5");
   run_sweep(sweep, program_catalogues(), {});
   wanted.recordings = {path("three.h5")};
-  EXPECT_THAT(refusal(wanted),
-              HasSubstr("3 recordings, and the scene's sweep has 4 trials; allowed: a trial for each recording"));
+  EXPECT_THAT(refusal(wanted), mentions({"3 recordings", "4 trials"}));
   { DatasetWriter(path("none.h5"), {"1.2.3", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, 1).commit(); }
   wanted.recordings = {path("none.h5")};
-  EXPECT_THAT(refusal(wanted), HasSubstr("none.h5: no recording; allowed: one at least"));
+  EXPECT_THAT(refusal(wanted), mentions({"none.h5", "recording"}));
   wanted.recordings = {path("three.csv")};
-  EXPECT_THAT(refusal(wanted), HasSubstr("three.csv: is no dataset; allowed: FILE.h5, or --format NAME"));
+  EXPECT_THAT(refusal(wanted), mentions({"three.csv", "dataset", "--format"}));
   EXPECT_THROW(check_calibration_target(path("mine.txt"), {}), InputError);
   std::ofstream(path("notes.yaml")) << "mine: 1\n";
   EXPECT_THROW(check_calibration_target(path("notes.yaml"), {}), InputError);
@@ -263,7 +255,7 @@ TEST_F(Calibrated, RecordingsHoldTheSameArrays) {
   wanted.synthetic_truth = false;
   std::filesystem::rename(simulated_with({one, second}), path("both.h5"));
   wanted.recordings = {path("both.h5"), simulated_with({one})};
-  EXPECT_THAT(refusal(wanted), AllOf(HasSubstr("allowed: recordings of one kind"), HasSubstr("other/force")));
+  EXPECT_THAT(refusal(wanted), mentions({"other/force"}));
 }
 
 TEST_F(Calibrated, IsInterrupted) {

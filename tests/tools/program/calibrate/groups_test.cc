@@ -86,9 +86,7 @@ TEST(ParsedGroups, AreALabelAndDifferentValues) {
   EXPECT_EQ(groups.label, "class");
   EXPECT_EQ(groups.values, (std::vector<std::string>{"n", "e", "s"}));
   for (const char* wrong : {"class", "class=", "=n,e", "class=n,,e", "class=n,e,n"}) {
-    EXPECT_THAT(slipbench::refusal_of([&] { parse_groups(wrong); }),
-                HasSubstr("allowed: LABEL=VALUE,VALUE,... with different values"))
-        << wrong;
+    EXPECT_THAT(slipbench::refusal_of([&] { parse_groups(wrong); }), mentions({"LABEL=VALUE"})) << wrong;
   }
 }
 
@@ -142,7 +140,7 @@ TEST_F(Grouped, WhatTheSceneRefusesIsLeftOut) {
   for (const Json& group : result.at("groups")) EXPECT_EQ(group.at("trials").get<int>() + group.at("refused").get<int>(), 4);
   // Where no draw of the scene's own values is possible, there is nothing to begin with.
   wanted.overrides = {early, {"sweep.motion.compression.mean", "1.4 mm"}};
-  EXPECT_THAT(refusal(wanted), HasSubstr("the scene refuses all draws of a cell"));
+  EXPECT_THAT(refusal(wanted), mentions({"draws", "cell"}));
 }
 
 // A sensor beside changes nothing of what the pad reads: with the recordings that have one, in front of the pad, the means are what they were.
@@ -170,33 +168,28 @@ TEST_F(Grouped, OneRecordedSensorIsNotTakenForTwo) {
   const std::string pad = ": {type: papillarray, rate: 250 Hz, electronics: typical, profile: gripper}";
   Options wanted = with_recordings({depth}, "motion.start=1.1,0.8");
   wanted.overrides = {{"sensors", "{left" + pad + ", right" + pad + "}"}};
-  EXPECT_THAT(refusal(wanted), HasSubstr("allowed: a sensor that both have"));
+  EXPECT_THAT(refusal(wanted), mentions({"sensor"}));
 }
 
 TEST_F(Grouped, RefusesWhatDoesNotFit) {
-  EXPECT_THAT(refusal(options({depth}, "motion.start=1.1")),
-              HasSubstr("--groups: 1 values, and the grid of the scene's sweep has 2 cells"));
-  EXPECT_THAT(refusal(options({"lag: {min: 0 ms, max: 5 ms}"})), HasSubstr("lag is a value of single recordings"));
-  EXPECT_THAT(refusal(options({"friction.scale: {min: 0.5, max: 1, each: true}"})),
-              HasSubstr("friction.scale with each: true is a value"));
+  EXPECT_THAT(refusal(options({depth}, "motion.start=1.1")), mentions({"--groups", "1 values", "2 cells"}));
+  EXPECT_THAT(refusal(options({"lag: {min: 0 ms, max: 5 ms}"})), mentions({"lag", "recordings"}));
+  EXPECT_THAT(refusal(options({"friction.scale: {min: 0.5, max: 1, each: true}"})), mentions({"friction.scale", "each: true"}));
   EXPECT_THAT(refusal(options({"sweep.motion.compression.maen: {min: 0.5 mm, max: 1 mm}"})),
               HasSubstr("sweep.motion.compression.maen"));
   Options curves = options({depth});
   curves.groups.reset();
-  EXPECT_THAT(refusal(curves), HasSubstr("sweep.motion.compression.mean is a value of all trials; allowed with --groups"));
-  EXPECT_THAT(refusal(with_recordings({depth}, "class=a,b")),
-              HasSubstr("demo_0 of " + path("made.h5") + ": does not say its class"));
+  EXPECT_THAT(refusal(curves), mentions({"sweep.motion.compression.mean", "--groups"}));
+  EXPECT_THAT(refusal(with_recordings({depth}, "class=a,b")), mentions({"demo_0", path("made.h5"), "class"}));
   EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.5")),
-              HasSubstr("its motion.start is '0.8'; allowed by --groups: 1.1, 0.5"));
+              mentions({"motion.start", "0.8", "--groups", "1.1, 0.5"}));
   EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sweep.trials", "1"}})),
-              HasSubstr("1 recordings whose motion.start is 1.1; allowed: two at least"));
-  EXPECT_THAT(
-      refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sensors.pad.rate", "100 Hz"}})),
-      HasSubstr("has a sample every 10 ms and the scene's sensor every 4 ms; allowed: the same rate within 1 %, found 100 Hz "
-                "against 250 Hz"));
+              mentions({"1 recordings", "motion.start", "1.1"}));
+  EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"sensors.pad.rate", "100 Hz"}})),
+              mentions({"10 ms", "4 ms", "1 %", "100 Hz", "250 Hz"}));
   // Trials of 1.2 s. All are compared by their last part, so up to twice as long is accepted.
   EXPECT_THAT(refusal(with_recordings({depth}, "motion.start=1.1,0.8", {{"duration", "2.5 s"}})),
-              HasSubstr("sensor pad lasts 2496 ms and the scene's trial 1196 ms; allowed: up to 100 % longer than the other"));
+              mentions({"2496 ms", "1196 ms", "100 %"}));
 }
 
 }  // namespace

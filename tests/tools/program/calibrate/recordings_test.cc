@@ -58,11 +58,11 @@ TEST(SharedColumns, AreThoseOfTheSameNameOrTheOnlyOneOfTheType) {
   EXPECT_EQ(shared_columns({"r", {real}}, {scene}).count, 1U);
   real.type = "other";
   const auto refusal = [&] { return refusal_of([&] { shared_columns({"r", {real}}, {scene}); }); };
-  EXPECT_EQ(refusal(), "r: holds s0 (other) and the scene pad (meter); allowed: a sensor that both have");
+  EXPECT_THAT(refusal(), refused_at("r", {"s0", "other", "pad", "meter"}));
   real.type = "meter";
   real.channels.front().shape = {2};
   real.channels.front().values.resize(4);
-  EXPECT_EQ(refusal(), "r: pad/value has [2] values a sample and the scene's sensor []; allowed: the same");
+  EXPECT_THAT(refusal(), refused_at("r", {"pad/value", "[2]", "[]"}));
 }
 
 // As many values in arrays of other names, or of another sensor, are no recording of the same.
@@ -73,10 +73,10 @@ TEST(SameColumns, AreToldByTheirNames) {
   const auto refusal = [&] {
     return slipbench::refusal_of([&] { check_same_columns("b", columns_of(other), "a", columns_of(pad)); });
   };
-  EXPECT_EQ(refusal(), "b: holds pad/current and a holds pad/value; allowed: recordings of one kind");
+  EXPECT_THAT(refusal(), refused_at("b", {"pad/current", "pad/value"}));
   other = pad;
   other.name = "second";
-  EXPECT_EQ(refusal(), "b: holds second/value and a holds pad/value; allowed: recordings of one kind");
+  EXPECT_THAT(refusal(), refused_at("b", {"second/value", "pad/value"}));
   EXPECT_NO_THROW(check_same_columns("b", columns_of(pad), "a", columns_of(pad)));
 }
 
@@ -93,13 +93,12 @@ TEST(SameSampling, IsARateWithinOnePercent) {
   };
   EXPECT_EQ(refusal(clock(101, 1.0 / 100.9)), "accepted");
   EXPECT_EQ(refusal(clock(101, 1.0 / 99.1)), "accepted");
-  EXPECT_THAT(refusal(clock(99, 1.0 / 98.0)), HasSubstr("allowed: the same rate within 1 %, found 98 Hz against 100 Hz"));
-  EXPECT_EQ(refusal(clock(163'501, 0.01)),
-            "r: sensor pad lasts 1635 s and the scene's trial 1 s; allowed: up to 10 % longer than the other");
+  EXPECT_THAT(refusal(clock(99, 1.0 / 98.0)), mentions({"98 Hz", "100 Hz", "1 %"}));
+  EXPECT_THAT(refusal(clock(163'501, 0.01)), refused_at("r", {"1635 s", "1 s", "10 %"}));
 }
 
 TEST(ReadRecordings, AreOneAtLeast) {
-  EXPECT_EQ(slipbench::refusal_of([] { return read_recordings({}, nullptr); }), ": no recording; allowed: one at least");
+  EXPECT_THAT(slipbench::refusal_of([] { return read_recordings({}, nullptr); }), mentions({"no recording"}));
 }
 
 using Eigen::MatrixXd;
@@ -209,18 +208,15 @@ TEST(FitKey, SeveralStandInOneMap) {
 }
 
 TEST(FitKey, RefusesWhatIsNoBound) {
-  EXPECT_THAT(refusal("friction.scale"), HasSubstr("allowed: a map of KEY: {min: .., max: ..}"));
-  EXPECT_THAT(refusal("friction.scale: 0.5"), HasSubstr("friction.scale is '0.5'; allowed: a map of {min: .., max: ..}"));
-  EXPECT_THAT(refusal("friction.scale: {min: 0.5}"), HasSubstr("no key 'max' in friction.scale"));
-  EXPECT_THAT(refusal("friction.scale: {min: 0.5, mox: 1}"), HasSubstr("did you mean 'max'"));
-  EXPECT_THAT(refusal("friction.scale: {min: 1, max: 0.5}"),
-              HasSubstr("min is 1 and max is 0.5; allowed: finite bounds, min below max"));
-  EXPECT_THAT(refusal("motion.compression: {min: 1 mm, max: 2 N}"),
-              HasSubstr("motion.compression.max is '2 N'; allowed: a number in m"));
+  EXPECT_THAT(refusal("friction.scale"), mentions({"KEY", "min", "max"}));
+  EXPECT_THAT(refusal("friction.scale: 0.5"), mentions({"friction.scale", "0.5"}));
+  EXPECT_THAT(refusal("friction.scale: {min: 0.5}"), mentions({"max", "friction.scale"}));
+  EXPECT_THAT(refusal("friction.scale: {min: 0.5, mox: 1}"), mentions({"mox", "max"}));
+  EXPECT_THAT(refusal("friction.scale: {min: 1, max: 0.5}"), mentions({"min", "1", "max", "0.5"}));
+  EXPECT_THAT(refusal("motion.compression: {min: 1 mm, max: 2 N}"), mentions({"motion.compression.max", "2 N"}));
   EXPECT_THAT(refusal("motion.compression: {min: one, max: 2 mm}"), HasSubstr("motion.compression.min: "));
-  EXPECT_THAT(refusal("friction.scale: {min: 0, max: 1, draw: log_uniform}"),
-              HasSubstr("min is 0; allowed with draw: log_uniform: above 0"));
-  EXPECT_THAT(refusal("friction.scale: {min: 0, max: 1, draw: normal}"), HasSubstr("allowed: uniform or log_uniform"));
+  EXPECT_THAT(refusal("friction.scale: {min: 0, max: 1, draw: log_uniform}"), mentions({"min", "0", "log_uniform"}));
+  EXPECT_THAT(refusal("friction.scale: {min: 0, max: 1, draw: normal}"), mentions({"normal", "uniform", "log_uniform"}));
 }
 
 // Each of the five sensors, by one parameter of its own.

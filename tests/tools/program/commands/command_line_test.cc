@@ -67,9 +67,9 @@ TEST(CommandLine, RunIsOneTrialUnlessToldOtherwise) {
 TEST(CommandLine, RecordSaysWhatIsWritten) {
   EXPECT_EQ(parsed<SweepCommand>({"sweep", "s.yaml", "-o", "out.h5"}).sweep.recording, Recording::full);
   EXPECT_EQ(parsed<SweepCommand>({"sweep", "s.yaml", "-o", "out.h5", "--record", "outcome"}).sweep.recording, Recording::outcome);
-  EXPECT_EQ(refusal({"sweep", "s.yaml", "-o", "out.h5", "--record", "outcom"}),
-            "sweep: --record is 'outcom'; did you mean 'outcome'? allowed: full, outcome");
-  EXPECT_EQ(refusal({"run", "s.yaml", "--record", "outcome"}), "run: --record says what -o writes; allowed: with -o");
+  EXPECT_THAT(refusal({"sweep", "s.yaml", "-o", "out.h5", "--record", "outcom"}),
+              refused_at("sweep", {"--record", "outcom", "outcome"}));
+  EXPECT_THAT(refusal({"run", "s.yaml", "--record", "outcome"}), refused_at("run", {"--record", "-o"}));
 }
 
 TEST(CommandLine, CheckTakesSeveralScenes) {
@@ -80,8 +80,8 @@ TEST(CommandLine, CheckTakesSeveralScenes) {
   EXPECT_EQ(command.options.trials, 5U);
   EXPECT_EQ(command.junit, "j.xml");
   EXPECT_EQ(command.output, "left");
-  EXPECT_EQ(refusal({"check", "a.yaml", "--junit", ""}), "check: --junit needs a file name");
-  EXPECT_EQ(refusal({"check", "a.yaml", "-o", ""}), "check: -o needs a folder name");
+  EXPECT_THAT(refusal({"check", "a.yaml", "--junit", ""}), refused_at("check", {"--junit", "file name"}));
+  EXPECT_THAT(refusal({"check", "a.yaml", "-o", ""}), refused_at("check", {"-o", "folder name"}));
 }
 
 TEST(CommandLine, WhatIsNotGivenIsEmpty) {
@@ -96,7 +96,7 @@ TEST(CommandLine, SeedHolds64Bits) {
   EXPECT_EQ(parsed<RunCommand>({"run", "s.yaml", "--seed", "18446744073709551615"}).sweep.seed,
             std::numeric_limits<std::uint64_t>::max());
   EXPECT_THAT(refusal({"run", "s.yaml", "--seed", "18446744073709551616"}),
-              "run: --seed is '18446744073709551616'; allowed: a whole number from 0 to 18446744073709551615");
+              refused_at("run", {"--seed", "18446744073709551616", "18446744073709551615"}));
 }
 
 TEST(CommandLine, SetTakesSeveralValuesWhereverItStands) {
@@ -222,26 +222,23 @@ TEST(CommandLine, ARecipeRefusesOptionsOfAnother) {
     words.insert(words.begin(), {"train", "a.h5", "-o", "m"});
     return refusal(words);
   };
-  EXPECT_THAT(refused({"--recipe", "piezo_fft_gr"}), HasSubstr("no recipe 'piezo_fft_gr'; did you mean 'piezo_fft_gru'?"));
-  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--encoder", "shdc"}), HasSubstr("train: --encoder is of gst_hd"));
-  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--jobs", "1"}), HasSubstr("train: --jobs is of gst_hd"));
-  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--turned", "2"}), HasSubstr("and piezo_mlp reads a piezo_skin"));
-  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--labels", "has_slipped"}),
-              HasSubstr("allowed: micro, strict, paper, latched, masked, tightened"));
-  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--split", "window"}), HasSubstr("allowed: trial, material, object, speed"));
-  EXPECT_THAT(refused({"--recipe", "piezo_mlp"}),
-              HasSubstr("-o m: a network is an ONNX file; allowed: a name that ends with .onnx"));
+  EXPECT_THAT(refused({"--recipe", "piezo_fft_gr"}), mentions({"piezo_fft_gr", "piezo_fft_gru"}));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--encoder", "shdc"}), mentions({"--encoder", "gst_hd"}));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--jobs", "1"}), mentions({"--jobs", "gst_hd"}));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--turned", "2"}), mentions({"piezo_mlp", "piezo_skin"}));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--labels", "has_slipped"}), mentions({"--labels", "has_slipped"}));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp", "--split", "window"}), mentions({"--split", "window"}));
+  EXPECT_THAT(refused({"--recipe", "piezo_mlp"}), mentions({"-o m", "ONNX", ".onnx"}));
   for (const char* rate : {"1", "-1/min", "1/s", "nan/min", "often"}) {
     EXPECT_THAT(refusal({"train", "a.h5", "-o", "m.onnx", "--recipe", "piezo_mlp", "--alarms", rate}),
-                HasSubstr("train: --alarms is '" + std::string(rate) + "'; allowed: a number from 0 on and its unit, as 1/min"));
+                mentions({"--alarms", rate, "1/min"}));
   }
-  EXPECT_THAT(refused({"--recipe", "myrmex_net1", "--alarms", "1/min"}), HasSubstr("myrmex_net1 draws frames of them"));
-  EXPECT_THAT(refused({"--alarms", "1/min", "--score"}), HasSubstr("--score and --alarms are two choices"));
-  EXPECT_THAT(refused({"--recipe", "slip_gru", "--alarms", "1/min", "--score"}),
-              HasSubstr("--score and --alarms are two choices"));
-  EXPECT_THAT(refused({"--steps", "3"}), HasSubstr("train: --steps is of networks"));
-  EXPECT_THAT(refused({"--resume"}), HasSubstr("train: --resume is of networks"));
-  EXPECT_THAT(refused({"--labels", "latched"}), HasSubstr("train: --labels is 'latched' with the recipe gst_hd"));
+  EXPECT_THAT(refused({"--recipe", "myrmex_net1", "--alarms", "1/min"}), mentions({"myrmex_net1", "frames"}));
+  EXPECT_THAT(refused({"--alarms", "1/min", "--score"}), mentions({"--score", "--alarms"}));
+  EXPECT_THAT(refused({"--recipe", "slip_gru", "--alarms", "1/min", "--score"}), mentions({"--score", "--alarms"}));
+  EXPECT_THAT(refused({"--steps", "3"}), mentions({"--steps", "networks"}));
+  EXPECT_THAT(refused({"--resume"}), mentions({"--resume", "networks"}));
+  EXPECT_THAT(refused({"--labels", "latched"}), mentions({"--labels", "latched", "gst_hd"}));
 }
 
 TEST(CommandLine, TrainsThePapersModelUnlessToldOtherwise) {
@@ -306,10 +303,10 @@ TEST(CommandLine, HelpIsTextToPrint) {
 }
 
 TEST(CommandLine, AnOptionBeforeAStudyIsRefused) {
-  EXPECT_EQ(refusal_of([&] {
-              parse_command_line(command_table(), {"--quiet", "reproduce"});
-            }),
-            "unknown option '--quiet' before 'reproduce'; the options of a command stand behind its name");
+  EXPECT_THAT(refusal_of([&] {
+                parse_command_line(command_table(), {"--quiet", "reproduce"});
+              }),
+              mentions({"--quiet", "reproduce"}));
 }
 
 TEST(CommandLine, AStudyWithoutItsProgramSaysWhatIsMissing) {
@@ -329,83 +326,92 @@ TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
   EXPECT_THAT(help, HasSubstr(line + '\n'));
 }
 
+const std::vector<std::string> command_names{"run",       "sweep",     "check",   "report", "view",     "export", "import",
+                                             "verify",    "merge",     "cluster", "hd",     "train",    "eval",   "benchmark",
+                                             "calibrate", "reproduce", "cost",    "list",   "describe", "doctor", "plugin-path"};
+
 TEST(CommandLine, EveryCommandExplainsItself) {
-  for (const std::string name :
-       {"run",   "sweep", "check",     "report",    "view",      "export", "import", "verify",   "merge",  "cluster",    "hd",
-        "train", "eval",  "benchmark", "calibrate", "reproduce", "cost",   "list",   "describe", "doctor", "plugin-path"}) {
+  for (const std::string& name : command_names) {
     const std::string text = parse({name, "--help"}).help;
     EXPECT_THAT(text, HasSubstr("Usage: slipbench " + name));
     EXPECT_THAT(text, HasSubstr("--json")) << name;
   }
 }
 
+TEST(CommandLine, AnUnknownCommandIsAnsweredByAllThatThereAre) {
+  EXPECT_EQ(command_table().size(), command_names.size());
+  EXPECT_THAT(refusal({"xyzzy"}), mentions(command_names));
+  EXPECT_THAT(refusal({"--json"}), mentions(command_names));
+}
+
+// The options that the help of a command shows are those that it lists.
+TEST(CommandLine, AnUnknownOptionIsAnsweredByAllThatThereAre) {
+  const std::string help = parse({"run", "--help"}).help, message = refusal({"run", "s.yaml", "--xyzzy"});
+  std::size_t count = 0;
+  for (std::size_t at = help.find("  --"); at != std::string::npos; at = help.find("  --", at + 1)) {
+    const std::string option = help.substr(at + 2, help.find_first_of(" ,=\n", at + 4) - at - 2);
+    EXPECT_THAT(message, mentions({option}));
+    ++count;
+  }
+  EXPECT_GT(count, 5U);
+}
+
 TEST(CommandLine, ARefusalSaysWhatIsAllowed) {
-  const std::string all =
-      "commands: run, sweep, check, report, view, export, import, verify, merge, cluster, hd, train, eval, benchmark, calibrate, reproduce, cost, list, describe, doctor, plugin-path";
-  const std::vector<std::pair<std::vector<std::string>, std::string>> refusals = {
-      {{"swep", "s.yaml"}, "unknown command 'swep'; did you mean 'sweep'? " + all},
-      {{"xyzzy"}, "unknown command 'xyzzy'; " + all},
-      {{"--json", "lst"}, "unknown command 'lst'; did you mean 'list'? " + all},
-      {{"doctor", "list"}, "doctor: unexpected argument 'list'; see slipbench doctor --help"},
-      {{"list", "run", "sweep"}, "list: unexpected argument 'sweep'; see slipbench list --help"},
-      {{"--quiet"}, "unknown option '--quiet'; options: --help, --version, --json"},
-      {{"--json"}, "no command given; " + all},
-      {{"run"}, "run: SCENE is required"},
-      {{"verify"}, "verify: FILE is required"},
-      {{"describe"}, "describe: NAME is required"},
-      {{"merge", "-o", "m.h5"}, "merge: FILE is required"},
-      {{"merge", "a.h5"}, "merge: --output is required"},
-      {{"cluster", "s.yaml", "-o", "dir"}, "cluster: --shards is required"},
-      {{"sweep", "s.yaml", "--shard", "0/3", "-o", "a.h5"},
-       "sweep: --shard is '0/3'; allowed: k/n, whole numbers with 1 <= k <= n, e.g. 3/8"},
-      {{"sweep", "s.yaml", "--shard", "1/3"}, "sweep: --shard writes a part of a dataset; allowed: with -o"},
-      {{"run", "s.yaml", "--job", "2"},
-       "run: unknown option '--job'; did you mean '--jobs'? options: --help, --json, --set, --seed, --quiet, --trials, --jobs, --output, --record, --isolate, --no-isolate, --trial-limit, --trial-memory, --resume, --trial"},
-      {{"run", "s.yaml", "t.yaml"}, "run: unexpected argument 't.yaml'; see slipbench run --help"},
-      {{"cost"}, "cost: a scene is missing; allowed: SCENE.yaml, --stability, or both"},
-      {{"cost", "s.yaml", "--budget", "0 s"}, "cost: --budget: '0 s' is out of range; allowed: > 0 s"},
-      {{"cost", "s.yaml", "--budget", "3 N"}, "cost: --budget: unknown unit 'N' of a time in '3 N'; allowed: s, ms, us, min"},
-      {{"view", "a.h5", "--seed", "3"}, "view: a.h5 is simulated already; --set, --seed, --trials and --jobs go with a scene"},
-      {{"view", "a.h5", "--set", "seed=3"},
-       "view: a.h5 is simulated already; --set, --seed, --trials and --jobs go with a scene"},
-      {{"view"}, "view: FILE is required"},
-      {{"view", "a.h5", "-o", "b.h5"}, "view: -o is 'b.h5'; allowed: a name that ends in .html"},
-      {{"run", "s.yaml", "-o"}, "run: --output needs one value"},
-      {{"run", "s.yaml", "-o", ""}, "run: -o needs a file name"},
-      {{"report", "a.h5", "--output", ""}, "report: -o needs a file name"},
-      {{"export", "a.h5", "--format", "vendor-csv", "-o", ""}, "export: -o needs a folder name"},
-      {{"run", "s.yaml", "--set"}, "run: --set needs one value"},
-      {{"run", "s.yaml", "--set", "speed"}, "run: --set 'speed'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
-      {{"run", "s.yaml", "--set", "=1"}, "run: --set '=1'; expected key=value, as in --set motion.speed=\"8 mm/s\""},
-      {{"run", "s.yaml", "--seed", "-1"}, "run: --seed is '-1'; allowed: a whole number from 0 to 18446744073709551615"},
-      {{"run", "s.yaml", "--seed", "1e3"}, "run: --seed is '1e3'; allowed: a whole number from 0 to 18446744073709551615"},
-      {{"run", "s.yaml", "--trials", "0"}, "run: --trials is '0'; allowed: a whole number from 1 to 18446744073709551615"},
-      {{"sweep", "s.yaml", "--jobs", "0"}, "sweep: --jobs is '0'; allowed: a whole number from 1 to 1024"},
-      {{"run", "s.yaml", "--jobs", "1025"}, "run: --jobs is '1025'; allowed: a whole number from 1 to 1024"},
-      {{"report", "a.h5", "--trial", "first"},
-       "report: --trial is 'first'; allowed: a whole number from 0 to 18446744073709551615"},
-      {{"export", "a.h5", "-o", "dir"}, "export: --format is required"},
-      {{"import", "a.csv"}, "import: --format is required"},
-      {{"train", "a.h5"}, "train: --output is required"},
-      {{"train", "a.h5", "-o", ""}, "train: -o needs a file name"},
-      {{"train", "a.h5", "-o", "m", "--encoder", "gshdc"},
-       "train: --encoder is 'gshdc'; did you mean 'shdc'? allowed: shdc, sthdc, gsthdc"},
-      {{"train", "a.h5", "-o", "m", "--ties", "up"}, "train: --ties is 'up'; allowed: one, zero"},
-      {{"train", "a.h5", "-o", "m", "--compat", "papr"},
-       "train: --compat is 'papr'; did you mean 'paper'? allowed: paper, published_core"},
-      {{"train", "a.h5", "-o", "m", "--quantiser", "fixed"},
-       "train: --quantiser is 'fixed'; allowed: fixed_point, exact, unrounded"},
-      {{"train", "a.h5", "-o", "m", "--dimension", "7"}, "train: --dimension is '7'; allowed: a whole number from 8 to 65535"},
-      {{"train", "a.h5", "-o", "m", "--window", "0"}, "train: --window is '0'; allowed: a whole number from 1 to 1000"},
-      {{"train", "a.h5", "-o", "m", "--context", "--no-context"}, "train: --context and --no-context exclude each other"},
-      {{"eval", "m"}, "eval: FILE is required"},
-      {{"eval", "m", "a.h5", "--labels", "stric"},
-       "unknown label rule 'stric'; did you mean 'strict'? allowed: strict, micro, paper, latched, masked, has_slipped"},
-      {{"eval", "m", "a.h5", "--split", "tests"},
-       "eval: --split is 'tests'; did you mean 'test'? allowed: all, train, valid, test"},
-      {{"export", "a.h5", "--format", "vendor-csv"}, "export: --output is required"},
+  const std::vector<Refused<std::vector<std::string>>> refusals = {
+      {{"swep", "s.yaml"}, "", {"unknown command", "swep", "sweep"}},
+      {{"xyzzy"}, "", {"unknown command", "xyzzy"}},
+      {{"--json", "lst"}, "", {"unknown command", "lst", "list"}},
+      {{"doctor", "list"}, "doctor", {"list"}},
+      {{"list", "run", "sweep"}, "list", {"sweep"}},
+      {{"--quiet"}, "", {"--quiet", "--help", "--version", "--json"}},
+      {{"--json"}, "", {"no command"}},
+      {{"run"}, "run", {"SCENE"}},
+      {{"verify"}, "verify", {"FILE"}},
+      {{"describe"}, "describe", {"NAME"}},
+      {{"merge", "-o", "m.h5"}, "merge", {"FILE"}},
+      {{"merge", "a.h5"}, "merge", {"--output"}},
+      {{"cluster", "s.yaml", "-o", "dir"}, "cluster", {"--shards"}},
+      {{"sweep", "s.yaml", "--shard", "0/3", "-o", "a.h5"}, "sweep", {"--shard", "0/3", "k/n"}},
+      {{"sweep", "s.yaml", "--shard", "1/3"}, "sweep", {"--shard", "-o"}},
+      {{"run", "s.yaml", "--job", "2"}, "run", {"--job", "--jobs"}},
+      {{"run", "s.yaml", "t.yaml"}, "run", {"t.yaml"}},
+      {{"cost"}, "cost", {"SCENE.yaml", "--stability"}},
+      {{"cost", "s.yaml", "--budget", "0 s"}, "cost", {"--budget", "'0 s'"}},
+      {{"cost", "s.yaml", "--budget", "3 N"}, "cost", {"--budget", "3 N", "time"}},
+      {{"view", "a.h5", "--seed", "3"}, "view", {"a.h5", "simulated"}},
+      {{"view", "a.h5", "--set", "seed=3"}, "view", {"a.h5", "simulated"}},
+      {{"view"}, "view", {"FILE"}},
+      {{"view", "a.h5", "-o", "b.h5"}, "view", {"-o", "b.h5", ".html"}},
+      {{"run", "s.yaml", "-o"}, "run", {"--output", "one value"}},
+      {{"run", "s.yaml", "-o", ""}, "run", {"-o", "file name"}},
+      {{"report", "a.h5", "--output", ""}, "report", {"-o", "file name"}},
+      {{"export", "a.h5", "--format", "vendor-csv", "-o", ""}, "export", {"-o", "folder name"}},
+      {{"run", "s.yaml", "--set"}, "run", {"--set", "one value"}},
+      {{"run", "s.yaml", "--set", "speed"}, "run", {"--set", "'speed'", "key=value"}},
+      {{"run", "s.yaml", "--set", "=1"}, "run", {"--set", "=1", "key=value"}},
+      {{"run", "s.yaml", "--seed", "-1"}, "run", {"--seed", "-1", "18446744073709551615"}},
+      {{"run", "s.yaml", "--seed", "1e3"}, "run", {"--seed", "1e3", "18446744073709551615"}},
+      {{"run", "s.yaml", "--trials", "0"}, "run", {"--trials", "0", "1"}},
+      {{"sweep", "s.yaml", "--jobs", "0"}, "sweep", {"--jobs", "0", "1024"}},
+      {{"run", "s.yaml", "--jobs", "1025"}, "run", {"--jobs", "1025", "1024"}},
+      {{"report", "a.h5", "--trial", "first"}, "report", {"--trial", "first", "18446744073709551615"}},
+      {{"export", "a.h5", "-o", "dir"}, "export", {"--format"}},
+      {{"import", "a.csv"}, "import", {"--format"}},
+      {{"train", "a.h5"}, "train", {"--output"}},
+      {{"train", "a.h5", "-o", ""}, "train", {"-o", "file name"}},
+      {{"train", "a.h5", "-o", "m", "--encoder", "gshdc"}, "train", {"--encoder", "gshdc", "shdc"}},
+      {{"train", "a.h5", "-o", "m", "--ties", "up"}, "train", {"--ties", "up", "one, zero"}},
+      {{"train", "a.h5", "-o", "m", "--compat", "papr"}, "train", {"--compat", "papr", "paper"}},
+      {{"train", "a.h5", "-o", "m", "--quantiser", "fixed"}, "train", {"--quantiser", "fixed", "exact"}},
+      {{"train", "a.h5", "-o", "m", "--dimension", "7"}, "train", {"--dimension", "7", "8", "65535"}},
+      {{"train", "a.h5", "-o", "m", "--window", "0"}, "train", {"--window", "0", "1000"}},
+      {{"train", "a.h5", "-o", "m", "--context", "--no-context"}, "train", {"--context", "--no-context"}},
+      {{"eval", "m"}, "eval", {"FILE"}},
+      {{"eval", "m", "a.h5", "--labels", "stric"}, "", {"stric", "strict"}},
+      {{"eval", "m", "a.h5", "--split", "tests"}, "eval", {"--split", "tests", "test"}},
+      {{"export", "a.h5", "--format", "vendor-csv"}, "export", {"--output"}},
   };
-  for (const auto& [words, message] : refusals) EXPECT_EQ(refusal(words), message);
+  expect_refusals(refusals, refusal);
 }
 
 TEST(CommandLine, CalibrateTakesASceneRecordingsAndKeys) {
@@ -422,18 +428,17 @@ TEST(CommandLine, CalibrateTakesASceneRecordingsAndKeys) {
   EXPECT_EQ(given.output, "f.yaml");
   EXPECT_EQ(given.options.command, "slipbench calibrate s.yaml a.h5 b.h5 --fit '" + fit +
                                        "' --fit 'lag: {min: 0 ms, max: 5 ms}' --set motion.speed=1 --starts 2");
-  EXPECT_EQ(refusal({"calibrate", "s.yaml", "a.h5"}), "calibrate: --fit is required");
-  EXPECT_EQ(refusal({"calibrate", "s.yaml", "--fit", fit}),
-            "calibrate: recordings and --synthetic-truth: allowed: one of the two");
-  EXPECT_EQ(refusal({"calibrate", "s.yaml", "a.h5", "--synthetic-truth", "--fit", fit}),
-            "calibrate: recordings and --synthetic-truth: allowed: one of the two");
+  EXPECT_THAT(refusal({"calibrate", "s.yaml", "a.h5"}), refused_at("calibrate", {"--fit"}));
+  EXPECT_THAT(refusal({"calibrate", "s.yaml", "--fit", fit}), refused_at("calibrate", {"recordings", "--synthetic-truth"}));
+  EXPECT_THAT(refusal({"calibrate", "s.yaml", "a.h5", "--synthetic-truth", "--fit", fit}),
+              refused_at("calibrate", {"recordings", "--synthetic-truth"}));
   EXPECT_THAT(refusal({"calibrate", "s.yaml", "a.csv", "--format", "papillaray-csv", "--fit", fit}),
-              HasSubstr("did you mean 'papillarray-csv'?"));
+              mentions({"papillaray-csv", "papillarray-csv"}));
 }
 
 TEST(CommandLine, AWrongFormatIsNamedBeforeAMissingFolder) {
   EXPECT_THAT(refusal({"export", "a.h5", "--format", "vendor"}), HasSubstr("'vendor'"));
-  EXPECT_THAT(refusal({"import", "a.csv", "--format", "bts"}), HasSubstr("unknown format 'bts'"));
+  EXPECT_THAT(refusal({"import", "a.csv", "--format", "bts"}), mentions({"bts"}));
   EXPECT_THAT(refusal({"import", "a.csv", "--format", "bts3v2", "--seed", "-1"}), HasSubstr("import: --seed"));
 }
 

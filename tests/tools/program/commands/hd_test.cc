@@ -73,7 +73,7 @@ TEST(HdReplay, PrintsThePublishedClassesAndDistances) {
   }
   const ChildResult refused = replay({"--encoder", "published_core", "--engine", "rtl"});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("rtl core: it is built for encoding graph_spatial_temporal and compat paper only"));
+  EXPECT_THAT(refused.err, mentions({"graph_spatial_temporal", "paper"}));
   EXPECT_EQ(replay({"--encoder", "paper"}).out, replay({"--encoder", "paper", "--ties", "one", "--engine", "kernel"}).out);
 }
 
@@ -110,9 +110,8 @@ TEST(HdReplay, WordsThatAreNotUnderstood) {
   EXPECT_EQ(run_program_file({"hd"}).err, "slipbench: hd: no command given; commands: replay\n");
   EXPECT_EQ(run_program_file({"hd", "reply"}).err, "slipbench: hd: unexpected argument 'reply'; see slipbench hd --help\n");
   EXPECT_THAT(replay({"--encodr", "paper"}).err, HasSubstr("hd replay: unknown option '--encodr'; did you mean '--encoder'?"));
-  EXPECT_EQ(replay({"--encoder", "papr"}).err,
-            "slipbench: hd replay: --encoder is 'papr'; did you mean 'paper'? allowed: paper, published_core\n");
-  EXPECT_EQ(replay({"--ties", "two"}).err, "slipbench: hd replay: --ties is 'two'; allowed: one, zero\n");
+  EXPECT_THAT(replay({"--encoder", "papr"}).err, refused_at("slipbench: hd replay", {"--encoder", "papr", "paper"}));
+  EXPECT_THAT(replay({"--ties", "two"}).err, refused_at("slipbench: hd replay", {"--ties", "two", "one", "zero"}));
   EXPECT_THAT(replay({"--encoder", "paper", "--engine", "kernl"}).err,
               HasSubstr("unknown engine 'kernl'; did you mean 'kernel'?"));
   EXPECT_THAT(replay({}).err, HasSubstr("model.txt: no such file, and the memories do not say which model they belong to"));
@@ -148,24 +147,19 @@ std::string refusal(const std::function<void(std::vector<std::string>&)>& change
 TEST(HdReplay, BadRowsAreRefusedWithFileAndLine) {
   using Lines = std::vector<std::string>;
   EXPECT_EQ(refusal([](Lines&) {}), "accepted");
-  EXPECT_EQ(refusal([](Lines& l) { l.clear(); }), "v.csv:1: the file is empty; needed: n, L0 to L8, ctx\n");
-  EXPECT_EQ(refusal([](Lines& l) { l[0] = "n,L0,L1,L2,L3,L4,L5,L6,L7,L8,context"; }),
-            "v.csv:1: no column 'ctx'; needed: n, L0 to L8, ctx\n");
-  EXPECT_EQ(refusal([](Lines& l) { l[0] = "n,L0,L1,L2,L3,L4,L5,L6,L7,L8,n"; }),
-            "v.csv:1: more than one column 'n'; needed: n, L0 to L8, ctx\n");
-  EXPECT_EQ(refusal([](Lines& l) { l[2] = "8,0,1,2,3,4,5,6,7,21,3"; }),
-            "v.csv:3: L8 is '21'; allowed: a whole number from 0 to 20\n");
-  EXPECT_EQ(refusal([](Lines& l) { l[2] = "8,0,1,2,3,4,5,6,7,20,4"; }),
-            "v.csv:3: ctx is '4'; allowed: a whole number from 0 to 3\n");
-  EXPECT_EQ(refusal([](Lines& l) { l[3] = "9,0,1,2,3,-4,5,6,7,20,3"; }),
-            "v.csv:4: L4 is '-4'; allowed: a whole number from 0 to 20\n");
-  EXPECT_EQ(refusal([](Lines& l) { l[3] = "9,0,1,2,3,,5,6,7,20,3"; }),
-            "v.csv:4: L4 is ''; allowed: a whole number from 0 to 20\n");
-  EXPECT_EQ(refusal([](Lines& l) { l[3] = "9,0,1,2,nan,4,5,6,7,20,3"; }),
-            "v.csv:4: L3 is 'nan'; allowed: a whole number from 0 to 20\n");
-  EXPECT_EQ(refusal([](Lines& l) { l[3] = "9,0,1,2,3,4,5,6,7,20"; }), "v.csv:4: 10 cells; the header has 11\n");
-  EXPECT_EQ(refusal([](Lines& l) { l[3] += ",0"; }), "v.csv:4: 12 cells; the header has 11\n");
-  EXPECT_EQ(refusal([](Lines& l) { l.erase(l.begin() + 2); }), "v.csv:3: step 9 after step 7; a window has no gaps\n");
+  EXPECT_THAT(refusal([](Lines& l) { l.clear(); }), refused_at("v.csv:1", {"empty", "ctx"}));
+  EXPECT_THAT(refusal([](Lines& l) { l[0] = "n,L0,L1,L2,L3,L4,L5,L6,L7,L8,context"; }),
+              refused_at("v.csv:1", {"no column", "ctx"}));
+  EXPECT_THAT(refusal([](Lines& l) { l[0] = "n,L0,L1,L2,L3,L4,L5,L6,L7,L8,n"; }),
+              refused_at("v.csv:1", {"more than one column", "n"}));
+  EXPECT_THAT(refusal([](Lines& l) { l[2] = "8,0,1,2,3,4,5,6,7,21,3"; }), refused_at("v.csv:3", {"L8", "21", "20"}));
+  EXPECT_THAT(refusal([](Lines& l) { l[2] = "8,0,1,2,3,4,5,6,7,20,4"; }), refused_at("v.csv:3", {"ctx", "4", "3"}));
+  EXPECT_THAT(refusal([](Lines& l) { l[3] = "9,0,1,2,3,-4,5,6,7,20,3"; }), refused_at("v.csv:4", {"L4", "-4", "20"}));
+  EXPECT_THAT(refusal([](Lines& l) { l[3] = "9,0,1,2,3,,5,6,7,20,3"; }), refused_at("v.csv:4", {"L4", "''", "20"}));
+  EXPECT_THAT(refusal([](Lines& l) { l[3] = "9,0,1,2,nan,4,5,6,7,20,3"; }), refused_at("v.csv:4", {"L3", "nan", "20"}));
+  EXPECT_THAT(refusal([](Lines& l) { l[3] = "9,0,1,2,3,4,5,6,7,20"; }), refused_at("v.csv:4", {"10 cells", "11"}));
+  EXPECT_THAT(refusal([](Lines& l) { l[3] += ",0"; }), refused_at("v.csv:4", {"12 cells", "11"}));
+  EXPECT_THAT(refusal([](Lines& l) { l.erase(l.begin() + 2); }), refused_at("v.csv:3", {"step 9", "step 7"}));
   EXPECT_EQ(replay({"--encoder", "paper"}, published).err, "slipbench: " + published + ": is a folder, no file\n");
   EXPECT_THAT(replay({"--encoder", "paper"}, "nowhere.csv").err, HasSubstr("nowhere.csv: No such file or directory"));
 }

@@ -24,10 +24,10 @@ struct ImportedFiles : ::testing::Test {
     data_ = folder_ / "a.h5";
     imported_ = run_program_file({"import", folder_ / "set", "--format", "biotacsp-dos", "-o", data_});
   }
-  static void expect_refusal(const std::vector<std::string>& words, const std::string& message) {
-    const ChildResult result = run_program_file(words);
-    EXPECT_EQ(result.status, 2) << words.front();
-    EXPECT_THAT(result.err, HasSubstr(message));
+  static void expect_refusal(const std::vector<std::string>& arguments, const std::vector<std::string>& words) {
+    const ChildResult result = run_program_file(arguments);
+    EXPECT_EQ(result.status, 2) << arguments.front();
+    EXPECT_THAT(result.err, mentions(words));
     EXPECT_EQ(result.out, "");
   }
 
@@ -48,11 +48,11 @@ TEST_F(ImportedFiles, ImportSaysWhatItRead) {
 }
 
 TEST_F(ImportedFiles, ImportRefusesBadWords) {
-  expect_refusal({"import", folder_ / "set", "-o", folder_ / "b.h5"}, "import: --format is required");
-  expect_refusal({"import", "--format", "bts3v2"}, "import");
-  expect_refusal({"import", folder_ / "set", "--format", "bts3v3"}, "unknown format 'bts3v3'; did you mean 'bts3v2'?");
+  expect_refusal({"import", folder_ / "set", "-o", folder_ / "b.h5"}, {"import", "--format"});
+  expect_refusal({"import", "--format", "bts3v2"}, {"import"});
+  expect_refusal({"import", folder_ / "set", "--format", "bts3v3"}, {"bts3v3", "bts3v2"});
   expect_refusal({"import", folder_ / "set", "--format", "bts3v2", "-o", folder_ / "b.h5"},
-                 "set/n/case1.csv:1: column 1 is called 'ff_e1'; allowed: 'object'");
+                 {"set/n/case1.csv:1", "column 1", "ff_e1", "object"});
   EXPECT_FALSE(std::filesystem::exists(folder_ / "b.h5"));
 }
 
@@ -75,14 +75,15 @@ TEST_F(ImportedFiles, ReadingsAreExported) {
 }
 
 TEST_F(ImportedFiles, WhatNeedsTheTruthIsRefused) {
-  const std::string message = " needs the truth, which it does not hold (none: imported from biotacsp-dos); allowed: ";
+  const std::string truth = "truth", origin = "imported from biotacsp-dos";
   for (const char* format : {"robomimic", "vendor-csv", "training-csv", "grasp-csv", "slip-csv"})
-    expect_refusal({"export", data_, "--format", format, "-o", folder_ / "out"}, std::string("--format ") + format + message);
-  expect_refusal({"export", data_, "--format", "myrmex-csv", "-o", folder_ / "out"}, "no myrmex");
-  expect_refusal({"export", data_, "--format", "myrmex-rotated", "-o", folder_ / "out"}, "no myrmex");
-  expect_refusal({"report", data_, "-o", folder_ / "a.html"}, "a report" + message);
-  expect_refusal({"train", data_, "-o", folder_ / "memories"}, message);
-  expect_refusal({"eval", "force_ratio", data_}, "eval --labels strict" + message);
+    expect_refusal({"export", data_, "--format", format, "-o", folder_ / "out"},
+                   {std::string("--format ") + format, truth, origin});
+  expect_refusal({"export", data_, "--format", "myrmex-csv", "-o", folder_ / "out"}, {"myrmex"});
+  expect_refusal({"export", data_, "--format", "myrmex-rotated", "-o", folder_ / "out"}, {"myrmex"});
+  expect_refusal({"report", data_, "-o", folder_ / "a.html"}, {"report", truth, origin});
+  expect_refusal({"train", data_, "-o", folder_ / "memories"}, {truth, origin});
+  expect_refusal({"eval", "force_ratio", data_}, {"eval --labels strict", truth, origin});
   for (const char* left : {"out", "a.html", "memories"}) EXPECT_FALSE(std::filesystem::exists(folder_ / left)) << left;
 }
 
@@ -156,11 +157,9 @@ TEST_F(ImportedFiles, ANetworkReadsEvenSamplesOnly) {
   ASSERT_EQ(imported.status, 0) << imported.err;
   EXPECT_THAT(imported.err, HasSubstr("slipbench: warning: " + std::string(folder_ / "bursts.csv") +
                                       ": its samples are not evenly spaced: 108.9"));  // 99 steps in 0.909 s
-  expect_refusal({"eval", network, bursts, "--labels", "paper"}, "trial 0: sensor pad: its samples are not evenly spaced (108.9");
+  expect_refusal({"eval", network, bursts, "--labels", "paper"}, {"trial 0", "sensor pad", "Hz"});
   ASSERT_EQ(run_program_file({"import", folder_ / "lost.csv", "--format", "papillarray-csv", "-o", lost}).status, 0);
-  expect_refusal(
-      {"eval", network, lost, "--labels", "paper"},
-      "trial 0: sensor pad: its samples are not evenly spaced (990 Hz on average, 1000 Hz by the median step, longest step 0.002 s");
+  expect_refusal({"eval", network, lost, "--labels", "paper"}, {"trial 0", "sensor pad", "990 Hz", "1000 Hz", "0.002 s"});
   // A detector of single samples has no rate to go by.
   EXPECT_EQ(run_program_file({"eval", "force_ratio", lost, "--labels", "paper"}).status, 0);
   const ChildResult again =
@@ -173,18 +172,16 @@ TEST_F(ImportedFiles, ANetworkReadsEvenSamplesOnly) {
 }
 
 TEST_F(ImportedFiles, ANetworkHasToBeNamed) {
-  expect_refusal({"eval", "network", data_, "--labels", "paper"},
-                 "eval: no network is named; allowed: FILE.onnx in place of 'network', or the parameter model=FILE.onnx");
+  expect_refusal({"eval", "network", data_, "--labels", "paper"}, {"eval", "FILE.onnx"});
 }
 #endif
 
 TEST_F(ImportedFiles, IsNoScene) {
-  for (const char* command : {"run", "sweep", "check", "cost"}) expect_refusal({command, data_}, "a.h5");
+  for (const char* command : {"run", "sweep", "check", "cost"}) expect_refusal({command, data_}, {"a.h5"});
 }
 
 TEST_F(ImportedFiles, IsNotResumed) {
-  expect_refusal({"run", SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml", "--resume", "-o", data_},
-                 "was written by another run");
+  expect_refusal({"run", SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml", "--resume", "-o", data_}, {"another run"});
 }
 
 }  // namespace

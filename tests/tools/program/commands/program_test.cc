@@ -16,7 +16,7 @@ const std::string stage = SLIPBENCH_SOURCE_DIR "/scenes/papillarray/stage.yaml";
 const std::string three_speeds = "sweep={motion.speed: [1 mm/s, 4 mm/s, 16 mm/s]}";
 
 // Refused: status 2, one line on stderr, nothing on stdout.
-void expect_refusal(const std::vector<std::string>& arguments, const ::testing::Matcher<std::string>& message) {
+void expect_refusal(const std::vector<std::string>& arguments, const MessageMatcher& message) {
   for (const bool json : {false, true}) {
     std::vector<std::string> words = arguments;
     if (json) words.emplace_back("--json");
@@ -46,15 +46,14 @@ TEST(Program, HelpAndVersion) {
 }
 
 TEST(Program, WhatIsWrongIsRefused) {
-  expect_refusal({"swep"}, HasSubstr("unknown command 'swep'; did you mean 'sweep'? commands: run, sweep, check, report"));
-  expect_refusal({"run", stage, "--sead", "1"}, HasSubstr("unknown option '--sead'; did you mean '--seed'?"));
+  expect_refusal({"swep"}, mentions({"swep", "sweep"}));
+  expect_refusal({"run", stage, "--sead", "1"}, mentions({"--sead", "--seed"}));
   expect_refusal({"run", "nowhere.yaml"}, HasSubstr("nowhere.yaml"));
-  expect_refusal({"run", stage, "--set", "motion.sped=1"},
-                 AllOf(HasSubstr("--set motion.sped=1"), HasSubstr("did you mean 'speed'?")));
-  expect_refusal({"run", stage, "--set", "motion.speed=4 kg"}, AllOf(HasSubstr("--set motion.speed=4 kg"), HasSubstr("mm/s")));
+  expect_refusal({"run", stage, "--set", "motion.sped=1"}, mentions({"--set motion.sped=1", "speed"}));
+  expect_refusal({"run", stage, "--set", "motion.speed=4 kg"}, mentions({"--set motion.speed=4 kg", "mm/s"}));
   expect_refusal({"run", stage, "--set", "duration.length=4"}, HasSubstr("duration"));
-  expect_refusal({"describe", "papilarray"}, HasSubstr("did you mean 'papillarray'? `slipbench list` shows all names"));
-  expect_refusal({"list", "effect"}, HasSubstr("did you mean 'effects'?"));
+  expect_refusal({"describe", "papilarray"}, mentions({"papilarray", "papillarray"}));
+  expect_refusal({"list", "effect"}, mentions({"effect", "effects"}));
   expect_refusal({"export", "a.h5", "--format", "vendor-cvs", "-o", "dir"}, HasSubstr("vendor-csv"));
   expect_refusal({"train", "nowhere.h5", "-o", "memories"}, HasSubstr("nowhere.h5"));
   expect_refusal({"eval", "force_ratio", "nowhere.h5"}, HasSubstr("nowhere.h5"));
@@ -88,7 +87,7 @@ TEST(Program, APipeIsNoScene) {
   const TemporaryFolder folder;
   const std::string pipe = folder / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  expect_refusal({"run", pipe}, HasSubstr("pipe: is a pipe, no file"));
+  expect_refusal({"run", pipe}, mentions({"a pipe"}));
 }
 
 TEST(Program, Reproductions) {
@@ -96,10 +95,9 @@ TEST(Program, Reproductions) {
   EXPECT_EQ(list.status, 0);
   EXPECT_EQ(nlohmann::json::parse(list.out)["reproductions"][0]["name"], "biotac-stability-slip/table1");
   EXPECT_THAT(run_program_file({"reproduce", "list"}).out, HasSubstr("hd-papillarray/latency"));
-  expect_refusal({"reproduce", "hd-papillarray/latence"}, HasSubstr("did you mean 'hd-papillarray/latency'?"));
-  expect_refusal({"reproduce", "hd-papillarray/latency", "--data", "a.h5"},
-                 HasSubstr("hd-papillarray/latency does not take --data"));
-  expect_refusal({"reproduce", "hd-papillarray/latency", "-o", "page.txt"}, HasSubstr("a name that ends in .html"));
+  expect_refusal({"reproduce", "hd-papillarray/latence"}, mentions({"hd-papillarray/latence", "hd-papillarray/latency"}));
+  expect_refusal({"reproduce", "hd-papillarray/latency", "--data", "a.h5"}, mentions({"hd-papillarray/latency", "--data"}));
+  expect_refusal({"reproduce", "hd-papillarray/latency", "-o", "page.txt"}, mentions({".html"}));
 }
 
 TEST(Program, WhatEvalCannotJudge) {
@@ -107,17 +105,15 @@ TEST(Program, WhatEvalCannotJudge) {
   const std::string file = folder / "out.h5", bare = folder / "bare.h5";
   ASSERT_EQ(run_program_file({"run", stage, "--set", "duration=2.5 s", "-o", file, "--quiet"}).status, 0);
   ASSERT_EQ(run_program_file({"run", stage, "--record", "outcome", "-o", bare, "--quiet"}).status, 0);
-  expect_refusal({"eval", "fore_ratio", file}, HasSubstr("no detector 'fore_ratio'; did you mean 'force_ratio'?"));
-  expect_refusal({"eval", "truth", file}, HasSubstr("'truth' is the oracle, which reads the simulation and no recording"));
-  expect_refusal({"eval", "force_ratio", file, "--set", "ratoi=0.3"},
-                 HasSubstr("unknown key 'ratoi' in detector; did you mean 'ratio'?"));
-  expect_refusal({"eval", "band_energy", file},
-                 HasSubstr("out.h5: trial 0: detector.sensor: band_energy reads a signal of one value"));
-  expect_refusal({"eval", "gst_hd", file, "--set", "memories=nowhere"}, HasSubstr("those that ship: cl_gst_hd, learn_gst_hd"));
-  expect_refusal({"eval", "force_ratio", file, "--sensor", "padd"}, HasSubstr("no sensor 'padd'; did you mean 'pad'?"));
+  expect_refusal({"eval", "fore_ratio", file}, mentions({"fore_ratio", "force_ratio"}));
+  expect_refusal({"eval", "truth", file}, mentions({"truth", "oracle"}));
+  expect_refusal({"eval", "force_ratio", file, "--set", "ratoi=0.3"}, mentions({"ratoi", "ratio"}));
+  expect_refusal({"eval", "band_energy", file}, mentions({"trial 0", "detector.sensor", "band_energy"}));
+  expect_refusal({"eval", "gst_hd", file, "--set", "memories=nowhere"}, mentions({"cl_gst_hd", "learn_gst_hd"}));
+  expect_refusal({"eval", "force_ratio", file, "--sensor", "padd"}, mentions({"padd", "pad"}));
   EXPECT_THAT(run_program_file({"eval", "learn_gst_hd", file}).out, StartsWith("gst_hd with the memories learn_gst_hd on pad"));
-  expect_refusal({"eval", "force_ratio", bare}, HasSubstr("has no recording, only its outcome"));
-  expect_refusal({"eval", "force_ratio", file, "-o", folder / "page.txt"}, HasSubstr("a name that ends in .html"));
+  expect_refusal({"eval", "force_ratio", bare}, mentions({"recording", "outcome"}));
+  expect_refusal({"eval", "force_ratio", file, "-o", folder / "page.txt"}, mentions({".html"}));
   // Half of it is gone.
   std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
   expect_refusal({"eval", "force_ratio", file}, HasSubstr("out.h5"));
@@ -193,8 +189,8 @@ TEST(Program, Check) {
   EXPECT_THAT(failed.out, AllOf(HasSubstr("replay: slipbench run " + stage), HasSubstr("0 of 1 scenes passed, 1 failed")));
   EXPECT_TRUE(std::filesystem::exists(folder / "left/stage/trial_0.html"));
   EXPECT_TRUE(std::filesystem::exists(folder / "j.xml"));
-  expect_refusal({"check", stage}, HasSubstr("no scene expects anything"));
-  expect_refusal({"check", stage, "--set", "expect={dropped: false}"}, HasSubstr("'dropped' in expect needs a gripper"));
+  expect_refusal({"check", stage}, mentions({"expects"}));
+  expect_refusal({"check", stage, "--set", "expect={dropped: false}"}, mentions({"dropped", "gripper"}));
   expect_refusal({"check", stage, "--junit", stage}, HasSubstr("stage.yaml"));
 }
 
@@ -209,7 +205,7 @@ TEST(Program, OneTrialOfASweepIsWhatItIsAmongAll) {
   EXPECT_EQ(alone["planned"], 1);
   EXPECT_EQ(alone["trials"][0], json_of(run_program_file(all))["trials"][2]);
   one[2] = "4";
-  expect_refusal({one.begin(), one.end() - 1}, HasSubstr("stage.yaml: there is no trial 4; allowed: 0 to 3"));
+  expect_refusal({one.begin(), one.end() - 1}, mentions({"trial 4", "0", "3"}));
 }
 
 TEST(Program, ListAndDescribe) {

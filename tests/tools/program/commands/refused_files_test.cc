@@ -18,10 +18,10 @@ struct RefusedFiles : ::testing::Test {
     pipe_ = folder_ / "pipe";
     ::mkfifo(pipe_.c_str(), 0600);
   }
-  static void expect_refusal(const std::vector<std::string>& words, const std::string& message) {
-    const ChildResult result = run_program_file(words);
-    EXPECT_EQ(result.status, 2) << words.front();
-    EXPECT_THAT(result.err, HasSubstr(message));
+  static void expect_refusal(const std::vector<std::string>& arguments, const std::vector<std::string>& words) {
+    const ChildResult result = run_program_file(arguments);
+    EXPECT_EQ(result.status, 2) << arguments.front();
+    EXPECT_THAT(result.err, mentions(words));
   }
 
   TemporaryFolder folder_;
@@ -29,15 +29,15 @@ struct RefusedFiles : ::testing::Test {
 };
 
 TEST_F(RefusedFiles, PipesAreRefusedByEveryReader) {
-  const std::string message = pipe_ + ": is a pipe, no file";
-  expect_refusal({"report", pipe_, "-o", folder_ / "a.html"}, message);
-  expect_refusal({"verify", pipe_}, message);
-  expect_refusal({"export", pipe_, "--format", "npz", "-o", folder_ / "out"}, message);
-  expect_refusal({"import", pipe_, "--format", "bts3v2"}, message);
-  expect_refusal({"train", pipe_, "-o", folder_ / "memories"}, message);
-  expect_refusal({"hd", "replay", pipe_, "--memories", published, "--encoder", "paper"}, message);
-  expect_refusal({"run", pipe_}, message);
-  expect_refusal({"run", block, "--set", "model=" + pipe_}, message);
+  const std::vector<std::string> a_pipe{pipe_, "a pipe"};
+  expect_refusal({"report", pipe_, "-o", folder_ / "a.html"}, a_pipe);
+  expect_refusal({"verify", pipe_}, a_pipe);
+  expect_refusal({"export", pipe_, "--format", "npz", "-o", folder_ / "out"}, a_pipe);
+  expect_refusal({"import", pipe_, "--format", "bts3v2"}, a_pipe);
+  expect_refusal({"train", pipe_, "-o", folder_ / "memories"}, a_pipe);
+  expect_refusal({"hd", "replay", pipe_, "--memories", published, "--encoder", "paper"}, a_pipe);
+  expect_refusal({"run", pipe_}, a_pipe);
+  expect_refusal({"run", block, "--set", "model=" + pipe_}, a_pipe);
 }
 
 TEST_F(RefusedFiles, PipeAmongTheMemoriesIsRefused) {
@@ -45,67 +45,66 @@ TEST_F(RefusedFiles, PipeAmongTheMemoriesIsRefused) {
   std::filesystem::remove(folder_ / "memories/CIM.hex");
   ::mkfifo((folder_ / "memories/CIM.hex").c_str(), 0600);
   expect_refusal({"hd", "replay", published + "/vectors.csv", "--memories", folder_ / "memories", "--encoder", "paper"},
-                 "memories/CIM.hex: is a pipe, no file");
+                 {"memories/CIM.hex", "a pipe"});
 }
 
 TEST_F(RefusedFiles, LargeMemoryIsRefusedBeforeItIsRead) {
   std::filesystem::copy(published, folder_ / "memories");
   std::filesystem::resize_file(folder_ / "memories/IM.hex", 1'000'001);
   expect_refusal({"hd", "replay", published + "/vectors.csv", "--memories", folder_ / "memories", "--encoder", "paper"},
-                 "memories/IM.hex: has 1000001 bytes; allowed: at most 1000000");
+                 {"memories/IM.hex", "1000001 bytes", "1000000"});
 }
 
 TEST_F(RefusedFiles, WhatAModelNamesAndDeclaresIsChecked) {
   const std::string model = folder_ / "model.xml";
-  const auto expect_model_refusal = [&](const std::string& text, const std::string& message) {
+  const auto expect_model_refusal = [&](const std::string& text, const std::vector<std::string>& words) {
     std::ofstream(model) << "<mujoco>\n" << text << "</mujoco>\n";
-    expect_refusal({"run", block, "--set", "model=" + model}, message);
+    expect_refusal({"run", block, "--set", "model=" + model}, words);
   };
-  expect_model_refusal("<include file=\"pipe\"/>\n", pipe_ + ": is a pipe, no file");
-  expect_model_refusal("<asset><mesh name=\"m\" file='pipe'/></asset>\n", pipe_ + ": is a pipe, no file");
+  expect_model_refusal("<include file=\"pipe\"/>\n", {pipe_, "a pipe"});
+  expect_model_refusal("<asset><mesh name=\"m\" file='pipe'/></asset>\n", {pipe_, "a pipe"});
   expect_model_refusal("<asset><hfield name=\"h\" nrow=\"100000\" ncol=\"100000\" size=\"1 1 1 1\"/></asset>\n",
-                       "model.xml:2: <hfield> has the cells");
+                       {"model.xml:2", "<hfield>", "cells"});
   expect_model_refusal("<worldbody><replicate count=\"1000000000\"><geom size=\"1\"/></replicate></worldbody>\n",
-                       "model.xml:2: <replicate> has the count");
+                       {"model.xml:2", "<replicate>", "count"});
   // A thousand of a thousand are allowed, and not a thousand of those. What ends or is empty copies nothing.
   expect_model_refusal(
       "<worldbody><replicate count=\"1000\"/><replicate count=\"1000\"></replicate>\n<replicate count=\"1000\">"
       "<replicate count=\"1000\">\n<replicate count=\"2\"><geom size=\"1\"/></replicate></replicate></replicate></worldbody>\n",
-      "model.xml:4: <replicate> has the count 2000000");
+      {"model.xml:4", "<replicate>", "count 2000000.000000"});
   std::ofstream(folder_ / "copied.xml") << "<mujoco>\n<replicate count=\"1001\"><geom size=\"1\"/></replicate>\n</mujoco>\n";
   std::ofstream(folder_ / "large.xml") << "<mujoco><size nkey=\"10001\"/></mujoco>\n";
   expect_model_refusal("<worldbody><replicate count=\"1000\"><include file=\"copied.xml\"/></replicate></worldbody>\n",
-                       "copied.xml:2: <replicate> has the count 1001000");
-  expect_model_refusal("<asset><model name=\"m\" file=\"large.xml\"/></asset>\n", "large.xml:1: <size> has the nkey");
+                       {"copied.xml:2", "<replicate>", "count 1001000.000000"});
+  expect_model_refusal("<asset><model name=\"m\" file=\"large.xml\"/></asset>\n", {"large.xml:1", "<size>", "nkey"});
   // Elements that copy nothing hide none; a model is copied where it is attached, a file in the place where most of it are.
   expect_model_refusal(
       "<worldbody><replicate count=\"0\"><replicate count=\"1000001\"><geom size=\"1\"/></replicate></replicate></worldbody>\n",
-      "model.xml:2: <replicate> has the count 1000001");
+      {"model.xml:2", "<replicate>", "count 1000001.000000"});
   expect_model_refusal(
       "<asset><model name=\"m\" file=\"copied.xml\"/></asset>\n<worldbody><replicate count=\"1000\"><attach model=\"m\"/>"
       "</replicate></worldbody>\n",
-      "copied.xml:2: <replicate> has the count 1001000");
+      {"copied.xml:2", "<replicate>", "count 1001000.000000"});
   std::ofstream(folder_ / "again.xml") << "<mujoco><include file=\"copied.xml\"/></mujoco>\n";
   expect_model_refusal(
       "<asset><model name=\"m\" file=\"again.xml\"/></asset>\n<worldbody><replicate count=\"1000\"><include file=\"copied.xml\"/>"
       "</replicate></worldbody>\n",
-      "copied.xml:2: <replicate> has the count 1001000");
+      {"copied.xml:2", "<replicate>", "count 1001000.000000"});
   std::filesystem::create_directories(folder_ / "robot/assets");
   ASSERT_EQ(mkfifo((folder_ / "robot/assets/mesh.stl").c_str(), 0600), 0);
   std::ofstream(folder_ / "robot/robot.xml")
       << "<mujoco><compiler meshdir=\"assets\"/><asset><mesh file=\"mesh.stl\"/></asset></mujoco>\n";
-  expect_model_refusal("<asset><model name=\"m\" file=\"robot/robot.xml\"/></asset>\n",
-                       "robot/assets/mesh.stl: is a pipe, no file");
-  expect_model_refusal("<size nuser_body=\"2000000000\"/>\n", "model.xml:2: <size> has the nuser_body");
-  expect_model_refusal("<size memory=\"100G\"/>\n", "model.xml:2: <size> has the memory");
+  expect_model_refusal("<asset><model name=\"m\" file=\"robot/robot.xml\"/></asset>\n", {"robot/assets/mesh.stl", "a pipe"});
+  expect_model_refusal("<size nuser_body=\"2000000000\"/>\n", {"model.xml:2", "<size>", "nuser_body"});
+  expect_model_refusal("<size memory=\"100G\"/>\n", {"model.xml:2", "<size>", "memory"});
   // What is XML for MuJoCo, and seldom written.
-  expect_model_refusal("<!x <!-- ><size\vmemory\f=\f\"100G\"/>\n", "model.xml:2: <size> has the memory");
-  expect_model_refusal("< size memory=\"100G\"/>\n", "model.xml:2: <size> has the memory");
-  expect_model_refusal("<size memory=\"&#57;9G\"/>\n", "model.xml:2: <size> has the memory");
-  expect_model_refusal("<include file=\"&#112;ipe\"/>\n", "model.xml:2: file is '&#112;ipe'; allowed: a name without entities");
+  expect_model_refusal("<!x <!-- ><size\vmemory\f=\f\"100G\"/>\n", {"model.xml:2", "<size>", "memory"});
+  expect_model_refusal("< size memory=\"100G\"/>\n", {"model.xml:2", "<size>", "memory"});
+  expect_model_refusal("<size memory=\"&#57;9G\"/>\n", {"model.xml:2", "<size>", "memory"});
+  expect_model_refusal("<include file=\"&#112;ipe\"/>\n", {"model.xml:2", "file", "&#112;ipe", "entities"});
   // MuJoCo counts no lines of what is included.
   std::ofstream(folder_ / "part.xml") << "<mujoco>\n<worldbody>\n<geom tipe=\"box\"/>\n</worldbody>\n</mujoco>\n";
-  expect_model_refusal("<include file=\"part.xml\"/>\n", "Element 'geom', " + folder_ / "part.xml" + ":3");
+  expect_model_refusal("<include file=\"part.xml\"/>\n", {"geom", folder_ / "part.xml" + ":3"});
 }
 
 TEST_F(RefusedFiles, ControlCharactersDoNotReachTheTerminal) {
@@ -124,7 +123,7 @@ TEST_F(RefusedFiles, VerifyTellsByItsStatus) {
   EXPECT_EQ(holds.status, 0);
   EXPECT_THAT(holds.out, AllOf(HasSubstr("holds: " + data), HasSubstr("digests"), HasSubstr("cone")));
   EXPECT_EQ(run_program_file({"verify", data, folder_ / "none.h5"}).status, 2);
-  expect_refusal({"verify"}, "verify");
+  expect_refusal({"verify"}, {"verify"});
 }
 
 }  // namespace

@@ -149,7 +149,7 @@ TEST_F(CostFileTest, OtherFilesAreKept) {
 
   std::ofstream(path("report.html")) << report::report_page("title", Json::object());
   EXPECT_THAT(refusal_of([&] { page::check_page_files(path("report.html"), page_kind); }), HasSubstr("report.html"));
-  EXPECT_THAT(refusal_of([&] { page::check_page_files(path("c.txt"), page_kind); }), HasSubstr("a name that ends in .html"));
+  EXPECT_THAT(refusal_of([&] { page::check_page_files(path("c.txt"), page_kind); }), mentions({".html"}));
   EXPECT_THAT(refusal_of([&] { page::check_page_files(path("no/c.html"), page_kind); }), HasSubstr("no"));
 }
 

@@ -30,18 +30,17 @@ TEST(LearntLabels, AreThoseOfTheTraining) {
   EXPECT_EQ(learnt_labels("{}"), TruthRule::strict);
   EXPECT_EQ(learnt_labels("no JSON"), TruthRule::strict);
   EXPECT_EQ(learnt_labels(R"({"labels": "masked"})"), TruthRule::masked);
-  EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": "micra"})"); }),
-              HasSubstr("trained.labels: unknown label rule 'micra'; did you mean 'micro'?"));
-  EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": 1})"); }), HasSubstr("judge by one with --labels"));
+  EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": "micra"})"); }), mentions({"trained.labels", "micra", "micro"}));
+  EXPECT_THAT(refusal_of([] { learnt_labels(R"({"labels": 1})"); }), mentions({"--labels"}));
 }
 
 TEST(ChosenDetector, RefusesAsAScene) {
   const auto refusal = [](const std::string& text, const std::vector<Override>& parameters) {
     return refusal_of([&] { chosen_detector(text, parameters); });
   };
-  EXPECT_THAT(refusal("gst_hdd", {}), HasSubstr("no detector 'gst_hdd'; did you mean 'gst_hd'?"));
-  EXPECT_THAT(refusal("force_ratio", {{"ratio", "-1"}}), HasSubstr("detector.ratio: '-1' is out of range; allowed: > 0"));
-  EXPECT_THAT(refusal("force_ratio", {{"rotia", "1"}}), HasSubstr("unknown key 'rotia' in detector; did you mean 'ratio'?"));
+  EXPECT_THAT(refusal("gst_hdd", {}), mentions({"gst_hdd", "gst_hd"}));
+  EXPECT_THAT(refusal("force_ratio", {{"ratio", "-1"}}), mentions({"detector.ratio", "-1", "0"}));
+  EXPECT_THAT(refusal("force_ratio", {{"rotia", "1"}}), mentions({"rotia", "detector", "ratio"}));
 }
 
 struct Evaluated : SmallDatasetTest {
@@ -124,7 +123,7 @@ TEST_F(Evaluated, LeavesOutWhatADetectorWasTrainedOn) {
   EXPECT_THAT(with_all.at("warnings")[0].get<std::string>(), HasSubstr("trained on 4 of the 24 trials judged"));
   trained.all = false;
   trained.trained = R"({"sha256_seen": ["12"]})";
-  EXPECT_THAT(refusal_of([&] { evaluate(trained); }), HasSubstr("sha256_seen is no list of digests"));
+  EXPECT_THAT(refusal_of([&] { evaluate(trained); }), mentions({"sha256_seen"}));
 }
 
 // Memories record their trials in seen.txt. Those without it, as the published ones are, cannot be
@@ -149,7 +148,7 @@ TEST_F(Evaluated, LeavesOutWhatMemoriesWereTrainedOn) {
   EXPECT_THAT(unknown.at("warnings")[0].get<std::string>(),
               AllOf(HasSubstr("old does not record the trials on which it was trained"), HasSubstr(saved.trained)));
   std::ofstream(path("own") + "/seen.txt") << "12\n";
-  EXPECT_THAT(refusal_of([&] { judged_with(path("own")); }), HasSubstr("seen.txt:1: found '12'; allowed: the digest of a trial"));
+  EXPECT_THAT(refusal_of([&] { judged_with(path("own")); }), mentions({"seen.txt:1", "12"}));
 }
 
 TEST_F(Evaluated, RefusesWhatItCannotJudge) {
@@ -157,11 +156,11 @@ TEST_F(Evaluated, RefusesWhatItCannotJudge) {
   const auto refusal = [](const Options& options) { return refusal_of([&] { evaluate(options); }); };
   Options wrong = options(file);
   wrong.sensor = "padd";
-  EXPECT_THAT(refusal(wrong), HasSubstr("data.h5: trial 0: no sensor 'padd'; did you mean 'pad'?"));
+  EXPECT_THAT(refusal(wrong), mentions({"data.h5", "trial 0", "padd", "pad"}));
   EXPECT_THAT(refusal(options(path("nowhere.h5"))), HasSubstr("nowhere.h5"));
   Options all = options(file);
   all.trained = seen(file, DatasetReader(file).trials());
-  EXPECT_THAT(refusal(all), HasSubstr("no trial is left to judge: the detector was trained on all of them"));
+  EXPECT_THAT(refusal(all), mentions({"no trial", "trained"}));
   // One byte of an array.
   std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
   bytes.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file) / 2));

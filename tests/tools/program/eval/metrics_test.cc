@@ -285,17 +285,17 @@ TEST(Labels, RefuseWhatDoesNotFit) {
   const auto refusal = [](const SensorRecord& record, TruthRule rule) {
     return refusal_of([&] { label_states(record, rule, false); });
   };
-  EXPECT_THAT(refusal(sensor(), TruthRule::has_slipped), HasSubstr("is a myrmex; the rule has_slipped is the PapillArray's"));
+  EXPECT_THAT(refusal(sensor(), TruthRule::has_slipped), mentions({"myrmex", "has_slipped", "PapillArray"}));
   SensorRecord damaged = sensor();
   damaged.labels.state[2] = 7;
-  EXPECT_THAT(refusal(damaged, TruthRule::strict), HasSubstr("state 7; allowed: 0 to 3"));
+  EXPECT_THAT(refusal(damaged, TruthRule::strict), mentions({"state 7", "0", "3"}));
   damaged.labels.state.clear();
-  EXPECT_THAT(refusal(damaged, TruthRule::strict), HasSubstr("0 states of 8 samples"));
+  EXPECT_THAT(refusal(damaged, TruthRule::strict), mentions({"0 states", "8 samples"}));
 }
 
 TEST(Labels, RulesAreNamed) {
   for (const std::string& name : label_rule_names()) EXPECT_EQ(label_rule_name(parse_label_rule(name)), name);
-  EXPECT_THAT(refusal_of([&] { parse_label_rule("stricd"); }), HasSubstr("did you mean 'strict'"));
+  EXPECT_THAT(refusal_of([&] { parse_label_rule("stricd"); }), mentions({"strict"}));
 }
 
 // A unit slips as a whole at 0.24 s, a part of it from 0.16 s on.

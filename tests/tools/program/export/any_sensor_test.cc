@@ -82,11 +82,11 @@ TEST(TableCsv, SlowChannelsKeepTheirTime) {
 TEST(TableCsv, NamesMustFitTheValues) {
   SensorRecord sensor = nib_pad(4);
   sensor.channel_names.pop_back();
-  EXPECT_EQ(refusal_of([&] { table_csv(sensor); }), "sensor nib: 4 names for 5 values a sample");
+  EXPECT_THAT(refusal_of([&] { table_csv(sensor); }), refused_at("sensor nib", {"4 names", "5 values"}));
   sensor = nib_pad(4);
   sensor.channel_names = {"SI_0", "FL", "FR_plus", "FR_minus"};
   sensor.channels[1].shape = {1};
-  EXPECT_EQ(refusal_of([&] { table_csv(sensor); }), "sensor nib: channel 'fl' has 1 values, expected 2");
+  EXPECT_THAT(refusal_of([&] { table_csv(sensor); }), refused_at("sensor nib", {"fl", "1", "2"}));
 }
 
 TEST_F(AnySensor, LabelsAndSplitsLeaveTheirPart) {
@@ -106,14 +106,13 @@ TEST_F(AnySensor, LabelsAndSplitsLeaveTheirPart) {
   EXPECT_THAT(header, EndsWith(",state_micro"));
   EXPECT_THAT(header, Not(HasSubstr(",state,")));
   options.slip_rule = SlipRule::has_slipped;
-  EXPECT_THAT(refusal_of([&] { export_dataset(from, path("no"), options); }),
-              HasSubstr("csv holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper"));
+  EXPECT_THAT(refusal_of([&] { export_dataset(from, path("no"), options); }), mentions({"csv", "has_slipped", "--labels"}));
   options.slip_rule = {};
   options.split = "tests";
-  EXPECT_THAT(refusal_of([&] { export_dataset(from, path("no"), options); }), HasSubstr("did you mean 'test'?"));
+  EXPECT_THAT(refusal_of([&] { export_dataset(from, path("no"), options); }), mentions({"test"}));
   options.split = "test";
   options.trial = reader.mask("train").front();
-  EXPECT_THAT(refusal_of([&] { export_dataset(from, path("no"), options); }), HasSubstr("the split 'test' holds no trial"));
+  EXPECT_THAT(refusal_of([&] { export_dataset(from, path("no"), options); }), mentions({"test", "no trial"}));
 }
 
 TEST_F(AnySensor, TablesAreNamedByTrialAndSensor) {
@@ -125,8 +124,7 @@ TEST_F(AnySensor, TablesAreNamedByTrialAndSensor) {
   // 2 + 0.001 i of the channel's ramp, 102 + 0.001 i of the other.
   EXPECT_EQ(lines_of(bytes_of(path("out/demo_2-pad.csv")))[2], "0.001,2.002,2.003,102.001,2,3,1");
   EXPECT_THAT(run(ExportFormat::csv, "nib"), SizeIs(2));  // replaces its own
-  EXPECT_EQ(refusal_of([&] { run(ExportFormat::csv, "nip", {}, "other"); }),
-            "trial 2: unknown sensor 'nip'; did you mean 'nib'? allowed: nib, pad");
+  EXPECT_THAT(refusal_of([&] { run(ExportFormat::csv, "nip", {}, "other"); }), refused_at("trial 2", {"nip", "nib"}));
   EXPECT_FALSE(std::filesystem::exists(path("other")));
 }
 
@@ -149,8 +147,7 @@ TEST_F(AnySensor, ArchivesRepeatToTheByte) {
   run(ExportFormat::npz, "", {}, "again");
   EXPECT_EQ(bytes_of(path("again/demo_0.npz")), first);
   EXPECT_TRUE(begins_as_npz(first));
-  EXPECT_EQ(refusal_of([&] { run(ExportFormat::grasp_csv, "pad"); }),
-            "the layout of grasp-csv has the sensors ff, mf and th; allowed: --sensors with the other formats");
+  EXPECT_THAT(refusal_of([&] { run(ExportFormat::grasp_csv, "pad"); }), mentions({"grasp-csv", "ff", "mf", "th", "--sensors"}));
 }
 
 TEST(LatestRow, IsTheOneAtOrBefore) {
@@ -262,7 +259,7 @@ TEST_F(AnySensor, DemonstrationsRepeatToTheByteAndReplaceTheirOwn) {
   for (const std::string& target : {path("out/robomimic.hdf5"), path("out/robomimic.hdf5.partial")}) {
     std::filesystem::copy_file(path("a.h5"), target,
                                std::filesystem::copy_options::overwrite_existing);  // a dataset is no export
-    EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic); }), HasSubstr(target + " exists and is no robomimic dataset"));
+    EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic); }), mentions({target, "robomimic"}));
     EXPECT_EQ(bytes_of(target), bytes_of(path("a.h5")));
     std::filesystem::remove(target);
   }
@@ -282,10 +279,10 @@ TEST_F(AnySensor, DemonstrationsReplaceWhatAKilledRunLeft) {
   }
   // Under its own name nothing is ever left half written, so what cannot be read there is not its own; nor is a text under the other.
   std::ofstream(path("out/robomimic.hdf5"), std::ios::binary) << whole.substr(0, whole.size() / 2);
-  EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic); }), HasSubstr("exists and is no robomimic dataset"));
+  EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic); }), mentions({"robomimic"}));
   std::filesystem::remove(path("out/robomimic.hdf5"));
   std::ofstream(left, std::ios::binary) << "notes";
-  EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic); }), HasSubstr(left + " exists and is no robomimic"));
+  EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic); }), mentions({left, "robomimic"}));
 }
 
 // Whatever of it has reached the disk by now: it is the other run's to finish.
@@ -298,7 +295,7 @@ TEST_F(AnySensor, DemonstrationsThatAnotherRunIsWritingAreLeftToIt) {
     std::ofstream(other, std::ios::binary) << beginning;
     const int locked = ::open(other.c_str(), O_RDWR | O_CLOEXEC);
     ASSERT_EQ(::flock(locked, LOCK_EX | LOCK_NB), 0);
-    EXPECT_EQ(refusal_of([&] { run(ExportFormat::robomimic); }), "cannot write " + other + ": another run is writing it");
+    EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic); }), mentions({other, "another run"}));
     ::close(locked);
     EXPECT_TRUE(std::filesystem::exists(other)) << beginning.size();
     EXPECT_EQ(bytes_of(other), beginning) << beginning.size();
@@ -310,15 +307,11 @@ TEST_F(AnySensor, DemonstrationsThatAnotherRunIsWritingAreLeftToIt) {
 
 TEST_F(AnySensor, RatesMustFit) {
   dataset({moving_pad(0)});
-  EXPECT_EQ(refusal_of([&] { run(ExportFormat::robomimic, "", 2000.0); }),
-            "a rate of 2000 Hz repeats samples; allowed: up to 1000 Hz, that of the fastest sensor");
-  EXPECT_EQ(refusal_of([&] { run(ExportFormat::robomimic, "", 10.0); }), "trial 0: is too short for two samples at 10 Hz");
-  EXPECT_EQ(refusal_of([&] { run(ExportFormat::npz, "", 1001.0); }),
-            "trial 0: a rate of 1001 Hz repeats samples of 'pad'; allowed: up to 1000 Hz, its own");
-  EXPECT_EQ(refusal_of([&] { run(ExportFormat::csv, "", 10.0); }),
-            "trial 0: has fewer than two rows of 'pad' at 10 Hz; allowed: --rate with a higher rate");
-  EXPECT_EQ(refusal_of([&] { run(ExportFormat::training_csv, "", 500.0); }),
-            "a rate was given, and the layout of training-csv has 1000 rows a second; allowed: --rate with the other formats");
+  EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic, "", 2000.0); }), mentions({"2000 Hz", "1000 Hz"}));
+  EXPECT_THAT(refusal_of([&] { run(ExportFormat::robomimic, "", 10.0); }), refused_at("trial 0", {"10 Hz", "two samples"}));
+  EXPECT_THAT(refusal_of([&] { run(ExportFormat::npz, "", 1001.0); }), refused_at("trial 0", {"1001 Hz", "pad", "1000 Hz"}));
+  EXPECT_THAT(refusal_of([&] { run(ExportFormat::csv, "", 10.0); }), refused_at("trial 0", {"pad", "10 Hz", "--rate"}));
+  EXPECT_THAT(refusal_of([&] { run(ExportFormat::training_csv, "", 500.0); }), mentions({"training-csv", "1000", "--rate"}));
   EXPECT_FALSE(std::filesystem::exists(path("out")));  // nothing is left behind
 }
 
@@ -381,10 +374,10 @@ TEST_F(AnySensor, CompressedTablesReplaceTheirOwn) {
     EXPECT_EQ(beginning_of_gzip(bytes_of(path("out/demo_0-pad.csv.gz"))), bytes_of(path("out/demo_0-pad.csv")));
   }
   std::ofstream(path("out/demo_0-pad.csv.gz")) << gzip("my notes");
-  EXPECT_THAT(refusal_of([&] { export_dataset(path("a.h5"), path("out"), options); }), HasSubstr("exists and is no "));
+  EXPECT_THAT(refusal_of([&] { export_dataset(path("a.h5"), path("out"), options); }), mentions({"exists"}));
   options.format = ExportFormat::npz;
   EXPECT_THAT(refusal_of([&] { export_dataset(path("a.h5"), path("out"), options); }),
-              HasSubstr("npz is compressed as it is; allowed: --compress with csv, robomimic"));
+              mentions({"npz", "--compress", "robomimic"}));
 }
 
 // Before the first of several trials is followed by the next, their bytes are known, whatever the format.
@@ -408,7 +401,7 @@ TEST_F(AnySensor, TrialsWithoutARecordingAreRefused) {
   outcome.seed = 7;
   dataset({make_record(0, 6), outcome});
   for (const ExportFormat format : {ExportFormat::csv, ExportFormat::npz, ExportFormat::robomimic, ExportFormat::vendor_csv}) {
-    EXPECT_THAT(refusal_of([&] { run(format); }), HasSubstr("has no recording, only its outcome"));
+    EXPECT_THAT(refusal_of([&] { run(format); }), mentions({"recording", "outcome"}));
     EXPECT_FALSE(std::filesystem::exists(path("out")));
   }
 }
@@ -419,7 +412,7 @@ TEST_F(AnySensor, OtherFilesAreKept) {
   for (const auto& [format, name] :
        {std::pair{ExportFormat::csv, "out/demo_0-pad.csv"}, std::pair{ExportFormat::npz, "out/demo_0.npz"}}) {
     std::ofstream(path(name)) << "t,force\n0,1\n";
-    EXPECT_THAT(refusal_of([&] { run(format); }), HasSubstr("exists and is no "));
+    EXPECT_THAT(refusal_of([&] { run(format); }), mentions({"exists"}));
     EXPECT_EQ(bytes_of(path(name)), "t,force\n0,1\n");
   }
 }

@@ -58,10 +58,8 @@ TEST_F(SlipCsv, FolderIsTheClassThatTheSceneCommands) {
 // A dataset's texts may be anybody's, and are part of the name.
 TEST_F(SlipCsv, NameStaysInTheFolder) {
   const auto refusal = [&](const std::string& params) { return refusal_of([&] { name(params); }); };
-  EXPECT_THAT(refusal(R"({"surface.material": "x/../../../evil"})"),
-              HasSubstr("cannot write a file called 't/x/../../../evil3.csv'; allowed: "));
-  EXPECT_THAT(refusal(R"({"surface.material": "glass\u001b[31m"})"),
-              HasSubstr(R"(cannot write a file called 't/glass\x1b[31m3.csv')"));
+  EXPECT_THAT(refusal(R"({"surface.material": "x/../../../evil"})"), mentions({"t/x/../../../evil3.csv"}));
+  EXPECT_THAT(refusal(R"({"surface.material": "glass\u001b[31m"})"), mentions({"t/glass\\x1b[31m3.csv"}));
   EXPECT_EQ(names(), std::vector<std::string>{"a.h5"});
 }
 
@@ -82,14 +80,13 @@ TEST_F(SlipCsv, RefusesWhatIsNoClass) {
   const auto message = [&](const TrialRecord& record) {
     return refusal_of([&] { exported(record, "slipbench: 1\nmotion: {kind: rub}\n"); });
   };
-  EXPECT_THAT(message(finger(R"({"motion.speed": 0.008, "motion.rotation": 1.0})")), HasSubstr("slides and turns"));
-  EXPECT_THAT(message(finger(R"({"motion.speed": 0.008, "motion.direction": 0.5})")),
-              HasSubstr("allowed: 0, 90, 180 and 270 deg"));
+  EXPECT_THAT(message(finger(R"({"motion.speed": 0.008, "motion.rotation": 1.0})")), mentions({"slides", "turns"}));
+  EXPECT_THAT(message(finger(R"({"motion.speed": 0.008, "motion.direction": 0.5})")), mentions({"90", "180", "270 deg"}));
   TrialRecord other = finger("{}");
   other.sensors[0].rate = 200.0;
-  EXPECT_THAT(message(other), HasSubstr("has 200 Hz; allowed: 100 Hz"));
+  EXPECT_THAT(message(other), mentions({"200 Hz", "100 Hz"}));
   other.sensors[0].type = "papillarray";
-  EXPECT_THAT(message(other), HasSubstr("is a papillarray; allowed: a biotac_sp"));
+  EXPECT_THAT(message(other), mentions({"papillarray", "biotac_sp"}));
 }
 
 constexpr std::size_t rows = 6;
@@ -149,14 +146,13 @@ TEST_F(GraspCsv, HasARowAGraspOfTheLastReadingBeforeItHasToHold) {
 TEST_F(GraspCsv, RefusesWhatIsNoSuchGrasp) {
   TrialRecord two = grasp(0, true);
   two.sensors.pop_back();
-  EXPECT_THAT(refusal_of([&] { exported({two}); }), HasSubstr("no biotac_sp 'th'; allowed: a grasp with three"));
+  EXPECT_THAT(refusal_of([&] { exported({two}); }), mentions({"biotac_sp", "th"}));
   TrialRecord bare = grasp(0, true);
   bare.bodies[0].name = "ball";
-  EXPECT_THAT(refusal_of([&] { exported({bare}); }), HasSubstr("has no truth/object"));
+  EXPECT_THAT(refusal_of([&] { exported({bare}); }), mentions({"truth/object"}));
   TrialRecord still = grasp(0, true);
   still.outcome.hold.reset();
-  EXPECT_THAT(refusal_of([&] { exported({still}); }),
-              HasSubstr("does not say whether the object was held; allowed: a scene with 'hold'"));
+  EXPECT_THAT(refusal_of([&] { exported({still}); }), mentions({"held", "hold"}));
 }
 
 }  // namespace

@@ -180,10 +180,10 @@ TEST_F(ExportTest, VendorLogHoldsTwoSensorsSideBySide) {
   EXPECT_EQ(table[0][162], "S1_FrictionEst");
 
   record.sensors.push_back(make_sensor("third", 1000.0));
-  EXPECT_THAT(refusal_of([&] { run(dataset({record}), vendor); }), HasSubstr("up to 2 sensors, found 3"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({record}), vendor); }), mentions({"2 sensors", "3"}));
   record.sensors.pop_back();
   record.sensors[1] = make_sensor("second", 500.0);
-  EXPECT_THAT(refusal_of([&] { run(dataset({record}), vendor); }), HasSubstr("sampled at different times"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({record}), vendor); }), mentions({"different times"}));
 }
 
 TEST_F(ExportTest, TrainingFileHas73Columns) {
@@ -340,8 +340,7 @@ TEST_F(ExportTest, SpeedComesFromTheSceneWhereItIsNotSwept) {
 TEST_F(ExportTest, LabelSpeedNeedsTheRuleThatHasIt) {
   ExportOptions options = vendor;
   options.label_speed = 2e-4;
-  EXPECT_THAT(refusal_of([&] { run(dataset({make_trial_record(0)}), options); }),
-              HasSubstr("--slip paper or --slip has_slipped"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({make_trial_record(0)}), options); }), mentions({"--slip", "paper", "has_slipped"}));
   EXPECT_FALSE(std::filesystem::exists(path("out")));
   options.slip_rule = SlipRule::paper;
   EXPECT_THAT(run(path("a.h5"), options), SizeIs(1));
@@ -353,7 +352,7 @@ TEST_F(ExportTest, InputIsNeverReplaced) {
   ::mkdir(path("out").c_str(), 0777);
   for (const char* name : {"out/LOG_demo_0.csv", "out/LOG_demo_0.csv.partial"}) {
     std::filesystem::rename(from, path(name));
-    EXPECT_THAT(refusal_of([&] { run(path(name), vendor); }), HasSubstr("is the input"));
+    EXPECT_THAT(refusal_of([&] { run(path(name), vendor); }), mentions({"input"}));
     EXPECT_EQ(bytes_of(path(name)), before);
     std::filesystem::rename(path(name), from);
   }
@@ -371,7 +370,7 @@ TEST_F(ExportTest, ReplacesItsOwnFilesAndNothingElse) {
     for (const std::string& target : {path(name), path(name + ".partial")}) {
       for (const char* text : {"time,force\n0,1\n", "my notes\n"}) {
         std::ofstream(target, std::ios::trunc) << text;
-        EXPECT_THAT(refusal_of([&] { run(from, options); }), HasSubstr(target + " exists and is no "));
+        EXPECT_THAT(refusal_of([&] { run(from, options); }), mentions({target, "exists"}));
         EXPECT_EQ(bytes_of(target), text);
       }
       std::ofstream(target, std::ios::trunc) << whole;  // as a killed export leaves it
@@ -391,7 +390,7 @@ TEST_F(ExportTest, ChangedArraysAreRefused) {
   ExportOptions first = vendor;
   first.trial = 0;
   for (const ExportOptions& options : {vendor, training, first}) {
-    EXPECT_THAT(refusal_of([&] { run(path("a.h5"), options); }), HasSubstr("a.h5: is damaged: its content has the SHA-256"));
+    EXPECT_THAT(refusal_of([&] { run(path("a.h5"), options); }), mentions({"a.h5", "SHA-256"}));
     EXPECT_FALSE(std::filesystem::exists(path("out")));
   }
 }
@@ -414,30 +413,28 @@ TEST_F(ExportTest, OneTrialCanBeChosen) {
   options.trial = 1;
   EXPECT_THAT(run(dataset({make_trial_record(0), make_trial_record(1)}), options), ElementsAre(path("out/LOG_demo_1.csv")));
   options.trial = 5;
-  EXPECT_THAT(refusal_of([&] { run(path("a.h5"), options); }), HasSubstr("no trial 5"));
+  EXPECT_THAT(refusal_of([&] { run(path("a.h5"), options); }), mentions({"trial 5"}));
 }
 
 TEST_F(ExportTest, WhatDoesNotFitIsRefused) {
-  EXPECT_THAT(refusal_of([&] { run(dataset({make_trial_record(0, 500.0)}), training); }),
-              HasSubstr("sampled at 1000 Hz, the sensor at 500 Hz"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({make_trial_record(0, 500.0)}), training); }), mentions({"1000 Hz", "500 Hz"}));
   TrialRecord two = make_trial_record(0);
   two.sensors.push_back(make_sensor("second", 1000.0));
-  EXPECT_THAT(refusal_of([&] { run(dataset({two}), training); }), HasSubstr("which? allowed: pad, second"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({two}), training); }), mentions({"pad", "second"}));
   ExportOptions second = training;
   second.sensors = {"second"};
   EXPECT_THAT(run(dataset({two}), second), SizeIs(1));
   TrialRecord other = make_trial_record(0);
   other.sensors[0].type = "nose";
-  EXPECT_THAT(refusal_of([&] { run(dataset({other}), vendor); }), HasSubstr("has no papillarray"));
-  EXPECT_THAT(refusal_of([&] { run(dataset({}), vendor); }), HasSubstr("holds no trial"));
+  EXPECT_THAT(refusal_of([&] { run(dataset({other}), vendor); }), mentions({"papillarray"}));
+  EXPECT_THAT(refusal_of([&] { run(dataset({}), vendor); }), mentions({"no trial"}));
 }
 
 TEST_F(ExportTest, UnusableFoldersAreRefused) {
   const std::string from = dataset({make_trial_record(0)});
   EXPECT_THAT(refusal_of([&] { export_dataset(from, path("no/out"), vendor); }), HasSubstr("No such file or directory"));
   std::ofstream(path("file")) << "x";
-  EXPECT_THAT(refusal_of([&] { export_dataset(from, path("file"), vendor); }),
-              HasSubstr("File exists; allowed: a folder, or a new name in one that is there"));
+  EXPECT_THAT(refusal_of([&] { export_dataset(from, path("file"), vendor); }), mentions({"File exists", "folder"}));
 }
 
 TEST_F(ExportTest, FullDiskLeavesNoHalfFile) {
@@ -457,10 +454,8 @@ TEST_F(ExportTest, FullDiskLeavesNoHalfFile) {
 TEST(ExportNames, AreParsedWithTheNearestName) {
   EXPECT_EQ(parse_export_format("training-csv"), ExportFormat::training_csv);
   EXPECT_EQ(parse_slip_rule("paper"), SlipRule::paper);
-  EXPECT_EQ(
-      refusal_of([] { parse_export_format("vendor_csv"); }),
-      "unknown format 'vendor_csv'; did you mean 'vendor-csv'? allowed: csv, npz, robomimic, lerobot, parquet, mcap, vendor-csv, training-csv, grasp-csv, myrmex-csv, myrmex-rotated, slip-csv");
-  EXPECT_THAT(refusal_of([] { parse_slip_rule("x"); }), HasSubstr("allowed: strict, micro, paper, has_slipped"));
+  EXPECT_THAT(refusal_of([] { parse_export_format("vendor_csv"); }), mentions({"vendor_csv", "vendor-csv"}));
+  EXPECT_THAT(refusal_of([] { parse_slip_rule("x"); }), mentions({"strict", "micro", "paper", "has_slipped"}));
 }
 
 }  // namespace

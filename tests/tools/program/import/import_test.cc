@@ -193,10 +193,7 @@ TEST_F(Imported, SaysThatItHoldsNoTruth) {
   EXPECT_EQ(reader.header().scene, "");
   EXPECT_EQ(reader.header().command, "slipbench import " + file_ + " --format bts3v2 --seed 7");
   EXPECT_THAT(reader.bodies(0), IsEmpty());
-  EXPECT_EQ(refusal_of([&] { reader.check_truth("a report"); }),
-            path("out.h5") +
-                ": a report needs the truth, which it does not hold (none: imported from bts3v2); allowed: a dataset that "
-                "slipbench has simulated");
+  EXPECT_THAT(refusal_of([&] { reader.check_truth("a report"); }), refused_at(path("out.h5"), {"a report", "bts3v2"}));
 }
 
 // What a person can give to a shell again.
@@ -304,8 +301,7 @@ TEST_F(MadeUp, StateThatDoesNotExistIsRefused) {
   TrialRecord wrong = record();
   wrong.sensors[0].labels.state_paper[1] = 7;
   write(wrong);
-  EXPECT_THAT(refusal_of([&] { static_cast<void>(trial(0)); }),
-              HasSubstr("labels/pad/state_paper: holds 7, which is no state of a pad"));
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(trial(0)); }), mentions({"labels/pad/state_paper", "7"}));
   EXPECT_FALSE(verify_datasets({path("out.h5")}).holds);
 }
 
@@ -313,7 +309,7 @@ TEST_F(MadeUp, ControlLoopInARecordingIsRefused) {
   TrialRecord wrong = record();
   wrong.control = slipbench::testing::make_controlled_record(0, 3).control;
   write(wrong);
-  EXPECT_THAT(refusal_of([&] { static_cast<void>(trial(0)); }), HasSubstr("control: stands in an imported recording"));
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(trial(0)); }), mentions({"control", "imported"}));
 }
 
 // Pressed, slid and turned; 60 ms of sliding at 16 mm/s let all nine pillars go.
@@ -454,23 +450,23 @@ TEST_F(Timed, ResamplingStaysBelowTheRecordingsRate) {
   const std::string file = table("a.csv", clock(99.99, 500), 6);
   EXPECT_EQ(at_rate(file, 100.0).samples, 500u);
   EXPECT_EQ(pad().rate, 100.0);
-  EXPECT_EQ(refusal_of([&] { static_cast<void>(at_rate(file, 102.0)); }),
-            file + ": --rate 102 Hz is above the 99.99 Hz of the recording; allowed: up to that rate, within 1 %");
-  EXPECT_EQ(refusal_of([&] { static_cast<void>(at_rate(file, 0.1)); }),
-            file + ": has fewer than two samples at 0.1 Hz; allowed: a higher --rate");
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(at_rate(file, 102.0)); }), refused_at(file, {"102 Hz", "99.99 Hz", "1 %"}));
+  EXPECT_THAT(refusal_of([&] { static_cast<void>(at_rate(file, 0.1)); }), refused_at(file, {"0.1 Hz"}));
   const std::string grasp = source("grasp.csv", grasp_header() + grasp_row("coke", "0", 1));
-  EXPECT_EQ(refusal_of([&] {
-              import_recordings({{grasp}, &import_format("bts3v2"), "", 7, "", 10.0});
-            }),
-            grasp + ": holds one sample, which has no rate; allowed: recordings of two samples or more with --rate");
+  EXPECT_THAT(refusal_of([&] {
+                import_recordings({{grasp}, &import_format("bts3v2"), "", 7, "", 10.0});
+              }),
+              refused_at(grasp, {"one sample", "--rate"}));
 }
 
 struct ImportErrors : slipbench::testing::ImportTest {
-  // Imports a source and expects a message about it that begins with its path; nothing but the source is left.
-  void expect_refusal(const std::string& format, const std::string& name, const std::string& text, const std::string& message) {
+  static std::string place(const std::string& file, int line) { return line == 0 ? file : file + ":" + std::to_string(line); }
+  // Imports a source and expects it to be refused at `line`, or as a whole where that is 0; nothing but the source is left.
+  void expect_refusal(const std::string& format, const std::string& name, const std::string& text, int line,
+                      const std::vector<std::string>& words) {
     const std::string file = source(name, text);
     const std::vector<std::string> before = names();
-    EXPECT_EQ(refusal_of([&] { run({file}, format); }), file + message);
+    EXPECT_THAT(refusal_of([&] { run({file}, format); }), refused_at(place(file, line), words));
     EXPECT_EQ(names(), before);
   }
 };
@@ -482,96 +478,85 @@ std::string with(std::string text, const std::string& old, const std::string& no
 }
 
 TEST_F(ImportErrors, GraspsAreChecked) {
-  const auto refused = [&](const std::string& text, const std::string& message) {
-    expect_refusal("bts3v2", "a.csv", text, message);
+  const auto refused = [&](const std::string& text, int line, const std::vector<std::string>& words) {
+    expect_refusal("bts3v2", "a.csv", text, line, words);
   };
   // 2,100 good rows come first: a first file of the dataset is full then.
   std::string good;
   for (int k = 0; k < 2100; ++k) good += grasp_row("coke", "0", 1);
-  refused(grasp_header() + good + grasp_row("coke", "2", 1), ":2102: column 2, slipped, is '2'; allowed: 0, 1");
-  refused("", ":1: the file is empty; allowed: a header that begins with object");
-  refused(grasp_header(), ":1: is the only line; allowed: a header and a row a grasp");
-  refused(grasp_header() + "\n", ":1: is the only line; allowed: a header and a row a grasp");
-  refused(grasp_header() + "\n" + grasp_row("coke", "0", 1), ":2: has 1 column; allowed: 74");
-  refused(with(grasp_header(), "th_biotac_24", "th_biotac_25"),
-          ":1: column 74 is called 'th_biotac_25'; allowed: 'th_biotac_24'");
-  refused(with(grasp_header(), ",th_biotac_24", ""), ":1: has 73 columns; allowed: 74");
-  refused(grasp_header() + "coke\n", ":2: has 1 column; allowed: 74");
-  refused(grasp_header() + grasp_row("", "0", 1), ":2: column 1, object, is ''; allowed: a name");
-  refused(grasp_header() + grasp_row("\xff", "0", 1), ":2: column 1, object, is '\xff'; allowed: a name");
-  refused(grasp_header() + with(grasp_row("coke", "0", 1), ",73", ",x"),
-          ":2: column 74, th_biotac_24, is 'x'; allowed: a number from 0 to 4095");
-  refused(grasp_header() + with(grasp_row("coke", "0", 1), ",73", ",4096"),
-          ":2: column 74, th_biotac_24, is '4096'; allowed: a number from 0 to 4095");
-  refused(grasp_header() + with(grasp_row("coke", "0", 1), ",73", ",nan"),
-          ":2: column 74, th_biotac_24, is 'nan'; allowed: a number from 0 to 4095");
-  refused(grasp_header() + std::string(70'000, 'x'), ":2: is longer than 65536 bytes; allowed: lines of text");
+  refused(grasp_header() + good + grasp_row("coke", "2", 1), 2102, {"slipped", "2", "0, 1"});
+  refused("", 1, {"empty", "object"});
+  refused(grasp_header(), 1, {"only line"});
+  refused(grasp_header() + "\n", 1, {"only line"});
+  refused(grasp_header() + "\n" + grasp_row("coke", "0", 1), 2, {"1 column", "74"});
+  refused(with(grasp_header(), "th_biotac_24", "th_biotac_25"), 1, {"column 74", "th_biotac_25", "th_biotac_24"});
+  refused(with(grasp_header(), ",th_biotac_24", ""), 1, {"73 columns", "74"});
+  refused(grasp_header() + "coke\n", 2, {"1 column", "74"});
+  refused(grasp_header() + grasp_row("", "0", 1), 2, {"column 1", "object", "''"});
+  refused(grasp_header() + grasp_row("\xff", "0", 1), 2, {"column 1", "object", "\xff"});
+  refused(grasp_header() + with(grasp_row("coke", "0", 1), ",73", ",x"), 2, {"column 74", "x", "4095"});
+  refused(grasp_header() + with(grasp_row("coke", "0", 1), ",73", ",4096"), 2, {"column 74", "4096", "4095"});
+  refused(grasp_header() + with(grasp_row("coke", "0", 1), ",73", ",nan"), 2, {"column 74", "nan", "4095"});
+  refused(grasp_header() + std::string(70'000, 'x'), 2, {"65536"});
 }
 
 TEST_F(ImportErrors, SlidesAreChecked) {
-  const auto refused = [&](const std::string& name, const std::string& text, const std::string& message) {
-    expect_refusal("biotacsp-dos", name, text, message);
+  const auto refused = [&](const std::string& name, const std::string& text, int line, const std::vector<std::string>& words) {
+    expect_refusal("biotacsp-dos", name, text, line, words);
   };
   const std::string good = slide_header() + slide_row(0);
-  refused("north/case1.csv", good,
-          ": lies in a folder called 'north'; allowed: n, e, s, w, cw, aw, t, the class of its recordings");
-  refused("n/12.csv", good, ": its name says no object; allowed: object and number, as in case112.csv");
-  refused("n/case1.csv", slide_header(), ":1: is the only line; allowed: a header and a row a sample");
-  refused("n/case1.csv", good + "1,2\n", ":3: has 2 columns; allowed: 24");
+  refused("north/case1.csv", good, 0, {"north", "aw"});
+  refused("n/12.csv", good, 0, {"object", "case112.csv"});
+  refused("n/case1.csv", slide_header(), 1, {"only line"});
+  refused("n/case1.csv", good + "1,2\n", 3, {"2 columns", "24"});
 }
 
 TEST_F(ImportErrors, LogsAreChecked) {
-  const auto refused = [&](const std::string& text, const std::string& message) {
-    expect_refusal("papillarray-csv", "a.csv", text, message);
+  const auto refused = [&](const std::string& text, int line, const std::vector<std::string>& words) {
+    expect_refusal("papillarray-csv", "a.csv", text, line, words);
   };
   const std::vector<int> held(9, 1);
   const std::string first = log_header(1) + log_row(1000, {log_cells(held)});
-  refused("", ":1: the file is empty; allowed: a header that begins with T_us");
-  refused("time,x\n", ":1: column 1 is called 'time'; allowed: 'T_us'");
-  refused(with(log_header(1), ",S0_FrictionEst", ""), ":1: has 81 columns; allowed: 82 for one sensor, 163 for two");
-  refused(with(log_header(2), "S1_FrictionEst", "S2_FrictionEst"),
-          ":1: column 163 is called 'S2_FrictionEst'; allowed: 'S1_FrictionEst'");
-  refused(first, ":2: ends a recording of 1 samples; allowed: two at least, which tell the rate");
-  refused(first + log_row(500, {log_cells(held)}),
-          ":3: column 1, T_us, is '500' after 1000; allowed: rising times, or the same row again");
-  refused(first + log_row(1000, {log_cells(std::vector<int>(9, 2))}),
-          ":3: column 1, T_us, is '1000' after 1000; allowed: rising times, or the same row again");
-  refused(first + log_row(2000, {log_cells({1, 1, 1, 1, 1, 1, 1, 1, 0})}),
-          ":3: column 81, S0_P8_slipState, is '0'; allowed: -2, -1, 1, 2, 3");
-  refused(first + with(log_row(2000, {log_cells(held)}), ",-1", ",inf"),
-          ":3: column 82, S0_FrictionEst, is 'inf'; allowed: a number");
+  refused("", 1, {"empty", "T_us"});
+  refused("time,x\n", 1, {"column 1", "time", "T_us"});
+  refused(with(log_header(1), ",S0_FrictionEst", ""), 1, {"81 columns", "82", "163"});
+  refused(with(log_header(2), "S1_FrictionEst", "S2_FrictionEst"), 1, {"column 163", "S2_FrictionEst", "S1_FrictionEst"});
+  refused(first, 2, {"1 samples", "two"});
+  refused(first + log_row(500, {log_cells(held)}), 3, {"T_us", "500", "1000"});
+  refused(first + log_row(1000, {log_cells(std::vector<int>(9, 2))}), 3, {"T_us", "1000", "rising"});
+  refused(first + log_row(2000, {log_cells({1, 1, 1, 1, 1, 1, 1, 1, 0})}), 3, {"column 81", "S0_P8_slipState", "0", "-2"});
+  refused(first + with(log_row(2000, {log_cells(held)}), ",-1", ",inf"), 3, {"column 82", "S0_FrictionEst", "inf"});
 }
 
 TEST_F(ImportErrors, TrainingFilesAreChecked) {
-  const auto refused = [&](const std::string& text, const std::string& message) {
-    expect_refusal("training-csv", "a.csv", text, message);
+  const auto refused = [&](const std::string& text, int line, const std::vector<std::string>& words) {
+    expect_refusal("training-csv", "a.csv", text, line, words);
   };
   const std::vector<std::string> held(9, "1,0");
-  refused("", ":1: ends a recording of 0 samples; allowed: two at least, which tell the rate");
-  refused(training_row("0", held) + training_row("0", held), ":2: column 1, time, is '0' after 0; allowed: rising times");
-  refused(training_row("0", held) + "0.001\n", ":2: has 1 column; allowed: 73");
-  refused(training_row("0", std::vector<std::string>(9, "1,2")), ":1: column 3, P0 slip, is '2'; allowed: 0, 1");
-  refused(training_row("0", std::vector<std::string>(9, "1,0.5")), ":1: column 3, P0 slip, is '0.5'; allowed: 0, 1");
+  refused("", 1, {"0 samples", "two"});
+  refused(training_row("0", held) + training_row("0", held), 2, {"column 1", "time", "0", "rising"});
+  refused(training_row("0", held) + "0.001\n", 2, {"1 column", "73"});
+  refused(training_row("0", std::vector<std::string>(9, "1,2")), 1, {"column 3", "P0 slip", "2", "0, 1"});
+  refused(training_row("0", std::vector<std::string>(9, "1,0.5")), 1, {"column 3", "P0 slip", "0.5", "0, 1"});
 }
 
 TEST_F(ImportErrors, SourcesAreChecked) {
   const auto refusal = [&](const std::vector<std::string>& sources) { return refusal_of([&] { run(sources, "bts3v2"); }); };
-  EXPECT_EQ(refusal({path("none.csv")}), path("none.csv") + ": no such file or folder");
+  EXPECT_THAT(refusal({path("none.csv")}), refused_at(path("none.csv"), {"no such file"}));
   std::filesystem::create_directory(path("empty"));
-  EXPECT_EQ(refusal({path("empty")}), path("empty") + ": holds no file .csv; allowed: a source file, or a folder with some");
+  EXPECT_THAT(refusal({path("empty")}), refused_at(path("empty"), {".csv"}));
   const std::string file = source("set/a.csv", grasp_header() + grasp_row("coke", "0", 1));
-  EXPECT_EQ(refusal({path("set"), file}), file + ": is named twice; allowed: each source once");
+  EXPECT_THAT(refusal({path("set"), file}), refused_at(file, {"twice"}));
   ::mkfifo(path("pipe").c_str(), 0600);
-  EXPECT_THAT(refusal({path("pipe")}), HasSubstr("pipe: is a pipe, no file"));
-  EXPECT_EQ(refusal_of([] { import_format("bts3"); }),
-            "unknown format 'bts3'; did you mean 'bts3v2'? allowed: bts3v2, biotacsp-dos, papillarray-csv, training-csv, csv");
+  EXPECT_THAT(refusal({path("pipe")}), mentions({path("pipe"), "a pipe"}));
+  EXPECT_THAT(refusal_of([] { import_format("bts3"); }), mentions({"bts3", "bts3v2"}));
 }
 
 // The dataset's own name is checked before a row is read.
 TEST_F(ImportErrors, SourceIsNotReplaced) {
   const std::string file = source("a.csv", grasp_header() + grasp_row("coke", "0", 1));
   const std::string before = bytes_of(file);
-  EXPECT_THAT(refusal_of([&] { run({file}, "bts3v2", "a.csv"); }), HasSubstr("exists and is no dataset"));
+  EXPECT_THAT(refusal_of([&] { run({file}, "bts3v2", "a.csv"); }), mentions({"exists", "dataset"}));
   EXPECT_EQ(bytes_of(file), before);
   EXPECT_THAT(names(), ElementsAre("a.csv"));
 }
@@ -581,19 +566,18 @@ TEST_F(ImportErrors, TablesByAColumnMapAreChecked) {
                         "{sensor: skin, type: taxels, time: {column: t, scale: 1e-3}, state: {column: slip, rule: a button},\n"
                         "channels: {force: {unit: N, scale: 1e-3, components: 3, columns: [a .. c]}}}\n",
                     table = "t,a,b,c,slip\n5,1,2,3,1\n7,4,5,6,3\n";
-  const auto refused = [&](const std::string& mapped, const std::string& text, const std::string& message) {
+  const auto refused = [&](const std::string& mapped, const std::string& text, int line, const std::vector<std::string>& words) {
     const std::string file = source("a.csv", text), columns = source("map.yaml", mapped);
-    EXPECT_EQ(refusal_of([&] { run({file}, "csv", "out.h5", columns); }), (mapped == map ? file : columns) + message);
+    EXPECT_THAT(refusal_of([&] { run({file}, "csv", "out.h5", columns); }),
+                refused_at(place(mapped == map ? file : columns, line), words));
     EXPECT_EQ(names(), (std::vector<std::string>{"a.csv", "map.yaml"}));
   };
-  refused(with(map, "type: taxels, ", ""), table, ":1: the column map has no key 'type'; allowed: one that has");
-  refused(with(map, "components", "component"), table,
-          ":2: unknown key 'component' in channels.force; did you mean 'components'? allowed: columns, components, scale, unit");
-  refused(with(map, "[a .. c]", "a"), table,
-          ":2: channels.force.columns is 'a'; allowed: titles, or FIRST .. LAST, in a sequence");
-  refused(map, with(table, "c,", "d,"), ":1: has no column 'c'; allowed: t, a, b, d, slip");
-  refused(map, with(table, "7,", "5,"), ":3: column 1, t, is 0.005 s after 0.005 s; allowed: rising times");
-  refused(map, with(table, "6,3", "6,4"), ":3: column 5, slip, is '4'; allowed: 0, 1, 2, 3");
+  refused(with(map, "type: taxels, ", ""), table, 1, {"column map", "type"});
+  refused(with(map, "components", "component"), table, 2, {"channels.force", "component", "components"});
+  refused(with(map, "[a .. c]", "a"), table, 2, {"channels.force.columns", "a"});
+  refused(map, with(table, "c,", "d,"), 1, {"column", "c"});
+  refused(map, with(table, "7,", "5,"), 3, {"column 1", "0.005 s"});
+  refused(map, with(table, "6,3", "6,4"), 3, {"slip", "4", "0, 1, 2, 3"});
 
   run({source("a.csv", table)}, "csv", "out.h5", source("map.yaml", map));
   const SensorRecord skin = DatasetReader(path("out.h5")).read_sensor(0, "skin");

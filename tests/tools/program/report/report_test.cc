@@ -291,7 +291,7 @@ TEST(Report, IsMadeOfOutcomesAlone) {
   EXPECT_TRUE(row.at("sensors").empty());
   EXPECT_EQ(row.at("detector").at("confusion"), Json::parse("[[5,1,0,0],[0,4,2,0],[0,0,3,0],[0,1,0,7]]"));
   EXPECT_THAT(refusal(dataset, page_path("report_outcomes.html"), {.trial = 0}),
-              HasSubstr("/data/demo_0: has no recording, only its outcome; allowed: a dataset written without --record outcome"));
+              mentions({"/data/demo_0", "recording", "--record outcome"}));
 }
 
 TEST(Report, EmbedsTheTrialAskedFor) {
@@ -324,7 +324,7 @@ TEST(Report, SameDatasetGivesSameBytes) {
 
 TEST(Report, RefusesATrialThatIsNotThere) {
   const std::string dataset = write_dataset("report_none.h5", scene, trials(3));
-  EXPECT_THAT(refusal(dataset, page_path("report_none.html"), {.trial = 3}), HasSubstr("there is no trial 3; allowed: 0 to 2"));
+  EXPECT_THAT(refusal(dataset, page_path("report_none.html"), {.trial = 3}), mentions({"trial 3", "0", "2"}));
   EXPECT_FALSE(std::filesystem::exists(page_path("report_none.html")));
 }
 
@@ -342,44 +342,43 @@ TEST(Report, RefusesBrokenContent) {
   TrialRecord broken = sample_trial(0, "{}");
   broken.sensors[0].labels.unit_state[2] = 7;
   EXPECT_THAT(refusal(write_dataset("report_state.h5", scene, {broken}), page_path("x.html")),
-              HasSubstr("/data/demo_0: labels/pad holds state 7; allowed: 0 to 3"));
+              mentions({"/data/demo_0", "labels/pad", "state 7", "3"}));
   EXPECT_THAT(refusal(write_dataset("report_params.h5", scene, {sample_trial(0, "speed 4")}), page_path("x.html")),
-              HasSubstr("attribute params is not a JSON object: speed 4"));
+              mentions({"params", "JSON"}));
   const std::string file = write_dataset("report_outcome.h5", scene, trials(1));
   std::string bytes = bytes_of(file);
   bytes.replace(bytes.find("{\"dropped"), 1, "[");
   write_text(file, bytes);
-  EXPECT_THAT(refusal(file, page_path("x.html")), HasSubstr(file + ": /data/demo_0: outcome is not the JSON object of a trial"));
-  EXPECT_THAT(refusal(write_dataset("report_scene.h5", "a: [b", trials(1)), page_path("x.html")),
-              HasSubstr("attribute scene is not a scene"));
+  EXPECT_THAT(refusal(file, page_path("x.html")), mentions({file, "/data/demo_0", "outcome"}));
+  EXPECT_THAT(refusal(write_dataset("report_scene.h5", "a: [b", trials(1)), page_path("x.html")), mentions({"attribute scene"}));
 }
 
 TEST(Report, RefusesATimeThatIsNotFinite) {
   TrialRecord broken = sample_trial(0, "{}");
   broken.sensors[0].time[3] = std::numeric_limits<double>::infinity();
   EXPECT_THAT(refusal(write_dataset("report_time.h5", scene, {broken}), page_path("x.html")),
-              HasSubstr("report_time.h5: /data/demo_0: sensors/pad has a time that is not finite"));
+              mentions({"report_time.h5", "/data/demo_0", "sensors/pad", "time"}));
 }
 
 TEST(Report, RefusesATargetThatCannotBeWritten) {
   const std::string dataset = write_dataset("report_target.h5", scene, trials(1));
-  EXPECT_EQ(refusal(dataset, page_path("no_such_folder/x.html")),
-            "cannot write " + page_path("no_such_folder/x.html") + ": there is no folder " + page_path("no_such_folder"));
+  EXPECT_THAT(refusal(dataset, page_path("no_such_folder/x.html")),
+              mentions({page_path("no_such_folder/x.html"), "folder " + page_path("no_such_folder")}));
 }
 
 TEST(Report, NeverReplacesADataset) {
   const std::string dataset = write_dataset("report_input.h5", scene, trials(1));
   const std::string before = bytes_of(dataset);
-  EXPECT_THAT(refusal(dataset, dataset), HasSubstr("is the input"));
-  EXPECT_THAT(refusal(dataset, page_path("./report_input.h5")), HasSubstr("is the input"));
+  EXPECT_THAT(refusal(dataset, dataset), mentions({"input"}));
+  EXPECT_THAT(refusal(dataset, page_path("./report_input.h5")), mentions({"input"}));
   const std::string other = write_dataset("report_other.h5", scene, trials(1));
-  EXPECT_THAT(refusal(dataset, other), HasSubstr("report_other.h5 exists and is no report"));
+  EXPECT_THAT(refusal(dataset, other), mentions({"report_other.h5", "report"}));
   EXPECT_EQ(bytes_of(dataset), before);
   EXPECT_EQ(bytes_of(other), before);  // the same trials: the same bytes
   // The page's temporary name is that of a killed run's dataset.
   const std::string killed = page_path("report_killed.h5.partial");
   std::filesystem::copy_file(dataset, killed, std::filesystem::copy_options::overwrite_existing);
-  EXPECT_THAT(refusal(killed, page_path("report_killed.h5")), HasSubstr("report_killed.h5.partial is the input"));
+  EXPECT_THAT(refusal(killed, page_path("report_killed.h5")), mentions({"report_killed.h5.partial", "input"}));
   EXPECT_EQ(bytes_of(killed), before);
 }
 
@@ -388,9 +387,8 @@ TEST(Report, ReplacesReportsAndNothingElse) {
   for (const char* text : {"slipbench: 1\n", "<!DOCTYPE html>\n<html><head><title>mine</title></head></html>\n"}) {
     for (const char* name : {"report_kept.yaml", "report_kept.yaml.partial"}) {
       write_text(page_path(name), text);
-      EXPECT_EQ(refusal(dataset, page_path("report_kept.yaml")),
-                "cannot write " + page_path("report_kept.yaml") + ": " + page_path(name) +
-                    " exists and is no report; allowed: a new name, or a report to replace");
+      EXPECT_THAT(refusal(dataset, page_path("report_kept.yaml")),
+                  mentions({page_path("report_kept.yaml"), page_path(name), "report"}));
       EXPECT_EQ(bytes_of(page_path(name)), text);
       std::filesystem::remove(page_path(name));
     }
@@ -407,8 +405,7 @@ TEST(Report, RefusesArraysOfAnotherDigest) {
   DatasetWriter writer(page_path("report_changed.h5"), {"0.1.0", scene, "{}", 7, "slipbench run scene.yaml"}, 1);
   writer.append(changed);
   writer.commit();
-  EXPECT_THAT(refusal(page_path("report_changed.h5"), page_path("x.html")),
-              HasSubstr("report_changed.h5: is damaged: its content has the SHA-256"));
+  EXPECT_THAT(refusal(page_path("report_changed.h5"), page_path("x.html")), mentions({"report_changed.h5", "SHA-256"}));
 }
 
 // However a file is damaged, the report is made or refused, never ended by a signal.

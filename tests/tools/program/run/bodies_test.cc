@@ -104,8 +104,7 @@ TEST_F(BodiesRun, AHoldThatIsNeverLookedAtIsRefused) {
   std::ofstream(path("turning_fingers.xml")) << turning_fingers;
   std::ofstream(path("turning.yaml")) << turning_scene("{body: box, against: left, from: 1.4999999 s, within: 1 mm}");
   EXPECT_THAT(refusal_of([&] { run(path("turning.yaml"), "turning.h5"); }),
-              HasSubstr("turning.yaml:13: hold.from: 1.4999999 s leaves no two steps to see the body move between; "
-                        "allowed: 0 s to 1.49"));
+              mentions({"turning.yaml:13", "hold.from", "1.4999999 s", "0 s"}));
   EXPECT_FALSE(std::filesystem::exists(path("turning.h5")));
 }
 
@@ -187,14 +186,14 @@ TEST_F(BodiesRun, MessagesNameTheLineOfTheScene) {
                                        "    site: lost\n"
                                        "    touches: [box]\n";
   EXPECT_THAT(refusal_of([&] { run(path("scene.yaml"), "x.h5"); }),
-              StartsWith(path("scene.yaml") + ":7: sensors.left.site: the model has no site 'lost'"));
+              refused_at(path("scene.yaml") + ":7", {"sensors.left.site", "lost"}));
 }
 
 // A run that goes wrong on its way is a failed trial, not a result.
 TEST_F(BodiesRun, RunThatGoesWrongFailsWithWhatWasSeen) {
   const SweepSummary summary = run(scenes + "pressed_box.yaml", "x.h5", 1, {{"bodies.box.position", "[0 mm, 0 mm, -15 mm]"}});
   ASSERT_EQ(summary.failed.size(), 1U);
-  EXPECT_THAT(summary.failed[0].message, HasSubstr("trial 0: " + scenes + "pressed_box.yaml:5: the run has gone wrong at "));
+  EXPECT_THAT(summary.failed[0].message, mentions({"trial 0", scenes + "pressed_box.yaml:5", "wrong"}));
   EXPECT_THAT(summary.failed[0].message, HasSubstr("body 'box'"));
 }
 
@@ -211,7 +210,7 @@ TEST_F(BodiesRun, ElementOverloadedInAStepOfMujocoNamesTheLine) {
     std::ofstream(path("scene.yaml")) << first << second << scene;
     const SweepSummary summary = run(path("scene.yaml"), "x.h5");
     ASSERT_EQ(summary.failed.size(), 1U) << scene;
-    EXPECT_THAT(summary.failed[0].message, StartsWith("trial 0: " + path("scene.yaml") + ":3: effects: lean: element ")) << scene;
+    EXPECT_THAT(summary.failed[0].message, refused_at("trial 0: " + path("scene.yaml") + ":3", {"effects", "lean"})) << scene;
   }
 }
 

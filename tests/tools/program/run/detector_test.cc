@@ -175,9 +175,9 @@ TEST(DetectorInTrial, RefusesAWaveformThatNobodyWouldSee) {
     });
   };
   EXPECT_EQ(refusal("waveform_from: 3.99 s"), "accepted");
-  EXPECT_THAT(refusal("waveform_from: 4 s"), HasSubstr("no classified frame comes from there on; the trial takes 4 s"));
-  EXPECT_THAT(refusal("waveform_from: 1e300 s"), HasSubstr("out of range; allowed: >= 0 s and <= 86400 s"));
-  EXPECT_THAT(refusal("waveform_to: 1e300 s"), HasSubstr("out of range; allowed: >= 0 s and <= 86400 s"));
+  EXPECT_THAT(refusal("waveform_from: 4 s"), mentions({"frame", "4 s"}));
+  EXPECT_THAT(refusal("waveform_from: 1e300 s"), mentions({"detector.waveform_from", "1e300 s", "86400 s"}));
+  EXPECT_THAT(refusal("waveform_to: 1e300 s"), mentions({"detector.waveform_to", "1e300 s", "86400 s"}));
 }
 
 std::vector<std::uint8_t> classes_of(const std::string& detector) {
@@ -247,7 +247,7 @@ TEST_F(DetectorSweep, RefusesAWaveformOfATrialThatIsNotRun) {
   EXPECT_THAT(refusal_of([&] {
                 run("out.h5", 1, {{"detector", detector}});
               }),
-              HasSubstr("detector.waveform_trial: 6 is not run; allowed: 0 to 5"));
+              mentions({"detector.waveform_trial", "6", "0", "5"}));
 }
 
 TEST_F(DetectorSweep, DatasetAndSummaryAgree) {

@@ -128,15 +128,13 @@ TEST(Grasp, LiftThatTheTrialDoesNotSeeEndIsRefused) {
       static_cast<void>(TrialPlan(file, catalogues(), 0, 1));
     });
   };
-  const std::string why =
-      "motion: the lift ends at 8.585 s, after the trial's duration of 5 s; allowed: a duration of at least 8.585 s, or a lift that ends earlier";
-  EXPECT_EQ(refusal(head + "motion: {distance: 300 mm}\n"), "scene.yaml:4: " + why);
-  EXPECT_EQ(refusal(head + "motion: {kind: lift}\n", {{"motion.distance", "300 mm"}}), "scene.yaml:4: " + why);
-  EXPECT_EQ(refusal(head + "motion: {}\nsweep: {motion.distance: [100 mm, 300 mm]}\n"), "scene.yaml:4: " + why);
+  const auto too_long = refused_at("scene.yaml:4", {"motion", "8.585 s", "5 s"});
+  EXPECT_THAT(refusal(head + "motion: {distance: 300 mm}\n"), too_long);
+  EXPECT_THAT(refusal(head + "motion: {kind: lift}\n", {{"motion.distance", "300 mm"}}), too_long);
+  EXPECT_THAT(refusal(head + "motion: {}\nsweep: {motion.distance: [100 mm, 300 mm]}\n"), too_long);
   EXPECT_EQ(refusal(head + "sweep: {motion.distance: {draw: uniform, min: 299 mm, max: 300 mm}}\n"), "accepted")
       << "the trial's end judges what is drawn";
-  EXPECT_THAT(refusal(head, {{"duration", "2 s"}}),
-              HasSubstr("the lift ends at 3.934 s, after the trial's duration of 2 s; allowed: a duration of at least 3.934 s"));
+  EXPECT_THAT(refusal(head, {{"duration", "2 s"}}), mentions({"3.934 s", "2 s"}));
   EXPECT_EQ(refusal(head + "duration: 8.585 s\nmotion: {distance: 300 mm}\n"), "accepted");
 }
 
@@ -279,11 +277,11 @@ TEST(Grasp, RefusesALoopThatCannotBe) {
   const auto refusal = [](const std::string& text) {
     return refusal_of([&] { static_cast<void>(check_trial(grasp_scene(text), 0)); });
   };
-  EXPECT_THAT(refusal("controller: {type: step_on_slip}\n"), HasSubstr("step_on_slip needs what a detector says"));
-  EXPECT_THAT(refusal("grip: {open_at: 240}\n"), HasSubstr("240 is not open: the fingers are closed at 230; allowed: less"));
+  EXPECT_THAT(refusal("controller: {type: step_on_slip}\n"), mentions({"step_on_slip", "detector"}));
+  EXPECT_THAT(refusal("grip: {open_at: 240}\n"), mentions({"240", "230"}));
   EXPECT_THAT(
       refusal_of([] { parsed("slipbench: 1\nsensors: {pad: {type: papillarray}}\ncontroller: {type: constant_force}\n"); }),
-      HasSubstr("scene.yaml:3: 'controller' needs a gripper: a scene with 'grip' or 'box'"));
+      mentions({"scene.yaml:3", "controller", "gripper"}));
 }
 
 }  // namespace

@@ -109,12 +109,10 @@ TEST(PluginInTrial, SweptValuesAreReportedAsWhatTheyAre) {
 }
 
 TEST(PluginInTrial, ParametersAreAMapOfPlainValues) {
-  EXPECT_EQ(refusal(with_parameters("0.3")),
-            "stage.yaml:6: detector.parameters is '0.3'; allowed: a map of numbers, texts and booleans such as {threshold: 0.3}");
-  EXPECT_EQ(refusal(with_parameters("{threshold: [1, 2]}")),
-            "stage.yaml:6: detector.parameters.threshold is a sequence; allowed: a number, a text, true or false");
-  EXPECT_EQ(refusal(with_parameters("{thres.hold: 1}")),
-            "stage.yaml:6: 'thres.hold' cannot name a parameter; allowed: letters, digits and '_', no digit first");
+  EXPECT_THAT(refusal(with_parameters("0.3")), refused_at("stage.yaml:6", {"detector.parameters", "0.3", "map"}));
+  EXPECT_THAT(refusal(with_parameters("{threshold: [1, 2]}")),
+              refused_at("stage.yaml:6", {"detector.parameters.threshold", "sequence"}));
+  EXPECT_THAT(refusal(with_parameters("{thres.hold: 1}")), refused_at("stage.yaml:6", {"thres.hold", "parameter"}));
 }
 
 // A skin of 10 kHz beside the pad of 1 kHz. The library is asked at every sample of the pad; what it says is seen a millisecond later, its

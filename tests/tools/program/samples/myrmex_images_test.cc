@@ -85,11 +85,11 @@ TEST(TurnedImages, TakeThePlaceOfLargeArraysOnly) {
 
 TEST(MyrmexCsv, IsTransposedAndRounded) {
   EXPECT_EQ(myrmex_csv(array(2, 3, {1, 2, 3, 4, 5, 6, 4095, 4094.6F, 0, 0, 0, 0.5F})), "1,4,2,5,3,6\n4095,0,4095,0,0,0\n");
-  EXPECT_THAT([] { myrmex_csv(array(1, 1, {4096.0F})); }, ::testing::ThrowsMessage<InputError>(HasSubstr("4096 counts")));
-  EXPECT_THAT([] { myrmex_csv(array(1, 1, {-1.0F})); }, ::testing::ThrowsMessage<InputError>(HasSubstr("allowed: 0 to 4095")));
+  EXPECT_THAT([] { myrmex_csv(array(1, 1, {4096.0F})); }, ::testing::ThrowsMessage<InputError>(mentions({"4096 counts"})));
+  EXPECT_THAT([] { myrmex_csv(array(1, 1, {-1.0F})); }, ::testing::ThrowsMessage<InputError>(mentions({"0", "4095"})));
   SensorRecord other = array(1, 1, {1.0F});
   other.type = "nib_pad";
-  EXPECT_THAT([&] { myrmex_csv(other); }, ::testing::ThrowsMessage<InputError>(HasSubstr("is a nib_pad; allowed: a myrmex")));
+  EXPECT_THAT([&] { myrmex_csv(other); }, ::testing::ThrowsMessage<InputError>(mentions({"nib_pad", "myrmex"})));
   EXPECT_TRUE(begins_as_myrmex_csv("1,4,2,5\n"));
   EXPECT_FALSE(begins_as_myrmex_csv("t [s],T0_0 [counts]\n"));
   EXPECT_FALSE(begins_as_myrmex_csv("1,,2\n"));

@@ -203,10 +203,7 @@ TEST_F(SweepTest, RepeatedOverridesAreWrittenInAnOrderThatGivesTheSameScene) {
 TEST_F(SweepTest, JobsShareTheMemoryForRecords) {
   SweepOptions long_trials = options("out.h5", 5);
   long_trials.overrides = {{"duration", "1400 s"}, {"sweep", "{trials: 5}"}};
-  EXPECT_THAT(
-      refusal_of([&] { run(long_trials); }),
-      AllOf(HasSubstr("--set duration=1400 s: duration: 1400 s makes a record of 0.868 GB or more; allowed: at most 0.8 GB"),
-            HasSubstr("fewer --jobs")));
+  EXPECT_THAT(refusal_of([&] { run(long_trials); }), mentions({"--set duration=1400 s", "0.868 GB", "0.8 GB", "--jobs"}));
   EXPECT_THAT(names(), ElementsAre("scene.yaml")) << "refused before anything is written";
 
   // Four, which would run for long: the interrupt ends them before the first trial.
@@ -322,7 +319,7 @@ TEST_F(SweepTest, SplitsAsTheSceneSays) {
 TEST_F(SweepTest, SplitBySpeedNeedsAMotionWithOne) {
   SweepOptions pressed = options("out.h5");
   pressed.overrides = {{"motion", "{kind: wander}"}, {"sweep", "{trials: 2}"}, {"split", "{by: speed}"}};
-  EXPECT_THAT(refusal_of([&] { run(pressed); }), HasSubstr("split.by: the motion 'wander' has no speed"));
+  EXPECT_THAT(refusal_of([&] { run(pressed); }), mentions({"split.by", "wander", "speed"}));
   EXPECT_THAT(names(), ElementsAre("scene.yaml"));
 }
 
@@ -407,9 +404,7 @@ TEST_F(SweepTest, AFileThatChangesEndsTheRun) {
   changed.on_trial = [&](const TrialSummary& trial) {
     if (trial.trial == 0) write("x [mm],y [mm]\n0,0\n5,0\n");
   };
-  EXPECT_THAT(refusal_of([&] { run(changed); }),
-              AllOf(StartsWith(path("places.csv") + " has changed since the first trial began; allowed: "),
-                    HasSubstr("; " + path("other.partial.h5") + " holds ")));
+  EXPECT_THAT(refusal_of([&] { run(changed); }), refused_at(path("places.csv"), {"changed", path("other.partial.h5")}));
   const DatasetReader kept(path("other.partial.h5")), whole(path("out.h5"));
   ASSERT_LT(kept.trials().size(), 300U);
   for (const std::size_t trial : kept.trials()) EXPECT_EQ(kept.trial_sha256(trial), whole.trial_sha256(trial));
@@ -479,18 +474,18 @@ TEST_F(SweepTest, LeftTrialsAreReplacedByNobody) {
   part.on_trial = [&](const TrialSummary&) { interrupt = true; };
   run(part);
   const std::string left = file_sha256(path("out.partial.h5"));
-  EXPECT_THAT(refusal_of([&] { run(options("out.h5")); }), HasSubstr("--resume, which goes on with"));
+  EXPECT_THAT(refusal_of([&] { run(options("out.h5")); }), mentions({"--resume"}));
   SweepOptions other = options("out.h5");
   other.resume = true;
   other.seed = 99;
-  EXPECT_THAT(refusal_of([&] { run(other); }), HasSubstr("seed 7, this run has 99"));
+  EXPECT_THAT(refusal_of([&] { run(other); }), mentions({"seed 7", "99"}));
   EXPECT_EQ(file_sha256(path("out.partial.h5")), left);
 }
 
 TEST_F(SweepTest, BadTargetIsRefusedBeforeAnythingRuns) {
   std::size_t trials = 0;
   SweepOptions bad = options("no/out.h5");
-  EXPECT_THAT(refusal_of([&] { run(bad, [&](const SweepProgress&) { ++trials; }); }), HasSubstr("there is no folder"));
+  EXPECT_THAT(refusal_of([&] { run(bad, [&](const SweepProgress&) { ++trials; }); }), mentions({"folder"}));
   EXPECT_EQ(trials, 0U);
 }
 

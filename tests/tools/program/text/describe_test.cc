@@ -126,8 +126,8 @@ TEST(Describe, NamesSharedByCataloguesAreAllFound) {
 }
 
 TEST(Describe, UnknownNameGetsTheNearestOne) {
-  EXPECT_EQ(refusal("crep"), "describe: unknown name 'crep'; did you mean 'creep'? `slipbench list` shows all names");
-  EXPECT_EQ(refusal("nonsense"), "describe: unknown name 'nonsense'; `slipbench list` shows all names");
+  EXPECT_THAT(refusal("crep"), refused_at("describe", {"crep", "creep"}));
+  EXPECT_THAT(refusal("nonsense"), refused_at("describe", {"nonsense"}));
 }
 
 TEST(Describe, ExamplesNameTheEntryWhereItsKindBelongs) {
@@ -232,9 +232,7 @@ TEST(List, LongSummariesWrapBesideTheirName) {
 }
 
 TEST(List, UnknownCatalogueGetsTheNearestOne) {
-  EXPECT_EQ(
-      refusal_of([&] { find_kind("sensor"); }),
-      "list: unknown catalogue 'sensor'; did you mean 'sensors'? allowed: effects, sensors, surfaces, bodies, materials, motions, electronics, grasp, contact, detectors, controllers, expectations, recipes");
+  EXPECT_THAT(refusal_of([&] { find_kind("sensor"); }), refused_at("list", {"sensor", "sensors"}));
 }
 
 using ::testing::ContainsRegex;

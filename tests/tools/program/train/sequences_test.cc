@@ -147,8 +147,7 @@ TEST_F(SequencesTest, GraspIsOneCondition) {
 
 TEST_F(SequencesTest, RefusalsNameFileAndChoice) {
   const std::string file = dataset();
-  EXPECT_THAT(refusal(file, {SlipRule::paper, "finger"}),
-              AllOf(StartsWith(file), HasSubstr("no PapillArray 'finger'; allowed: pad")));
+  EXPECT_THAT(refusal(file, {SlipRule::paper, "finger"}), refused_at(file, {"finger", "pad"}));
   EXPECT_THAT(refusal(path("nowhere.h5")), HasSubstr("nowhere.h5"));
   EXPECT_THAT(refusal(path("scene.yaml")), HasSubstr("scene.yaml"));
 }

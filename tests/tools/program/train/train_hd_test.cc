@@ -79,7 +79,7 @@ TEST(Encode, NamesTheTrialThatDoesNotFit) {
   EXPECT_THAT(refusal_of([&] {
                 encode(model, hd::generate(model, 1), hd::Quantiser::fixed_point, {&sequence, 1}, 2);
               }),
-              HasSubstr("trial 7: at 0.02 s: "));
+              mentions({"trial 7", "0.02 s"}));
 }
 
 // Three classes whose vectors differ in 120 bits of 200, with five more turned in each sample. By a single pass the prototypes differ in those 120.
@@ -195,7 +195,7 @@ TEST(CrossValidation, RefusesWhenNothingIsLeftToTest) {
   const hd::Memories memories = hd::generate(model, 1);
   const std::vector<Sample> samples = encode(model, memories, hd::Quantiser::fixed_point, one, 1);
   EXPECT_THAT(refusal_of([&] { cross_validate(model, memories, one, samples, Split::by_sequence, 0, 1, 2); }),
-              HasSubstr("draw 0 leaves no frame to test: 1 sequences with contact after a window of 4 frames are too few"));
+              mentions({"draw 0", "1 sequences", "4 frames"}));
 }
 
 struct TrainTest : SmallDatasetTest {
@@ -233,21 +233,18 @@ TEST_F(TrainTest, SameSeedSameMemoriesAndFiguresOnAnyNumberOfThreads) {
 TEST_F(TrainTest, SaysThatTheWindowIsLongerThanTheSequences) {
   HdTraining training = options(dataset(), "memories", 1);
   training.model.window = 1000;
-  EXPECT_THAT(refusal_of([&] { train_hd(training); }),
-              HasSubstr("data.h5: a window of 1000 frames is longer than the sequences; allowed: up to 40, the last frame"));
+  EXPECT_THAT(refusal_of([&] { train_hd(training); }), mentions({"data.h5", "1000 frames", "40"}));
   training.model.window = 41;
-  EXPECT_THAT(refusal_of([&] { train_hd(training); }), HasSubstr("a window of 41 frames is longer"));
+  EXPECT_THAT(refusal_of([&] { train_hd(training); }), mentions({"41 frames"}));
   // The last frame of each of the 24, 0.19 s after the slide began: all of them slip.
   training.model.window = 40;
-  EXPECT_THAT(refusal_of([&] { train_hd(training); }),
-              HasSubstr("of the frames in contact 0 are non-slip and 24 slip by the labels paper"));
+  EXPECT_THAT(refusal_of([&] { train_hd(training); }), mentions({"0", "24 slip", "paper"}));
 }
 
 // A pad that is pressed on and never moved does not slip: any answer of "non-slip" would be right.
 TEST_F(TrainTest, RefusesDataWithoutASlip) {
   HdTraining training = options(dataset({{"sweep.motion.speed", "[0 mm/s]"}}), "memories", 1);
-  EXPECT_THAT(refusal_of([&] { train_hd(training); }),
-              HasSubstr("non-slip and 0 slip by the labels paper; allowed: frames of both"));
+  EXPECT_THAT(refusal_of([&] { train_hd(training); }), mentions({"0 slip", "paper"}));
   EXPECT_FALSE(std::filesystem::exists(path("memories")));
 }
 
@@ -332,9 +329,9 @@ TEST_F(TrainTest, TheShippedMemoryIsNoRuleOfAFewBits) {
 // The dataset is not there: what is refused first is what was looked at first.
 TEST_F(TrainTest, RefusesItsTargetBeforeItReads) {
   std::ofstream(path("own.html")) << "years of work";
-  EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "own.html", 1)); }), HasSubstr("own.html: is no folder"));
+  EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "own.html", 1)); }), mentions({"own.html", "folder"}));
   EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "own.html/model", 1)); }),
-              HasSubstr("own.html/model: cannot write: Not a directory"));
+              mentions({"own.html/model", "Not a directory"}));
   EXPECT_THAT(refusal_of([&] { train_hd(options(path("nowhere.h5"), "new", 1)); }), HasSubstr("nowhere.h5"));
   EXPECT_EQ(bytes_of(path("own.html")), "years of work");
 }

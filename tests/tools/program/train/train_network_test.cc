@@ -91,19 +91,17 @@ TEST_F(TrainNetwork, TheSameSeedGivesTheSameBytesAlsoWhereItIsKilled) {
 TEST_F(TrainNetwork, RefusesWhatDoesNotFit) {
   NetworkTraining training = small();
   training.recipe = find_recipe("piezo_fft_gru");
-  EXPECT_THAT(
-      refusal(training),
-      HasSubstr("no sensor fits: has pad (papillarray at 1000 Hz); allowed: a piezo_skin at 10000 Hz (within 1 %) with signal"));
+  EXPECT_THAT(refusal(training), mentions({"papillarray", "1000 Hz", "piezo_skin", "10000 Hz", "signal"}));
   training = small();
   training.sensor = "thumb";
-  EXPECT_THAT(refusal(training), HasSubstr("no sensor 'thumb' fits"));
+  EXPECT_THAT(refusal(training), mentions({"thumb"}));
   training = small();
   training.recipe.split = Split::material;
-  EXPECT_THAT(refusal(training), HasSubstr("sweeps no material"));
+  EXPECT_THAT(refusal(training), mentions({"no material"}));
   training = small();
   training.datasets = {
       dataset({{"sweep.motion.speed", "[0.001 mm/s, 0.002 mm/s]"}}, "still.h5")};  // at most 0.4 um: nothing slips
-  EXPECT_THAT(refusal(training), HasSubstr("have a class without a frame: 150 hold, 0 slip"));
+  EXPECT_THAT(refusal(training), mentions({"150 hold", "0 slip"}));
   EXPECT_FALSE(std::filesystem::exists(training.output));
 }
 
@@ -125,7 +123,7 @@ TEST_F(TrainNetwork, KeepsToTheDatasetsOwnSplit) {
   EXPECT_EQ(trained["trials_judged"].get<std::vector<std::size_t>>(), reader.mask("test"));
   EXPECT_EQ(trained["sha256_seen"].size(), 18U);
   training.divided = true;
-  EXPECT_THAT(refusal(training), HasSubstr("split.h5: its own split says which trials learn and which judge; allowed: --all"));
+  EXPECT_THAT(refusal(training), mentions({"split.h5", "--all"}));
 }
 
 // Twice 24 trials: 10 judge, a fifth of the other 38, rounded up, validates.
@@ -140,7 +138,7 @@ TEST_F(TrainNetwork, LearnsFromSeveralDatasets) {
   EXPECT_EQ(trained["data_sha256"].size(), 2U);
   EXPECT_EQ(trained["sha256_seen"].size(), 38U);
   training.datasets.back() = dataset({{"sensors.pad", "{type: taxels, rows: 2, columns: 3, pitch: 4 mm}"}}, "other.h5");
-  EXPECT_THAT(refusal(training), HasSubstr("other.h5: trial 0: no sensor fits"));
+  EXPECT_THAT(refusal(training), mentions({"other.h5", "trial 0", "no sensor"}));
 }
 
 // A constant answer has 1/2. The small scene slips within some 30 ms of its start, so nearly all of its frames can be told.
@@ -190,7 +188,7 @@ TEST(SlipGru, DoesNotCareWhichUnitIsWhich) {
 TEST_F(TrainNetwork, KeepsAFileThatIsNoDetector) {
   const NetworkTraining training = small();
   std::ofstream(training.output) << "mine";
-  EXPECT_THAT(refusal(training), HasSubstr("exists and is no detector"));
+  EXPECT_THAT(refusal(training), mentions({"exists", "detector"}));
   EXPECT_EQ(bytes_of(training.output), "mine");
 }
 

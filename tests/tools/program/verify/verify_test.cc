@@ -214,7 +214,7 @@ TEST_F(VerifyTest, GapIsNamed) {
   writer.commit();
   const Verified verified = verify_datasets({path("gap.h5")});
   EXPECT_FALSE(verified.holds);
-  EXPECT_EQ(verified.datasets.at(0).at("failures").at(0).at("what"), "comes after trial 0: those between them are missing");
+  EXPECT_THAT(verified.datasets.at(0).at("failures").at(0).at("what"), mentions({"trial 0", "missing"}));
 }
 
 TEST_F(VerifyTest, PartialRunAndSeveralFilesAreVerified) {
@@ -227,7 +227,7 @@ TEST_F(VerifyTest, PartialRunAndSeveralFilesAreVerified) {
   EXPECT_TRUE(verified.holds);
   EXPECT_FALSE(verified.readable);
   EXPECT_EQ(verified.datasets.at(0).at("files").size(), 3U);
-  EXPECT_THAT(verified.datasets.at(1).at("error").get<std::string>(), HasSubstr("none.h5: no such file"));
+  EXPECT_THAT(verified.datasets.at(1).at("error").get<std::string>(), mentions({"none.h5", "no such file"}));
   EXPECT_EQ(verified.datasets.at(2).at("file"), path("a-0002.h5"));
   EXPECT_TRUE(verified.datasets.at(2).contains("part_of"));
   EXPECT_FALSE(verify_datasets({path("a-0001.h5")}).readable);
