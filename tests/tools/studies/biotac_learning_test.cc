@@ -97,7 +97,7 @@ TEST(BiotacTables, RefuseWhatCannotBe) {
   nowhere.real = "nowhere.h5";
   for (const char* name : {"table1", "fig12", "table2", "table3"}) {
     const Reproduction& table = find_reproduction(std::string("biotac-stability-slip/") + name);
-    EXPECT_THAT(refusal_of([&] { table.run(both); }), HasSubstr("allowed: --data alone")) << name;
+    EXPECT_THAT(refusal_of([&] { table.run(both); }), mentions({"--data"})) << name;
     EXPECT_THAT(refusal_of([&] { table.run(nowhere); }), HasSubstr("nowhere.h5")) << name;
   }
 }
@@ -150,13 +150,12 @@ TEST(Grasps, OfTheSceneAreTheLastRowBeforeTheLift) {
 
 TEST(Grasps, ThatAreNoneAreRefused) {
   const auto refused = [](const TrialRecord& record) { return refusal_of([&] { grasp_of(record); }); };
-  EXPECT_THAT(refused(three_fingers(R"({"object": "can", "palm": "up", "slipped": true})", 1)), HasSubstr("its palm is 'up'"));
-  EXPECT_THAT(refused(three_fingers(R"({"model": "hand_45.xml", "bodies.object.shape": "box"})", 1)),
-              HasSubstr("does not say whether the object was held"));
-  EXPECT_THAT(refused(three_fingers(R"({"palm": "45", "slipped": true})", 1)), HasSubstr("names no object"));
+  EXPECT_THAT(refused(three_fingers(R"({"object": "can", "palm": "up", "slipped": true})", 1)), mentions({"palm", "up"}));
+  EXPECT_THAT(refused(three_fingers(R"({"model": "hand_45.xml", "bodies.object.shape": "box"})", 1)), mentions({"held"}));
+  EXPECT_THAT(refused(three_fingers(R"({"palm": "45", "slipped": true})", 1)), mentions({"no object"}));
   TrialRecord two = three_fingers(R"({"object": "can", "palm": "45", "slipped": true})", 1);
   two.sensors.pop_back();
-  EXPECT_THAT(refused(two), HasSubstr("no reading of a biotac_sp 'th'"));
+  EXPECT_THAT(refused(two), mentions({"biotac_sp", "th"}));
 }
 
 // Two counts 40 apart stand sqrt(1/2) from their mean, over their deviation 40 sqrt(1/2); equal ones, and one alone, at 0.
@@ -274,7 +273,7 @@ TEST(Folds, KeepAnObjectTogether) {
   EXPECT_EQ(folds[0], folds[2]);
   EXPECT_EQ(folds[1], folds[4]);
   EXPECT_EQ(folds[0] + folds[1] + folds[3], 0U + 1U + 2U);  // one each
-  EXPECT_THAT(refusal_of([&] { folds_by_object(objects, 4, 1); }), HasSubstr("3 objects make no 4 folds"));
+  EXPECT_THAT(refusal_of([&] { folds_by_object(objects, 4, 1); }), mentions({"3 objects", "4 folds"}));
 }
 
 class ImportedTouches : public slipbench::testing::ImportTest {};
@@ -288,14 +287,11 @@ TEST_F(ImportedTouches, AreByTheirOwnLabelsAndNoSyntheticOnes) {
   ASSERT_EQ(touches.size(), 2U);
   EXPECT_THAT(touches[0].label, ElementsAre(1, 1, 1));
   EXPECT_THAT(touches[1].label, ElementsAre(0, 0, 0));
-  EXPECT_THAT(
-      refusal_of([&] { check_simulated(path("out.h5")); }),
-      HasSubstr("out.h5: reproduce --data needs the truth, which it does not hold (none: imported from biotacsp-dos); allowed: "
-                "--real, which takes imported recordings"));
+  EXPECT_THAT(refusal_of([&] { check_simulated(path("out.h5")); }), mentions({"out.h5", "--data", "biotacsp-dos", "--real"}));
   ReproduceOptions options;
   options.real = path("out.h5");
   options.only = {"biotac-stability-slip/table2"};
-  EXPECT_THAT(refusal_of([&] { realism_table(options); }), HasSubstr("no study that is asked for judges by these recordings"));
+  EXPECT_THAT(refusal_of([&] { realism_table(options); }), mentions({"no study"}));
 }
 
 }  // namespace

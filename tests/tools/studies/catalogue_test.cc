@@ -37,7 +37,7 @@ TEST(Realism, HexapodIsAsNearToTheRecordingsAsItWasMade) {
 
 TEST(Reproductions, UnknownNamesGetTheNearest) {
   EXPECT_THAT(refusal_of([] { find_reproduction("hd-papillarray/latancy"); }),
-              HasSubstr("unknown reproduction 'hd-papillarray/latancy'; did you mean 'hd-papillarray/latency'?"));
+              mentions({"hd-papillarray/latancy", "hd-papillarray/latency"}));
 }
 
 TEST(ProjectFile, IsThereOrSaysWhereItWasLookedFor) {
@@ -108,7 +108,7 @@ TEST_F(ResultFileTest, OtherFilesAreKept) {
   EXPECT_THAT(refusal_of([&] { write("paper/table"); }), HasSubstr("r.json"));
   EXPECT_EQ(bytes_of(path("r.json")), "{\"mine\": 1}");
   EXPECT_THAT(names(), ElementsAre("r.json"));
-  EXPECT_THAT(refusal_of([&] { page::check_page_files(path("r.txt"), page_kind); }), HasSubstr("a name that ends in .html"));
+  EXPECT_THAT(refusal_of([&] { page::check_page_files(path("r.txt"), page_kind); }), mentions({".html"}));
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ TEST(Grid, AnErrorSaysWhichTrialItIs) {
               StartsWith("rubber, trial 3: no; the same: slipbench run scenes/papillarray/hexapod.yaml --set "
                          "'surface.material=rubber' --seed 1 --trials 200 --trial 3"));
   EXPECT_THAT(refusal_of([&] { run_grid<int>({cells[2]}, with_jobs(2), fail_at_3); }),
-              HasSubstr("other, trial 3: no; the same, but for what the name says: slipbench run"));
+              mentions({"other, trial 3", "slipbench run"}));
 }
 
 TEST(Grid, SaysWhatIsBeingDoneAndEndsAtAnInterrupt) {
@@ -92,8 +92,7 @@ TEST(Processes, EachWorkHasOneOfItsOwnAndResultsKeepTheirOrder) {
 TEST(Only, KeepsWhatIsNamedAndRefusesWhatIsNot) {
   EXPECT_THAT(names_of(chosen(cells, {"other"})), ElementsAre("other"));
   EXPECT_THAT(names_of(chosen(cells, {})), ElementsAre("as it is", "rubber", "other"));
-  EXPECT_THAT(refusal_of([] { check_only({"ruber"}, names_of(cells)); }),
-              HasSubstr("--only: unknown name 'ruber'; did you mean 'rubber'?"));
+  EXPECT_THAT(refusal_of([] { check_only({"ruber"}, names_of(cells)); }), mentions({"--only", "ruber", "rubber"}));
 }
 
 struct KeptNetworksTest : slipbench::testing::FolderTest {
@@ -156,19 +155,18 @@ TEST_F(KeptNetworksTest, DamageBeforeTheEndIsToldAndNothingIsThrownAway) {
   const std::uintmax_t whole = std::filesystem::file_size(path_);
   const std::uintmax_t record = 3 * 8 + std::string("network 0").size() + 32;
   change_byte(whole - record - 33);  // the last byte that network 1 has said
-  EXPECT_THAT(refusal_of([&] { open(true); }), HasSubstr("is damaged before its last network; allowed: delete the file"));
+  EXPECT_THAT(refusal_of([&] { open(true); }), mentions({"damaged", "delete"}));
   EXPECT_EQ(std::filesystem::file_size(path_), whole);
 }
 
 TEST_F(KeptNetworksTest, WorkOfHoursIsNotOverwrittenAndNotTakenForAnother) {
   keep({0});
-  EXPECT_THAT(refusal_of([&] { open(false); }),
-              HasSubstr("holds 1 networks of a run that did not come to its end; allowed: --resume"));
-  EXPECT_THAT(refusal_of([&] { open(false, "another"); }), HasSubstr("holds 1 networks"));
-  EXPECT_THAT(refusal_of([&] { open(true, "another"); }), HasSubstr("is of other options, data, scenes or another build"));
+  EXPECT_THAT(refusal_of([&] { open(false); }), mentions({"1 networks", "--resume"}));
+  EXPECT_THAT(refusal_of([&] { open(false, "another"); }), mentions({"1 networks"}));
+  EXPECT_THAT(refusal_of([&] { open(true, "another"); }), mentions({"another build"}));
   EXPECT_EQ(kept_now(), 1u);
   std::ofstream(path_) << "a text of the user\n";
-  EXPECT_THAT(refusal_of([&] { open(true); }), HasSubstr("holds no networks of a study"));
+  EXPECT_THAT(refusal_of([&] { open(true); }), mentions({"no networks"}));
   EXPECT_EQ(std::filesystem::file_size(path_), 19u);
 }
 
@@ -206,13 +204,13 @@ TEST_F(KeptNetworksTest, ResumeNeedsAPageAStudyThatTeachesNetworksAndItsOwnFile)
   ReproduceCommand command;
   command.resume = true;
   command.name = "piezo-fft-gru/table2";
-  EXPECT_THAT(refusal_of([&] { command.run(); }), HasSubstr("allowed: with -o"));
+  EXPECT_THAT(refusal_of([&] { command.run(); }), mentions({"-o"}));
   command.name = "hd-papillarray/latency";
   command.output = path("study.html");
-  EXPECT_THAT(refusal_of([&] { command.run(); }), HasSubstr("does not take --resume"));
+  EXPECT_THAT(refusal_of([&] { command.run(); }), mentions({"--resume"}));
   command.name = "piezo-fft-gru/table2";
   keep({0});
-  EXPECT_THAT(refusal_of([&] { command.run(); }), HasSubstr("is of other options, data, scenes or another build"));
+  EXPECT_THAT(refusal_of([&] { command.run(); }), mentions({"another build"}));
   EXPECT_EQ(kept_now(), 1u);
 }
 

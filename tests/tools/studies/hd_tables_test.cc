@@ -106,7 +106,7 @@ TEST(GruFigures, ArePlainCountsOfTheTrials) {
 TEST(HdTable3, UnknownRowsGetTheNearest) {
   ReproduceOptions options;
   options.only = {"gru_latch"};
-  EXPECT_THAT(refusal_of([&] { hd_table3(options); }), HasSubstr("did you mean 'gru_latched'"));
+  EXPECT_THAT(refusal_of([&] { hd_table3(options); }), mentions({"gru_latched"}));
 }
 
 struct CoreFiguresTest : ::slipbench::testing::FolderTest {
@@ -139,14 +139,14 @@ TEST_F(CoreFiguresTest, HaveTheOrderOfTheFile) {
 
 TEST_F(CoreFiguresTest, WhatIsMissingIsNamed) {
   EXPECT_THAT(refusal("not json"), AllOf(HasSubstr("results.json"), HasSubstr("is no JSON object")));
-  EXPECT_THAT(refusal("{}"), HasSubstr("tools is no object"));
-  EXPECT_THAT(refusal(R"({"tools": {}})"), HasSubstr("tools: yosys is no text"));
-  EXPECT_THAT(refusal(R"({"tools": {"yosys": "0.70"}, "unrollings": {}})"), HasSubstr("unrollings is no object"));
+  EXPECT_THAT(refusal("{}"), mentions({"tools", "object"}));
+  EXPECT_THAT(refusal(R"({"tools": {}})"), mentions({"tools", "yosys", "text"}));
+  EXPECT_THAT(refusal(R"({"tools": {"yosys": "0.70"}, "unrollings": {}})"), mentions({"unrollings", "object"}));
   EXPECT_THAT(refusal(R"({"tools": {"yosys": "0.70"}, "unrollings": {"big": {"latency_cycles": 10, "interval_cycles": 1}}})"),
-              HasSubstr("unrolling 'big': lut is missing; allowed: a number from 0 on"));
+              mentions({"big", "lut"}));
   EXPECT_THAT(refusal(R"({"tools": {"yosys": "0.70"}, "unrollings": {"big": {"latency_cycles": -1}}})"),
-              HasSubstr("latency_cycles is '-1'"));
-  EXPECT_THAT(refusal_of([&] { read_core_figures(path("none.json")); }), HasSubstr("none.json: cannot be read"));
+              mentions({"latency_cycles", "-1"}));
+  EXPECT_THAT(refusal_of([&] { read_core_figures(path("none.json")); }), mentions({"none.json", "read"}));
 }
 
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
@@ -274,10 +274,7 @@ ReproduceOptions small(std::vector<std::string> only) {
 }
 
 TEST(Table2, NamesThatNothingHasAreRefused) {
-  EXPECT_THAT(refusal_of([] {
-                hd_table2(small({"ptfe", "gst_hb"}));
-              }),
-              HasSubstr("--only: unknown name 'gst_hb'; did you mean 'gst_hd'? allowed: as_recorded, as_printed, light"));
+  EXPECT_THAT(refusal_of([] { hd_table2(small({"ptfe", "gst_hb"})); }), mentions({"--only", "gst_hb", "gst_hd"}));
 }
 
 #ifdef SLIPBENCH_WITH_MUJOCO

@@ -342,7 +342,7 @@ ReproduceOptions one_trial_of(const std::string& cell) {
 TEST(NibTable3, NamesThatNothingHasAreRefused) {
   const std::string said = refusal_of([&] { nib_table3(one_trial_of("com_hi")); });
   EXPECT_THAT(said, HasSubstr("--only: unknown name 'com_hi'"));
-  EXPECT_THAT(said, HasSubstr("allowed: 200g, 100g, 300g, com_low, com_high, masonite, wavy, fl_slip_x0.5"));
+  EXPECT_THAT(said, mentions({"200g", "com_low", "masonite", "fl_slip_x0.5"}));
 }
 
 #ifdef SLIPBENCH_WITH_MUJOCO

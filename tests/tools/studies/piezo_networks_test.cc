@@ -148,9 +148,9 @@ TEST(NetworkTables, RefuseWhatMakesNoFolds) {
     ReproduceOptions options;
     options.trials = 9;
     const auto run = [&] { find_reproduction(std::string("piezo-fft-gru/") + name).run(options); };
-    EXPECT_THAT(refusal_of(run), EndsWith("allowed: even numbers, 10 or more")) << name;
+    EXPECT_THAT(refusal_of(run), mentions({"even", "10"})) << name;
     options.data = "a.h5";
-    EXPECT_THAT(refusal_of(run), HasSubstr("--trials is for recordings that are made")) << name;
+    EXPECT_THAT(refusal_of(run), mentions({"--trials"})) << name;
   }
   ReproduceOptions options;
   options.only = {"gru_23"};
@@ -271,7 +271,7 @@ TEST_F(PiezoRecordings, SurviveTheirBytes) {
 
 TEST_F(PiezoRecordings, OfOtherSensorsAreRefused) {
   EXPECT_THAT(refusal_of([] { make_recording(make_record(2, 400), {published_spectra()}); }),
-              HasSubstr("trial 2: has no piezo_skin"));
+              mentions({"trial 2", "piezo_skin"}));
 }
 
 // The curve of slip against hold from end to end, with few recordings.
@@ -319,8 +319,7 @@ TEST(SlipAgainstHold, NeedsTwoRecordingsOfEachKindAndAsManyOfBoth) {
   ReproduceOptions options;
   for (const std::size_t trials : {2U, 5U}) {  // of five, four would be run
     options.trials = trials;
-    EXPECT_THAT(refusal_of([&] { find_reproduction("piezo-fft-gru/slip_against_hold").run(options); }),
-                EndsWith("allowed: even numbers, 4 or more"))
+    EXPECT_THAT(refusal_of([&] { find_reproduction("piezo-fft-gru/slip_against_hold").run(options); }), mentions({"even", "4"}))
         << trials;
   }
 }
