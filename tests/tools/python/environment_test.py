@@ -211,8 +211,8 @@ class Grasps(unittest.TestCase):
         environment.close()
 
     def test_what_cannot_be_is_said(self):
-        for options, told in (({"scene": "papillarray/stage.yaml", "values": {}}, "is no grasp"), ({"command": "torque"}, "allowed: force, position"),
-                              ({"render_mode": "human"}, "allowed: None, 'rgb_array'"), ({"values": {"sped": 1}}, "unknown key 'sped'")):
+        for options, told in (({"scene": "papillarray/stage.yaml", "values": {}}, "grasp"), ({"command": "torque"}, "torque.*force, position"),
+                              ({"render_mode": "human"}, "human.*'rgb_array'"), ({"values": {"sped": 1}}, "'sped'")):
             with self.subTest(told=told), self.assertRaisesRegex(slipbench.InputError, told):
                 slipbench.gym.GraspEnv(**{"values": SHORT, **options})
         vector = slipbench.gym.GraspVectorEnv(3, values=SHORT)
@@ -222,13 +222,13 @@ class Grasps(unittest.TestCase):
         with self.assertRaisesRegex(slipbench.InputError, "options has 'reset_mask'"):
             vector.reset(seed=1, options={"reset_mask": np.array([True, False, False])})
         before = vector.reset(seed=1)[1]["time"].copy()
-        with self.assertRaisesRegex(slipbench.InputError, "action nan; allowed: -1 to 1"):
+        with self.assertRaisesRegex(slipbench.InputError, r"action nan.*-1 .* 1\b"):
             vector.step(np.array([[0.0], [np.nan], [0.0]], np.float32))
         after = vector.step(np.zeros((3, 1), np.float32))[4]["time"]
         self.assertLess(np.ptp(after - before), 1e-3, "a refused step moved some of them")
         environment = slipbench.gym.GraspEnv(values=SHORT)
         environment.reset(seed=1)
-        with self.assertRaisesRegex(slipbench.InputError, "action 1.5; allowed: -1 to 1"):
+        with self.assertRaisesRegex(slipbench.InputError, r"action 1.5.*-1 .* 1\b"):
             environment.step(np.array([1.5], np.float32))
 
 

@@ -101,7 +101,7 @@ class Attach(unittest.TestCase):
             parent.attach(child, prefix=prefix, frame=parent.worldbody.add_frame(pos=[0, k, 0]))
         data = grasp(parent.compile(), 0.01)
         self.assertEqual(list(slipbench.mujoco.pads(data.model)), ["a/left_pad", "b/left_pad"])
-        with self.assertRaisesRegex(InputError, "several pads 'left_pad'; allowed: a/left_pad, b/left_pad"):
+        with self.assertRaisesRegex(InputError, "'left_pad'.*a/left_pad.*b/left_pad"):
             pad.read(data)
         for other in slipbench.mujoco.pads(data.model).values():
             self.assertGreater(other.read(data).force[:, 2].sum(), 1.0)
@@ -150,7 +150,7 @@ class Attach(unittest.TestCase):
         spec = mujoco.MjSpec.from_string(text)
         slipbench.mujoco.attach_pad(spec, "pad", touch="wall", friction=0.5)
         self.assertEqual(len(spec.excludes), 0)
-        with self.assertRaisesRegex(Exception, "contact is possible between (?s:.*)'wall'(?s:.*)allowed: contype and conaffinity that do not match"):
+        with self.assertRaisesRegex(Exception, "(?s)contact.*'wall'.*contype.*conaffinity"):
             mujoco.MjData(spec.compile())
         spec = mujoco.MjSpec.from_string(text.replace('name="wall"', 'name="wall" contype="0" conaffinity="0"'))
         slipbench.mujoco.attach_pad(spec, "pad", touch="wall", friction=0.5)
@@ -176,7 +176,7 @@ class Attach(unittest.TestCase):
             slipbench.mujoco.attach_pad(other, "left_pad", "box", name="left")
 
     def test_mistakes_are_named(self):
-        with self.assertRaisesRegex(InputError, "no site 'left_pat' in the spec; allowed: left_pad, right_pad"):
+        with self.assertRaisesRegex(InputError, "site 'left_pat'.*left_pad.*right_pad"):
             slipbench.mujoco.attach_pad(stock(), "left_pat", "box")
         spec = stock()
         slipbench.mujoco.attach_pad(spec, "left_pad", "box")
@@ -224,9 +224,9 @@ class Read(unittest.TestCase):
         self.assertEqual(np.concatenate([getattr(reading, name).ravel() for name in reading.shapes]).tobytes(), data.sensor("left_pad").data.tobytes())
         mujoco.mj_step(data.model, data)
         self.assertTrue(np.shares_memory(reading.force, data.sensordata))
-        with self.assertRaisesRegex(AttributeError, "the pad has no 'forces'; allowed: force, displacement"):
+        with self.assertRaisesRegex(AttributeError, "'forces'.*force, displacement"):
             reading.forces
-        with self.assertRaisesRegex(InputError, "the model has no pad 'lefd'; allowed: left_pad, right_pad"):
+        with self.assertRaisesRegex(InputError, "'lefd'.*left_pad.*right_pad"):
             slipbench.mujoco.Pad("lefd").read(data)
 
     def test_other_sensors_and_elements(self):
@@ -266,7 +266,7 @@ class Step(unittest.TestCase):
         np.testing.assert_allclose(read.load, read.force, atol=2e-6)  # float32
         self.assertEqual(set(read.unit_state), {1.0})
         Twin.measure = lambda self, frame: {"load": np.full((2, 3), np.nan), "force": frame["force"]}
-        with self.assertRaisesRegex(InputError, r"^measure\(\) returned load that is not finite at 0 s; allowed: finite numbers$"):
+        with self.assertRaisesRegex(InputError, r"^measure\(\) .*load .*finite.* 0 s"):
             data = mujoco.MjData(spec.compile())
             mujoco.mj_forward(data.model, data)
             left.read(data)
@@ -297,9 +297,9 @@ class Versions(unittest.TestCase):
     def test_another_version_is_refused_with_both_names(self):
         builds = slipbench.mujoco.builds()
         self.assertIn(mujoco.__version__, builds)
-        with self.assertRaisesRegex(InputError, f"MuJoCo 2.9.9 has no build of the plugin; allowed: {', '.join(builds)}; the nearest is {builds[0]}"):
+        with self.assertRaisesRegex(InputError, f"MuJoCo 2.9.9 .*{', '.join(builds)}.*nearest.* {builds[0]}"):
             slipbench.mujoco.plugin_path("2.9.9")
-        with self.assertRaisesRegex(InputError, "the nearest is 3.17.0"):
+        with self.assertRaisesRegex(InputError, "nearest.* 3.17.0"):
             slipbench.mujoco.plugin_path("3.18.0")
         code = "import mujoco; mujoco.__version__ = '2.9.9'\ntry: import slipbench.mujoco\nexcept ValueError as error: print(error)"
         said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout

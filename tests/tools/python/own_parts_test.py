@@ -150,13 +150,13 @@ class OwnSensors(unittest.TestCase):
             raise RuntimeError("out of ideas")
 
         for name, made, told in (
-                ("shape", one_point(np.zeros(3)), r"measure\(\) returned load of shape \(3,\); allowed: \(2,\)"),
+                ("shape", one_point(np.zeros(3)), r"measure\(\) .*load .*\(3,\).*\(2,\)"),
                 ("nothing", one_point(None), "TypeError|ValueError"),
-                ("other", one_point({"lod": np.zeros(2)}), r"measure\(\) returned lod; allowed: load"),
-                ("nan", one_point([0.0, np.nan]), "says in measure nan for load_1 at 0 s; allowed: a finite number"),
+                ("other", one_point({"lod": np.zeros(2)}), r"measure\(\) .*lod\b.*load"),
+                ("nan", one_point([0.0, np.nan]), "measure .*nan .*load_1 .*0 s.*finite"),
                 ("raises", one_point(raises), "RuntimeError: out of ideas"),
-                ("soft", one_point([0.0, 0.0], k_normal=0.0), "element 0 with a stiffness of 0 N/m; allowed: more than 0"),
-                ("flat", one_point([0.0, 0.0], tips=[0.0, 0.0]), r"tips of shape \(2,\); allowed: \(points, 3\)"),
+                ("soft", one_point([0.0, 0.0], k_normal=0.0), "element 0 .*stiffness .*0 N/m"),
+                ("flat", one_point([0.0, 0.0], tips=[0.0, 0.0]), r"tips .*\(2,\).*\(points, 3\)"),
                 ("dumb", one_point([0.0, 0.0], channels={}), "has 0 channels")):
             slipbench.sensor("wrong_" + name)(made)
             with self.subTest(name=name), self.assertRaisesRegex(slipbench.InputError, f"own.yaml:4: (?s:.*)sensor wrong_{name}(?s:.*){told}"):
@@ -230,8 +230,8 @@ class OwnDetectors(unittest.TestCase):
             self.assertEqual(again["all"], result["all"])
 
     def test_what_goes_wrong_in_it_is_told(self):
-        for wrong, told in ((lambda frame: 7, r"update\(\) returned 7; allowed: a State"), (lambda frame: None, "returned None"),
-                            (lambda frame: True, "returned True; allowed: a State"),
+        for wrong, told in ((lambda frame: 7, r"update\(\) .* 7.*State"), (lambda frame: None, "returned None"),
+                            (lambda frame: True, " True.*State"),
                             (lambda frame: Estimate(1, latency=-1.0), "a latency of -1.0 s"),
                             (lambda frame: Estimate(1, stuck_fraction=2.0), "a stuck fraction of 2.0"),
                             (lambda frame: frame["gone"], "KeyError: 'gone'")):
@@ -295,7 +295,7 @@ class OwnControllers(unittest.TestCase):
             def act(self, frame, slip):
                 return 256
 
-        with self.assertRaisesRegex(slipbench.InputError, r"controller wrong: (?s:.*)act\(\) returned 256; allowed: a position of 0 to 255"):
+        with self.assertRaisesRegex(slipbench.InputError, r"(?s)controller wrong: .*act\(\) .*256.* 0 .*255"):
             slipbench.Scene.load("grasp/lift.yaml").set({**GRASP, "controller.type": "wrong"}).run()
 
 

@@ -187,14 +187,14 @@ class Errors(unittest.TestCase):
             slipbench.Scene.load("papillarray/stage.yaml").set({"motion.speed": "fast"})
         with self.assertRaisesRegex(slipbench.InputError, "gone.yaml: cannot be read"):
             slipbench.Scene.load("gone.yaml")
-        with self.assertRaisesRegex(slipbench.InputError, "trial -1; allowed: 0 or more"):
+        with self.assertRaisesRegex(slipbench.InputError, "trial -1.* 0 "):
             slipbench.Scene.load("papillarray/stage.yaml").run(-1)
 
     def test_counts_that_cannot_be_are_named(self):
         scene = slipbench.Scene.load("papillarray/stage.yaml")
         for call, told in ((lambda: scene.sweep(jobs=-1), "jobs=-1; allowed"), (lambda: scene.run(seed=-1), "seed=-1; allowed"),
                            (lambda: scene.run(seed=2**64), "allowed"), (lambda: scene.check(draws=-2), "draws=-2; allowed"),
-                           (lambda: scene.write("never.h5", draws=3, trials=2), "draws=3 and trials=2; allowed: one of them")):
+                           (lambda: scene.write("never.h5", draws=3, trials=2), "draws=3.*trials=2")):
             with self.subTest(told=told), self.assertRaisesRegex(slipbench.InputError, told):
                 call()
         self.assertFalse(Path("never.h5").exists())
@@ -218,14 +218,14 @@ class Errors(unittest.TestCase):
                 name = next(iter(data[0].sensors))
                 rates = {channel: len(values) for channel, values in data[0].sensors[name].items()}
                 self.assertGreater(len(set(rates.values())), 1)
-                with self.assertRaisesRegex(slipbench.InputError, "has another rate than the labels; allowed: channels="):
+                with self.assertRaisesRegex(slipbench.InputError, "rate.*labels.*channels="):
                     data.windows(length=4, sensor=name)[0]
-                with self.assertRaisesRegex(slipbench.InputError, "'nope' is not there; allowed: channels="):
+                with self.assertRaisesRegex(slipbench.InputError, "'nope'.*channels="):
                     data.windows(length=4, sensor=name, channels=["nope"])[0]
 
     def test_records_and_parts_are_named(self):
         scene = slipbench.Scene.load("papillarray/stage.yaml")
-        with self.assertRaisesRegex(slipbench.InputError, "allowed: 'full', 'outcome'"):
+        with self.assertRaisesRegex(slipbench.InputError, "'full', 'outcome'"):
             scene.run(record="all")
 
 
@@ -277,8 +277,9 @@ class Datasets(unittest.TestCase):
 
     def test_what_cannot_be_asked_for_is_said(self):
         with slipbench.open(self.path) as data:
-            for wrong in ({"length": 0}, {"length": 4, "labels": "strickt"}, {"length": 4, "sensor": "skin"}, {"length": 4, "part": "rest"}):
-                with self.subTest(wrong=wrong), self.assertRaisesRegex(slipbench.InputError, "allowed: "):
+            for wrong, told in (({"length": 0}, "length 0"), ({"length": 4, "labels": "strickt"}, "labels 'strickt'.*'strict'"),
+                                ({"length": 4, "sensor": "skin"}, "sensor 'skin'.*'pad'"), ({"length": 4, "part": "rest"}, "part 'rest'.*'train'")):
+                with self.subTest(wrong=wrong), self.assertRaisesRegex(slipbench.InputError, told):
                     data.windows(**wrong)
 
     def test_links_to_other_files_are_refused(self):
@@ -342,7 +343,7 @@ class DamagedDatasets(unittest.TestCase):
 
     def test_other_files_are_no_datasets(self):
         path = Path(self.folder.name) / "file.h5"
-        self.assertEqual(self.refusal(path), f"{path}: no such file")
+        self.assertIn(f"{path}: no such file", self.refusal(path))
         self.assertIn("is a folder", self.refusal(Path(self.folder.name)))
         kinds = {
             b"": "is empty",
@@ -381,12 +382,12 @@ class DamagedDatasets(unittest.TestCase):
 
     def test_files_that_do_not_belong_together(self):
         first, second = self.write_pair(self.whole, self.other, 1)
-        self.assertEqual(self.refusal(first), f"{second}: /: belongs to another dataset than {first}")
+        self.assertRegex(self.refusal(first), f"^{second}: .*another dataset.*{first}")
         first, second = self.write_pair(self.whole, self.whole, 0)
         self.assertIn(f"{second}: /: is file 0 of its dataset, expected file 1", self.refusal(first))
         self.assertEqual(self.refusal(first, check=False), self.refusal(first))
         second.unlink()
-        self.assertEqual(self.refusal(first), f"{second}: no such file; expected file 1 of the dataset that begins with {first}")
+        self.assertRegex(self.refusal(first), f"^{second}: no such file.*file 1 .*{first}")
         second.write_bytes(self.whole[:1000])
         self.assertIn(f"{second}: is cut short: it has 1000 of {len(self.whole)} bytes", self.refusal(first))
         first, second = self.write_pair(self.whole, self.whole, 1)
@@ -446,7 +447,7 @@ class Networks(unittest.TestCase):
             self.assertEqual(own["left_out"], [0, 2])
             self.assertEqual(own["all"], json.loads(told)["all"])
             self.assertEqual(slipbench.evaluate(str(model), path, all_trials=True)["left_out"], [])
-            with self.assertRaisesRegex(slipbench.InputError, "no network is named; allowed: FILE.onnx"):
+            with self.assertRaisesRegex(slipbench.InputError, "network.*FILE.onnx"):
                 slipbench.evaluate("network", path)
 
 

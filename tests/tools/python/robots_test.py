@@ -91,18 +91,20 @@ class WithoutModels(Checks):
         for robot, file in files.items():
             status, out, complaint = run(self.folder, robot)
             self.assertEqual((status, out), (2, ""))
-            self.assertEqual(complaint, f"error: {self.folder / file}: no such file; allowed: the folder of a clone of "
-                                        "github.com/google-deepmind/mujoco_menagerie\n")
+            self.assertRegex(complaint, f"^error: {self.folder / file}: no such file.*github.com/google-deepmind/mujoco_menagerie\n$")
         status, _, complaint = run(self.folder, "shadow_hand")
         self.assertEqual(status, 2)
         self.assertRegex(complaint, "invalid choice: 'shadow_hand'.*panda.*robotiq_2f85.*leap_hand")
 
     def test_a_model_of_another_make(self):
         self.write("robotiq_2f85/2f85.xml", '<mujoco model="half"><worldbody><body name="base_mount"/></worldbody></mujoco>')
-        self.assertEqual(run(self.folder, "robotiq_2f85"),
-                         (2, "", "error: the model 'half' has no body 'left_pad'; allowed: the model as MuJoCo Menagerie has it\n"))
+        status, out, complaint = run(self.folder, "robotiq_2f85")
+        self.assertEqual((status, out), (2, ""))
+        self.assertRegex(complaint, "^error: .*'half'.*'left_pad'.*\n$")
         self.write("leap_hand/right_hand.xml", '<mujoco><worldbody><body><geom size="1"/></body></worldbody></mujoco>')
-        self.assertEqual(run(self.folder, "leap_hand")[::2], (2, "error: the LEAP hand has 1 tips and 0 joints; allowed: 4 and 16\n"))
+        status, _, complaint = run(self.folder, "leap_hand")
+        self.assertEqual(status, 2)
+        self.assertRegex(complaint, "^error: .*LEAP hand.* 1 tips.* 0 joints.* 4 .*16\n$")
         self.write("franka_emika_panda/panda.xml", HAND.replace("<worldbody>", '<asset><mesh file="no.stl"/></asset><worldbody>'))
         status, _, complaint = run(self.folder, "panda")
         self.assertEqual(status, 2)

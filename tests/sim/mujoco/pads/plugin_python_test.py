@@ -102,8 +102,7 @@ class SameBits(unittest.TestCase):
 
 class Refusals(unittest.TestCase):
     def test_mistake_in_a_model_is_an_exception_with_its_text(self):
-        with self.assertRaisesRegex(ValueError, "slipbench: plugin 'left' effects='\\[agein\\]': unknown effect 'agein'; did you mean "
-                                                "'ageing'\\? allowed: "):
+        with self.assertRaisesRegex(ValueError, "plugin 'left'.*effects='\\[agein\\]'.*'agein'.*'ageing'"):
             mujoco.MjModel.from_xml_string(grip(left={"elements": rows(), "effects": "[agein]"}))
 
     def test_error_in_a_step_is_an_exception_and_a_reset_mends_it(self):
@@ -208,8 +207,7 @@ class Misuse(unittest.TestCase):
 
     def test_a_site_that_begins_inside(self):
         # The pad's radius is 9.9 mm: its corner is 7 mm away along both axes.
-        self.refused(touching(start=-0.015), "tips of the pad at site 'pad' are 15 mm inside the touched geom 'plate' in the beginning; allowed: "
-                                            "up to 9.9 mm")
+        self.refused(touching(start=-0.015), "site 'pad'.*15 mm.*geom 'plate'.*9.9 mm")
         self.accepted(touching(start=-0.0001))
 
     def test_two_pads_on_one_site(self):
@@ -229,8 +227,7 @@ class Misuse(unittest.TestCase):
     def test_a_step_too_long_names_the_limit_with_all_elements(self):
         # 1 kg on 9 kN/m: omega 94.9 rad/s; a step of 1/omega, 10.5 ms, is borne.
         self.refused(touching().replace('timestep="0.001"', 'timestep="0.0123456"'),
-                     "the time step 12.3 ms is too long for what touches at [0-9.]{1,5} m?s: its fastest vibration is 94.9 rad/s; allowed: up to 10.5 ms now, "
-                     "up to 10.5 ms with all elements touching at once, or solver='implicit'")
+                     "time step 12.3 ms.* [0-9.]{1,5} m?s.*94.9 rad/s.*10.5 ms.*10.5 ms.*solver='implicit'")
 
     def test_check_warn_makes_warnings(self):
         with tempfile.TemporaryDirectory() as folder:  # where MuJoCo writes its warnings to a file

@@ -100,16 +100,16 @@ class FolderTest(unittest.TestCase):
         self.assertEqual(ran, [["1", "1001", "2001"], ["500", "1500", "2500"], ["501", "1501"], ["1000", "2000"]])
 
     def test_what_is_refused(self):
-        def refuse(message, *words):
-            self.assertIn(message, self.run_program("cluster", *words, status=2).stderr)
+        def refuse(told, *words):
+            self.assertRegex(self.run_program("cluster", *words, status=2).stderr, told)
 
         out = ("-o", "cluster", "--shards")
-        refuse("--shard is 1/7 and the sweep has 6 trials; allowed: no more shards than trials", "a scene.yaml", *SWEEP, *out, 7)
-        refuse("--shards is '0'", "a scene.yaml", *out, 0)
-        refuse("allowed: a new or an empty folder", "a scene.yaml", *SWEEP, "-o", ".", "--shards", 2)
-        refuse("allowed: a new or an empty folder", "a scene.yaml", *SWEEP, "-o", "a scene.yaml", "--shards", 2)
-        refuse("cannot be read", "nothing.yaml", *out, 2)
-        refuse("motion.start: 10 ms is too early", "a scene.yaml", *SWEEP, "--set", "motion.start=10 ms", *out, 2)
+        refuse("--shard.* 1/7 .* 6 trials", "a scene.yaml", *SWEEP, *out, 7)
+        refuse("--shards.*'0'", "a scene.yaml", *out, 0)
+        refuse("empty folder", "a scene.yaml", *SWEEP, "-o", ".", "--shards", 2)
+        refuse("empty folder", "a scene.yaml", *SWEEP, "-o", "a scene.yaml", "--shards", 2)
+        refuse("nothing.yaml", "nothing.yaml", *out, 2)
+        refuse("motion.start.*10 ms", "a scene.yaml", *SWEEP, "--set", "motion.start=10 ms", *out, 2)
         self.assertFalse((self.folder / "cluster").exists())
 
     def test_a_folder_that_a_killed_run_has_left_is_written_anew(self):

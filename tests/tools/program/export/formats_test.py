@@ -129,20 +129,20 @@ class Formats(ExportTest):
         for format in ("csv", "npz", "parquet", "mcap", "vendor-csv"):
             with self.subTest(format=format):
                 _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "1001 Hz", status=2)
-                self.assertIn("trial 0: a rate of 1001 Hz repeats samples of 'pad'; allowed: up to 1000 Hz, its own", told)
+                self.assertRegex(told, "trial 0.* 1001 Hz .*'pad'.* 1000 Hz")
         for format, reason in (("training-csv", "1000 rows a second"), ("slip-csv", "100 rows a second"), ("myrmex-csv", "1000 images a second"),
                                ("grasp-csv", "a row a grasp")):
             with self.subTest(format=format):
                 _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "10 Hz", status=2)
-                self.assertIn(f"the layout of {format} has {reason}", told)
+                self.assertRegex(told, f"{format} .*{reason}")
         for format in ("parquet", "mcap", "lerobot", "npz"):
             _, told = export(dataset, self.folder / "out", "--format", format, "--compress", status=2)
-            self.assertIn(f"{format} is compressed as it is; allowed: --compress with csv", told)
+            self.assertRegex(told, f"{format} .*--compress.* csv")
         self.assertFalse((self.folder / "out").exists())
         (self.folder / "file").write_text("x")
         for format in ("csv", "robomimic", "parquet", "lerobot", "mcap"):
             _, told = export(dataset, self.folder / "file", "--format", format, status=2)
-            self.assertIn("file: File exists; allowed: a folder, or a new name in one that is there", told)
+            self.assertIn("file: File exists", told)
 
 
 if __name__ == "__main__":

@@ -185,7 +185,7 @@ class LeRobot(ExportTest):
         dataset = make("papillarray/stage.yaml")
         out = self.folder / "out"
         _, told = export(dataset, out, "--format", "lerobot", "--rate", "62.5 Hz", status=2)
-        self.assertIn("lerobot: pad at 62.5 Hz; allowed: a whole number, by --rate", told)
+        self.assertRegex(told, "lerobot.*pad.* 62.5 Hz.*--rate")
         self.assertFalse(out.exists())
         for name, message in (("1000hz", "is no LeRobot dataset of slipbench"), ("1000hz.partial", "is not what a killed export has left")):
             with self.subTest(name=name):
@@ -255,7 +255,7 @@ class Recordings(ExportTest):
             np.testing.assert_array_equal(table["observation.pad.force"], np.arange(500, dtype=np.float32))
             np.testing.assert_allclose(table["time"], [0.010001 * k for k in range(500)], rtol=0, atol=1e-12)
         _, told = export(dataset, self.folder / "fast", "--format", "lerobot", "--rate", "102 Hz", status=2)
-        self.assertIn("a rate of 102 Hz repeats samples of 'pad'; allowed: up to 99.99 Hz, its own", told)
+        self.assertRegex(told, " 102 Hz .*'pad'.* 99.99 Hz")
 
     def test_frames_are_not_counted_where_samples_are_missing(self):
         dataset, out = self.imported("gap", [k / 100 + (0.5 if k >= 300 else 0) for k in range(600)], 2), self.folder / "gap"
@@ -272,7 +272,7 @@ class Recordings(ExportTest):
         subprocess.run([PROGRAM, "import", self.folder / "logs", "--format", "csv", "--map", self.folder / "map.yaml", "-o", dataset],
                        capture_output=True, check=True)
         _, told = export(dataset, self.folder / "two", "--format", "lerobot", status=2)
-        self.assertRegex(told, r"trial \d: pad at (50|100) Hz, in the trials before at (100|50) Hz; allowed: one rate, by --rate or --trial")
+        self.assertRegex(told, r"trial \d: pad .*(50|100) Hz.*(100|50) Hz.*--rate")
         export(dataset, self.folder / "two", "--format", "lerobot", "--rate", "50 Hz")
 
 

@@ -131,22 +131,22 @@ class Parquet(ExportTest):
     def test_what_cannot_be_is_refused_and_nothing_is_left(self):
         dataset = make("papillarray/stage.yaml")
         out = self.folder / "out"
-        for words, message in (
-            (["--rate", "0.1 Hz"], "trial 0: has fewer than two rows at 0.1 Hz; allowed: --rate with a higher rate"),
-            (["--rate", "2 kHz"], "trial 0: a rate of 2000 Hz repeats samples of 'pad'; allowed: up to 1000 Hz, its own"),
-            (["--sensors", "padd"], "unknown sensor 'padd'; did you mean 'pad'?"),
-            (["--split", "tests"], "unknown split 'tests'; did you mean 'test'?"),
-            (["--labels", "has_slipped"], "holds no state by the rule 'has_slipped'; allowed: --labels strict, micro or paper"),
+        for words, names in (
+            (["--rate", "0.1 Hz"], "trial 0.* 0.1 Hz.*--rate"),
+            (["--rate", "2 kHz"], "trial 0.* 2000 Hz .*'pad'.* 1000 Hz"),
+            (["--sensors", "padd"], "sensor 'padd'.*'pad'"),
+            (["--split", "tests"], "split 'tests'.*'test'"),
+            (["--labels", "has_slipped"], "'has_slipped'.*--labels.*strict"),
         ):
             with self.subTest(words=words):
                 _, told = export(dataset, out, "--format", "parquet", *words, status=2)
-                self.assertIn(message, told)
+                self.assertRegex(told, names)
                 self.assertEqual(told.count("\n"), 1)
                 self.assertFalse(out.exists())
         out.mkdir()
         (out / "pad.parquet").write_text("my notes")
         _, told = export(dataset, out, "--format", "parquet", status=2)
-        self.assertIn("pad.parquet: would be replaced and is not a Parquet file; allowed: another folder", told)
+        self.assertRegex(told, "pad.parquet.*Parquet.*another folder")
         self.assertEqual(contents(out), {"pad.parquet": b"my notes"})
 
     def test_a_python_without_arrow_says_how_to_install_it(self):

@@ -1,6 +1,7 @@
 """A sweep that is cut into shards and merged has the bytes of the undivided one. Arguments: the project's root, the program."""
 
 import json
+import re
 import resource
 import signal
 import subprocess
@@ -78,9 +79,9 @@ class ShardsTest(unittest.TestCase):
                 time.sleep(0.002)
         self.fail("it ended before it had finished a trial for good")
 
-    def assert_refused(self, message, *words, status=2):
+    def assert_refused(self, told, *words, status=2):
         result = self.run_program(*words, status=status)
-        self.assertIn(message, result.stderr + result.stdout)
+        self.assertRegex(result.stderr + result.stdout, told)
 
     def check_same_bytes(self, count, *words, scene=None, status=0):
         whole = self.sweep("whole.h5", *words, scene=scene, status=status)
@@ -159,7 +160,7 @@ class ShardsTest(unittest.TestCase):
         self.wait_for_a_trial(self.folder / "shard.h5.partial", killed)
         killed.terminate()  # what is finished is kept; kills at any instant are kill_test.py's
         self.assertNotEqual(killed.wait(), 0)
-        self.assert_refused("written by another run", "sweep", self.scene, *words, "-o", out, "--quiet", "--shard", "2/2", "--resume")
+        self.assert_refused("another run", "sweep", self.scene, *words, "-o", out, "--quiet", "--shard", "2/2", "--resume")
         self.run_program("sweep", self.scene, *words, "-o", out, "--quiet", "--shard", "1/2", "--resume")
         self.assertEqual(bytes_of(whole), bytes_of(out))
 
@@ -167,22 +168,22 @@ class ShardsTest(unittest.TestCase):
         out = ("-o", self.folder / "out.h5")
         for text in ("0/3", "4/3", "3", "1/0", "a/b", "1/3/5", "-1/3", "01/3"):
             with self.subTest(text):
-                self.assert_refused("allowed: k/n, whole numbers with 1 <= k <= n", "sweep", self.scene, "--shard", text, *out)
-        self.assert_refused("--shard is 1/22 and the sweep has 21 trials; allowed: no more shards than trials",
+                self.assert_refused(f"--shard.*'{text}'.*k/n", "sweep", self.scene, "--shard", text, *out)
+        self.assert_refused("--shard.* 1/22 .* 21 trials",
                             "sweep", self.scene, "--shard", "1/22", *out)  # fmt: skip
-        self.assert_refused("allowed: with -o", "sweep", self.scene, "--shard", "1/2")
+        self.assert_refused("--shard.* -o", "sweep", self.scene, "--shard", "1/2")
         self.assertFalse((self.folder / "out.h5").exists())
 
     def test_what_is_not_whole_or_not_of_one_sweep(self):
         outcome = ("--record", "outcome")
         one, two, three = self.shards(3, *outcome)
         merged = self.folder / "merged.h5"
-        self.assert_refused("shard 2 of 3 is missing", "merge", one, three, "-o", merged)
-        self.assert_refused("shards 1, 3 of 3 are missing", "merge", two, "-o", merged)
-        self.assert_refused("shard 2 of 3 is missing", "verify", one, three, status=1)
+        self.assert_refused("shard 2 of 3", "merge", one, three, "-o", merged)
+        self.assert_refused("shards 1, 3 of 3", "merge", two, "-o", merged)
+        self.assert_refused("shard 2 of 3", "verify", one, three, status=1)
         whole = self.sweep("whole.h5", *outcome)
-        self.assert_refused("is no shard of a sweep", "merge", one, two, whole, "-o", merged)
-        self.assert_refused("it is one of the shards", "merge", one, two, three, "-o", two)
+        self.assert_refused(f"{whole}.*shard", "merge", one, two, whole, "-o", merged)
+        self.assert_refused(f"{two}.*shards", "merge", one, two, three, "-o", two)
         others = {
             "seed 8,": ("--seed", "8"),
             "shard 2/4": ("--shard", "2/4"),
@@ -192,9 +193,9 @@ class ShardsTest(unittest.TestCase):
             with self.subTest(difference):
                 part = () if "--shard" in words else ("--shard", "2/3")
                 other = self.sweep("other.h5", *outcome, *words, *part)
-                message = f"is no shard of the same sweep as {one}: it has {difference}"
-                self.assert_refused(message, "merge", one, other, three, "-o", merged)
-                self.assert_refused(message, "verify", one, other, three, status=1)
+                told = f"{re.escape(str(one))}.*{re.escape(difference)}"
+                self.assert_refused(told, "merge", one, other, three, "-o", merged)
+                self.assert_refused(told, "verify", one, other, three, status=1)
                 other.unlink()
         self.assertFalse(merged.exists())
         self.assertEqual([path.name for path in self.folder.glob("*partial*")], [])
@@ -217,12 +218,12 @@ class ShardsTest(unittest.TestCase):
         self.assertEqual(json.loads(self.run_program("verify", one, two, copy, "--json").stdout)["sweep"]["duplicates"], 11)
         number, digest = self.first_digest(copy)
         copy.write_bytes(bytes_of(copy).replace(digest, b"0" * 64))
-        self.assert_refused(f"trial {number} is not that of", "merge", one, two, copy, "-o", merged)
+        self.assert_refused(f"trial {number} ", "merge", one, two, copy, "-o", merged)
 
     def test_a_damaged_list_of_digests_is_not_merged(self):
         one, two = self.shards(2, "--record", "outcome")
         two.write_bytes(bytes_of(two).replace(self.first_digest(two)[1], b"0" * 64))
-        self.assert_refused("content_sha256 is not that of what it holds", "merge", one, two, "-o", self.folder / "merged.h5")
+        self.assert_refused("content_sha256", "merge", one, two, "-o", self.folder / "merged.h5")
         self.assertEqual([path.name for path in self.folder.glob("merged*")], [])
 
     def test_a_damaged_trial_is_not_merged(self):

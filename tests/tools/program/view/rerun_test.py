@@ -127,13 +127,13 @@ class Rerun(unittest.TestCase):
         self.use(STAND_IN)
         self.record()
         (self.folder / "mine.rrd").write_text("mine")
-        for words, message in ((("a.h5", "--trial", "9"), "view: a.h5: there is no trial 9"),
-                               (("b.h5",), "view: b.h5: there is no such dataset, and no run writes it"),
+        for words, names in ((("a.h5", "--trial", "9"), "view: a.h5.*trial 9"),
+                               (("b.h5",), "view: b.h5.*dataset"),
                                (("a.h5", "-o", "mine.rrd"), "mine.rrd"),
-                               (("a.h5", "-o", "a.html"), "view: -o is 'a.html'; allowed: a name that ends in .rrd")):
+                               (("a.h5", "-o", "a.html"), "view: -o.*'a.html'.*.rrd")):
             done = self.run_program("view", *words, "--rerun")
             self.assertEqual(done.returncode, 2, words)
-            self.assertIn(message, done.stderr)
+            self.assertRegex(done.stderr, names)
         self.assertEqual((self.folder / "mine.rrd").read_text(), "mine")
         done = self.run_program("view", "a.h5", "--rerun", SLIPBENCH_PYTHON="/absent/python3")
         self.assertEqual(done.returncode, 2)
