@@ -1,7 +1,7 @@
 // Preloaded into a program: makes its k-th call of a kind fail, over all processes that it starts, and counts such calls.
 // The environment says which:
 //   FAULT_UNDER   calls count that are about files below this folder
-//   FAULT_KIND    write, sync, rename, open (for writing) or memory (allocations of FAULT_LARGE bytes or more, wherever they are for)
+//   FAULT_KIND    write, sync, rename or open (for writing)
 //   FAULT_ERROR   the errno; 0: a write takes only half of its bytes
 //   FAULT_FROM, FAULT_TO   the first and the last call that fails, from 1 on
 //   FAULT_COUNT   a file of 8 bytes: the calls so far
@@ -12,7 +12,6 @@
 #include <limits.h>
 #include <stdarg.h>
 #include <stdatomic.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +22,7 @@
 #include <unistd.h>
 
 static const char *under, *kind;
-static size_t under_length, large = SIZE_MAX;
+static size_t under_length;
 static int error;
 static long first, last;
 static atomic_long *calls;
@@ -41,7 +40,6 @@ __attribute__((constructor)) static void begin(void) {
   error = atoi(getenv("FAULT_ERROR"));
   first = atol(getenv("FAULT_FROM"));
   last = atol(getenv("FAULT_TO"));
-  if (strcmp(kind, "memory") == 0) large = (size_t)atol(getenv("FAULT_LARGE"));
   calls = page;
 }
 
@@ -133,33 +131,3 @@ FILE *fopen64(const char *path, const char *mode) {
   return mode[0] != 'r' && hit_path("open", path) ? NULL : REAL(fopen64)(path, mode);
 }
 int mkdir(const char *path, mode_t mode) { return hit_path("open", path) ? -1 : (int)syscall(SYS_mkdirat, AT_FDCWD, path, mode); }
-
-void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t), *__libc_memalign(size_t, size_t);
-
-// HDF5 1.10 crashes where an allocation of its own fails (H5Fcreate, H5Aiterate): those are left out.
-static int no_memory(size_t size, void *caller) {
-  Dl_info of;
-  if (size < large || (dladdr(caller, &of) != 0 && strstr(of.dli_fname, "libhdf5") != NULL)) return 0;
-  return hit("memory");
-}
-#define NO_MEMORY(size) no_memory(size, __builtin_return_address(0))
-
-void *malloc(size_t size) { return NO_MEMORY(size) ? NULL : __libc_malloc(size); }
-void *calloc(size_t count, size_t size) {
-  return size != 0 && NO_MEMORY(count * size) ? NULL : __libc_calloc(count, size);
-}
-void *realloc(void *old, size_t size) { return NO_MEMORY(size) ? NULL : __libc_realloc(old, size); }
-void *memalign(size_t alignment, size_t size) { return NO_MEMORY(size) ? NULL : __libc_memalign(alignment, size); }
-void *aligned_alloc(size_t alignment, size_t size) { return NO_MEMORY(size) ? NULL : __libc_memalign(alignment, size); }
-int posix_memalign(void **to, size_t alignment, size_t size) {
-  void *const block = NO_MEMORY(size) ? NULL : __libc_memalign(alignment, size);
-  if (block != NULL) *to = block;
-  return block != NULL ? 0 : ENOMEM;
-}
-void *mmap(void *at, size_t size, int protection, int flags, int file, off_t offset) {
-  if (NO_MEMORY(size)) return MAP_FAILED;
-  return (void *)syscall(SYS_mmap, at, size, protection, flags, file, offset);
-}
-void *mmap64(void *at, size_t size, int protection, int flags, int file, off_t offset) {
-  return mmap(at, size, protection, flags, file, offset);
-}

@@ -18,15 +18,11 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 SECONDS = 60  # no command takes longer
-LARGE = (1 << 9, 1 << 10, 1 << 12, 1 << 15)  # bytes, of an allocation that fails: the least of which a command makes 600 or fewer
 
 # Half a write: 0. Whoever is interrupted, or has written a part, goes on.
 KINDS = {"write": (errno.ENOSPC, errno.EIO, errno.EINTR, 0), "sync": (errno.EIO, errno.ENOSPC, errno.EINTR), "rename": (errno.EIO, errno.ENOSPC),
-         "open": (errno.ENOSPC, errno.EIO, errno.EMFILE), "memory": (errno.ENOMEM,)}
+         "open": (errno.ENOSPC, errno.EIO, errno.EMFILE)}
 SURVIVED = (errno.EINTR, 0)
-# libtorch ends a process that is out of memory; OpenVINO crashes or waits for ever, FFTW's planner aborts; Python tells it with a traceback while it
-# imports, and h5py as another error.
-ENDED_BY_OTHERS = ("recipe", "benchmark", "export parquet", "export mcap", "export lerobot")
 
 SCENE = """slipbench: 1
 description: short slides
@@ -45,7 +41,7 @@ sweep:
 
 class Bench:
     def __init__(self, program, compiler, folder):
-        self.program, self.folder, self.large = program, folder, LARGE[0]
+        self.program, self.folder = program, folder
         self.shim, self.count = folder / "faults.so", folder / "count"
         subprocess.run([compiler, "-O1", "-shared", "-fPIC", "-Wall", "-Werror", "-o", self.shim, HERE / "faults.c", "-ldl"], check=True)
         scene = self.path("scene.yaml")
@@ -70,7 +66,7 @@ class Bench:
         if kind:
             self.count.write_bytes(bytes(8))
             env |= {"LD_PRELOAD": str(self.shim), "FAULT_UNDER": f"{where}/", "FAULT_KIND": kind, "FAULT_ERROR": str(error), "FAULT_FROM": str(span[0]),
-                    "FAULT_TO": str(span[1]), "FAULT_LARGE": str(self.large), "FAULT_COUNT": str(self.count)}
+                    "FAULT_TO": str(span[1]), "FAULT_COUNT": str(self.count)}
         try:
             done = subprocess.run([self.program, *words], capture_output=True, env=env, timeout=SECONDS, cwd=where, check=False)
         except subprocess.TimeoutExpired:
@@ -115,21 +111,16 @@ class Case:
         assert self.right, words
 
     def calls(self, kind):
-        for self.bench.large in LARGE:
-            calls = self.run(kind)[2]
-            if kind != "memory" or calls <= 600:
-                return calls
-        return calls
+        return self.run(kind)[2]
 
     def leave_half(self, folder):
-        """A sweep that had no memory after its first trials."""
-        self.bench.large = LARGE[1]
+        """A sweep that could not write after its first trials."""
         words = [word.replace(str(self.where), str(folder)) for word in self.words if word != "--resume"]
-        for call in range(100, 600, 15):
+        for call in range(1, 600):
             shutil.rmtree(folder)
             folder.mkdir()
-            status, told, _ = self.bench.run(words, folder, "memory", errno.ENOMEM, (call, call))
-            if re.search("holds [1-3] of 4 trials", told):
+            status, told, _ = self.bench.run(words, folder, "write", errno.ENOSPC, (call, call))
+            if re.search("holds [1-4] of 4 trials", told):
                 return
         raise AssertionError(told)
 
@@ -158,9 +149,7 @@ class Case:
         message = told[told.rfind("slipbench: "):].strip()
         if status not in (1, 2) or not message or "internal error" in told or "Traceback" in told:
             return f"status {status}: {told.strip()}"
-        # Where a library reads, it does not tell want of memory from other reasons.
-        reasons = ("memory", "cannot be read") if kind == "memory" else (os.strerror(error),)
-        if not any(reason in message for reason in reasons) or (kind != "memory" and str(self.where) not in message):
+        if os.strerror(error) not in message or str(self.where) not in message:
             return f"file or reason not named: {message}"
         held = re.search(r"holds? (\d+) of", told)
         checkpoint = ["--resume"] if any(name.endswith("checkpoint-0") for name in contents(self.where)) else []
@@ -195,8 +184,6 @@ def main(program, compiler, folder, most, only):
                 continue
             case = Case(bench, name, words, resume)
             for kind, errors in KINDS.items():
-                if kind == "memory" and name in ENDED_BY_OTHERS:
-                    continue
                 calls = case.calls(kind)
                 for error in errors:
                     for last in (0,) if error in SURVIVED else (0, 1 << 40):  # alone, and for ever

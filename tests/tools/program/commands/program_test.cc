@@ -331,20 +331,6 @@ TEST(Program, WarnsOnStderrAndInTheJson) {
   EXPECT_TRUE(json_of(run_program_file({"run", stage, "--json"}))["warnings"].empty());
 }
 
-// MuJoCo's compiler is in want of memory, or a thread, or the trial.
-TEST(Program, WantOfMemoryIsSaid) {
-  const TemporaryFolder folder;
-  const std::string sweep = "; slipbench sweep " SLIPBENCH_SOURCE_DIR
-                            "/scenes/grasp/lift.yaml --trials 2 --jobs 2 --quiet --set 'duration=2 s' 'motion.distance=10 mm'";
-  for (int limit = 150'000; limit <= 154'000; limit += 500) {
-    const ChildResult result = run_shell("ulimit -v " + std::to_string(limit) + sweep, folder / "");
-    EXPECT_THAT(result.status, AnyOf(0, 2)) << limit << " kB: " << result.err;
-    EXPECT_TRUE(result.status == 0 || result.err.find("out of memory") != std::string::npos ||
-                result.err.find("could be started") != std::string::npos)
-        << limit << " kB: " << result.err;
-  }
-}
-
 TEST(Program, ControlCKeepsWhatIsFinished) {
   const TemporaryFolder folder;
   const std::string dataset = folder / "long.h5";

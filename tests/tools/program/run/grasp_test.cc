@@ -1,9 +1,6 @@
 // Grasps as whole trials: what is recorded of the loop, and how the trial is said to have ended.
 #include <algorithm>
 #include <cmath>
-#include <thread>
-
-#include <dlfcn.h>
 
 #include <fmt/format.h>
 
@@ -13,17 +10,6 @@
 #include "tests/tools/base/record/test_records.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/run_trial.h"
-
-namespace {
-thread_local int destructors_noted = 0;
-}  // namespace
-
-// Stands before glibc's own, which it calls: counts the thread_local objects whose destructors a thread has noted.
-extern "C" int __cxa_thread_atexit_impl(void (*destructor)(void*), void* object, void* library) {  // NOLINT: glibc's name
-  ++destructors_noted;
-  static const auto noted = reinterpret_cast<decltype(&__cxa_thread_atexit_impl)>(::dlsym(RTLD_NEXT, "__cxa_thread_atexit_impl"));
-  return noted(destructor, object, library);
-}
 
 namespace slipbench::testing {
 namespace {
@@ -245,20 +231,6 @@ TEST(Grasp, AnAlarmBeforeTheLiftIsEarly) {
   EXPECT_EQ(record.outcome.detection, Detection::early);
   EXPECT_TRUE(std::isnan(record.outcome.detection_delay));
   EXPECT_TRUE(std::isnan(record.outcome.grasp->reaction_time));
-}
-
-// glibc ends the program where it has no memory left to note a destructor in.
-TEST(Grasp, AThreadNotesNoDestructors) {
-  int of_trial = -1, of_one = -1;
-  std::thread([&] {
-    static_cast<void>(
-        run_trial(grasp_scene(std::string(stepping) + "effects: [{patchy_friction: {sd: 0.2}}]\n"), 0, Recording::outcome));
-    of_trial = destructors_noted;
-    static thread_local const std::string one(100, 'a');
-    of_one = destructors_noted - of_trial + (one.empty() ? 1 : 0);
-  }).join();
-  EXPECT_EQ(of_trial, 0);
-  EXPECT_EQ(of_one, 1);
 }
 
 // Slips and is lost; what the fingers do to the air afterwards is no reaction, and what the detector says of it no detection.
