@@ -49,7 +49,7 @@ function(slipbench_install)
   install(FILES LICENSE NOTICE.md DESTINATION ${SLIPBENCH_DATA_DIR})
   # What `slipbench reproduce` reads of the project beside the scenes.
   install(FILES rtl/hd/syn/results.json DESTINATION ${SLIPBENCH_DATA_DIR}/rtl/hd/syn OPTIONAL)
-  install(TARGETS slipbench slipbench-studies RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS slipbench slipbench-reader slipbench-studies RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   if(SLIPBENCH_WITH_MUJOCO)
     install(FILES ${MuJoCo_LIBRARY} ${MuJoCo_LICENCES} DESTINATION ${SLIPBENCH_MUJOCO_DIR})
     install(DIRECTORY ${MuJoCo_ROOT_DIR}/include DESTINATION ${SLIPBENCH_MUJOCO_DIR})

@@ -90,6 +90,7 @@ function(slipbench_test)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_definitions(${target} PRIVATE SLIPBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}" SLIPBENCH_PROGRAM="$<TARGET_FILE:slipbench>")
   slipbench_precompile(KIND test TARGET ${target} HEADERS <gmock/gmock.h> <gtest/gtest.h>)
+  add_dependencies(${target} slipbench-reader)  # beside them, for files of others
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60)
   set_property(GLOBAL APPEND PROPERTY SLIPBENCH_TEST_PROGRAMS ${target})
 endfunction()

@@ -34,7 +34,7 @@ class PluginController final : public Controller, private SampleListener {
         .preset = preset_,
     };
     slipbench_grip_command said{.position = -1, .speed = 0, .force = 0};
-    made_.library.guarded("update", [&] { made_.object.update(made_.object.self, &handed, &said); });
+    made_.library.call("update", [&] { made_.object.update(made_.object.self, &handed, &said); });
     samples_.forget();
     for (const auto& [name, value] : {std::pair{"position", said.position}, {"speed", said.speed}, {"force", said.force}}) {
       if (value >= 0 && value <= max_register) continue;

@@ -37,7 +37,7 @@ class PluginDetector final : public Detector, private SampleListener {
     const std::span<const slipbench_samples> sensors = samples_.handed();
     const slipbench_detector_input input{.time = frame.time, .sensors = sensors.data(), .sensor_count = sensors.size()};
     slipbench_estimate said{.state = -1, .latency = 0.0, .stuck_fraction = std::numeric_limits<double>::quiet_NaN()};
-    made_.library.guarded("update", [&] { made_.object.update(made_.object.self, &input, &said); });
+    made_.library.call("update", [&] { made_.object.update(made_.object.self, &input, &said); });
     samples_.forget();
     check(said, frame.time);
     estimate_ = {frame.time, said.latency, static_cast<PadState>(said.state), said.stuck_fraction};

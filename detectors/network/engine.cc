@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "sim/core/process/check_readable.h"
 #include "sim/core/process/own_library.h"
 
 namespace slipbench::network {
@@ -15,6 +16,11 @@ constexpr const char* remedy =
 }  // namespace
 
 std::unique_ptr<Engine> load_engine(const std::string& path) {
+  if (engine_available()) check_readable_once(FileKind::network, path);
+  return load_engine_unchecked(path);
+}
+
+std::unique_ptr<Engine> load_engine_unchecked(const std::string& path) {
   static LoadEngine* const load = reinterpret_cast<LoadEngine*>(own_symbol(SLIPBENCH_NETWORK, load_symbol, remedy));
   return std::unique_ptr<Engine>(load(path));
 }

@@ -30,6 +30,8 @@ class Engine {
 // file: no regular file, too large, no ONNX, custom operators, external data, shapes that do not fit, metadata that is missing (with what to add
 // and how) or wrong.
 std::unique_ptr<Engine> load_engine(const std::string& path);
+// The same without the check that OpenVINO does not crash on the file (check_readable.h): for a process that a crash may end.
+std::unique_ptr<Engine> load_engine_unchecked(const std::string& path);
 // Whether load_engine() has its library.
 bool engine_available();
 

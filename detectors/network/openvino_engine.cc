@@ -23,7 +23,6 @@
 #include "detectors/network/engine.h"
 #include "detectors/network/onnx_check.h"
 #include "sim/core/error.h"
-#include "sim/core/process/crash_guard.h"
 #include "sim/core/process/regular_file.h"
 
 namespace slipbench::network {
@@ -77,12 +76,10 @@ std::string reason_of(const std::exception& error) {
   return printable(text.substr(0, text.rfind(' '))) + " ...";
 }
 
-// Call it where `error` was caught. Want of memory is no fault of the network; OpenVINO has its own words for it, too.
+// Call it where `error` was caught.
 [[noreturn]] void refuse(const std::string& what, const std::exception& error) {
   if (dynamic_cast<const InputError*>(&error) != nullptr) throw;
-  const std::string reason = reason_of(error);
-  if (reason.ends_with("std::bad_alloc") || reason.ends_with("can't alloc")) throw std::bad_alloc();
-  throw InputError(what + reason);
+  throw InputError(what + reason_of(error));
 }
 
 struct Network {
@@ -310,15 +307,9 @@ class OpenVinoEngine final : public Engine {
 
 extern "C" __attribute__((visibility("default"))) slipbench::network::Engine* slipbench_load_engine(const std::string& path) {
   using namespace slipbench::network;
-  Engine* engine = nullptr;
-  auto load = [&] {
-    try {
-      engine = new OpenVinoEngine(network_at(path), path);
-    } catch (const std::exception& error) {
-      refuse(path + ": OpenVINO does not take it: ", error);
-    }
-  };
-  const int signal = slipbench::run_guarded(load);
-  if (signal != 0) throw slipbench::InputError(path + ": OpenVINO crashed on it: " + slipbench::signal_text(signal));
-  return engine;
+  try {
+    return new OpenVinoEngine(network_at(path), path);
+  } catch (const std::exception& error) {
+    refuse(path + ": OpenVINO does not take it: ", error);
+  }
 }

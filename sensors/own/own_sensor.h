@@ -69,7 +69,7 @@ struct BundledSensor {
 // The declared parameters as the scene's parser takes them, each with its note.
 std::vector<ParameterSpec> specs_of(const BundledSensor& bundled);
 
-// The sensor `name` of a scene, as SensorKind::create has it. Calls are guarded and what it says is checked as of a library; SceneValueError is then
+// The sensor `name` of a scene, as SensorKind::create has it. What it throws and says is checked as of a library; SceneValueError is then
 // at sensors.`name`.type.
 std::unique_ptr<Sensor> make_bundled(const BundledSensor& bundled, const Parameters& parameters, std::uint64_t seed,
                                      std::uint64_t trial, const std::string& name);

@@ -10,7 +10,7 @@
 namespace slipbench {
 namespace {
 
-// What the library's pointers lead to, which may be nowhere: to be called guarded. Of more than is allowed so much that set() refuses it.
+// What the library's pointers lead to. Of more than is allowed so much that set() refuses it.
 OwnLayout layout_of(const slipbench_readout& readout) {
   OwnLayout said{.rate = readout.rate, .elements = {}, .units = {}, .channels = {}};
   for (std::size_t i = 0; i < std::min(readout.element_count, OwnLayout::most_elements + 1); ++i) {
@@ -75,7 +75,7 @@ class PluginSensor final : public OwnSensor {
       made_.make<decltype(slipbench_make_sensor)>(parameters, {}, 0, &slipbench_readout::measure);
     }
     OwnLayout said;
-    made_.library.guarded("slipbench_make_sensor", [&] { said = layout_of(made_.object); });
+    made_.library.call("slipbench_make_sensor", [&] { said = layout_of(made_.object); });
     set(std::move(said));
   }
 
@@ -94,7 +94,7 @@ class PluginSensor final : public OwnSensor {
                                     .shear = truth.element_shear.data(),
                                     .units = layout().units.size(),
                                     .elements = layout().elements.size()};
-    made_.library.guarded("measure", [&] { made_.object.measure(made_.object.self, &contact, values.data()); });
+    made_.library.call("measure", [&] { made_.object.measure(made_.object.self, &contact, values.data()); });
   }
 
   Made made_;

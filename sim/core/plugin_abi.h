@@ -5,8 +5,8 @@
 // Rules of every call:
 // - Lengths are in m, times in s, forces in N, as a dataset has them.
 // - No pointer that is handed over may be kept after the call. Who needs a name or a text later copies it.
-// - No function may throw, and none may end the program. What one throws, and most crashes (sim/core/process/crash_guard.h), end the
-//   trial with a message that names the library and the function. A loop without end ends with the limit of a trial, or at a signal.
+// - No function may throw, and none may end the program. What one throws ends the trial with a message that names the library and
+//   the function. A crash ends the program, or with --isolate the trial; a loop without end ends with --trial-limit, or at a signal.
 // - Several threads run trials at once. A library makes one object a trial, and each object is used by one thread at a time; what
 //   its objects share must be safe for several.
 // - Nothing that is handed to a detector or a controller holds the truth. A library runs in a process that holds it, though: this keeps out mistakes and

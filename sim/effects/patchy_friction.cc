@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "sim/core/error.h"
-#include "sim/core/process/of_thread.h"
 #include "sim/core/quad_math.h"
 #include "sim/effects/effect_catalogue.h"
 
@@ -113,8 +112,7 @@ class PatchyFriction final : public FrictionEffect {
   // A trial makes its fields a dozen times, to ask for their size and their step and to run: the map that a thread drew last serves all of them.
   static std::shared_ptr<const RandomMap> map_of(double shortest, double longest, const EffectContext& context) {
     std::tuple key(context.seed, context.trial, shortest, longest);
-    static OfThread<std::pair<decltype(key), std::shared_ptr<const RandomMap>>> drawn;
-    auto& last = drawn.get();
+    thread_local std::pair<decltype(key), std::shared_ptr<const RandomMap>> last;
     if (!last.second || last.first != key) {
       last = {key, std::make_shared<const RandomMap>(shortest, longest, context.stream("patchy_friction"))};
     }

@@ -183,6 +183,15 @@ void check_mjcf(const std::string& path) {
   check_file(path, fs::path(path).parent_path(), looked);
 }
 
+void try_mjcf(const std::string& path) {
+  mju_user_warning = [](const char*) {};  // MuJoCo would write a log into the current folder
+  std::array<char, 1024> error{};
+  mjSpec* const spec = mj_parseXML(path.c_str(), nullptr, error.data(), static_cast<int>(error.size()));
+  if (spec == nullptr) return;
+  mj_deleteModel(mj_compile(spec, nullptr));
+  mj_deleteSpec(spec);
+}
+
 std::string placed_message(const std::string& path, std::string message) {
   const auto word_after = [&message](std::string_view what) {
     const std::size_t at = message.find(what);

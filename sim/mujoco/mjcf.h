@@ -11,6 +11,9 @@ namespace slipbench {
 // found or is not XML is MuJoCo's to refuse.
 void check_mjcf(const std::string& path);
 
+// Has MuJoCo parse and compile the file, whatever it says of it: for a process that a crash may end (check_readable.h).
+void try_mjcf(const std::string& path);
+
 // A message of MuJoCo about the file, with the places that it may mean, "FILE:LINE", instead of its line 0: of what is included it counts no lines.
 std::string placed_message(const std::string& path, std::string message);
 

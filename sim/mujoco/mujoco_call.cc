@@ -4,12 +4,7 @@
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
-#include <new>
-#include <string_view>
 #include <utility>
-#include <vector>
-
-#include <sys/resource.h>
 
 #include "sim/core/error.h"
 
@@ -17,7 +12,7 @@ namespace slipbench {
 namespace {
 
 struct Call;
-// The call that a thread is in. What is of a thread has no destructor: see OfThread.
+// The call that a thread is in.
 thread_local Call* under_way = nullptr;
 thread_local std::array<char, 1024> text;
 
@@ -54,22 +49,6 @@ bool jumps_back(Call& call, void (*action)(void*), void* context) {
 
 }  // namespace
 
-CompilerMemory::CompilerMemory() {
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-  static std::mutex mutex;
-  alone_ = std::unique_lock(mutex);
-  // 16 MB: with so many lift.yaml has ended in order under each of 24 limits from 90 to 200 MB. Of a size that comes from the heap from which the compiler's own come.
-  constexpr std::size_t blocks = 256, bytes = 1 << 16;
-  std::vector<std::unique_ptr<char[]>> taken;
-  for (std::size_t i = 0; i < blocks; ++i) taken.push_back(std::make_unique_for_overwrite<char[]>(bytes));
-}
-
-void CompilerMemory::tell_crash(const char* path, int signal) const {
-  if (alone_.owns_lock()) throw std::bad_alloc();
-  throw SceneValueError(path, "MuJoCo's compiler crashed: " + signal_text(signal) + "; allowed: what it can compile");
-}
-
 void call_mujoco(void (*action)(void* context), void* context) {
   [[maybe_unused]] static const bool installed = [] {
     mju_user_error = on_error;
@@ -79,7 +58,6 @@ void call_mujoco(void (*action)(void* context), void* context) {
   Call call;
   if (!jumps_back(call, action, context)) return;
   if (call.carried) std::rethrow_exception(call.carried);
-  if (std::string_view(text.data()).find("Could not allocate memory") != std::string_view::npos) throw std::bad_alloc();
   throw InputError(text.data());
 }
 

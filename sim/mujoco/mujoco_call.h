@@ -3,12 +3,9 @@
 
 #include <exception>
 #include <memory>
-#include <mutex>
 #include <type_traits>
 
 #include <mujoco/mujoco.h>
-
-#include "sim/core/process/crash_guard.h"
 
 namespace slipbench {
 
@@ -31,23 +28,6 @@ template <class Action>
 void call_mujoco(Action&& action) {
   call_mujoco([](void* context) { (*static_cast<std::remove_reference_t<Action>*>(context))(); }, &action);
 }
-
-// MuJoCo's parser and compiler have a C++ run time of their own, whose std::bad_alloc ends the process. Where memory is limited (ulimit -v), no two of
-// these objects live at a time, and making one throws std::bad_alloc where less is left than a model of the bench takes: make one around such calls.
-class CompilerMemory {
- public:
-  CompilerMemory();
-  // Runs action(), which calls the compiler. Where it crashes throws std::bad_alloc if memory is limited, else SceneValueError at `path`.
-  template <class Action>
-  void run(const char* path, Action&& action) const {
-    if (const int signal = run_guarded(action); signal != 0) tell_crash(path, signal);
-  }
-
- private:
-  [[noreturn]] void tell_crash(const char* path, int signal) const;
-
-  std::unique_lock<std::mutex> alone_;
-};
 
 // For what MuJoCo calls back, before it ends with mju_error, which takes no more than a text: the call_mujoco() around it throws `error`
 // itself. Does nothing where MuJoCo was called by others.

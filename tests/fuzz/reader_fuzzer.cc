@@ -21,7 +21,7 @@
 #include "sim/core/error.h"
 #include "sim/core/sensor.h"
 #include "sim/mujoco/mjcf.h"
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/stored_trials.h"
 #include "tools/base/record/encoder.h"
 #include "tools/program/benchmark/benchmark.h"
@@ -47,7 +47,7 @@ void read_mjcf(const Texts& paths, const Texts& texts) {
   static_cast<void>(placed_message(paths[0], texts[2]));
 }
 
-// Without guarded(), in whose child no fuzzer sees anything.
+// Without slipbench-reader, in which no fuzzer sees anything.
 void read_dataset(const Texts& paths, const Texts&) {
   const std::optional<FileAbout> about = file_about(paths[0]);
   const DatasetReader reader(paths[0]);

@@ -111,7 +111,6 @@ std::string text_of(const nb::python_error& error) {
 template <class Work>
 auto locked(const Blame& blame, Work&& work) {
   const nb::gil_scoped_acquire acquire;
-  const NotedWork noted(blame.path, blame.whose, blame.method);
   try {
     return work();
   } catch (const nb::python_error& error) {

@@ -1,6 +1,4 @@
 // Scenes: trials in memory, sweeps into datasets, checks, and the program's own words about what a scene may say.
-#include <pthread.h>
-
 #include <array>
 #include <atomic>
 #include <map>
@@ -9,6 +7,8 @@
 #include <numeric>
 #include <optional>
 #include <span>
+
+#include <unistd.h>
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
@@ -19,11 +19,11 @@
 
 #include "detectors/network/engine.h"
 #include "sim/core/error.h"
+#include "sim/core/process/check_readable.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/base/dataset/guarded.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/sample_timing.h"
-#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/check/check.h"
 #include "tools/program/cli/command.h"
@@ -48,42 +48,19 @@ std::span<const double> span_of(const Times& times) { return {times.data(), time
 // Called with the trials done and all of them.
 using Progress = nb::typed<nb::object, nb::typed<nb::callable, void(std::size_t, std::size_t)>>;
 
-// What forks children that may call a user's classes: Python must know of it, or a child waits for threads that it lacks. In all of them Python's lock
-// is let go of, so that other threads run.
-thread_local int python_forks =
-    0;  // generations of them: a worker forks for those alone who hold the lock and tell Python themselves
-thread_local PyThreadState* waiting = nullptr;
-
-void before_fork() {
-  if (python_forks == 0) return;
-  PyEval_RestoreThread(std::exchange(waiting, nullptr));
+// Forks as os.fork() does, so that the child can run a user's classes. Call it without Python's lock.
+pid_t fork_with_python() {
+  const nb::gil_scoped_acquire acquire;
   PyOS_BeforeFork();
-}
-void after_fork_in_parent() {
-  if (python_forks == 0) return;
-  PyOS_AfterFork_Parent();
-  waiting = PyEval_SaveThread();
-}
-void after_fork_in_child() {
-  if (python_forks == 0) return;
-  PyOS_AfterFork_Child();
-  waiting = PyEval_SaveThread();
-  --python_forks;
+  const pid_t child = ::fork();
+  child == 0 ? PyOS_AfterFork_Child() : PyOS_AfterFork_Parent();
+  return child;
 }
 
-struct PythonForks {
-  PythonForks() {
-    static const int registered = ::pthread_atfork(before_fork, after_fork_in_parent, after_fork_in_child);
-    python_forks = registered == 0 ? 2 : 0;
-    waiting = PyEval_SaveThread();
-  }
-  PythonForks(const PythonForks&) = delete;
-  PythonForks& operator=(const PythonForks&) = delete;
-  ~PythonForks() {
-    python_forks = 0;
-    PyEval_RestoreThread(std::exchange(waiting, nullptr));
-  }
-};
+Isolation isolation_of(bool isolate, double limit) { return {.on = isolate, .limit = limit, .fork = fork_with_python}; }
+
+// HDF5 serves one thread at a time. Take it without Python's lock.
+std::mutex hdf5_in_use;
 
 // One InterruptGuard for all threads that simulate at once.
 class SharedInterrupt {
@@ -132,15 +109,14 @@ class Scene {
   // What `slipbench sweep` would warn of before it runs these trials: with `build` what takes a look at sensors and steps, too, and of the split
   // where it writes the dataset `output`.
   [[nodiscard]] Texts warnings(std::size_t draws, std::size_t limit, std::optional<std::uint64_t> seed, bool build,
-                               const std::string& output, bool isolate, const WorkLimits& limits) const {
+                               const std::string& output, bool isolate, double limit_s) const {
     SweepOptions options = options_;
     options.trials = draws;
     options.limit = limit;
     options.output = output;
-    options.isolate = isolate;
-    options.limits = limits;
+    options.isolation = isolation_of(isolate, limit_s);
     const std::uint64_t chosen = seed.value_or(seed_);
-    const PythonForks forks;
+    const nb::gil_scoped_release release;
     const ReadSweep read{file_, chosen, plan_trials(file_, *catalogues_, options, chosen)};
     if (build) return texts_of(scene_warnings(read, options));
     std::vector<std::size_t> trials(read.planned.asked);
@@ -172,7 +148,7 @@ class Scene {
   // Runs the sweep into a dataset; returns run_sweep()'s summary as JSON.
   [[nodiscard]] std::string write(const std::string& output, std::size_t draws, std::size_t limit,
                                   std::optional<std::uint64_t> seed, std::size_t jobs, bool full, bool resume,
-                                  const Progress& progress, bool isolate, const WorkLimits& limits) const {
+                                  const Progress& progress, bool isolate, double limit_s) const {
     SweepOptions options = options_;
     options.verb = limit == 0 ? "sweep" : "run";
     options.output = output;
@@ -182,8 +158,7 @@ class Scene {
     options.jobs = jobs;
     options.recording = full ? Recording::full : Recording::outcome;
     options.resume = resume;
-    options.isolate = isolate;
-    options.limits = limits;
+    options.isolation = isolation_of(isolate, limit_s);
     const SharedInterrupt guard;
     options.interrupt = &InterruptGuard::flag();
     const auto told = [&](const SweepProgress& at) {
@@ -191,7 +166,8 @@ class Scene {
       const nb::gil_scoped_acquire acquire;
       progress(at.done, at.total);
     };
-    const PythonForks forks;
+    const nb::gil_scoped_release release;
+    const std::lock_guard alone(hdf5_in_use);
     const SweepSummary summary = run_sweep(options, *catalogues_, told);
     Json json = Json::parse(summary_json(summary));
     json["warnings"] = warnings_json(converter_warnings(summary.trials));
@@ -200,20 +176,20 @@ class Scene {
 
   [[nodiscard]] nb::typed<nb::dict, nb::str, nb::any> check(std::size_t draws, std::optional<std::uint64_t> seed,
                                                             std::size_t jobs, const std::string& folder, bool isolate,
-                                                            const WorkLimits& limits) const {
+                                                            double limit_s) const {
     CheckOptions options{.scene_path = options_.scene_path,
                          .overrides = options_.overrides,
                          .seed = seed,
                          .trials = draws,
                          .jobs = jobs,
-                         .isolate = isolate,
-                         .limits = limits,
+                         .isolation = isolation_of(isolate, limit_s),
                          .folder = folder};
     SceneCheck result;
     {
       const SharedInterrupt guard;
       options.interrupt = &InterruptGuard::flag();
-      const PythonForks forks;
+      const nb::gil_scoped_release release;
+      const std::lock_guard alone(hdf5_in_use);
       result = check_scene(options, *catalogues_);
     }
     nb::dict all;
@@ -279,7 +255,8 @@ std::string evaluate(const std::string& type, const Pairs& parameters, const std
   options.all = all;
   options.trained = eval::training_of(options.detector);
   options.labels = labels.empty() ? eval::learnt_labels(options.trained) : eval::parse_label_rule(labels);
-  const PythonForks forks;
+  const nb::gil_scoped_release release;
+  const std::lock_guard alone(hdf5_in_use);
   return eval::evaluate(options).dump();
 }
 
@@ -287,7 +264,10 @@ std::vector<std::string> dataset_files(const std::string& path, bool content) {
   const SharedInterrupt guard;
   const nb::gil_scoped_release release;
   const InterruptScope scope(&InterruptGuard::flag());
-  return checked_files(path, content);
+  const std::string names = check_readable(content ? FileKind::dataset : FileKind::dataset_header, path);
+  std::vector<std::string> files;
+  for (std::size_t first = 0; first < names.size(); first += files.back().size() + 1) files.emplace_back(names.c_str() + first);
+  return files;
 }
 
 std::string describe(const std::string& name) {
@@ -317,7 +297,6 @@ Texts texts_of(const std::vector<Warning>& warnings) {
 }
 
 void bind_scene(nb::module_& module) {
-  nb::class_<WorkLimits>(module, "Limits").def(nb::init<double, std::size_t>(), nb::arg("time"), nb::arg("memory"));
   nb::class_<Stop>(module, "Stop").def(nb::init<>()).def("set", [](Stop& stop) { stop.now = true; });
   nb::class_<Converters>(module, "Converters")
       .def(nb::init<>())
@@ -329,13 +308,13 @@ void bind_scene(nb::module_& module) {
       .def_prop_ro("seed", &Scene::seed)
       .def("trials", &Scene::trials)
       .def("warnings", &Scene::warnings, nb::arg("draws"), nb::arg("limit"), nb::arg("seed").none(), nb::arg("build"),
-           nb::arg("output"), nb::arg("isolate"), nb::arg("limits"))
+           nb::arg("output"), nb::arg("isolate"), nb::arg("limit_s"))
       .def("run", &Scene::run, nb::arg("trial"), nb::arg("draws"), nb::arg("limit"), nb::arg("seed"), nb::arg("full"),
            nb::arg("stop").none())
       .def("write", &Scene::write, nb::arg("output"), nb::arg("draws"), nb::arg("limit"), nb::arg("seed").none(), nb::arg("jobs"),
-           nb::arg("full"), nb::arg("resume"), nb::arg("progress").none(), nb::arg("isolate"), nb::arg("limits"))
+           nb::arg("full"), nb::arg("resume"), nb::arg("progress").none(), nb::arg("isolate"), nb::arg("limit_s"))
       .def("check", &Scene::check, nb::arg("draws"), nb::arg("seed").none(), nb::arg("jobs"), nb::arg("folder"),
-           nb::arg("isolate"), nb::arg("limits"));
+           nb::arg("isolate"), nb::arg("limit_s"));
   module.def("evaluate", &evaluate);
   module.def("evenly_spaced", [](const Times& times, double resolution) { return evenly_spaced(span_of(times), resolution); });
   module.def("timing_text", [](const Times& times, double resolution) {

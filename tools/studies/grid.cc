@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "sim/core/process/regular_file.h"
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/project/project_file.h"
@@ -115,18 +115,14 @@ void Grid::with_trial(std::size_t index, const std::function<void(const GridTria
   }
 }
 
-Packed packed_trials(const std::string& path, const std::function<void(const TrialRecord&, Packed&)>& pack) {
-  return Packed(guarded(path, [&] {
-    Packed bytes;
-    for_each_trial(DatasetReader(path), [&](const TrialRecord& record) {
-      try {
-        pack(record, bytes);
-      } catch (const InputError& error) {
-        reject("{}: {}", path, error.what());
-      }
-    });
-    return bytes.release();
-  }));
+void with_trials(const std::string& path, const std::function<void(const TrialRecord&)>& use) {
+  for_each_trial(checked_dataset(path), [&](const TrialRecord& record) {
+    try {
+      use(record);
+    } catch (const InputError& error) {
+      reject("{}: {}", path, error.what());
+    }
+  });
 }
 
 void make_dataset(const std::string& path, const char* scene, const std::vector<Override>& overrides, std::size_t draws,

@@ -19,6 +19,7 @@
 #include "tools/base/record/trial_record.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt_guard.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/train/network/validation.h"
 #include "tools/program/train/train_network.h"
@@ -212,8 +213,8 @@ inline void end_if_interrupted() {
   if (InterruptGuard::flag()) throw Interrupted();
 }
 
-// What `pack` makes of each trial of a dataset, which a child process reads and checks. Throws InputError, naming the file.
-Packed packed_trials(const std::string& path, const std::function<void(const TrialRecord&, Packed&)>& pack);
+// Hands each trial of a dataset to `use`. Throws InputError, naming the file.
+void with_trials(const std::string& path, const std::function<void(const TrialRecord&)>& use);
 
 // Runs a scene's sweep under options.seed into the dataset `path`; `draws`: of each of its cells, 0: as many as it says. options.say hears how
 // many of `what` are done; null: nothing. Throws InputError and Interrupted.

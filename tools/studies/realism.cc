@@ -3,7 +3,7 @@
 #include <cmath>
 #include <span>
 
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/project/project_file.h"
 #include "tools/studies/grid.h"
@@ -163,8 +163,7 @@ std::string figure(double value) { return std::isnan(value) ? "-" : fmt::format(
 // The studies that `options` asks for. `left_out` gets the names of the others.
 std::vector<Source> asked_for(const ReproduceOptions& options, std::vector<std::string>& left_out) {
   std::vector<Source> asked = rows_asked_for(sources(), options);
-  const std::string truth =
-      options.real.empty() ? "" : guarded(options.real, [&] { return DatasetReader(options.real).header().truth; });
+  const std::string truth = options.real.empty() ? "" : dataset_header_at(options.real).header().truth;
   std::erase_if(asked, [&](const Source& source) {
     const bool left = source.recordings != nullptr ? !truth.ends_with(source.recordings)
                                                    : options.only.empty() && !options.full && !source.quick;

@@ -3,11 +3,8 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -25,11 +22,7 @@ constexpr const char* no_library = "none";
 constexpr std::size_t max_parameters = 1000;
 constexpr std::size_t max_text = 4096;  // bytes of a name or a text that a library declares
 
-// The system's loader holds a lock while it runs constructors of a library. A crash in one of them leaves it taken by this thread: any other one
-// that loaded a library would wait for ever. So only one thread is inside of the loader, and after such a crash none.
 std::mutex loader;
-bool loader_lost = false;  // under `loader`
-std::atomic<bool> any_loaded = false;
 
 // Under `loader`: what tells each library that has been loaded from another one of its name, which the loader would take it for.
 using Stamp = std::pair<std::uintmax_t, std::filesystem::file_time_type>;  // size, time of its content
@@ -40,41 +33,6 @@ std::map<std::string, Stamp>& stamps() {
 Stamp stamp_of(const std::string& file) {
   std::error_code gone;  // who cannot be looked at cannot be loaded either, and dlopen() says why
   return {std::filesystem::file_size(file, gone), std::filesystem::last_write_time(file, gone)};
-}
-
-// Libraries that may be at work. Whoever calls exit() meanwhile is one of them, or a thread that it has started: the program
-// itself ends when none is. Never destroyed, since they are asked after main().
-struct WorkingLibraries {
-  std::mutex mutex;
-  std::vector<std::string> names;
-};
-WorkingLibraries& working_libraries() {
-  static auto* const libraries = new WorkingLibraries;
-  return *libraries;
-}
-
-NotedCall* noted_call = nullptr;  // null: calls are not noted
-
-// What has not come to its end must not look finished.
-void refuse_exit() {
-  WorkingLibraries& libraries = working_libraries();
-  const std::lock_guard<std::mutex> lock(libraries.mutex);
-  if (libraries.names.empty()) return;
-  if (noted_call != nullptr) std::_Exit(2);  // whoever reads it says so
-  const std::string text = "slipbench: " + libraries.names.back() +
-                           ": exit() was called while this library was at work; allowed: a library that returns\n";
-  std::fputs(text.c_str(), stderr);
-  std::_Exit(2);  // as bad input ends
-}
-
-void write(std::string_view text, std::span<char> place) { place[text.copy(place.data(), place.size() - 1)] = '\0'; }
-
-bool note_call(const std::string& key, const std::string& library, const std::string& function) {
-  if (noted_call == nullptr) return false;
-  write(key, noted_call->key);
-  write(library, noted_call->library);
-  write(function, noted_call->function);
-  return true;
 }
 
 // The sizes in the order of slipbench_abi.
@@ -110,20 +68,6 @@ Quantity quantity_in(const std::string& unit) {
 
 }  // namespace
 
-PluginLibrary::AtWork::AtWork(std::string name) : name_(std::move(name)) {
-  static const int registered = std::atexit(&refuse_exit);
-  static_cast<void>(registered);
-  WorkingLibraries& libraries = working_libraries();
-  const std::lock_guard<std::mutex> lock(libraries.mutex);
-  libraries.names.push_back(name_);
-}
-
-PluginLibrary::AtWork::~AtWork() {
-  WorkingLibraries& libraries = working_libraries();
-  const std::lock_guard<std::mutex> lock(libraries.mutex);
-  libraries.names.erase(std::ranges::find(libraries.names, name_));
-}
-
 PluginLibrary::PluginLibrary(std::string part, std::string where, std::string key, std::string name)
     : part_(std::move(part)),
       where_(where.empty() ? part_ : std::move(where)),
@@ -138,21 +82,13 @@ PluginLibrary::PluginLibrary(std::string part, const std::string& path, const sl
     const bool there = std::filesystem::exists(path, error);
     throw SceneValueError(key_, (there ? name_ + " is no file" : "no file " + name_) + "; allowed: the path of a shared library");
   }
-  at_work_.emplace(name_);
   const std::string file = std::filesystem::absolute(path).string();  // a bare name would be searched for
   {
     const std::lock_guard<std::mutex> lock(loader);
-    if (loader_lost) refuse("cannot be loaded: a library crashed while it was loaded; allowed: another start of the program");
     const Stamp stamp = stamp_of(file);
     if (stamps().emplace(file, stamp).first->second != stamp)
       refuse("has changed since it was loaded; allowed: another start of the program");
-    any_loaded = true;  // its destructors run at the end of the process even where a constructor crashes
-    try {
-      guarded("a constructor of the library", [&] { handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); });
-    } catch (const SceneValueError&) {
-      loader_lost = loader_lost || crashed_;
-      throw;
-    }
+    call("a constructor of the library", [&] { handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); });
     if (handle_ == nullptr) {
       stamps().erase(file);
       throw SceneValueError(key_, "cannot load " + name_ + ": " + dlerror() + "; allowed: a shared library");
@@ -161,8 +97,6 @@ PluginLibrary::PluginLibrary(std::string part, const std::string& path, const sl
   check_build(own);
   static_cast<void>(symbol("slipbench_make_" + part_));
 }
-
-bool PluginLibrary::any() { return any_loaded; }
 
 void PluginLibrary::refuse(const std::string& what) const { throw SceneValueError(key_, name_ + " " + what); }
 
@@ -185,12 +119,12 @@ void PluginLibrary::check_build(const slipbench_abi& own) {
   const auto* const at = static_cast<const char*>(symbol(name));
   slipbench_abi found{};
   // A library of another version may hold no more than the version.
-  guarded(name, [&] { std::memcpy(&found.version, at, sizeof found.version); });
+  std::memcpy(&found.version, at, sizeof found.version);
   if (found.version != own.version) {
     refuse("was built for version " + std::to_string(found.version) + " of the " + part_ +
            " interface; allowed: " + std::to_string(own.version));
   }
-  guarded(name, [&] { std::memcpy(&found, at, sizeof found); });
+  std::memcpy(&found, at, sizeof found);
   for (const Size& size : sizes_of(part_)) {
     if (found.*size.member == own.*size.member) continue;
     refuse("was built with a " + std::string(size.structure) + " of " + std::to_string(found.*size.member) +
@@ -198,37 +132,15 @@ void PluginLibrary::check_build(const slipbench_abi& own) {
   }
 }
 
-void PluginLibrary::note_calls(NotedCall& place) { noted_call = &place; }
-
-bool PluginLibrary::note(const std::string& function) const { return note_call(key_, name_, function); }
-
-NotedWork::NotedWork(const std::string& key, const std::string& whose, const std::string& function) {
-  static_cast<void>(note_call(key, whose, function));
-}
-NotedWork::~NotedWork() {
-  if (noted_call != nullptr) noted_call->function.front() = '\0';
-}
-
-void PluginLibrary::settle(const std::string& function, int signal, const std::string& thrown) {
-  if (noted_call != nullptr) noted_call->function.front() = '\0';
-  if (signal != 0) {
-    crashed_ = true;
-    refuse("crashed in " + function + ": " + signal_text(signal));
-  }
-  if (!thrown.empty()) refuse("threw " + thrown + " in " + function + "; allowed: no exceptions");
-}
-
 std::vector<PluginLibrary::Values::Value> PluginLibrary::declared() {
   const std::string name = "slipbench_" + part_ + "_parameters";
   const auto* const table = static_cast<const slipbench_parameter*>(dlsym(handle_, name.c_str()));
   std::vector<Values::Value> values;
   if (table == nullptr) return values;
-  guarded(name, [&] {
-    for (const slipbench_parameter* row = table; row->name != nullptr && *row->name != '\0' && values.size() <= max_parameters;
-         ++row) {
-      values.push_back({bounded_text(row->name), bounded_text(row->text), bounded_text(row->unit), row->type, row->number});
-    }
-  });
+  for (const slipbench_parameter* row = table; row->name != nullptr && *row->name != '\0' && values.size() <= max_parameters;
+       ++row) {
+    values.push_back({bounded_text(row->name), bounded_text(row->text), bounded_text(row->unit), row->type, row->number});
+  }
   const std::string where = "declares in " + name + " ";
   if (values.size() > max_parameters) {
     refuse(where + "more than " + std::to_string(max_parameters) + " parameters; allowed: SLIPBENCH_NO_MORE as the last row");

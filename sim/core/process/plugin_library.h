@@ -1,10 +1,8 @@
 // The program's side of sim/core/plugin_abi.h: what sensors, detectors and controllers from shared libraries have in common.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <exception>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,48 +11,23 @@
 #include "sim/core/error.h"
 #include "sim/core/parameters.h"
 #include "sim/core/plugin_abi.h"
-#include "sim/core/process/crash_guard.h"
 #include "sim/core/sensor_frame.h"
 
 namespace slipbench {
 
-// A call into a library, noted where those can read it who outlive the process that makes it.
-struct NotedCall {
-  std::array<char, 128> key{};       // of the scene: "detector.library"
-  std::array<char, 1024> library{};  // in quotes
-  std::array<char, 64> function{};   // empty: no call is under way
-};
-
-// Notes code of others that is no library for as long as it lives, where calls are noted.
-class NotedWork {
- public:
-  NotedWork(const std::string& key, const std::string& whose, const std::string& function);
-  NotedWork(const NotedWork&) = delete;
-  NotedWork& operator=(const NotedWork&) = delete;
-  ~NotedWork();
-};
-
 // A shared library, or code of the same interface that the program is built with. A library stays loaded when the object goes, since threads that
 // it has started may run on; one that has changed since needs another start of the program. Whatever it does wrong is a SceneValueError at
-// `where`.library, or .type: the message names the library, and the function where one is to blame. Exception: a call of exit() while the object lives ends the
-// program, as it must, but with status 2 and a line on stderr that names the library.
+// `where`.library, or .type: the message names the library, and the function where one is to blame. A crash of it, or a call of exit(), ends the program.
 class PluginLibrary {
  public:
   // `part`: "sensor", "detector" or "controller"; `path`: what the scene names, or the default "none"; `own`: what the program was built
   // with. Throws SceneValueError where no library is named, where there is no such file, where it cannot be loaded, lacks a
   // symbol or was built with anything else than `own`. `where`: the part in the scene, "sensors.pad"; "": `part`.
   PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where = {});
-  // What the program is built with, `key` being the scene's for it: nothing is loaded. For guarded() and refuse() alone.
+  // What the program is built with, `key` being the scene's for it: nothing is loaded. For call() and refuse() alone.
   PluginLibrary(std::string part, std::string where, std::string key, std::string name);
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
-
-  // Whether the process has loaded one, or tried to. Its threads and its destructors may crash while the process ends, so that it should end by
-  // std::_Exit().
-  static bool any();
-
-  // For a process that may be lost: from here on `place` holds the call that is under way, and a crash ends the process, as exit() does, unheard.
-  static void note_calls(NotedCall& place);
 
   // What the library declares as its parameters, with the values of `given`. Throws SceneValueError at `where`.parameters.<name>
   // for a name that the library does not declare and a value that is not of the declared type, and at `where`.library for a
@@ -83,31 +56,20 @@ class PluginLibrary {
     return reinterpret_cast<Make*>(symbol("slipbench_make_" + part_));  // as POSIX has it
   }
 
-  // Runs call(), which is to call `function` of the library and nothing else. Throws SceneValueError where that crashes or
-  // throws. After a crash the library is called no more: has_crashed().
+  // Runs call(), which is to call `function` of the library and nothing else. Throws SceneValueError where that throws.
   template <class Call>
-  void guarded(const std::string& function, Call&& call) {
-    std::string thrown;  // outside of what a crash may jump over
-    auto caught = [&] {
-      try {
-        call();
-      } catch (const std::exception& error) {
-        thrown = quote(error.what());
-      } catch (...) {
-        thrown = "an exception";
-      }
-    };
-    const bool noted = note(function);
-    int signal = 0;
-    if (noted) {
-      caught();
-    } else {
-      signal = run_guarded(caught);
+  void call(const std::string& function, Call&& call) {
+    std::string thrown;
+    try {
+      call();
+      return;
+    } catch (const std::exception& error) {
+      thrown = quote(error.what());
+    } catch (...) {
+      thrown = "an exception";
     }
-    settle(function, signal, thrown);
+    refuse("threw " + thrown + " in " + function + "; allowed: no exceptions");
   }
-
-  [[nodiscard]] bool has_crashed() const { return crashed_; }
 
   // Throws SceneValueError at `where`.library, or .type: "'mine.so' " and `what`.
   [[noreturn]] void refuse(const std::string& what) const;
@@ -117,29 +79,12 @@ class PluginLibrary {
  private:
   [[nodiscard]] void* symbol(const std::string& name) const;
   void check_build(const slipbench_abi& own);
-  // Whether calls are noted; then so is this one, until settle().
-  [[nodiscard]] bool note(const std::string& function) const;
-  void settle(const std::string& function, int signal, const std::string& thrown);
   std::vector<Values::Value> declared();
   void take(const std::string& text, Values::Value& value) const;
 
-  // Notes a library under its name while it may be at work, for a call of exit().
-  class AtWork {
-   public:
-    explicit AtWork(std::string name);
-    AtWork(const AtWork&) = delete;
-    AtWork& operator=(const AtWork&) = delete;
-    ~AtWork();
-
-   private:
-    std::string name_;
-  };
-
   std::string part_, where_, key_;
-  std::string name_;               // for messages: the path or type in quotes
-  std::optional<AtWork> at_work_;  // of a library
+  std::string name_;  // for messages: the path or type in quotes
   void* handle_ = nullptr;
-  bool crashed_ = false;
 };
 
 // The sensors of a scene as a library sees them. Valid as long as the object lives.
@@ -191,16 +136,16 @@ class PluginObject {
                                  .sensor = own,
                                  .parameters = parameters.data(),
                                  .parameter_count = parameters.size()};
-    library.guarded(function_, [&] { made(&about, &object); });
+    library.call(function_, [&] { made(&about, &object); });
     if (object.*works != nullptr) return;
     finish();
     library.refuse_scene(object.refusal);
   }
 
-  // Ends the object. Throws SceneValueError where that crashes or throws.
+  // Ends the object. Throws SceneValueError where that throws.
   void finish() {
     const auto destroy = std::exchange(object.destroy, nullptr);
-    if (destroy != nullptr && !library.has_crashed()) library.guarded("destroy", [&] { destroy(object.self); });
+    if (destroy != nullptr) library.call("destroy", [&] { destroy(object.self); });
   }
 
   PluginLibrary library;  // outlives what it made

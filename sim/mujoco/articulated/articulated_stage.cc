@@ -85,7 +85,6 @@ ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surfa
   w.parts = parts;
   w.dt = pillars.dt;
 
-  const CompilerMemory memory;
   const SpecPointer spec(mj_makeSpec());
   set_pillar_options(spec.get(), pillars);
   mju_zero3(spec->option.gravity);
@@ -107,7 +106,7 @@ ArticulatedStage::ArticulatedStage(const PadLayout& layout, const Surface& surfa
   const std::string name = "surface";
   add_articulated_pad(spec.get(), carrier, Pose{}, layout, {&name, 1}, friction, pillars, "pad");
 
-  memory.run("fidelity", [&] { w.model.reset(mj_compile(spec.get(), nullptr)); });
+  w.model.reset(mj_compile(spec.get(), nullptr));
   if (!w.model) throw std::runtime_error(std::string("MuJoCo cannot compile the articulated pad: ") + mjs_getError(spec.get()));
   w.data.reset(mj_makeData(w.model.get()));
   w.contact = std::make_unique<ArticulatedContact>(w.model.get(), "pad", layout, pillars);

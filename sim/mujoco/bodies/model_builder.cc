@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/process/check_readable.h"
 #include "sim/core/quantity.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/linear/stability.h"
@@ -168,9 +169,7 @@ class Builder {
 
   ModelPointer compile(mjSpec* spec) {
     ModelPointer model(mj_compile(spec, &vfs_.vfs));
-    const std::string why = model ? "" : mjs_getError(spec);
-    if (why.ends_with("Could not allocate memory")) throw std::bad_alloc();  // no fault of the scene
-    if (!model) throw SceneValueError(blamed(scene_), "MuJoCo cannot compile it: " + placed(why.c_str()));
+    if (!model) throw SceneValueError(blamed(scene_), "MuJoCo cannot compile it: " + placed(mjs_getError(spec)));
     return model;
   }
 
@@ -286,6 +285,7 @@ class Builder {
     } else {
       try {
         check_mjcf(scene_.model);
+        check_readable_once(FileKind::model, scene_.model);
       } catch (const InputError& error) {
         throw SceneValueError("model", error.what());
       }
@@ -556,16 +556,12 @@ class Builder {
 
 ModelPointer build_model(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand,
                          HandedLayouts& handed) {
-  ModelPointer model;
-  CompilerMemory().run(blamed(scene), [&] { model = Builder(scene, pads, trial, hand).build(handed); });
-  return model;
+  return Builder(scene, pads, trial, hand).build(handed);
 }
 
 ModelPointer build_articulated_model(const Scene& scene, std::span<const PadLayout* const> pads,
                                      const std::function<double(double)>& step_for, const Hand* hand) {
-  ModelPointer model;
-  CompilerMemory().run(blamed(scene), [&] { model = Builder(scene, pads, 0, hand).build_articulated(step_for); });
-  return model;
+  return Builder(scene, pads, 0, hand).build_articulated(step_for);
 }
 
 std::string site_of(const SensorScene& sensor) { return sensor.site.empty() ? stage_name : sensor.site; }

@@ -14,7 +14,6 @@
 #include <iterator>
 #include <limits>
 #include <memory>
-#include <new>
 #include <utility>
 
 namespace slipbench {
@@ -33,9 +32,6 @@ void report_errors(Action&& action) {
   message[0] = '\0';
   try {
     action();
-  } catch (const std::bad_alloc&) {
-    std::snprintf(message.data(), message.size(), "slipbench: out of memory");
-    carry_to_caller(std::current_exception());
   } catch (const std::exception& error) {
     std::snprintf(message.data(), message.size(), "slipbench: %s", error.what());
     carry_to_caller(std::current_exception());

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "sim/core/error.h"
-#include "sim/core/process/of_thread.h"
 #include "sim/core/quantity.h"
 #include "sim/scene/scene_values.h"
 #include "sim/scene/section_readers.h"
@@ -304,10 +303,10 @@ class LastRead {
 
 // What the attributes say that a scene would say. `known`: the same at every call.
 const Scene& read_contact(const Attributes& attributes, const Catalogues& known) {
-  static OfThread<LastRead<Scene>> scenes;
+  thread_local LastRead<Scene> scenes;
   std::vector<std::string> texts{attributes.name()};
   for (const char* attribute : {"seed", "material", "friction", "effects", "sensor"}) texts.push_back(attributes.text(attribute));
-  return scenes.get().find(std::move(texts), [&] {
+  return scenes.find(std::move(texts), [&] {
     Catalogues catalogues = known;
     if (!attributes.has("sensor")) catalogues.sensors = {{table_type, "", "", "", {}}};
     return read_scene(scene_tree(attributes), catalogues, nullptr);
@@ -397,8 +396,8 @@ PadLayout table_of(const Attributes& attributes) {
     if (attributes.has("units")) attributes.refuse("units has no place beside elements " + quote(name));
     return known->second;
   }
-  static OfThread<LastRead<PadLayout>> tables;
-  return tables.get().find({attributes.text("elements"), attributes.text("units")}, [&] {
+  thread_local LastRead<PadLayout> tables;
+  return tables.find({attributes.text("elements"), attributes.text("units")}, [&] {
     const YamlNode table = attributes.yaml("elements");
     if (!attributes.has("units")) return read_element_table(table, nullptr);
     const YamlNode counts = attributes.yaml("units");

@@ -1,8 +1,7 @@
 // A library that does everything right but for what the environment variable SLIPBENCH_WRONG asks for when it is loaded: words joined by
 // commas, each a key and a number. So one library stands for any number of wrong ones.
 //   version=7  size3=40  rows=1 (each value a fault of the parameter table)  make=1 (no function)  rate=7  state=9  latency=-1  stuck=2
-//   function=1 (an address where no code is)  crash=1 (CRASH) in=1 (IN)
-#include <array>
+//   crash=1 (CRASH) in=1 (IN)
 #include <cmath>
 #include <csignal>
 #include <cstdint>
@@ -69,11 +68,6 @@ void update(void* /*self*/, const slipbench_detector_input* /*input*/, slipbench
 
 void destroy(void* /*self*/) { crash_in(in_destroy); }
 
-const char* bad_text() {
-  volatile std::uintptr_t address = 64;
-  return reinterpret_cast<const char*>(address);  // NOLINT(performance-no-int-to-ptr)
-}
-
 // Runs when the library is loaded.
 struct Loaded {
   Loaded();
@@ -100,19 +94,16 @@ Loaded::Loaded() {
   }
   slipbench_parameter& row = slipbench_detector_parameters[0];
   switch (asked_int("rows")) {
-    case 1: row.name = bad_text(); break;
     case 2: row.name = "no name"; break;
     case 3: row.type = 0; break;
     case 4: row.type = 1'000'000; break;
     case 5: row.number = std::nan(""); break;
     case 6: row.unit = "bananas"; break;
     case 7: row.unit = "mN"; break;
-    case 8: row.unit = bad_text(); break;
     case 9: slipbench_detector_parameters[1] = row; break;
     case 10:
       for (slipbench_parameter& any : slipbench_detector_parameters) any = row;
       break;
-    case 11: row.text = bad_text(); break;
     default: break;
   }
   crash_in(in_load);
@@ -130,9 +121,4 @@ void slipbench_make_detector(const slipbench_source* /*source*/, slipbench_detec
   if (asked_int("make") == 2) std::memset(detector->refusal, 'x', sizeof detector->refusal);
   if (asked_int("make") == 2) return;
   detector->update = update;
-  // An address in the first page, one that no processor has, and data.
-  const std::array<std::uintptr_t, 3> addresses{64, std::uintptr_t{0xdead} << 48,
-                                                reinterpret_cast<std::uintptr_t>(&slipbench_detector_abi)};
-  const int wrong = asked_int("function");
-  if (wrong > 0) std::memcpy(&detector->update, &addresses.at(static_cast<std::size_t>(wrong - 1)), sizeof detector->update);
 }

@@ -244,29 +244,15 @@ TEST_F(PiezoRecordings, OtherMotorsRunOnlyWhereTheyAreAskedFor) {
   EXPECT_GT(running(Motors::others_too), 0U);
 }
 
-TEST_F(PiezoRecordings, SurviveTheirBytes) {
+TEST_F(PiezoRecordings, HoldTheFramesOfEachInput) {
   const std::vector<network::Input> inputs{published_spectra(), spectra_of(0.0, 5000.0)};
   const PiezoRecording first = make_recording(skin_record(0, true, R"({"effects": 3})"), inputs);
   EXPECT_TRUE(std::isnan(first.level));
-  Packed bytes(Packed::bytes_of(first, make_recording(skin_record(1, false, "{}"), inputs)));
-  const std::array back{bytes.take<PiezoRecording>(), bytes.take<PiezoRecording>()};
-  EXPECT_TRUE(bytes.at_end());
-  EXPECT_TRUE(std::isnan(back[0].level));
-  EXPECT_EQ(back[0].tip, "effects=3");
-  ASSERT_THAT(back[0].inputs, SizeIs(2));
-  EXPECT_THAT(back[0].inputs[1].features, SizeIs(3 * 101));  // 0 to 5 kHz by 50 Hz
-  for (std::size_t k = 0; k < 2; ++k) {
-    EXPECT_EQ(back[0].inputs[k].features, first.inputs[k].features);
-    EXPECT_EQ(back[0].inputs[k].truth, first.inputs[k].truth);
-    EXPECT_EQ(back[0].inputs[k].paper, first.inputs[k].paper);
-  }
-  EXPECT_EQ(back[0].slip_time, first.slip_time);
-  EXPECT_EQ(back[0].label_time, first.label_time);
-  EXPECT_EQ(back[0].time, first.time);
-  EXPECT_EQ(back[0].contact, first.contact);
-  EXPECT_EQ(back[0].motors, first.motors);
-  EXPECT_FALSE(back[0].motors_only);
-  EXPECT_TRUE(back[1].motors_only);
+  EXPECT_EQ(first.tip, "effects=3");
+  ASSERT_THAT(first.inputs, SizeIs(2));
+  EXPECT_THAT(first.inputs[1].features, SizeIs(3 * 101));  // 0 to 5 kHz by 50 Hz
+  EXPECT_FALSE(first.motors_only);
+  EXPECT_TRUE(make_recording(skin_record(1, false, "{}"), inputs).motors_only);
 }
 
 TEST_F(PiezoRecordings, OfOtherSensorsAreRefused) {

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/base/dataset/guarded.h"
+#include "sim/core/process/check_readable.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/shard.h"
@@ -48,23 +48,18 @@ std::optional<Beginning> beginning_of(const std::string& path) {
   return found;
 }
 
-// Runs in the child process, which HDF5 may end.
-std::string found_text(const std::string& path) {
-  try {
-    const std::optional<FileAbout> about = file_about(path);
-    if (!about) return nlohmann::json{{"kind", Found::Kind::other}}.dump();
-    const DatasetHeader& header = about->header;
-    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    return nlohmann::json{{"kind", Found::Kind::dataset},
-                          {"shard", about->shard},
-                          {"shards", about->shards.value_or(0)},
-                          {"trials", about->trials},
-                          {"complete", about->complete && hdf5::CrashSafeFile::cleared(file.get())},
-                          {"dataset", fmt::format("{}\n{}\n{}", header.seed, header.command, header.scene)}}
-        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  } catch (const std::exception&) {
-    return nlohmann::json{{"kind", Found::Kind::damaged}}.dump();
-  }
+Found found_dataset(const std::string& path) {
+  check_readable(FileKind::dataset_file, path);
+  const std::optional<FileAbout> about = file_about(path);
+  if (!about) return {Found::Kind::other};
+  const DatasetHeader& header = about->header;
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  return {Found::Kind::dataset,
+          about->shard,
+          about->shards.value_or(0),
+          about->trials,
+          about->complete && hdf5::CrashSafeFile::cleared(file.get()),
+          fmt::format("{}\n{}\n{}", header.seed, header.command, header.scene)};
 }
 
 // A link is not followed.
@@ -85,9 +80,7 @@ Found found_at(const std::string& path) {
   if (beginning == Beginning{}) return {Found::Kind::empty};
   if (beginning != hdf5) return {Found::Kind::other};
   try {
-    const nlohmann::json json = nlohmann::json::parse(guarded(path, [&] { return found_text(path); }));
-    return {json.at("kind").get<Found::Kind>(),     json.value("shard", std::uint64_t{0}), json.value("shards", std::uint64_t{0}),
-            json.value("trials", std::uint64_t{0}), json.value("complete", false),         json.value("dataset", "")};
+    return found_dataset(path);
   } catch (const InputError&) {
     return {Found::Kind::damaged};
   }

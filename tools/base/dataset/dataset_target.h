@@ -15,7 +15,7 @@ namespace slipbench {
 
 // Throws InputError when one of the first `planned` files may not be written. Returns for how many that is known: at least
 // `planned`, more where further files stand there that may be replaced. `resumes`: what a run that did not come to its end has
-// left may hold trials, with which this one goes on, and which it has locked. Call it before any thread is made (guarded.h).
+// left may hold trials, with which this one goes on, and which it has locked.
 std::size_t check_dataset_targets(const std::string& path, std::size_t planned, bool resumes);
 
 // For a k-th file beyond those: throws InputError when anything stands under one of its names.

@@ -41,7 +41,7 @@ std::optional<FileAbout> file_about(const std::string& path);
 
 // A dataset of one or several shards, opened by the name of the first. A file that a killed or interrupted run left behind opens
 // as well: complete() says which. All functions throw InputError when the file is not what it should be, naming file and place.
-// HDF5 itself may crash on damaged bytes: a program reads files that are not its own inside guarded() (guarded.h).
+// HDF5 itself may crash on damaged bytes: a program opens files that are not its own by checked_dataset.h.
 // The HDF5 library is not thread-safe: use all readers and writers of a process from one thread.
 class DatasetReader {
  public:

@@ -1,7 +1,6 @@
 #include "tools/base/dataset/shard_set.h"
 
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
 #include <set>
 #include <system_error>
@@ -10,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/core/process/check_readable.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/stored_trials.h"
 #include "tools/base/dataset/writer.h"
@@ -39,44 +39,12 @@ void refuse_input_as_output(const std::vector<std::string>& inputs, const std::s
   }
 }
 
-// The work of merge_shards(), in the child process.
-Merged merge(const std::vector<std::string>& paths, const std::string& output) {
-  ShardSet set(paths);
-  refuse_input_as_output(set.files(), output);
-  if (const std::vector<std::string> gaps = set.gaps(); !gaps.empty()) {
-    reject("cannot write {}: {}; allowed: all shards of a sweep", output, fmt::join(gaps, "; "));
-  }
-  if (set.size() == 0) reject("cannot write {}: all trials of the sweep have failed", output);
-  ShardSet(paths).check_duplicates();
-  // Chunks are copied as they are: what a disk has changed in them would be told by nobody.
-  for (const std::string& shard : set.paths()) {
-    const DatasetReader reader(shard);
-    for (std::size_t file = 0; file < reader.files().size(); ++file) check_content(reader, file);
-  }
-
-  Merged merged;
-  const DatasetHeader header = whole_header(set.header());
-  std::optional<KeptTrials> kept;  // of a merge that was killed
-  if (!leftovers(output).empty()) kept.emplace(output, header);
-  DatasetWriter writer(output, header, set.header().part->trials, DatasetWriter::default_shard_limit, kept ? &*kept : nullptr);
-  try {
-    while (const std::optional<EncodedTrial> trial = set.next(merged.duplicates)) writer.append(*trial);
-    for (const FailedTrial& failed : set.failed()) writer.add_failed(failed);
-    merged.trials = writer.size();
-    merged.failed = set.failed().size();
-    merged.files = writer.commit();
-  } catch (...) {
-    if (!kept) writer.discard();
-    throw;
-  }
-  return merged;
-}
-
 }  // namespace
 
 ShardSet::ShardSet(const std::vector<std::string>& paths) {
   std::set<std::string> later;
   for (const std::string& path : paths) {
+    check_readable(FileKind::dataset_file, path);
     std::optional<FileAbout> about = file_about(path);
     if (about && about->header.part && about->shard > 0) {
       later.insert(normal(path));
@@ -84,6 +52,7 @@ ShardSet::ShardSet(const std::vector<std::string>& paths) {
       shards_.push_back(std::make_unique<StoredTrials>(path, std::move(about)));
     }
   }
+  for (const auto& shard : shards_) check_readable(FileKind::dataset_header, shard->path());
   for (const std::string& name : files()) later.erase(normal(name));
   if (!later.empty()) throw InputError(*later.begin() + ": is a further file of a shard; allowed: with the shard's first file");
 
@@ -198,27 +167,33 @@ std::size_t ShardSet::check_duplicates() {
   return duplicates;
 }
 
-ReadingLimits reading_limits(const std::vector<std::string>& paths) {
-  ReadingLimits limits;
-  for (const std::string& path : paths) {
-    const ReadingLimits one = reading_limits(path);
-    limits.cpu += one.cpu;
-    limits.wait += one.wait;
-    limits.memory = std::max(limits.memory, one.memory);
-  }
-  return limits;
-}
-
 Merged merge_shards(const std::vector<std::string>& paths, const std::string& output) {
-  const auto action = [&] {
-    std::signal(SIGXFSZ, SIG_IGN);  // writing beyond a limit is an error like a full disk
-    const Merged merged = merge(paths, output);
-    return nlohmann::json{merged.trials, merged.failed, merged.duplicates, merged.files}.dump();
-  };
-  const auto found =
-      nlohmann::json::parse(guarded("one of the shards (slipbench verify says which)", reading_limits(paths), action));
-  return {found.at(0).get<std::size_t>(), found.at(1).get<std::size_t>(), found.at(2).get<std::size_t>(),
-          found.at(3).get<std::vector<std::string>>()};
+  ShardSet set(paths);
+  refuse_input_as_output(set.files(), output);
+  if (const std::vector<std::string> gaps = set.gaps(); !gaps.empty()) {
+    reject("cannot write {}: {}; allowed: all shards of a sweep", output, fmt::join(gaps, "; "));
+  }
+  if (set.size() == 0) reject("cannot write {}: all trials of the sweep have failed", output);
+  ShardSet(paths).check_duplicates();
+  // Chunks are copied as they are: what a disk has changed in them would be told by nobody.
+  for (const std::string& shard : set.paths()) check_readable(FileKind::dataset, shard);
+
+  Merged merged;
+  const DatasetHeader header = whole_header(set.header());
+  std::optional<KeptTrials> kept;  // of a merge that was killed
+  if (!leftovers(output).empty()) kept.emplace(output, header);
+  DatasetWriter writer(output, header, set.header().part->trials, DatasetWriter::default_shard_limit, kept ? &*kept : nullptr);
+  try {
+    while (const std::optional<EncodedTrial> trial = set.next(merged.duplicates)) writer.append(*trial);
+    for (const FailedTrial& failed : set.failed()) writer.add_failed(failed);
+    merged.trials = writer.size();
+    merged.failed = set.failed().size();
+    merged.files = writer.commit();
+  } catch (...) {
+    if (!kept) writer.discard();
+    throw;
+  }
+  return merged;
 }
 
 }  // namespace slipbench

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/record/encoder.h"
 
@@ -17,8 +16,7 @@ namespace slipbench {
 
 class StoredTrials;
 
-// Shards that belong together. A shard may stand there twice, and two may hold the same trial, as long as its digests are equal. Use it inside
-// guarded() (guarded.h).
+// Shards that belong together. A shard may stand there twice, and two may hold the same trial, as long as its digests are equal.
 class ShardSet {
  public:
   // `paths`: the first files of shards; further files of them may stand among them. Throws InputError as StoredTrials does, and for a shard of
@@ -59,9 +57,6 @@ class ShardSet {
   std::vector<std::string> gaps_;
 };
 
-// What reading several datasets, one after the other, may take.
-ReadingLimits reading_limits(const std::vector<std::string>& paths);
-
 // The shards of a sweep put together.
 struct Merged {
   std::size_t trials = 0;      // in `files`
@@ -73,7 +68,7 @@ struct Merged {
 // Writes the dataset that the undivided sweep would have written, byte for byte, from the shards `paths` (their first files; further ones may
 // stand among them). Chunks are copied as they lie there. Throws InputError, and writes nothing, where a file is no whole shard, where one is of
 // another sweep, where trials are missing, where two files hold a trial with different digests, and where `output` cannot be written. What a
-// killed merge has left of `output` is replaced. Reads in a child process: call it before any thread is made (guarded.h).
+// killed merge has left of `output` is replaced.
 Merged merge_shards(const std::vector<std::string>& paths, const std::string& output);
 
 }  // namespace slipbench

@@ -22,7 +22,7 @@ std::size_t trial_number(const hdf5::Place& list, const std::string& name);
 EncodedTrial read_encoded(const hdf5::Place& demo, std::size_t trial);
 
 // The trials of one shard of a sweep in ascending order. One of its files is open at a time, and of that one trial in memory. All functions
-// throw InputError when a file is not what it should be. HDF5 itself may crash on damaged bytes: use it inside guarded() (guarded.h).
+// throw InputError when a file is not what it should be. HDF5 itself may crash on damaged bytes: call check_readable() first.
 class StoredTrials {
  public:
   // `path`: the shard's first file; `about`: its file_about(). Refuses what is no shard of a sweep, and one whose run did not come to its end.

@@ -15,9 +15,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/core/process/check_readable.h"
 #include "sim/core/process/regular_file.h"
+#include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/dataset_target.h"
-#include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/files/reject.h"
 
@@ -103,12 +104,6 @@ TrialRecord counts_of(const EncodedTrial& trial, const Codes& codes) {
   const std::vector<std::uint8_t>& said = codes.at(std::string(control_group) + "/detector_class");
   for (std::size_t row = 0; row < said.size(); ++row) ++loop.confusion.at(states.at(loop.sensor).at(row)).at(said[row]);
   return record;
-}
-
-// JSON: the numbers of the trials, and the files' names.
-std::string parts_of(const std::string& name) {
-  const DatasetReader reader(name);
-  return nlohmann::json{reader.trials(), reader.files()}.dump();
 }
 
 }  // namespace
@@ -282,16 +277,10 @@ std::string header_difference(const DatasetHeader& left, const DatasetHeader& no
 }
 
 std::optional<FinishedDataset> finished_dataset(const std::string& path, const DatasetHeader& header) {
-  const auto look = [&]() -> std::string {
-    const DatasetReader reader(path);
-    if (!reader.complete() || !header_difference(reader.header(), header).empty()) return "null";
-    return nlohmann::json{reader.trials().size(), failures_json(reader.failed()), reader.files()}.dump();
-  };
   try {
-    const auto found = nlohmann::json::parse(guarded(path, look));
-    if (found.is_null()) return std::nullopt;
-    return FinishedDataset{found.at(0).get<std::size_t>(), parse_failures(path, found.at(1).get<std::string>()),
-                           found.at(2).get<std::vector<std::string>>()};
+    const DatasetReader reader = dataset_header_at(path);
+    if (!reader.complete() || !header_difference(reader.header(), header).empty()) return std::nullopt;
+    return FinishedDataset{reader.trials().size(), reader.failed(), reader.files()};
   } catch (const InputError&) {
     return std::nullopt;
   }
@@ -303,10 +292,9 @@ KeptTrials::KeptTrials(const std::string& path, const DatasetHeader& header) {
   for (const Leftover& leftover : found) about.push_back(leftover.name);
   if (about.empty() && std::filesystem::exists(path)) about.push_back(path);
   for (const std::string& name : about) {
-    const std::string difference = guarded(name, [&] {
-      const std::optional<FileAbout> about = file_about(name);
-      return about ? header_difference(about->header, header) : "it is no dataset";
-    });
+    check_readable(FileKind::dataset_file, name);
+    const std::optional<FileAbout> found_about = file_about(name);
+    const std::string difference = found_about ? header_difference(found_about->header, header) : "it is no dataset";
     if (!difference.empty()) {
       reject(
           "cannot resume {}: {} was written by another run: {}; allowed: the same scene, seed, version, overrides, command and files",
@@ -317,14 +305,13 @@ KeptTrials::KeptTrials(const std::string& path, const DatasetHeader& header) {
   const std::string name = kept_path(path);
   found.clear();  // this run writes under the temporary name
   lock_ = lock_file(name);
-  const auto parts = nlohmann::json::parse(guarded(name, [&] { return parts_of(name); }));
-  trials_ = parts.at(0).get<std::vector<std::size_t>>();
-  files_ = parts.at(1).get<std::vector<std::string>>();
+  reader_.emplace(dataset_header_at(name));
+  trials_ = reader_->trials();
+  files_ = reader_->files();
 }
 
 std::optional<KeptTrials::Trial> KeptTrials::read(std::size_t trial) const {
   try {
-    if (!reader_) reader_.emplace(files_.front());
     Trial read{{}, reader_->read_encoded(trial)};
     Codes codes;
     const auto see = [&](const EncodedArray& array, std::span<const std::uint8_t> values) {

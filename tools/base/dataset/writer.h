@@ -25,7 +25,7 @@ class KeptTrials {
   // Without anything left it holds no trial. Otherwise what is left has the names after an interrupt from then on; files that
   // lack nothing but their own names get these. Throws InputError when another run is writing it, when it cannot be read, and
   // when what the runs, or that of a dataset which is there, say of themselves is not the same: the message names what differs,
-  // and nothing is changed. Call it before any thread is made (guarded.h).
+  // and nothing is changed.
   KeptTrials(const std::string& path, const DatasetHeader& header);
 
   [[nodiscard]] std::size_t size() const { return trials_.size(); }
@@ -38,15 +38,14 @@ class KeptTrials {
     TrialRecord counts;
     EncodedTrial encoded;
   };
-  // Empty where its digest does not hold or it cannot be read. Damage may end the process: call it in one that may end (isolated_worker.h), which then
-  // opens the files for itself.
+  // Empty where its digest does not hold or it cannot be read. Damage may end the process: read each one in a child process first.
   [[nodiscard]] std::optional<Trial> read(std::size_t trial) const;
 
  private:
   Descriptor lock_;  // of what is left: no other run goes on with it meanwhile
   std::vector<std::size_t> trials_;
   std::vector<std::string> files_;
-  mutable std::optional<DatasetReader> reader_;  // made by the first read()
+  std::optional<DatasetReader> reader_;  // empty: there is nothing left
 };
 
 // A dataset whose run came to its end.
@@ -57,7 +56,7 @@ struct FinishedDataset {
 };
 
 // The dataset at `path`, where it says `header` of itself. Empty where there is none, where its run did not come to its end, and
-// where it cannot be read. Call it before any thread is made (guarded.h).
+// where it cannot be read.
 std::optional<FinishedDataset> finished_dataset(const std::string& path, const DatasetHeader& header);
 
 // What two runs say differently of themselves, as a clause: "seed 7, this run has 8; ...". `other`: what the second one is called. Empty:

@@ -1,228 +1,200 @@
 #include "tools/base/workers/child_process.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <fstream>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <new>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/process/interrupted.h"
+#include "tools/base/files/reject.h"
 
 namespace slipbench {
 namespace {
 
+using Clock = std::chrono::steady_clock;
 using Kind = ChildEnd::Kind;
 
-// A sanitizer takes the whole address space for itself.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool sanitized = true;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
-constexpr bool sanitized = true;
-#else
-constexpr bool sanitized = false;
-#endif
-#else
-constexpr bool sanitized = false;
-#endif
+// How often an interrupt and the limit are looked for.
+constexpr std::chrono::milliseconds between_looks{50};
+
+// What a child sends begins with one of these.
+constexpr char result_mark = 'r', bad_input_mark = 'i', failure_mark = 'f';
+
+std::string message_of(const std::function<std::string()>& action) {
+  try {
+    return result_mark + action();
+  } catch (const InputError& error) {
+    return bad_input_mark + std::string(error.what());
+  } catch (const std::bad_alloc&) {
+    return failure_mark + std::string("out of memory");
+  } catch (const std::exception& error) {
+    return failure_mark + std::string(error.what());
+  }
+}
 
 [[noreturn]] void be_the_child(int channel, const std::function<std::string()>& action) {
+  ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  std::signal(SIGINT, SIG_IGN);
-  const ChildEnd end = ChildEnd::of(action);
-  const std::string text = static_cast<char>(end.kind) + end.text;  // as ChildProcess::end() reads it
-  std::size_t sent = 0;
-  while (sent < text.size()) {
-    const ssize_t count = ::write(channel, text.data() + sent, text.size() - sent);
+  // In a group of its own a child that reads from the terminal, or sets it, would be stopped.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
+  const pid_t self = ::getpid();
+  const std::string message = message_of(action);
+  if (::getpid() != self) ::_exit(0);  // the action has forked, and this is the copy
+  std::fflush(nullptr);                // what a library has printed
+  for (std::size_t sent = 0; sent < message.size();) {
+    const ssize_t count = ::write(channel, message.data() + sent, message.size() - sent);
     if (count < 0 && errno != EINTR) ::_exit(1);
     if (count > 0) sent += static_cast<std::size_t>(count);
   }
   ::_exit(0);  // nothing of the parent's is torn down or flushed twice
 }
 
-std::atomic<bool> interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
-
-std::string announcement;                            // whole before the handler is set
-constexpr std::string_view clear_line = "\r\033[K";  // on a terminal a progress bar may stand in it
-volatile std::sig_atomic_t on_terminal = 0;
-
-// Nothing can be done where stderr cannot be written.
-void say(std::string_view text) { [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size()); }
-
-void note_interrupt(int signal) {
-  if (interrupted.exchange(true)) {
-    std::raise(signal);  // the other signal came first; this one's action is the default again
-    return;
-  }
-  const int before = errno;
-  if (on_terminal != 0) say(clear_line);
-  say(announcement);
-  errno = before;
-}
-
-void catch_unless_ignored(int signal, const struct sigaction& action, struct sigaction& previous) {
-  sigaction(signal, nullptr, &previous);
-  if (previous.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
+void end_group(pid_t process) {
+  ::kill(-process, SIGKILL);
+  ::kill(process, SIGKILL);  // it may not have made its group yet
 }
 
 }  // namespace
 
-ChildEnd ChildEnd::of(const std::function<std::string()>& action) {
-  try {
-    return {.kind = Kind::result, .text = action()};
-  } catch (const InputError& error) {
-    return {.kind = Kind::bad_input, .text = error.what()};
-  } catch (const std::bad_alloc&) {
-    return {.kind = Kind::no_memory, .text = {}};
-  } catch (const std::exception& error) {
-    return {.kind = Kind::failure, .text = error.what()};
-  }
+std::string ChildEnd::loss(double limit) const {
+  if (late) return fmt::format("was still running after {:g} s, the limit", limit);
+  if (!WIFSIGNALED(status)) return fmt::format("ended with status {} before its work was done", WEXITSTATUS(status));
+  const char* const name = ::sigabbrev_np(WTERMSIG(status));
+  return fmt::format("was ended by SIG{} ({})", name == nullptr ? "?" : name, ::strsignal(WTERMSIG(status)));
 }
 
-std::string ChildEnd::result() && {
-  switch (kind) {
-    case Kind::result: break;
-    case Kind::bad_input: throw InputError(text);
-    case Kind::no_memory: throw std::runtime_error("a process had no memory left");
-    case Kind::failure: throw std::runtime_error(text);
-    case Kind::broken:
-      throw std::runtime_error(
-          fmt::format("a process ended without a result{}",
-                      WIFSIGNALED(status) ? fmt::format(" ({})", ::strsignal(WTERMSIG(status))) : std::string()));
-  }
+std::string ChildEnd::result(const std::string& subject, double limit) && {
+  if (kind == Kind::bad_input) throw InputError(text);
+  if (kind == Kind::failure) throw std::runtime_error(text);
+  if (kind == Kind::lost) reject("{}: its process {}", subject, loss(limit));
   return std::move(text);
 }
 
-std::uint64_t own_bytes() {
-  std::uint64_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-}
+ChildProcesses::ChildProcesses(double limit, Fork fork) : limit_(limit), fork_(fork ? std::move(fork) : Fork(&::fork)) {}
 
-void limit_memory(std::uint64_t more) {
-  if (sanitized) return;
-  rlimit limit{};
-  ::getrlimit(RLIMIT_AS, &limit);
-  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, own_bytes() + more);
-  ::setrlimit(RLIMIT_AS, &limit);
-}
-
-ChildProcess::ChildProcess(const std::function<std::string()>& action) {
-  std::array<int, 2> ends{};
-  if (::pipe(ends.data()) != 0) throw std::runtime_error(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
-  process_ = ::fork();
-  if (process_ == 0) {
-    ::close(ends[0]);
-    be_the_child(ends[1], action);
+ChildProcesses::~ChildProcesses() {
+  for (Child& child : running_) {
+    end_group(child.process);
+    static_cast<void>(end_of(child));
   }
+}
+
+void ChildProcesses::start(std::size_t index, const std::function<std::string()>& action) {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) reject("cannot make a pipe: {}", std::strerror(errno));
+  ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
+  std::fflush(nullptr);  // what waits here would be written by the child, too
+  const pid_t process = fork_();
+  if (process == 0) be_the_child(ends[1], action);
+  const int end =
+      process > 0 ? static_cast<int>(::syscall(SYS_pidfd_open, process, 0)) : -1;  // glibc 2.36 declares it for C alone
   const int error = errno;
   ::close(ends[1]);
-  channel_ = ends[0];
-  if (process_ > 0) return;
-  ::close(channel_);
-  throw std::runtime_error(fmt::format("cannot start a process: {}", std::strerror(error)));
+  running_.push_back({index, process, end, ends[0], Clock::now(), {}});
+  if (end >= 0) return;
+  if (process > 0) end_group(process);
+  static_cast<void>(end_of(running_.back()));
+  running_.pop_back();
+  reject("cannot start a process: {}", std::strerror(error));
 }
 
-ChildProcess::ChildProcess(ChildProcess&& other) noexcept
-    : channel_(std::exchange(other.channel_, -1)), process_(std::exchange(other.process_, -1)), sent_(std::move(other.sent_)) {}
-
-ChildProcess::~ChildProcess() {
-  if (channel_ >= 0) ::close(channel_);
-  if (process_ < 0) return;
-  ::kill(process_, SIGKILL);
-  while (::waitpid(process_, nullptr, 0) < 0 && errno == EINTR) continue;
-}
-
-bool ChildProcess::read() {
+// Takes what the pipe holds now.
+void ChildProcesses::read(Child& child) {
   std::array<char, 65536> buffer{};
-  while (true) {
-    const ssize_t count = ::read(channel_, buffer.data(), buffer.size());
+  while (child.channel >= 0) {
+    const ssize_t count = ::read(child.channel, buffer.data(), buffer.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw std::runtime_error(fmt::format("cannot read from a process: {}", std::strerror(errno)));
-    sent_.append(buffer.data(), static_cast<std::size_t>(count));
-    return count > 0;
+    if (count < 0) return;
+    child.sent.append(buffer.data(), static_cast<std::size_t>(count));
+    if (count == 0) ::close(std::exchange(child.channel, -1));
   }
 }
 
-ChildEnd ChildProcess::end() {
+// Call it when the process has ended, or has been killed.
+ChildEnd ChildProcesses::end_of(Child& child) {
   ChildEnd end;
-  while (::waitpid(process_, &end.status, 0) < 0 && errno == EINTR) continue;
-  process_ = -1;
-  if (!WIFEXITED(end.status) || WEXITSTATUS(end.status) != 0 || sent_.empty()) return end;
-  end.kind = static_cast<Kind>(sent_.front());
-  end.text = sent_.substr(1);
+  end.status = -1;  // neither an exit nor a signal, where others wait for the children of this process
+  while (child.process > 0 && ::waitpid(child.process, &end.status, 0) < 0 && errno == EINTR) continue;
+  read(child);
+  if (child.channel >= 0) ::close(child.channel);  // what the action has started may hold the other end open
+  if (child.end >= 0) ::close(child.end);
+  if (child.process > 0) ::kill(-child.process, SIGKILL);
+  if (!WIFEXITED(end.status) || WEXITSTATUS(end.status) != 0 || child.sent.empty()) return end;
+  const char mark = child.sent.front();
+  end.kind = mark == result_mark ? Kind::result : mark == bad_input_mark ? Kind::bad_input : Kind::failure;
+  end.text = child.sent.substr(1);
   return end;
+}
+
+std::optional<std::pair<std::size_t, ChildEnd>> ChildProcesses::wait_until(Clock::time_point deadline) {
+  while (true) {
+    std::vector<pollfd> descriptors;
+    for (const Child& child : running_) {
+      descriptors.push_back({child.channel, POLLIN, 0});
+      descriptors.push_back({child.end, POLLIN, 0});
+    }
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    const auto wait = std::clamp(left, std::chrono::milliseconds(0), between_looks);
+    ::poll(descriptors.data(), descriptors.size(), static_cast<int>(wait.count()));
+    for (std::size_t i = 0; i < running_.size(); ++i) {
+      Child& child = running_[i];
+      read(child);
+      const bool late = std::chrono::duration<double>(Clock::now() - child.begun).count() > limit_;
+      const bool ended = descriptors[2 * i + 1].revents != 0;
+      if (!ended && !late) continue;
+      if (!ended) end_group(child.process);
+      std::pair<std::size_t, ChildEnd> found(child.index, end_of(child));
+      found.second.late = !ended;
+      running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(i));
+      return found;
+    }
+    if (Clock::now() >= deadline) return std::nullopt;
+  }
+}
+
+std::string run_in_child(const std::string& subject, const std::function<std::string()>& action,
+                         const std::atomic<bool>* interrupt, double limit, const Fork& fork) {
+  ChildProcesses children(limit, fork);
+  children.start(0, action);
+  while (true) {
+    end_if(interrupt);
+    if (auto ended = children.wait_until(Clock::now() + between_looks)) return std::move(ended->second).result(subject, limit);
+  }
 }
 
 std::vector<std::string> run_in_processes(std::size_t count, std::size_t jobs,
                                           const std::function<std::string(std::size_t)>& work,
                                           const std::function<void(std::size_t)>& begun, const std::atomic<bool>& interrupt,
                                           const std::function<void(std::size_t, const std::string&)>& done) {
-  struct Running {
-    std::size_t index;
-    ChildProcess child;
-  };
-  std::vector<Running> running;
+  ChildProcesses children;
   std::vector<std::string> results(count);
-  for (std::size_t next = 0; next < count || !running.empty();) {
-    if (interrupt) throw Interrupted();
-    if (next < count && running.size() < std::max<std::size_t>(jobs, 1)) {
+  for (std::size_t next = 0; next < count || children.running() > 0;) {
+    end_if(&interrupt);
+    if (next < count && children.running() < std::max<std::size_t>(jobs, 1)) {
       begun(next);
-      running.push_back({next, ChildProcess([&] { return work(next); })});
+      children.start(next, [&] { return work(next); });
       ++next;
-      continue;
+    } else if (auto ended = children.wait_until(Clock::now() + between_looks)) {
+      const std::size_t index = ended->first;
+      results[index] = std::move(ended->second).result(fmt::format("work {} of {}", index + 1, count));
+      if (done) done(index, results[index]);
     }
-    std::vector<pollfd> channels;
-    for (const Running& one : running) channels.push_back({one.child.channel(), POLLIN, 0});
-    constexpr int a_second = 1000;  // ms, after which a set `interrupt` is seen
-    if (::poll(channels.data(), channels.size(), a_second) <= 0) continue;
-    std::vector<Running> left;
-    for (std::size_t i = 0; i < running.size(); ++i) {
-      if (channels[i].revents == 0 || running[i].child.read()) {
-        left.push_back(std::move(running[i]));
-      } else {
-        const std::size_t index = running[i].index;
-        results[index] = running[i].child.end().result();
-        if (done) done(index, results[index]);
-      }
-    }
-    running = std::move(left);
   }
   return results;
 }
-
-InterruptGuard::InterruptGuard(std::string_view notice) {
-  interrupted.store(false);
-  announcement = fmt::format("slipbench: {}; once more to stop at once\n", notice);
-  on_terminal = isatty(STDERR_FILENO);
-  struct sigaction action {};
-  action.sa_handler = &note_interrupt;
-  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
-  sigemptyset(&action.sa_mask);
-  catch_unless_ignored(SIGINT, action, previous_int_);
-  catch_unless_ignored(SIGTERM, action, previous_term_);
-  catch_unless_ignored(SIGHUP, action, previous_hang_up_);
-  action.sa_handler = SIG_IGN;
-  action.sa_flags = 0;
-  sigaction(SIGXFSZ, &action, &previous_file_size_);
-}
-
-InterruptGuard::~InterruptGuard() {
-  sigaction(SIGINT, &previous_int_, nullptr);
-  sigaction(SIGTERM, &previous_term_, nullptr);
-  sigaction(SIGHUP, &previous_hang_up_, nullptr);
-  sigaction(SIGXFSZ, &previous_file_size_, nullptr);
-}
-
-const std::atomic<bool>& InterruptGuard::flag() { return interrupted; }
 
 }  // namespace slipbench

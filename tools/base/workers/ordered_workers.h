@@ -89,7 +89,7 @@ class OrderedWorkers {
     std::exception_ptr error;
   };
 
-  // What fails for want of memory must reach the caller: nothing outside the try allocates.
+  // What the making and the work throw reaches the caller.
   void run() {
     Work work;
     while (const std::optional<std::size_t> index = claim()) {

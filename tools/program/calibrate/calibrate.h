@@ -34,7 +34,7 @@ struct Result {
   std::string fitted;  // the scene with the fitted values, YAML
 };
 
-// Throws InputError for a scene, a key or recordings that cannot be used, and Interrupted. Call it before any thread is made (guarded.h).
+// Throws InputError for a scene, a key or recordings that cannot be used, and Interrupted.
 Result calibrate(const Options& options, const Catalogues& catalogues);
 
 // With a synthetic truth: whether every parameter that is called determined is within twice its 95 % interval of what was drawn.

@@ -7,10 +7,9 @@
 #include <fmt/format.h>
 
 #include "sim/core/quantity.h"
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
-#include "tools/base/workers/child_process.h"
 #include "tools/program/import/import.h"
 
 namespace slipbench::calibrate {
@@ -26,38 +25,15 @@ void check_even(const std::string& recording, const SensorRecord& sensor) {
   }
 }
 
-std::string packed_dataset(const std::string& path) {
-  const DatasetReader reader(path);
-  Packed bytes;
+std::vector<RawRecording> dataset_recordings(const std::string& path) {
+  const DatasetReader reader = checked_dataset(path);
+  std::vector<RawRecording> recordings;
   for (const std::size_t trial : reader.trials()) {
     reader.check_recorded(trial);
-    const std::vector<std::string> names = reader.sensors(trial);
-    bytes.put(trial, reader.info(trial).params, names.size());
-    for (const std::string& name : names) {
-      const SensorRecord sensor = reader.read_sensor(trial, name);
-      check_even(recording_name(trial, path), sensor);
-      bytes.put(sensor.name, sensor.type, sensor.time, sensor.channels.size());
-      for (const SensorColumn& column : sensor.channels)
-        bytes.put(column.name, column.unit, column.shape, column.values, column.time.value_or(std::vector<double>{}));
-    }
-  }
-  return bytes.release();
-}
-
-std::vector<RawRecording> unpacked_dataset(const std::string& path) {
-  Packed bytes(guarded(path, [&] { return packed_dataset(path); }));
-  std::vector<RawRecording> recordings;
-  while (!bytes.at_end()) {
-    RawRecording recording{.name = recording_name(bytes.take<std::size_t>(), path), .sensors = {}};
-    bytes.take(recording.params);
-    recording.sensors.resize(bytes.take<std::size_t>());
-    for (SensorRecord& sensor : recording.sensors) {
-      bytes.take(sensor.name, sensor.type, sensor.time);
-      sensor.channels.resize(bytes.take<std::size_t>());
-      for (SensorColumn& column : sensor.channels) {
-        bytes.take(column.name, column.unit, column.shape, column.values);
-        if (auto time = bytes.take<std::vector<double>>(); !time.empty()) column.time = std::move(time);
-      }
+    RawRecording recording{.name = recording_name(trial, path), .sensors = {}, .params = reader.info(trial).params};
+    for (const std::string& name : reader.sensors(trial)) {
+      recording.sensors.push_back(reader.read_sensor(trial, name));
+      check_even(recording.name, recording.sensors.back());
     }
     recordings.push_back(std::move(recording));
   }
@@ -134,7 +110,7 @@ std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths,
       std::error_code error;
       if (std::filesystem::path(path).extension() == ".csv" || std::filesystem::is_directory(path, error))
         reject("{}: is no dataset; allowed: FILE.h5, or --format NAME with {}", path, fmt::join(import_format_names(), ", "));
-      for (RawRecording& recording : unpacked_dataset(path)) recordings.push_back(std::move(recording));
+      for (RawRecording& recording : dataset_recordings(path)) recordings.push_back(std::move(recording));
     }
   }
   if (recordings.empty()) reject("{}: no recording; allowed: one at least", fmt::join(paths, ", "));

@@ -14,7 +14,7 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "tools/base/page/page.h"
-#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/report/report.h"
 
@@ -116,8 +116,7 @@ SweepOptions replay_of(const CheckOptions& options, std::uint64_t seed, std::siz
   if (options.trials > 0) run.overrides.push_back({"sweep.trials", std::to_string(options.trials)});
   run.seed = seed;
   run.only = trial;
-  run.isolate = options.isolate;
-  run.limits = options.limits;
+  run.isolation = options.isolation;
   run.interrupt = options.interrupt;
   return run;
 }
@@ -309,8 +308,7 @@ SweepOptions sweep_of(const CheckOptions& options) {
   sweep.seed = options.seed;
   sweep.trials = options.trials;
   sweep.jobs = options.jobs;
-  sweep.isolate = options.isolate;
-  sweep.limits = options.limits;
+  sweep.isolation = options.isolation;
   sweep.interrupt = options.interrupt;
   sweep.on_start = options.on_start;
   return sweep;

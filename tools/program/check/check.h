@@ -23,9 +23,8 @@ struct CheckOptions {
   std::optional<std::uint64_t> seed = {};  // empty: the scene's
   std::size_t trials = 0;                  // of each cell of the grid; 0: the scene's sweep.trials, or 1
   std::size_t jobs = 0;                    // worker threads; 0: one a hardware thread. What comes out does not depend on it
-  bool isolate = false;                    // as SweepOptions has them
-  WorkLimits limits = {};
-  std::string folder = {};  // for what a failed check leaves; made where it is missing; empty: nothing is left
+  Isolation isolation = {};                // as SweepOptions has it
+  std::string folder = {};                 // for what a failed check leaves; made where it is missing; empty: nothing is left
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void()> on_start = {};  // called once the scene is checked; may be empty
 };
@@ -86,7 +85,7 @@ SweepOptions sweep_of(const CheckOptions& options);
 
 // Runs the scene's trials and holds each expectation against them. A trial that fails keeps none. Throws InputError for a scene that
 // cannot be run, for a reliability that so many trials cannot show, and where the files of a failed check cannot be written; Interrupted
-// (tools/base/workers/child_process.h) once options.interrupt is true.
+// once options.interrupt is true.
 SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 
 // What is to be said of an expectation that failed: "max_slip: 3 of 20 trials fail, allowed 0 (at most 3 mm); worst: 4.1 mm in trial 7".

@@ -5,19 +5,15 @@
 
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
 #include <system_error>
-#include <typeinfo>
 
-#include <cxxabi.h>
 #include <fmt/format.h>
 
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"
-#include "sim/core/process/plugin_library.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
@@ -47,16 +43,6 @@ int dispatch(const Commands& commands, const std::vector<std::string>& words) {
 // `message` and `detail` in one line on stderr. It is called where nothing catches any more, so it must not throw.
 void print_error(const char* message, const char* detail = "") noexcept {
   say(stderr, fmt::format("{} {}{}\n", style_for(stderr).error("slipbench:"), printable(message, true), printable(detail, true)));
-}
-
-// Where nothing catches it: what is made before main() begins, functions that must not throw.
-[[gnu::constructor(101)]] void end_where_memory_ends() {
-  std::set_terminate([] {
-    const std::type_info* const thrown = abi::__cxa_current_exception_type();
-    if (thrown == nullptr || *thrown != typeid(std::bad_alloc)) __gnu_cxx::__verbose_terminate_handler();
-    std::fputs("slipbench: out of memory\n", stderr);
-    _exit(exit_bad_input);
-  });
 }
 
 // A program may be started without standard streams (`>&-`). The next files that it opens would take their numbers, and what is
@@ -107,9 +93,8 @@ int run_program(const Commands& commands, const std::vector<std::string>& words)
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     if (std::signal(signal, [](int) { _exit(exit_interrupted); }) == SIG_IGN) std::signal(signal, SIG_IGN);
   }
-  const int status = run_to_status(commands, words);
-  if (PluginLibrary::any()) std::_Exit(status);  // all is written
-  return status;
+  std::signal(SIGCHLD, SIG_DFL);  // ignored by whoever started this process, it would leave no status of children
+  return run_to_status(commands, words);
 }
 
 void CommandElsewhere::declare(Arguments& arguments) {

@@ -13,11 +13,11 @@
 
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/json.h"
-#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
@@ -36,10 +36,8 @@ constexpr std::size_t most_import_warnings = 10;
 
 // Which trials of its run a dataset does not hold.
 void say_failed(const std::string& dataset) {
-  const std::string text = guarded(dataset, [&] {
-    const DatasetReader reader(dataset);
-    return failures_text(reader.failed(), reader.trials().size() + reader.failed().size());
-  });
+  const DatasetReader reader = dataset_header_at(dataset);
+  const std::string text = failures_text(reader.failed(), reader.trials().size() + reader.failed().size());
   if (!text.empty()) say(stderr, fmt::format("slipbench: {}: {}; the dataset says why in its attribute failed\n", dataset, text));
 }
 

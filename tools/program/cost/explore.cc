@@ -12,7 +12,7 @@
 
 #include "tools/base/files/reject.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/sweep/run_sweep.h"
 

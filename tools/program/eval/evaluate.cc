@@ -11,7 +11,8 @@
 #include <fmt/format.h>
 
 #include "detectors/hd/memory_files.h"
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
+#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
@@ -27,7 +28,6 @@ constexpr std::size_t most_groups = 24, roc_points = 400, calibration_parts = 10
 constexpr std::array<const char*, 3> masks{"train", "valid", "test"};
 
 // A detector may think for as long as it likes about a dataset that holds what was written.
-constexpr std::uint64_t replay_seconds = 100'000;
 
 // What is known of a trial beside its samples.
 struct Facts {
@@ -422,19 +422,6 @@ Json worst_json(const std::vector<Judged>& trials) {
   return json;
 }
 
-void check_dataset(const std::string& dataset) {
-  guarded(dataset, [&dataset] {
-    const DatasetReader reader = whole_dataset(dataset);
-    ContentCheck check(reader);
-    for (const std::size_t trial : reader.trials()) {
-      reader.check_recorded(trial);
-      check.add(trial);
-    }
-    check.finish();
-    return std::string();
-  });
-}
-
 // What limits the figures: trials on which the detector was, or may have been, trained.
 Json training_warnings(const Options& options, std::size_t learnt, std::size_t judged) {
   Json warnings = Json::array();
@@ -454,8 +441,10 @@ Json training_warnings(const Options& options, std::size_t learnt, std::size_t j
   return warnings;
 }
 
+// As text in which all is UTF-8, whatever the file holds.
 std::string evaluated(const Options& options) {
-  const DatasetReader reader(options.dataset);
+  const DatasetReader reader = whole_dataset(options.dataset);
+  for (const std::size_t trial : reader.trials()) reader.check_recorded(trial);
   if (options.labels != TruthRule::paper) {
     reader.check_truth("eval --labels " + label_rule_name(options.labels), "--labels paper, what the recordings' own set says");
   }
@@ -561,12 +550,6 @@ std::string truth_note(const Json& result) {
                        : fmt::format("truth {}: where a name here says true, it is the label of the recordings' own set", truth);
 }
 
-Json evaluate(const Options& options) {
-  check_dataset(options.dataset);
-  ReadingLimits limits = reading_limits(options.dataset);
-  limits.cpu += replay_seconds;
-  limits.wait += replay_seconds;
-  return Json::parse(guarded(options.dataset, limits, [&options] { return evaluated(options); }));
-}
+Json evaluate(const Options& options) { return Json::parse(evaluated(options)); }
 
 }  // namespace slipbench::eval

@@ -55,7 +55,7 @@ inline constexpr const char* result_key = "slipbench_eval";
 //                  mask}]
 //   worst          numbers of the trials to look at first, with why: [{trial, why}]
 // Times in s. Throws InputError, naming file and trial: no whole dataset, outcomes alone, no such sensor or split, what replay() and truth_of()
-// refuse. Reads in a child process (tools/base/dataset/guarded.h), in which the detector runs too.
+// refuse.
 Json evaluate(const Options& options);
 
 // What a reader of a result must know where `truth` is not empty; empty where it is.

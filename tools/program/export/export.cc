@@ -22,7 +22,7 @@
 
 #include "detectors/hd/words.h"
 #include "sim/core/process/own_library.h"
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
@@ -31,13 +31,6 @@
 
 namespace slipbench {
 namespace {
-
-// What is exported is what was written, or nothing.
-void check_files_of(const DatasetReader& reader, const std::vector<std::size_t>& trials) {
-  std::set<std::size_t> files;
-  for (const std::size_t trial : trials) files.insert(reader.file_of(trial));
-  for (const std::size_t file : files) check_content(reader, file);
-}
 
 double label_speed(const ExportOptions& options) { return options.label_speed.value_or(default_label_speed); }
 SlipRule slip_rule(const ExportOptions& options) { return options.slip_rule.value_or(SlipRule::strict); }
@@ -201,7 +194,7 @@ std::string names_with(bool FormatKind::*trait) {
 }
 std::string export_format_name(ExportFormat format) { return std::string(kind_of(format).name); }
 
-// The trials that the options ask for, ascending, once their files are what was written and each has a recording, and the truth where the format
+// The trials that the options ask for, ascending, once each has a recording, and the truth where the format
 // needs it. Throws InputError otherwise, and when there are none.
 std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const ExportOptions& options) {
   const std::string path = reader.files().front();
@@ -220,14 +213,13 @@ std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const Exp
              options.trial ? fmt::format("no trial {}", *options.trial) : "no trial");
     }
   }
-  check_files_of(reader, trials);
   for (const std::size_t trial : trials) reader.check_recorded(trial);
   return trials;
 }
 
 Files export_trials(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                     const ExportProgress& progress) {
-  const DatasetReader reader(dataset_path);
+  const DatasetReader reader = checked_dataset(dataset_path);
   const std::vector<std::size_t> trials = trials_to_export(reader, options);
   OutputFolder out(out_dir, reader.files(), options.compress);
   if (options.format == ExportFormat::robomimic) return {export_robomimic(reader, trials, out, options, progress)};
@@ -295,7 +287,7 @@ bool has_package(const std::string& folder) {
 
 // What Python is told (tools/python/slipbench/_export/request.py).
 Json request_of(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options) {
-  const DatasetReader reader(dataset_path);
+  const DatasetReader reader = checked_dataset(dataset_path);
   const std::vector<std::size_t> trials = trials_to_export(reader, options);
   const std::vector<std::string> sensors = chosen_sensors(reader, trials.front(), options.sensors);
   for (const std::size_t trial : trials) {
@@ -360,16 +352,8 @@ std::vector<std::string> export_format_names() { return hd::names_of(formats); }
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress) {
   check_export_options(options);
-  // A path holds no zero byte, which therefore ends each in what the child process hands back.
-  const std::string names = guarded(dataset_path, [&] {
-    const ExportProgress told = std::move(progress);  // so that it ends before an error is told
-    std::string text;
-    for (const std::string& file : export_trials(dataset_path, out_dir, options, told)) text += file + '\0';
-    return text;
-  });
-  std::vector<std::string> files;
-  for (std::size_t first = 0; first < names.size(); first += files.back().size() + 1) files.emplace_back(names.c_str() + first);
-  return files;
+  const ExportProgress told = std::move(progress);  // so that it ends before an error is told
+  return export_trials(dataset_path, out_dir, options, told);
 }
 
 OutputFolder::~OutputFolder() {
@@ -453,7 +437,7 @@ void start_python_export(const std::string& dataset_path, const std::string& out
         "release --target slipbench_python; or in an environment of your own: pip install '.[export]'",
         format, python.folder, python.install);
   }
-  Json request = Json::parse(guarded(dataset_path, [&] { return request_of(dataset_path, out_dir, options).dump(); }));
+  Json request = request_of(dataset_path, out_dir, options);
   request["json"] = json;
   request["install"] = python.install;
   const char* const others = std::getenv("PYTHONPATH");

@@ -53,7 +53,7 @@ using ExportProgress = std::function<void(std::size_t done, std::size_t total, s
 // Writes the trials of a dataset to `out_dir`, which is made if it is missing (its parent is not), and returns the files written.
 // Each file appears under its name only when it is whole. Throws InputError when the options contradict each other, the dataset
 // is damaged or does not fit the format, a trial has no recording, or a file cannot be written; files that were finished before stay, and
-// a folder in which none was is not left behind. Reads in a child process (tools/base/dataset/guarded.h), where `progress` is called and destroyed.
+// a folder in which none was is not left behind. `progress` is destroyed before an error is thrown.
 // lerobot, parquet and mcap are not written here, but by start_python_export().
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
@@ -62,7 +62,7 @@ std::vector<std::string> export_dataset(const std::string& dataset_path, const s
 bool is_python_format(ExportFormat format);
 
 // Becomes the Python that writes the trials of a dataset to `out_dir`. `json`: one JSON object on stdout. The dataset and
-// the options are checked before, in a child process. Throws InputError as export_dataset does, and where there is no such Python: build/venv's
+// the options are checked before. Throws InputError as export_dataset does, and where there is no such Python: build/venv's
 // of a build, or the one whose package `slipbench` runs the program, which names itself in SLIPBENCH_PYTHON.
 [[noreturn]] void start_python_export(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                       bool json);

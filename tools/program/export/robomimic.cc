@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/process/check_readable.h"
 #include "sim/core/process/regular_file.h"
-#include "tools/base/dataset/guarded.h"
 #include "tools/base/dataset/shard.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
@@ -154,7 +154,6 @@ enum class Found {
   other,
 };
 
-// Runs in the child process, which HDF5 may end.
 bool has_mark(const std::string& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
   check(H5Pset_file_locking(access.get(), false, true));
@@ -167,7 +166,8 @@ bool has_mark(const std::string& path) {
 Found found_at(const std::string& path) {
   if (H5Fis_hdf5(path.c_str()) <= 0) return Found::other;
   try {
-    return guarded(path, [&] { return std::string(has_mark(path) ? "own" : ""); }).empty() ? Found::other : Found::own;
+    check_readable(FileKind::dataset_file, path);
+    return has_mark(path) ? Found::own : Found::other;
   } catch (const InputError&) {
     return Found::damaged;
   }

@@ -15,7 +15,7 @@
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "sim/scene/parser.h"
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/statistics/descriptive.h"
@@ -264,13 +264,11 @@ struct Gathered {
   std::map<std::string, ConverterUse> converters;
 };
 
-// Reads the trials `shown`, with curves of those `embedded`, and checks the content of all. Notes in `page` which are recorded.
+// Reads the trials `shown`, with curves of those `embedded`. Notes in `page` which are recorded.
 Gathered gather(const DatasetReader& dataset, const std::string& path, const ReportOptions& options, CurveShares& shares,
                 const std::vector<std::size_t>& shown, const std::vector<std::size_t>& embedded, Json& page) {
   Gathered gathered;
-  ContentCheck check(dataset);
   for (const std::size_t trial : dataset.trials()) {
-    check.add(trial);
     if (!std::ranges::binary_search(shown, trial)) continue;
     const TrialRecord record = dataset.read_trial(trial);
     const std::string subject = subject_of(path, trial);
@@ -286,13 +284,12 @@ Gathered gather(const DatasetReader& dataset, const std::string& path, const Rep
     count_converters(record, gathered.converters);
     for (const SensorRecord& sensor : record.sensors) gathered.types[sensor.type] = report::view_payload(sensor.type);
   }
-  check.finish();
   return gathered;
 }
 
 // The page of a dataset.
 std::string page_of(const std::string& dataset_path, const ReportOptions& options) {
-  const DatasetReader dataset(dataset_path);
+  const DatasetReader dataset = checked_dataset(dataset_path);
   check_reportable(dataset, dataset_path, options.trial);
   const std::vector<std::size_t>& trials = dataset.trials();
   const TrialRecord first = dataset.read_trial(trials.front());
@@ -351,7 +348,7 @@ void check_report_target(const std::string& html_path, const std::string& datase
 void write_report(const std::string& dataset_path, const std::string& html_path, const ReportOptions& options) {
   if (options.max_trials == std::size_t{0}) throw std::logic_error("a report embeds at least one trial");
   check_report_target(html_path, dataset_path);
-  write_text_file(html_path, guarded(dataset_path, [&] { return page_of(dataset_path, options); }));
+  write_text_file(html_path, page_of(dataset_path, options));
 }
 
 }  // namespace slipbench

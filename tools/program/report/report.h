@@ -24,7 +24,7 @@ struct ReportOptions {
 // Throws InputError when `html_path` cannot be written or holds anything but a report.
 void check_report_target(const std::string& html_path, const std::string& dataset_path);
 
-// Reads the dataset at `dataset_path` (HDF5, tools/base/dataset) in a child process (tools/base/dataset/guarded.h) and writes the page to
+// Reads the dataset at `dataset_path` (HDF5, tools/base/dataset), after slipbench-reader (checked_dataset.h), and writes the page to
 // `html_path`, under a temporary name first. Trials of any length are shown.
 // Throws InputError when the dataset cannot be read, is damaged (its content_sha256 is checked), misses something, has no trial
 // `options.trial`, or when the page cannot be written or would replace anything but a report.

@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <memory>
-#include <new>
 #include <optional>
 #include <span>
 #include <utility>
 
-#include <sys/mman.h>
-
 #include "sim/core/error.h"
+#include "sim/core/process/interrupted.h"
 #include "sim/core/quantity.h"
 #include "sim/simulation/stage_simulation.h"
 #include "tools/base/record/encoder.h"
-#include "tools/base/workers/child_process.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/recorded_scene.h"
@@ -120,8 +117,7 @@ constexpr double field_step = 0.3e-6, body_step = 5e-6, pillar_step = 20e-6;
 // Steps after which an interrupt is looked for: looking costs more than the rest of this loop, and 16 steps take some ms at most.
 constexpr std::size_t steps_between_looks = 16;
 
-std::atomic<double> own_share{0.0};
-std::atomic<double>* share_so_far = &own_share;
+std::atomic<double> share_so_far{0.0};
 
 double shortest_step(const Simulation& simulation, std::size_t pads) {
   double shortest = simulation.time_step(0);
@@ -131,14 +127,7 @@ double shortest_step(const Simulation& simulation, std::size_t pads) {
 
 }  // namespace
 
-double simulated_share() { return *share_so_far; }
-
-void share_with_children() {
-  if (share_so_far != &own_share) return;
-  void* const page = ::mmap(nullptr, sizeof own_share, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (page == MAP_FAILED) throw std::bad_alloc();
-  share_so_far = new (page) std::atomic<double>(0.0);
-}
+double simulated_share() { return share_so_far; }
 
 double check_trial(const Scene& scene, std::uint64_t trial) {
   const Sensors sensors = make_sensors(scene, trial);
@@ -186,7 +175,7 @@ TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double
   if (steps_++ % steps_between_looks == 0) {
     end_if(interrupt_);
     const double time = simulation_->contact_part(0, FramePart::states).time;
-    share_so_far->store(time / scene_.duration, std::memory_order_relaxed);
+    share_so_far.store(time / scene_.duration, std::memory_order_relaxed);
   }
   simulation_->step();
   const std::span<const Tick> ticks = sampler_.measure();

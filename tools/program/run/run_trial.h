@@ -42,14 +42,12 @@ inline constexpr double max_record_bytes = 4e9;
 // Runs trial number `trial` of a dataset whose seed is `scene.seed`. `params` of the record is left to the caller, who knows the
 // sweep. Throws InputError when the scene cannot be simulated as it says (StageSimulation, make_sensor, make_detector), when its
 // full record would take more than `max_bytes`, or when something in the record (without one: in the last tick) is not finite
-// that must be. Throws Interrupted (tools/base/workers/child_process.h) within a few steps once `interrupt` is true; it may be null.
+// that must be. Throws Interrupted within a few steps once `interrupt` is true; it may be null.
 TrialResult run_trial(const Scene& scene, std::uint64_t trial, Recording recording, double max_bytes = max_record_bytes,
                       const std::atomic<bool>* interrupt = nullptr);
 
 // The share of its trial that the run which has looked for an interrupt last has simulated: of the only one, where there is one at a time.
 double simulated_share();
-// Lets simulated_share() tell of runs in processes that are forked later. Throws std::bad_alloc.
-void share_with_children();
 
 // Builds what run_trial would step, and throws what it would throw before the first step, but for a record over the limit:
 // returns the bytes that a full one would take, its events aside.

@@ -4,9 +4,7 @@
 #include <cctype>
 #include <chrono>
 #include <cmath>
-#include <list>
 #include <memory>
-#include <mutex>
 #include <new>
 #include <numeric>
 #include <set>
@@ -16,30 +14,21 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/process/interrupted.h"
 #include "sim/scene/section_readers.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/child_process.h"
-#include "tools/base/workers/isolated_worker.h"
+#include "tools/base/workers/ordered_children.h"
 #include "tools/base/workers/ordered_workers.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/run/trial_run.h"
+#include "tools/program/sweep/finished_trial.h"
 #include "tools/program/sweep/sweep_shard.h"
 
 namespace slipbench {
-// What a trial consists of, for its way from the process that has simulated it (tools/base/workers/child_process.h).
-SLIPBENCH_FIELDS(EncodedArray, path, unit, codes, type, shape, chunk_rows, chunks)
-SLIPBENCH_FIELDS(EncodedAttribute::Doubles, shape, values)
-SLIPBENCH_FIELDS(EncodedAttribute, path, name, value)
-SLIPBENCH_FIELDS(EncodedTrial, trial, material, arrays, attributes, digest)
-SLIPBENCH_FIELDS(TrialOutcome, touch_time, first_micro_slip_time, first_slip_time, gross_slip_time, max_slip_distance,
-                 false_alarm_time, detection_time, detection_delay, judged_slip_time, detection, grasp, hold, saturated)
-SLIPBENCH_FIELDS(SensorSummary, name, units, state_count, state_micro_count)
-SLIPBENCH_FIELDS(DetectorSummary, type, sensor, confusion)
-SLIPBENCH_FIELDS(TrialSummary, trial, params, outcome, sensors, detector, controller, resumed)
-
 namespace {
 
 // What is kept of a trial; without a dataset nothing has to be.
@@ -62,18 +51,6 @@ std::string overrides_json(const std::vector<Override>& overrides) {
   for (const Override& change : kept) json[change.path] = change.value;
   return json.dump();
 }
-
-// A trial as a worker hands it over.
-struct FinishedTrial {
-  TrialSummary summary;
-  double duration = 0.0;   // s, simulated
-  double computed = 0.0;   // s, on the clock
-  double time_step = 0.0;  // s
-  std::optional<EncodedTrial> encoded;
-  std::string failure = {};  // why the trial failed; empty: it did not
-};
-
-SLIPBENCH_FIELDS(FinishedTrial, summary, duration, computed, time_step, encoded, failure)
 
 FinishedTrial failed_trial(std::size_t trial, std::string why) {
   FinishedTrial failed;
@@ -104,17 +81,6 @@ struct WorkPlan {
   Recording recording = Recording::full;
   double max_bytes = max_record_bytes;  // of a trial's record
   const std::atomic<bool>* interrupt = nullptr;
-  std::size_t memory = 0;  // MB that a trial may take; 0: what there is
-
-  [[nodiscard]] std::string too_little(std::size_t trial) const {
-    return fmt::format("trial {}: needed more than {} MB of memory, the limit", trial, memory);
-  }
-};
-
-// Says nothing of the trial. So it ends the run, whose finished trials are kept, and is not noted as a failure.
-class EndOfRun : public InputError {
- public:
-  using InputError::InputError;
 };
 
 FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
@@ -177,8 +143,6 @@ struct CheckedTrial {
   std::vector<std::string> files;  // that it names
 };
 
-SLIPBENCH_FIELDS(CheckedTrial, bytes, files)
-
 CheckedTrial check_one(const TrialPlan& plan, std::size_t index, std::size_t asked, const Catalogues& catalogues) {
   try {
     const Scene scene = plan.trial(index).scene;
@@ -191,33 +155,29 @@ CheckedTrial check_one(const TrialPlan& plan, std::size_t index, std::size_t ask
   }
 }
 
-// Where an isolated trial was lost, and why.
-std::string lost_text(const TrialPlan& plan, std::size_t index, const LostWork& loss) {
-  return loss.path().empty() ? loss.what() : plan.where(index, loss.path()) + ": " + loss.what();
-}
-
 // Builds checked_trials(), so that a scene that contradicts itself, or whose records would not fit into memory, is refused before anything is
 // written. Adds the files that they name to `files`. `asked`: trials of the whole sweep.
 Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const std::vector<std::size_t>& trials,
                       std::size_t asked, const Catalogues& catalogues, std::set<std::string>& files) {
-  const auto check = [&](std::size_t trial) { return check_one(plan, trial, options.only ? trial + 1 : asked, catalogues); };
-  std::optional<IsolatedWorker> apart;
-  if (options.isolate) apart.emplace([&](std::size_t trial) { return Packed::bytes_of(check(trial)); }, options.limits);
   const std::vector<std::size_t> numbers = checked_trials(plan, options, trials);
-  std::size_t largest = numbers.front();  // trial of the largest record
-  double bytes = 0.0;
-  for (const std::size_t trial : numbers) {
-    if (options.interrupt != nullptr && *options.interrupt) break;
-    try {
-      const auto checked = apart ? Packed::of(apart->run(trial, options.interrupt)).take<CheckedTrial>() : check(trial);
-      files.insert(checked.files.begin(), checked.files.end());
+  const auto check_all = [&] {
+    std::set<std::string> named;
+    double bytes = 0.0;
+    std::size_t largest = numbers.front();
+    for (const std::size_t trial : numbers) {
+      if (options.interrupt != nullptr && *options.interrupt) break;
+      const CheckedTrial checked = check_one(plan, trial, options.only ? trial + 1 : asked, catalogues);
+      named.insert(checked.files.begin(), checked.files.end());
       if (recording_of(options) == Recording::outcome || checked.bytes <= bytes) continue;
       largest = trial;
       bytes = checked.bytes;
-    } catch (const LostWork& loss) {
-      reject("trial {}: {}", trial, lost_text(plan, trial, loss));
     }
-  }
+    return Json{bytes, largest, named}.dump();
+  };
+  const Json found = Json::parse(run_before_trials(options, numbers.size(), check_all));
+  const double bytes = found.at(0);
+  const std::size_t largest = found.at(1);
+  for (const Json& file : found.at(2)) files.insert(file.get<std::string>());
   const Workforce workforce = workforce_for(options, trials.size(), bytes);
   try {
     check_record_size(plan.trial(largest).scene, bytes, workforce.max_bytes);
@@ -240,8 +200,7 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
   } catch (const InputError& error) {
     reject("trial {}: {}", index, error.what());
   } catch (const std::bad_alloc&) {
-    if (plan.memory > 0) throw InputError(plan.too_little(index));
-    throw EndOfRun(fmt::format("trial {}: out of memory; a shorter trial, slower sensors or fewer --jobs need less", index));
+    throw;
   } catch (const std::exception& error) {
     throw std::runtime_error(fmt::format("trial {}: {}", index, error.what()));
   }
@@ -255,34 +214,104 @@ Simulate simulation(const WorkPlan& plan, const SweepOptions& options) {
   return [plan, encoder](std::size_t trial) {
     try {
       return run_numbered(plan, trial, encoder.get());
-    } catch (const EndOfRun&) {
-      throw;
     } catch (const InputError& error) {
       return failed_trial(trial, error.what());
     }
   };
 }
 
-// The same by a process that does simulation().
-Simulate simulation_by(IsolatedWorker& worker, const WorkPlan& plan) {
-  return [&worker, plan](std::size_t trial) {
+// Simulates trials and hands them over in their order.
+class TrialWorkers {
+ public:
+  TrialWorkers() = default;
+  virtual ~TrialWorkers() = default;
+  TrialWorkers(const TrialWorkers&) = delete;
+  TrialWorkers& operator=(const TrialWorkers&) = delete;
+
+  // Whether next() would return at once; waits for that until `deadline`.
+  virtual bool ready_until(std::chrono::steady_clock::time_point deadline) = 0;
+  // Empty after the last, and once interrupted.
+  virtual std::optional<FinishedTrial> next() = 0;
+  // Takes a trial that is no longer needed.
+  virtual void give_back(FinishedTrial trial) = 0;
+};
+
+class WorkerThreads final : public TrialWorkers {
+ public:
+  WorkerThreads(std::vector<std::size_t> trials, std::size_t threads, const WorkPlan& plan, const SweepOptions& options,
+                const HeldFiles& files)
+      : trials_(std::move(trials)),
+        workers_(
+            trials_.size(), threads,
+            [this, plan, &options, &files]() -> OrderedWorkers<FinishedTrial>::Work {
+              return [this, &files, simulate = simulation(plan, options)](std::size_t index) {
+                FinishedTrial finished = simulate(trials_[index]);
+                files.check();  // whether it read the same files as all others
+                return finished;
+              };
+            },
+            options.interrupt) {}
+
+  bool ready_until(std::chrono::steady_clock::time_point deadline) override { return workers_.ready_until(deadline); }
+  std::optional<FinishedTrial> next() override { return workers_.next(); }
+  void give_back(FinishedTrial trial) override { workers_.give_back(std::move(trial)); }
+
+ private:
+  std::vector<std::size_t> trials_;
+  OrderedWorkers<FinishedTrial> workers_;
+};
+
+// A child process for each trial, whose end fails that trial alone.
+class WorkerProcesses final : public TrialWorkers {
+ public:
+  WorkerProcesses(std::vector<std::size_t> trials, std::size_t jobs, const WorkPlan& plan, const SweepOptions& options,
+                  const HeldFiles& files)
+      : trials_(std::move(trials)),
+        limit_(options.isolation.limit),
+        files_(&files),
+        children_(
+            trials_.size(), jobs,
+            [this, simulate = simulation(plan, options)](std::size_t index) { return to_message(simulate(trials_[index])); },
+            options.interrupt, limit_, options.isolation.fork) {}
+
+  bool ready_until(std::chrono::steady_clock::time_point deadline) override { return children_.ready_until(deadline); }
+  std::optional<FinishedTrial> next() override {
+    std::optional<ChildEnd> end = children_.next();
+    if (!end) return std::nullopt;
+    files_->check();
+    return finished(trials_[delivered_++], std::move(*end));
+  }
+  void give_back(FinishedTrial) override {}
+
+ private:
+  [[nodiscard]] FinishedTrial finished(std::size_t trial, ChildEnd end) const {
+    if (end.kind == ChildEnd::Kind::lost)
+      return failed_trial(trial, fmt::format("trial {}: its worker process {}", trial, end.loss(limit_)));
+    if (end.kind != ChildEnd::Kind::result) return failed_trial(trial, fmt::format("trial {}: {}", trial, end.text));
     try {
-      return Packed::of(worker.run(trial, plan.interrupt)).take<FinishedTrial>();
-    } catch (const LostWork& loss) {
-      return failed_trial(trial, fmt::format("trial {}: {}", trial, lost_text(plan.trials, trial, loss)));
-    } catch (const std::bad_alloc&) {
-      if (plan.memory == 0) throw;
-      return failed_trial(trial, plan.too_little(trial));
-    } catch (const std::out_of_range&) {
-      return failed_trial(trial, fmt::format("trial {}: its process handed over what is none", trial));
+      return from_message(end.text);
+    } catch (const std::exception&) {  // code of others may write to any descriptor
+      return failed_trial(trial, fmt::format("trial {}: its worker process returned an invalid result", trial));
     }
-  };
+  }
+
+  std::vector<std::size_t> trials_;
+  std::size_t delivered_ = 0;
+  double limit_;
+  const HeldFiles* files_;
+  OrderedChildren children_;
+};
+
+std::unique_ptr<TrialWorkers> make_workers(std::vector<std::size_t> trials, std::size_t jobs, const WorkPlan& plan,
+                                           const SweepOptions& options, const HeldFiles& files) {
+  if (options.isolation.on) return std::make_unique<WorkerProcesses>(std::move(trials), jobs, plan, options, files);
+  return std::make_unique<WorkerThreads>(std::move(trials), jobs, plan, options, files);
 }
 
-// A trial of an earlier run, as it would be handed over by a worker; one that is not resumed where it is damaged.
+// A trial of an earlier run, as it would be handed over by a worker.
 FinishedTrial resumed_trial(const KeptTrials& kept, const WorkPlan& plan, std::size_t index) {
   std::optional<KeptTrials::Trial> read = kept.read(index);
-  if (!read) return {};
+  if (!read) reject("trial {}: {} has changed since it was checked", index, fmt::join(kept.files(), ", "));
   TrialResult result;
   result.record = std::move(read->counts);
   result.units.resize(result.record.sensors.size());
@@ -293,13 +322,23 @@ FinishedTrial resumed_trial(const KeptTrials& kept, const WorkPlan& plan, std::s
   return finished;
 }
 
-// The same by a process that does resumed_trial(), which damage may end.
-FinishedTrial resumed_by(IsolatedWorker& reader, std::size_t trial, const std::atomic<bool>* interrupt) {
-  try {
-    return Packed::of(reader.run(trial, interrupt)).take<FinishedTrial>();
-  } catch (const LostWork&) {
-    return {};
+// Which of the trials that an earlier run has left can be read, and hold what was written. Each is read by a child process, since HDF5 crashes on
+// some damaged files, and runs for ever on others.
+std::set<std::size_t> intact_trials(const KeptTrials& kept, const std::vector<std::size_t>& trials, std::size_t jobs,
+                                    const std::atomic<bool>* interrupt) {
+  constexpr double long_enough = 120.0;  // s
+  std::vector<std::size_t> held;
+  std::ranges::copy_if(trials, std::back_inserter(held), [&](std::size_t trial) { return kept.holds(trial); });
+  OrderedChildren readers(
+      held.size(), jobs, [&](std::size_t index) { return std::string(kept.read(held[index]) ? "intact" : "damaged"); }, interrupt,
+      long_enough);
+  std::set<std::size_t> intact;
+  for (const std::size_t trial : held) {
+    const std::optional<ChildEnd> end = readers.next();
+    if (!end) throw Interrupted();
+    if (end->text == "intact") intact.insert(trial);
   }
+  return intact;
 }
 
 // The command that runs one trial of a sweep again.
@@ -334,9 +373,10 @@ TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, 
 // The numbers of those that run.
 std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const SweepOptions& options, std::uint64_t seed) {
   if (options.shard) {
-    return IsolatedWorker::made(options.isolate, options.limits, [&] {
-      return trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count);
-    });
+    const auto chosen = [&] {
+      return Json(trials_of_shard(planned.plan, planned.asked, seed, options.shard->number, options.shard->count)).dump();
+    };
+    return Json::parse(run_before_trials(options, planned.asked, chosen)).get<std::vector<std::size_t>>();
   }
   if (options.only) return {*options.only};
   std::vector<std::size_t> all(planned.asked);
@@ -367,7 +407,7 @@ class RunningSweep {
   void report();
 
   [[nodiscard]] WorkPlan work() const {
-    return {plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt, options_.limits.memory};
+    return {plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt};
   }
   [[nodiscard]] bool holds(std::size_t trial) const { return kept_ && kept_->holds(trial); }
   [[nodiscard]] bool unpublished() const { return writer_ && writer_->published() < writer_->size(); }
@@ -378,11 +418,10 @@ class RunningSweep {
   const TrialPlan& plan_;
   std::vector<std::size_t> trials_;  // numbers of those that run
   Workforce workforce_;
-  std::optional<HeldFiles> files_;     // that the trials name
-  std::list<IsolatedWorker> apart_;    // where trials are isolated one for each thread
-  std::list<IsolatedWorker> readers_;  // of what an earlier run has left, one for each thread
+  std::optional<HeldFiles> files_;  // that the trials name
   DatasetHeader header_;
   std::optional<KeptTrials> kept_;         // of an earlier run
+  std::set<std::size_t> intact_;           // of these, those that can be read
   std::unique_ptr<DatasetWriter> writer_;  // null: nothing is written
   SweepSummary summary_;
   std::size_t reported_ = 0;  // trials done, of the last report
@@ -417,22 +456,11 @@ void RunningSweep::check(const Catalogues& catalogues) {
              files_->digests(),
              {},
              summary_.shard};
-  // Here, since there are no threads and no dataset is open.
-  if (options_.isolate && trials_.size() == 1) share_with_children();
-  for (std::size_t i = 0; options_.isolate && i < workforce_.threads; ++i) {
-    apart_.emplace_back(
-        [simulate = simulation(work(), options_)](std::size_t trial) { return Packed::bytes_of(simulate(trial)); },
-        options_.limits);
-  }
 }
 
 bool RunningSweep::resume() {
   kept_.emplace(options_.output, header_);
-  for (std::size_t i = 0; kept_->size() > 0 && i < workforce_.threads; ++i) {
-    constexpr double long_enough = 120.0;  // s, where damage makes HDF5 run for ever
-    readers_.emplace_back([this](std::size_t trial) { return Packed::bytes_of(resumed_trial(*kept_, work(), trial)); },
-                          WorkLimits{.time = long_enough});
-  }
+  intact_ = intact_trials(*kept_, trials_, workforce_.threads, options_.interrupt);
   if (kept_->size() > 0) return false;
   std::optional<FinishedDataset> whole = finished_dataset(options_.output, header_);
   if (!whole) return false;
@@ -446,8 +474,6 @@ bool RunningSweep::resume() {
 void RunningSweep::open() {
   const std::size_t planned = options_.shard ? trials_.size() : plan_.size();
   writer_ = std::make_unique<DatasetWriter>(options_.output, header_, planned, options_.shard_limit, kept_ ? &*kept_ : nullptr);
-  // OpenSSL crashes where there is no memory to set itself up, which many workers may leave none for: it does so before them.
-  static_cast<void>(content_digest({}));
 }
 
 void RunningSweep::run() {
@@ -468,35 +494,27 @@ void RunningSweep::run() {
 
 void RunningSweep::run_trials() {
   summary_.trials.reserve(summary_.planned);  // growing, it would leave holes of as much again in the heap
-  std::mutex mutex;
-  auto next = apart_.begin();
-  auto reader = readers_.begin();
-  const auto make_work = [&]() -> OrderedWorkers<FinishedTrial>::Work {
-    const std::lock_guard lock(mutex);
-    Simulate simulate = apart_.empty() ? simulation(work(), options_) : simulation_by(*next++, work());
-    IsolatedWorker* const reads = readers_.empty() ? nullptr : &*reader++;
-    return [this, simulate = std::move(simulate), reads](std::size_t index) {
-      const std::size_t trial = trials_[index];
-      FinishedTrial finished = holds(trial) ? resumed_by(*reads, trial, options_.interrupt) : FinishedTrial();
-      if (!finished.summary.resumed) finished = simulate(trial);
-      files_->check();  // whether it read the same files as all others
-      return finished;
-    };
-  };
-  OrderedWorkers<FinishedTrial> workers(trials_.size(), workforce_.threads, make_work, options_.interrupt);
+  std::vector<std::size_t> missing;
+  std::ranges::copy_if(trials_, std::back_inserter(missing), [&](std::size_t trial) { return !intact_.contains(trial); });
+  const std::unique_ptr<TrialWorkers> workers = make_workers(missing, workforce_.threads, work(), options_, *files_);
   // What is finished is made safe while nothing else is to be done, and at the latest after a moment: a sync may take a while.
   constexpr std::chrono::milliseconds longest_unsafe{250};
   auto due = std::chrono::steady_clock::now() + longest_unsafe;
-  for (std::size_t i = 0; i < trials_.size(); ++i) {
+  for (const std::size_t trial : trials_) {
     end_if(options_.interrupt);
-    if (unpublished() && !workers.ready_until(due)) writer_->publish();
-    constexpr std::chrono::milliseconds a_while{100};
-    while (progress_ && trials_.size() == 1 && !workers.ready_until(std::chrono::steady_clock::now() + a_while))
-      progress_({.total = 1, .share = simulated_share()});
-    std::optional<FinishedTrial> finished = workers.next();
+    std::optional<FinishedTrial> finished;
+    if (intact_.contains(trial)) {
+      finished = resumed_trial(*kept_, work(), trial);
+    } else {
+      if (unpublished() && !workers->ready_until(due)) writer_->publish();
+      constexpr std::chrono::milliseconds a_while{100};
+      while (progress_ && trials_.size() == 1 && !workers->ready_until(std::chrono::steady_clock::now() + a_while))
+        progress_({.total = 1, .share = simulated_share()});
+      finished = workers->next();
+    }
     if (!finished) break;
     take(*finished);
-    workers.give_back(std::move(*finished));
+    workers->give_back(std::move(*finished));
     if (writer_ && std::chrono::steady_clock::now() >= due) writer_->publish();
     if (std::chrono::steady_clock::now() >= due) due = std::chrono::steady_clock::now() + longest_unsafe;
     report();
@@ -544,6 +562,12 @@ void RunningSweep::report() {
 }
 
 }  // namespace
+
+std::string run_before_trials(const SweepOptions& options, std::size_t trials, const std::function<std::string()>& action) {
+  if (!options.isolation.on) return action();
+  const double limit = static_cast<double>(trials) * options.isolation.limit;
+  return run_in_child("before the first trial", action, options.interrupt, limit, options.isolation.fork);
+}
 
 void keep_outcome(TrialRecord& record) {
   record.sensors.clear();

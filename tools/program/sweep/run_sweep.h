@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,7 +16,7 @@
 #include "tools/base/dataset/header.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/base/record/trial_record.h"
-#include "tools/base/workers/isolated_worker.h"
+#include "tools/base/workers/child_process.h"
 #include "tools/program/run/run_trial.h"
 
 namespace slipbench {
@@ -52,6 +53,13 @@ struct TrialSummary {
   bool resumed = false;  // read from the dataset that the run went on with, which does not hold what became of units
 };
 
+// Whether each trial runs in a child process, for code of others that may end its process or never return: that fails the trial alone.
+struct Isolation {
+  bool on = false;
+  double limit = std::numeric_limits<double>::infinity();  // s that a trial may take
+  Fork fork = {};                                          // see ChildProcesses
+};
+
 struct SweepOptions {
   std::string verb = "sweep";  // the command's own name, for the dataset's attribute `command`
   std::string scene_path;
@@ -65,9 +73,7 @@ struct SweepOptions {
   bool resume = false;     // go on with what a run of the same that did not come to its end has left of `output`
   bool keep_units = true;  // in the summary of every trial of several: some 100 B a unit
   std::size_t jobs = 0;    // worker threads; 0: as many as the machine has, or as their records have room for
-  bool isolate =
-      false;  // simulate in processes of their own, for code that may end them; not in a process that has other threads
-  WorkLimits limits = {};                 // beyond which an isolated trial has failed
+  Isolation isolation = {};
   std::string output;                     // dataset; empty: nothing is written
   Recording recording = Recording::full;  // what the dataset holds of a trial: its outcome alone takes some kB
   std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
@@ -115,6 +121,10 @@ struct ReadSweep {
 
 // `catalogues` must outlive what comes back. Throws InputError as plan_trials() does, and where the scene cannot be read.
 ReadSweep read_sweep(const SweepOptions& options, const Catalogues& catalogues);
+
+// Runs action() where trials run: here, or where they are isolated in a child process. For what builds `trials` of them before the first one runs, and
+// so may run code of others. Throws what it throws, and InputError where its process is lost.
+std::string run_before_trials(const SweepOptions& options, std::size_t trials, const std::function<std::string()>& action);
 
 // Takes away what a record does not hold where the outcome alone is kept: its empty columns.
 void keep_outcome(TrialRecord& record);

@@ -20,7 +20,6 @@
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/base/workers/isolated_worker.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/run/run_trial.h"
@@ -230,8 +229,6 @@ void count(const TrialOutcome& outcome, const std::string& sensor, const StateCo
 
 }  // namespace
 
-SLIPBENCH_FIELDS(Warning, about, text)
-
 std::vector<Warning> scene_warnings(const TrialPlan& plan, std::span<const std::size_t> numbers, bool build) {
   const std::vector<std::size_t> read = evenly_spaced(numbers.size(), most_read);
   const std::vector<std::size_t> built = evenly_spaced(read.size(), build ? most_built : 0);
@@ -298,8 +295,10 @@ std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& s
   }
   std::vector<Warning> warnings;
   try {
-    warnings = IsolatedWorker::made(sweep.isolate, sweep.limits, [&] { return scene_warnings(planned.plan, numbers, true); });
-  } catch (const LostWork&) {
+    const auto look = [&] { return warnings_json(scene_warnings(planned.plan, numbers, true)).dump(); };
+    for (const Json& one : Json::parse(run_before_trials(sweep, std::min(numbers.size(), most_read), look)))
+      warnings.push_back({one.at("about"), one.at("text")});
+  } catch (const InputError&) {
     // Running it says why.
   }
   if (!sweep.output.empty()) std::ranges::move(split_warnings(planned.plan, numbers), std::back_inserter(warnings));

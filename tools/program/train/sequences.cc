@@ -9,16 +9,14 @@
 #include <fmt/format.h>
 
 #include "sim/core/random.h"
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
+#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/trial_record.h"
-#include "tools/base/workers/child_process.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench {
-
-SLIPBENCH_FIELDS(Sequence, trial, sha256, part, motion, onset, time, displacements, label, moving)
 
 namespace {
 
@@ -106,28 +104,6 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
   return sequence;
 }
 
-std::string packed_sequences(const std::string& dataset_path, const SequenceOptions& options) {
-  const DatasetReader reader = whole_dataset(dataset_path);
-  reader.check_truth("the hyperdimensional detector, trained on motions that are known,");
-  Packed packed;
-  const auto subject_of = [&reader](std::size_t trial) {
-    return fmt::format("{}: trial {}", reader.files()[reader.file_of(trial)], trial);
-  };
-  const std::size_t first = reader.trials().front();
-  packed.put(reader.header().command, chosen_sensor(reader, first, options.sensor, subject_of(first)));
-  std::map<std::size_t, std::string> part_of = reader.split();
-  for_each_trial(reader, [&](const TrialRecord& record) {
-    const std::string subject = subject_of(record.trial);
-    const std::string sensor = chosen_sensor(reader, record.trial, options.sensor, subject);
-    const CommandedMotion motion = record.outcome.grasp ? CommandedMotion{} : commanded_motion(reader, record.trial);
-    Sequence sequence = sequence_of(record, sensor, motion, options, subject);
-    sequence.sha256 = trial_identity(reader, record.trial);
-    if (!part_of.empty()) sequence.part = part_of[record.trial];
-    packed.put(sequence);
-  });
-  return packed.release();
-}
-
 // Upper ends of the bands of compression [m]; the rounding of decimal fractions must not move a sequence to the next.
 constexpr std::array<double, 3> compression_bands{0.75e-3 + 1e-9, 1e-3 + 1e-9, 1.125e-3 + 1e-9};
 
@@ -137,10 +113,24 @@ constexpr int slowest_octave = -10;
 }  // namespace
 
 TrainingData read_sequences(const std::string& dataset_path, const SequenceOptions& options) {
-  Packed packed(guarded(dataset_path, [&] { return packed_sequences(dataset_path, options); }));
-  TrainingData data;
-  packed.take(data.command, data.sensor);
-  while (!packed.at_end()) packed.take(data.sequences.emplace_back());
+  const DatasetReader reader = whole_dataset(dataset_path);
+  reader.check_truth("the hyperdimensional detector, trained on motions that are known,");
+  const auto subject_of = [&reader](std::size_t trial) {
+    return fmt::format("{}: trial {}", reader.files()[reader.file_of(trial)], trial);
+  };
+  const std::size_t first = reader.trials().front();
+  TrainingData data{.command = reader.header().command,
+                    .sensor = chosen_sensor(reader, first, options.sensor, subject_of(first)),
+                    .sequences = {}};
+  std::map<std::size_t, std::string> part_of = reader.split();
+  for_each_trial(reader, [&](const TrialRecord& record) {
+    const std::string subject = subject_of(record.trial);
+    const std::string sensor = chosen_sensor(reader, record.trial, options.sensor, subject);
+    const CommandedMotion motion = record.outcome.grasp ? CommandedMotion{} : commanded_motion(reader, record.trial);
+    Sequence& sequence = data.sequences.emplace_back(sequence_of(record, sensor, motion, options, subject));
+    sequence.sha256 = trial_identity(reader, record.trial);
+    if (!part_of.empty()) sequence.part = part_of[record.trial];
+  });
   return data;
 }
 

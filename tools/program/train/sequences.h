@@ -49,7 +49,7 @@ struct SequenceOptions {
 // labels strict, the first of a part of a pillar for the others: the paper's camera sees the tip as soon as a part lets go.
 // has_slipped has the threshold default_label_speed, and sees every sample of the sensor, not the frames alone.
 // Throws InputError, naming the file, for what is no complete dataset of PapillArrays, on a stage or in a grasp, whose rate is a
-// multiple of 100 Hz. Reads in a child process (tools/base/dataset/guarded.h).
+// multiple of 100 Hz.
 TrainingData read_sequences(const std::string& dataset_path, const SequenceOptions& options);
 
 // Draws made of a dataset: number 0 is for choosing parameters, the others make the figures (paper, section IV.A).

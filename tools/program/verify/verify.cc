@@ -1,7 +1,6 @@
 #include "tools/program/verify/verify.h"
 
 #include <algorithm>
-#include <atomic>
 #include <filesystem>
 #include <set>
 #include <stdexcept>
@@ -12,11 +11,14 @@
 #include <fmt/ranges.h>
 
 #include "sim/core/error.h"
-#include "tools/base/dataset/guarded.h"
+#include "sim/core/process/check_readable.h"
+#include "sim/core/process/interrupted.h"
+#include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/shard_set.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
-#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/ordered_children.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/verify/contact.h"
@@ -29,24 +31,33 @@ using verify::Verification;
 
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
+// s that one process may take: damage can make HDF5 run for ever.
+double longest_part(const DatasetReader& reader) {
+  double megabytes = 0.0;
+  for (const std::string& file : reader.files()) megabytes += 1e-6 * static_cast<double>(std::filesystem::file_size(file));
+  return 120.0 + 20.0 * megabytes;
+}
+
 class DatasetCheck {
  public:
   explicit DatasetCheck(const std::string& path)
-      : reader_(path), catalogues_(program_catalogues()), digests_(reader_.files().size()) {}
+      : reader_(dataset_header_at(path)), catalogues_(program_catalogues()), digests_(reader_.files().size()) {}
 
   // By a process for each hardware thread, which damage may end.
   Json run(const std::string& path) {
     check_order();
     const std::size_t parts = std::max(1U, std::thread::hardware_concurrency());
-    static const std::atomic<bool> never{false};
-    const auto check_apart = [&](std::size_t part) { return guarded(path, [&] { return check_part(part, parts); }); };
-    auto trial = reader_.trials().begin();
-    for (const std::string& found : run_in_processes(
-             parts, parts, check_apart, [](std::size_t) {}, never)) {
-      Packed packed(found);
-      verification_.add(Json::parse(packed.take<std::string>()));
-      for (const std::optional<Digest>& digest : packed.take<std::vector<std::optional<Digest>>>()) {
-        if (digest) digests_[reader_.file_of(*trial)].emplace_back(*trial, *digest);
+    const std::vector<std::size_t>& trials = reader_.trials();
+    const double limit = longest_part(reader_);
+    OrderedChildren children(
+        parts, parts, [&](std::size_t part) { return check_part(part, parts); }, nullptr, limit);
+    auto trial = trials.begin();
+    while (std::optional<ChildEnd> end = children.next()) {
+      if (end->kind == ChildEnd::Kind::lost) reject("{}: is damaged: the process that read it {}", path, end->loss(limit));
+      const Json found = Json::parse(std::move(*end).result(path));
+      verification_.add(found.at("verification"));
+      for (const Json& digest : found.at("digests")) {
+        if (!digest.is_null()) digests_[reader_.file_of(*trial)].emplace_back(*trial, digest.get<Digest>());
         ++trial;
       }
     }
@@ -72,7 +83,9 @@ class DatasetCheck {
       digests.push_back(check_digest(trials[i], record ? &*record : nullptr));
       if (record) check_content(*record);
     }
-    return Packed::bytes_of(dumped(verification_.json()), digests);
+    Json found = {{"verification", verification_.json()}, {"digests", Json::array()}};
+    for (const std::optional<Digest>& digest : digests) found["digests"].push_back(or_null(digest));
+    return dumped(found);
   }
 
   // What reading refuses does not hold.
@@ -250,32 +263,27 @@ class DatasetCheck {
 
 // Which file of its dataset it is.
 std::uint64_t shard_of(const std::string& path) {
-  const std::string shard = guarded(path, [&] {
-    const std::optional<FileAbout> about = file_about(path);
-    if (!about) throw InputError(path + ": is no dataset");
-    return std::to_string(about->shard);
-  });
-  return std::stoull(shard);
+  check_readable(FileKind::dataset_file, path);
+  const std::optional<FileAbout> about = file_about(path);
+  if (!about) throw InputError(path + ": is no dataset");
+  return about->shard;
 }
 
 // Several shards against each other.
 Json shards_result(const std::vector<std::string>& paths) {
-  const auto action = [&] {
-    Json result{{"shards", paths.size()}, {"trials", nullptr}, {"duplicates", nullptr}};
-    std::vector<std::string> failures;
-    try {
-      ShardSet set(paths);
-      failures = set.gaps();
-      result["trials"] = set.size();
-      result["duplicates"] = set.check_duplicates();
-    } catch (const InputError& error) {
-      failures.emplace_back(error.what());
-    }
-    result["holds"] = failures.empty();
-    result["failures"] = failures;
-    return dumped(result);
-  };
-  return Json::parse(guarded("one of the shards", reading_limits(paths), action));
+  Json result{{"shards", paths.size()}, {"trials", nullptr}, {"duplicates", nullptr}};
+  std::vector<std::string> failures;
+  try {
+    ShardSet set(paths);
+    failures = set.gaps();
+    result["trials"] = set.size();
+    result["duplicates"] = set.check_duplicates();
+  } catch (const InputError& error) {
+    failures.emplace_back(error.what());
+  }
+  result["holds"] = failures.empty();
+  result["failures"] = failures;
+  return Json::parse(dumped(result));  // whatever the files hold, this is UTF-8
 }
 
 }  // namespace
@@ -299,7 +307,7 @@ Verified verify_datasets(const std::vector<std::string>& paths) {
         further.push_back(path);
         return;
       }
-      Json result = Json::parse(guarded(path, [&] { return dumped(DatasetCheck(path).run(path)); }));
+      Json result = Json::parse(dumped(DatasetCheck(path).run(path)));
       for (const Json& file : result["files"])
         seen.insert(std::filesystem::path(file.get<std::string>()).lexically_normal().string());
       verified.holds = verified.holds && result["holds"].get<bool>();

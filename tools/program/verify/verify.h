@@ -24,7 +24,7 @@ struct Verified {
   bool readable = true;
 };
 
-// `paths`: datasets by their first files; further files of them may stand among them. Each is read in a child process. Throws
+// `paths`: datasets by their first files; further files of them may stand among them. Throws
 // nothing for a file that cannot be read: the others are verified all the same.
 Verified verify_datasets(const std::vector<std::string>& paths);
 

@@ -18,11 +18,11 @@
 #include <thread>
 #include <utility>
 
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
-#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/export/export.h"
 
 namespace slipbench {
@@ -110,14 +110,11 @@ bool is_being_written(const std::string& path) {
 
 // The trial to be shown of what a file holds now: the one that is asked for, else the first or the last; empty: it is not there.
 std::optional<std::size_t> trial_in(const std::string& path, const std::optional<std::size_t>& asked, bool last) {
-  const std::string found = guarded(path, [&]() -> std::string {
-    const DatasetReader reader(path);
-    const std::vector<std::size_t>& trials = reader.trials();
-    if (trials.empty()) return "";
-    if (!asked) return std::to_string(last ? trials.back() : trials.front());
-    return std::ranges::binary_search(trials, *asked) ? std::to_string(*asked) : "";
-  });
-  return found.empty() ? std::nullopt : std::optional<std::size_t>(std::stoull(found));
+  const DatasetReader reader = dataset_header_at(path);
+  const std::vector<std::size_t>& trials = reader.trials();
+  if (trials.empty()) return std::nullopt;
+  if (!asked) return last ? trials.back() : trials.front();
+  return std::ranges::binary_search(trials, *asked) ? asked : std::nullopt;
 }
 
 std::string variable(const char* name) {

@@ -135,15 +135,14 @@ class Scene:
         self._told: dict[str, str] = {}
         # Classes of one's own are not made before trials run, which may be in processes of their own.
         if not self._has_own_parts():
-            found = dict(self._core.warnings(0, 0, None, False, "", False, _core.Limits(math.inf, 0)))
+            found = dict(self._core.warnings(0, 0, None, False, "", False, math.inf))
             self._told.update(found)
             warn(text for about, text in found.items() if (told or {}).get(about) != text)
 
     def _warn(self, draws: int = 0, trials: int = 0, seed: int | None = None, output: str = "",
-              apart: tuple[bool, _core.Limits] | None = None) -> None:
+              apart: tuple[bool, float] = (False, math.inf)) -> None:
         """Warns of what the program warns of before these trials run, where that has not been said before."""
-        isolate, limits = apart or (False, _core.Limits(math.inf, 0))
-        found = {about: text for about, text in self._core.warnings(draws, trials, seed, True, output, isolate, limits) if about not in self._told}
+        found = {about: text for about, text in self._core.warnings(draws, trials, seed, True, output, *apart) if about not in self._told}
         self._told.update(found)
         warn(found.values())
 
@@ -209,22 +208,22 @@ class Scene:
 
     def write(self, path: str | os.PathLike[str], *, draws: int = 0, trials: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full",
               resume: bool = False, progress: Callable[[int, int], None] | None = None, isolate: bool | None = None,
-              trial_limit: float | None = None, trial_memory: int | None = None) -> dict[str, Any]:
+              trial_limit: float | None = None) -> dict[str, Any]:
         """Runs the sweep into the dataset at `path`, byte for byte what `slipbench sweep` writes; with `trials` what `slipbench run --trials` writes.
 
         `draws`, `seed`, `jobs`, `record`: as `sweep()` takes them. `resume`: goes on with a file that an interrupted call has left. Returns the
         summary that `--json` prints. `progress(done, total)` is called now and then, and at the end. Raises KeyboardInterrupt after Ctrl-C, when the
         finished trials are kept for `resume=True`.
 
-        `isolate`: trials run in processes of their own, so that a class that ends its process or never returns fails its trial alone. What a class
-        keeps outside of its objects stays in that process. None: where a class of one's own or a plugin runs, and neither torch nor a
-        notebook, whose threads no such process has, is loaded. A trial that takes more than `trial_limit` s, or `trial_memory` MB beyond what Python
-        has, fails: each implies `isolate`.
+        `isolate`: each trial runs in a process of its own, a copy of this one: where a class crashes, ends the process or never returns, its trial fails
+        alone. What a class keeps outside of its objects is not seen by other trials. None: where several trials run a class of one's own or a plugin, and
+        neither torch nor a notebook, whose threads no such process has, is loaded. A trial that takes more than `trial_limit` s fails; that implies
+        `isolate`.
         """
         _check_counts(draws=draws, trials=trials, seed=seed, jobs=jobs)
         if draws and trials:
             raise _core.InputError(f"draws={draws} and trials={trials}; allowed: one of them")
-        full, apart = _full(record), self._apart(isolate, trial_limit, trial_memory)
+        full, apart = _full(record), self._apart(isolate, trial_limit, trials or self.trials(draws))
         self._warn(draws, trials, seed, os.fspath(path), apart)
         summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, full, resume, progress, *apart))
         warn(one["text"] for one in summary["warnings"])
@@ -235,14 +234,14 @@ class Scene:
         return summary
 
     def check(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, folder: str = "", isolate: bool | None = None,
-              trial_limit: float | None = None, trial_memory: int | None = None) -> Check:
+              trial_limit: float | None = None) -> Check:
         """Holds the scene's `expect` against its trials, as `slipbench check`.
 
-        `draws`, `seed`, `jobs`: as `sweep()` takes them, `isolate`, `trial_limit`, `trial_memory` as `write()` does. `folder`: for what a failed check
+        `draws`, `seed`, `jobs`: as `sweep()` takes them, `isolate`, `trial_limit` as `write()` does. `folder`: for what a failed check
         leaves; empty: nothing.
         """
         _check_counts(draws=draws, seed=seed, jobs=jobs)
-        apart = self._apart(isolate, trial_limit, trial_memory)
+        apart = self._apart(isolate, trial_limit, self.trials(draws))
         self._warn(draws, seed=seed, apart=apart)
         result = self._core.check(draws, seed, jobs, folder, *apart)
         warn(text for _, text in result.pop("warnings"))
@@ -252,18 +251,18 @@ class Scene:
         """Whether the scene may name a Python class of one's own, or a plugin."""
         return any(name in text for name in ("plugin", *own_names) for text in [self.text, *(value for _, value in self.overrides)])
 
-    def _apart(self, isolate: bool | None, time: float | None, memory: int | None) -> tuple[bool, _core.Limits]:
-        """Whether trials run in processes of their own, as `write()` says, and their limits."""
-        if (time is not None and not time > 0) or (memory is not None and memory < 1):
-            raise _core.InputError(f"trial_limit={time}, trial_memory={memory}; allowed: more than 0 s, 1 MB or more")
-        limited = time is not None or memory is not None
-        if limited and isolate is False:
+    def _apart(self, isolate: bool | None, time: float | None, trials: int) -> tuple[bool, float]:
+        """Whether so many trials run in processes of their own, as `write()` says, and how long one may take."""
+        if time is not None and not time > 0:
+            raise _core.InputError(f"trial_limit={time}; allowed: more than 0 s")
+        if time is not None and isolate is False:
             raise _core.InputError("isolate=False beside a limit of a trial; allowed: one of them")
         if isolate is None:
-            isolate = limited or (self._has_own_parts() and not {"torch", "ipykernel"} & sys.modules.keys())
+            own = trials > 1 and self._has_own_parts() and not {"torch", "ipykernel"} & sys.modules.keys()
+            isolate = time is not None or own
         if isolate and sys.stdout is not None:
             sys.stdout.flush()  # what waits would be printed by each process
-        return isolate, _core.Limits(math.inf if time is None else time, memory or 0)
+        return isolate, math.inf if time is None else time
 
     def __repr__(self) -> str:
         return f"<slipbench.Scene {self.path}{''.join(f' {path}={value}' for path, value in self.overrides)}>"

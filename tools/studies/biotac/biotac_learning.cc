@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/samples/samples.h"
@@ -254,23 +254,13 @@ Grasp grasp_of(const TrialRecord& record) {
 }
 
 void check_simulated(const std::string& path) {
-  guarded(path, [&] {
-    DatasetReader(path).check_truth("reproduce --data", "--real, which takes imported recordings");
-    return std::string();
-  });
+  dataset_header_at(path).check_truth("reproduce --data", "--real, which takes imported recordings");
 }
 
 std::vector<Grasp> read_grasps(const std::string& path, const ReproduceOptions& options) {
   if (options.say) options.say(fmt::format("reading {}", path));
-  Packed bytes = packed_trials(path, [](const TrialRecord& record, Packed& packed) {
-    const Grasp grasp = grasp_of(record);
-    packed.put(grasp.counts, grasp.object, grasp.palm, grasp.slipped);
-  });
   std::vector<Grasp> grasps;
-  while (!bytes.at_end()) {
-    Grasp& grasp = grasps.emplace_back();
-    bytes.take(grasp.counts, grasp.object, grasp.palm, grasp.slipped);
-  }
+  with_trials(path, [&](const TrialRecord& record) { grasps.push_back(grasp_of(record)); });
   return grasps;
 }
 
@@ -316,7 +306,7 @@ train::FoldExample as_graph(const Grasp& grasp) {
 std::vector<Touch> read_touches(const std::string& path, const ReproduceOptions& options) {
   if (options.say) options.say(fmt::format("reading {}", path));
   std::vector<Touch> touches;
-  const std::string truth = guarded(path, [&] { return DatasetReader(path).header().truth; });
+  const std::string truth = dataset_header_at(path).header().truth;
   const train::LabelRule labels = truth.empty() ? train::LabelRule::micro : train::LabelRule::paper;  // imported: their set's own
   for (train::Example& example : train::read_examples(path, touch_options(labels)).all) {
     if (example.object.empty())

@@ -399,9 +399,8 @@ std::vector<PiezoRecording> run_recordings(const std::vector<double>& levels, st
 }
 
 std::vector<PiezoRecording> read_recordings(const std::string& path, const std::vector<network::Input>& inputs) {
-  Packed bytes = packed_trials(path, [&](const TrialRecord& record, Packed& all) { all.put(make_recording(record, inputs)); });
   std::vector<PiezoRecording> recordings;
-  while (!bytes.at_end()) bytes.take(recordings.emplace_back());
+  with_trials(path, [&](const TrialRecord& record) { recordings.push_back(make_recording(record, inputs)); });
   return recordings;
 }
 

@@ -14,7 +14,6 @@
 #include "tools/base/record/json.h"
 #include "tools/base/record/trial_record.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/base/workers/child_process.h"
 #include "tools/program/train/network/examples.h"
 #include "tools/program/train/network/validation.h"
 #include "tools/program/train/sequences.h"
@@ -81,10 +80,6 @@ struct Told {
     return std::size_t{time} + std::size_t{contact} + std::size_t{motors} + std::size_t{kind};
   }
 };
-
-// For a child process to hand them over.
-SLIPBENCH_FIELDS(PiezoFrames, features, truth, paper)
-SLIPBENCH_FIELDS(PiezoRecording, level, tip, motors_only, slip_time, label_time, inputs, time, contact, motors)
 
 // Frames of the piezoelectric skin's signal: how loud each is, and what happens within it.
 

@@ -8,7 +8,7 @@
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/base/record/content_digest.h"
 
@@ -215,45 +215,6 @@ TEST_F(IntegrityTest, NamesWithControlCharactersAreRefused) {
 TEST_F(IntegrityTest, PipeIsRefused) {
   ASSERT_EQ(::mkfifo(path("pipe.h5").c_str(), 0600), 0);
   EXPECT_THAT(refusal_of([&] { DatasetReader reader(path("pipe.h5")); }), mentions({"pipe.h5", "a pipe"}));
-}
-
-TEST(GuardedLimits, EndlessReadingEnds) {
-  constexpr std::uint64_t plenty = 8'000'000'000;
-  const auto message = [](const ReadingLimits& limits, const std::function<std::string()>& action) {
-    return refusal_of([&] { guarded("a.h5", limits, action); });
-  };
-  EXPECT_THAT(message({1, 60, plenty},
-                      []() -> std::string {
-                        volatile std::uint64_t count = 0;
-                        while (true) count = count + 1;
-                      }),
-              refused_at("a.h5", {"1 s", "processor"}));
-  EXPECT_THAT(message({60, 1, plenty},
-                      []() -> std::string {
-                        while (true) ::pause();
-                      }),
-              refused_at("a.h5", {"1 s"}));
-  EXPECT_THAT(message({60, 60, 2'000'000'000}, []() -> std::string { throw std::bad_alloc(); }), refused_at("a.h5", {"2 GB"}));
-}
-
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST(GuardedLimits, MemoryHasALimit) {
-  EXPECT_THAT(refusal_of([] {
-                guarded("a.h5", {60, 60, 2'000'000'000}, [] { return std::string(4'000'000'000, 'x').substr(0, 1); });
-              }),
-              refused_at("a.h5", {"2 GB"}));
-}
-#endif
-
-// 8 s and 2 s for each MB, of all files of the dataset.
-TEST_F(FolderTest, LimitsGrowWithTheFiles) {
-  for (const char* name : {"a.h5", "a-0001.h5"}) {
-    std::ofstream(path(name)) << "x";
-    std::filesystem::resize_file(path(name), 3'000'000);
-  }
-  EXPECT_EQ(reading_limits(path("a.h5")).cpu, 8U + 2U * 6U);
-  EXPECT_EQ(reading_limits(path("a.h5")).wait, 120U + 20U * 6U);
-  EXPECT_EQ(reading_limits(path("none.h5")).cpu, 8U);
 }
 
 }  // namespace

@@ -14,18 +14,24 @@
 namespace slipbench::child_process_test {
 namespace {
 
+using Clock = std::chrono::steady_clock;
 using Kind = ChildEnd::Kind;
 
 const std::atomic<bool> never{false};
 void nothing(std::size_t) {}
 
-ChildEnd ended(const std::function<std::string()>& action) {
-  ChildProcess child(action);
-  while (child.read()) continue;
-  return child.end();
+constexpr double plenty = 60.0;  // s
+
+ChildEnd ended(const std::function<std::string()>& action, double limit = plenty) {
+  ChildProcesses children(limit);
+  children.start(3, action);
+  auto found = children.wait_until(Clock::now() + std::chrono::minutes(1));
+  EXPECT_EQ(found->first, 3U);
+  EXPECT_EQ(children.running(), 0U);
+  return std::move(found->second);
 }
 
-TEST(ChildProcess, SaysHowItEnded) {
+TEST(ChildProcesses, SayHowTheyEnded) {
   // More than a pipe holds, 64 kB.
   const std::string large(300000, 'x');
   EXPECT_EQ(ended([&] { return large; }).text, large);
@@ -34,29 +40,78 @@ TEST(ChildProcess, SaysHowItEnded) {
   EXPECT_EQ(refused.kind, Kind::bad_input);
   EXPECT_EQ(refused.text, "bad");
   EXPECT_EQ(ended([]() -> std::string { throw std::runtime_error("worse"); }).kind, Kind::failure);
-  EXPECT_EQ(ended([]() -> std::string { throw std::bad_alloc(); }).kind, Kind::no_memory);
+  EXPECT_EQ(ended([]() -> std::string { throw std::bad_alloc(); }).text, "out of memory");
+}
+
+TEST(ChildProcesses, SayHowTheyWereLost) {
   const ChildEnd killed = ended([]() -> std::string {
     ::raise(SIGKILL);
     return "never";
   });
-  EXPECT_EQ(killed.kind, Kind::broken);
-  EXPECT_EQ(WTERMSIG(killed.status), SIGKILL);
+  EXPECT_EQ(killed.kind, Kind::lost);
+  EXPECT_EQ(killed.loss(plenty), "was ended by SIGKILL (Killed)");
+  EXPECT_EQ(ended([]() -> std::string { std::_Exit(0); }).loss(plenty), "ended with status 0 before its work was done");
+  // One that has closed the pipe and goes on is waited for.
+  const ChildEnd closed = ended([]() -> std::string {
+    ::close_range(3, ~0U, 0);
+    ::usleep(20'000);
+    return "never";
+  });
+  EXPECT_EQ(closed.loss(plenty), "ended with status 1 before its work was done");
 }
 
-// The child would sleep for a minute: the test's own time shows that it is not waited for.
-TEST(ChildProcess, EndsWithItsOwner) {
+// Either would sleep for a minute: the test's own time shows that it is not waited for.
+TEST(ChildProcesses, EndWithTheirLimitAndWithTheirOwner) {
+  const auto sleep = [] {
+    ::sleep(60);
+    return std::string();
+  };
+  EXPECT_EQ(ended(sleep, 0.1).loss(0.1), "was still running after 0.1 s, the limit");
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
   {
-    const ChildProcess child([] {
-      ::sleep(60);
-      return std::string();
-    });
+    ChildProcesses children;
+    children.start(0, sleep);
+    EXPECT_FALSE(children.wait_until(Clock::now()));
   }
   ::close(ends[1]);
   char byte = 0;
   EXPECT_EQ(::read(ends[0], &byte, 1), 0) << "the child held the other end open";
   ::close(ends[0]);
+}
+
+// A copy that the action has made holds the pipe open. It ends with the child, and what it would return is not heard.
+TEST(ChildProcesses, EndWhatTheyHaveStarted) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  const ChildEnd end = ended([] {
+    if (::fork() == 0) ::sleep(60);
+    return std::string("original");
+  });
+  EXPECT_EQ(end.text, "original");
+  EXPECT_EQ(ended([] { return std::string(::fork() == 0 ? "copy" : "original"); }).text, "original");
+  ::close(ends[1]);
+  char byte = 0;
+  EXPECT_EQ(::read(ends[0], &byte, 1), 0) << "the copy held the other end open";
+  ::close(ends[0]);
+}
+
+TEST(RunInChild, ReturnsAndThrows) {
+  EXPECT_EQ(run_in_child(
+                "a.h5", [] { return std::string("read"); }, nullptr),
+            "read");
+  EXPECT_THROW(run_in_child(
+                   "a.h5", []() -> std::string { throw std::logic_error("bug"); }, nullptr),
+               std::runtime_error);
+  EXPECT_EQ(refusal_of([] {
+              run_in_child(
+                  "a.h5", []() -> std::string { std::_Exit(3); }, nullptr);
+            }),
+            "a.h5: its process ended with status 3 before its work was done");
+  const std::atomic<bool> now{true};
+  EXPECT_THROW(run_in_child(
+                   "a.h5", [] { return std::string(); }, &now),
+               Interrupted);
 }
 
 TEST(RunInProcesses, HandsOverInOrder) {
@@ -107,7 +162,7 @@ TEST(RunInProcesses, ThrowsWhatWorkThrew) {
   EXPECT_THROW(run_in_processes(3, 2, failing(InputError("bad")), nothing, never), InputError);
   EXPECT_THROW(run_in_processes(3, 2, failing(std::runtime_error("worse")), nothing, never), std::runtime_error);
   const auto dying = [](std::size_t) -> std::string { std::_Exit(3); };
-  EXPECT_THROW(run_in_processes(1, 1, dying, nothing, never), std::runtime_error);
+  EXPECT_THAT(refusal_of([&] { run_in_processes(1, 1, dying, nothing, never); }), HasSubstr("ended with status 3"));
 }
 
 // The second work is never begun, and the first, which would take a minute, is ended.

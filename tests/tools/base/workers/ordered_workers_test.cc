@@ -93,12 +93,11 @@ TEST(OrderedWorkers, NothingIsBegunAfterAFailure) {
   EXPECT_EQ(begun, 1U);
 }
 
-// As when there is no memory for it.
 TEST(OrderedWorkers, FailureToMakeTheWorkIsThrown) {
   for (const std::size_t threads : {1U, 3U}) {
     Workers workers(
-        60, threads, []() -> Workers::Work { throw std::bad_alloc(); }, nullptr);
-    EXPECT_THROW(workers.next(), std::bad_alloc);
+        60, threads, []() -> Workers::Work { throw InputError("no work"); }, nullptr);
+    EXPECT_THROW(workers.next(), InputError);
   }
 }
 

@@ -2,7 +2,7 @@
 #include "tools/program/cost/explore.h"
 
 #include "tests/expect.h"
-#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/catalogue/program_catalogues.h"
 
 namespace slipbench::cost {

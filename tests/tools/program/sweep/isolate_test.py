@@ -19,26 +19,34 @@ LIBRARY = Path(sys.argv.pop(2)).resolve()
 PROGRAM = Path(sys.argv.pop(1)).resolve()
 
 LIMIT = 2.0  # s, above what an honest trial takes on a machine that does much else
-IN_UPDATE = "detector.library: 'misbehaves.so' {} in update"
-# What the message of the failed trial holds; None: nothing happens.
+ENDED_BY = "its worker process was ended by "
+UNFINISHED = "its worker process ended with status {} before its work was done"
+LATE = f"its worker process was still running after {LIMIT:g} s, the limit"
+IN_UPDATE = "detector.library: 'misbehaves.so' threw {} in update"
+# What the message of the failed trial holds; None: no trial fails.
 DEEDS = {
-    "segv": IN_UPDATE.format("crashed") + ": SIGSEGV",
-    "abort": IN_UPDATE.format("crashed") + ": SIGABRT",
-    "fpe": IN_UPDATE.format("crashed") + ": SIGFPE",
-    "stack": IN_UPDATE.format("crashed") + ": SIGSEGV",
-    "heap": IN_UPDATE.format("crashed") + ": SIGABRT",
-    "thread": IN_UPDATE.format("crashed") + ": SIGSEGV",
-    "kill": IN_UPDATE.format("crashed") + ": Killed",
-    "exit": IN_UPDATE.format("ended its process"),
-    "_exit": IN_UPDATE.format("ended its process"),
-    "files": "its process ended",
-    "loop": IN_UPDATE.format("was still at work") + f" after {LIMIT:g} s, the limit",
-    "deaf": IN_UPDATE.format("was still at work") + f" after {LIMIT:g} s, the limit",
-    "memory": "threw 'std::bad_alloc' in update",
+    "segv": ENDED_BY + "SIGSEGV",
+    "abort": ENDED_BY + "SIGABRT",
+    "fpe": ENDED_BY + "SIGFPE",
+    "stack": ENDED_BY + "SIGSEGV",
+    "heap": ENDED_BY + "SIGABRT",
+    "thread": ENDED_BY + "SIGSEGV",
+    "kill": ENDED_BY + "SIGKILL",
+    "exit": UNFINISHED.format(0),
+    "_exit": UNFINISHED.format(0),
+    "files": UNFINISHED.format(1),
+    "loop": LATE,
+    "deaf": LATE,
+    "memory": IN_UPDATE.format("'std::bad_alloc'"),
+    "throw": IN_UPDATE.format("'out of ideas'"),
     "folder": None,
     "output": None,
     "latest": None,
+    "rounding": None,
+    "signals": None,
+    "fork": None,
 }
+CHANGES_ITS_TRIAL = "rounding"
 
 
 def values(deeds):
@@ -99,28 +107,37 @@ class IsolateTest(unittest.TestCase):
 
     def test_a_deed_fails_its_trial_alone(self):
         self.sweep(DEEDS, "--no-isolate", "-o", "honest.h5", honest=True)
-        out, _ = self.sweep(DEEDS, "--trial-limit", str(LIMIT), "--trial-memory", "1000", "--json", "-o", "out.h5", status=1)
+        out, _ = self.sweep(DEEDS, "--trial-limit", str(LIMIT), "--json", "-o", "out.h5", status=1)
         failed = {one["trial"]: one["message"] for one in json.loads(out)["failed"]}
         expected = {trial: DEEDS.get(deed) for i, deed in enumerate(values(DEEDS)) for trial in (2 * i, 2 * i + 1)}
         self.assertEqual(set(failed), {trial for trial, text in expected.items() if text})
         for trial, message in failed.items():
             self.assertIn(f"trial {trial}: ", message)
             self.assertIn(expected[trial], message)
-        honest = digests(self.folder / "honest.h5")
-        self.assertEqual(digests(self.folder / "out.h5"), {name: honest[name] for name in honest if int(name[5:]) not in failed})
+        changed = {2 * values(DEEDS).index(CHANGES_ITS_TRIAL) + k for k in (0, 1)}
+        honest, found = digests(self.folder / "honest.h5"), digests(self.folder / "out.h5")
+        self.assertEqual(set(found), {name for name in honest if int(name[5:]) not in failed})
+        for name, digest in found.items():
+            self.assertEqual(digest == honest[name], int(name[5:]) not in changed, name)
+        self.assert_nothing_runs()
 
-    def test_a_single_trial_is_kept_apart_too(self):
-        for deed, text in (("_exit", IN_UPDATE.format("ended its process")), ("folder", None)):
-            with self.start_one(deed) as process:
+    def test_a_single_trial_is_isolated_where_it_is_asked_for(self):
+        for deed, text in (("_exit", UNFINISHED.format(0)), ("folder", None)):
+            with self.start_one(deed, "--isolate") as process:
                 _, error = process.communicate(timeout=60)
             self.assertEqual(process.returncode, 2 if text else 0, error)
             self.assertEqual([path.name for path in self.folder.glob("out*")], [] if text else ["out.h5"])
             self.assertIn(text or "", error)
-        with self.start_one("loop") as process:
+        with self.start_one("loop", "--isolate") as process:
             time.sleep(1.0)
             process.send_signal(signal.SIGINT)
             self.assertEqual(process.wait(timeout=60), 130)
         self.assert_nothing_runs()
+
+    def test_a_crash_ends_the_program_without_isolation(self):
+        with self.start_one("segv") as process:
+            self.assertEqual(process.wait(timeout=60), -signal.SIGSEGV)
+        self.assertFalse((self.folder / "out.h5").exists())
 
     def test_a_single_trial_tells_how_far_it_is(self):
         with self.start_one("slow") as process:  # 300 updates of 25 ms; nothing is told in the first 5 s
@@ -147,9 +164,10 @@ class IsolateTest(unittest.TestCase):
         self.assertIn("2 of 6 trials failed: 2 and 3", error)
 
     def test_what_is_wrong_before_the_first_trial_is_refused(self):
-        for deed, text in {"make segv": "crashed", "make _exit": "ended its process", "make loop": "was still at work"}.items():
-            _, error = self.sweep([deed], "--trial-limit", "1 s", status=2)
-            self.assertIn(f"scene.yaml:15: detector.library: 'misbehaves.so' {text} in slipbench_make_detector", error)
+        texts = {"make segv": "was ended by SIGSEGV", "make _exit": "ended with status 0", "make loop": "was still running after 3 s, the limit"}
+        for deed, text in texts.items():
+            _, error = self.sweep([deed], "--trial-limit", "0.5 s", status=2)
+            self.assertIn(f"before the first trial: its process {text}", error)
         _, error = self.sweep(["none"], "--trial-limit", "1 s", "--no-isolate", status=2)
         self.assertIn("--no-isolate", error)
 

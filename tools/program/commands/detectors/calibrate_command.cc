@@ -8,7 +8,7 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
-#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"

@@ -14,7 +14,7 @@
 
 #include "sim/core/process/interrupted.h"
 #include "tools/base/files/reject.h"
-#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/sweep/run_sweep.h"

@@ -10,7 +10,7 @@
 #include "sim/core/error.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/record/json.h"
-#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
@@ -130,8 +130,7 @@ SceneCheck check_settled(CheckOptions& check, const Catalogues& catalogues, cons
     SweepOptions sweep = sweep_of(check);
     settle_accuracy(sweep, catalogues, command);
     const ReadSweep read = read_sweep(sweep, catalogues);
-    sweep.limits = check.limits = command.isolation.limits;
-    sweep.isolate = check.isolate = command.isolation.wanted(read.file, sweep.overrides);
+    sweep.isolation = check.isolation = command.isolation.chosen(read, sweep);
     warnings = scene_warnings(read, sweep);
     print_warnings(warnings);
     check.overrides = std::move(sweep.overrides);

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -15,7 +16,7 @@
 #include "tools/base/dataset/shard_set.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/json.h"
-#include "tools/base/workers/child_process.h"
+#include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
@@ -161,22 +162,21 @@ int report_interrupted(const SweepSummary& summary) {
 
 void IsolationOptions::declare(Arguments& arguments) {
   arguments.flag("--isolate", isolate,
-                 "Simulate in processes of their own, so that a plugin that ends one, or never returns, fails its trial alone");
-  arguments.flag("--no-isolate", together, "Simulate in threads (the default, but for a scene that says plugin)");
-  arguments.quantity("--trial-limit TIME", limits.time, "A trial that takes longer has failed; implies --isolate",
-                     Quantity::time);
-  arguments.number("--trial-memory MB", limits.memory, "A trial that takes more than so many MB has failed; implies --isolate",
-                   1);
+                 "Run each trial in a process of its own, so that a crash of a plugin fails that trial alone");
+  arguments.flag("--no-isolate", together, "Run trials in threads (default, except for sweeps with plugins)");
+  arguments.quantity("--trial-limit TIME", limit, "Fail a trial that takes longer; implies --isolate", Quantity::time);
   arguments.then([this, &arguments] {
-    isolate = isolate || std::isfinite(limits.time) || limits.memory > 0;
+    isolate = isolate || std::isfinite(limit);
     if (isolate && together)
-      throw InputError(arguments.name() + ": --no-isolate stands beside --isolate or a limit; allowed: one of them");
+      throw InputError(arguments.name() + ": --no-isolate stands beside --isolate or --trial-limit; allowed: one of them");
   });
 }
 
-bool IsolationOptions::wanted(const SceneFile& file, const std::vector<Override>& overrides) const {
-  const auto says = [](const std::string& text) { return text.find("plugin") != std::string::npos; };
-  return isolate || (!together && (says(file.text()) || std::ranges::any_of(overrides, says, &Override::value)));
+Isolation IsolationOptions::chosen(const ReadSweep& read, const SweepOptions& sweep) const {
+  const auto names_plugin = [](const std::string& text) { return text.find("plugin") != std::string::npos; };
+  const bool several = !sweep.only && read.planned.asked > 1;
+  const bool plugins = names_plugin(read.file.text()) || std::ranges::any_of(sweep.overrides, names_plugin, &Override::value);
+  return {.on = isolate || (!together && several && plugins), .limit = limit};
 }
 
 void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help) {
@@ -205,8 +205,7 @@ int SimulationCommand::run() {
   settle_accuracy(sweep, catalogues, *this);
   std::optional<PreparationNotice> preparing(silent());
   const ReadSweep read = read_sweep(sweep, catalogues);
-  sweep.limits = isolation.limits;
-  sweep.isolate = isolation.wanted(read.file, sweep.overrides);
+  sweep.isolation = isolation.chosen(read, sweep);
   std::vector<Warning> warnings = scene_warnings(read, sweep);
   print_warnings(warnings);
   TrialsJson trials;
@@ -291,6 +290,7 @@ Examples:
 }
 
 int MergeCommand::run() {
+  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond a limit is an error like a full disk
   const Merged merged = merge_shards(shards, output);
   if (json)
     return print_json(

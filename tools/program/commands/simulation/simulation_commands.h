@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,12 +21,12 @@ namespace slipbench {
 
 // The options that say whether trials run in processes of their own.
 struct IsolationOptions {
-  bool isolate = false, together = false;  // neither: where there may be a plugin
-  WorkLimits limits = {};
+  bool isolate = false, together = false;                  // neither: several trials with a plugin are isolated
+  double limit = std::numeric_limits<double>::infinity();  // s
 
   void declare(Arguments& arguments);
-  // Whether they do. Plugins may be at work where their type stands in the scene or in a --set.
-  [[nodiscard]] bool wanted(const SceneFile& file, const std::vector<Override>& overrides) const;
+  // For the trials of a sweep. There may be plugins where their type stands in the scene or in a --set.
+  [[nodiscard]] Isolation chosen(const ReadSweep& read, const SweepOptions& sweep) const;
 };
 
 // `run` and `sweep`: trials of a scene.

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
@@ -29,13 +29,10 @@ void check_replaceable(const std::string& dataset, const std::string& scene) {
   std::error_code error;
   if (!std::filesystem::exists(dataset, error)) return;
   // Of several trials nothing: they took long, and one is all that this makes.
-  const std::string of_one = guarded(dataset, [&] {
-    const DatasetReader reader(dataset);
-    return reader.trials().size() <= 1 ? reader.header().command : std::string();
-  });
+  const DatasetReader reader = dataset_header_at(dataset);
+  const std::string command = reader.header().command;
   const std::string own = fmt::format("slipbench {} {}", verb, shell_word(scene));
-  if (of_one == own || of_one.starts_with(own + ' ')) return;
-  const std::string command = guarded(dataset, [&] { return DatasetReader(dataset).header().command; });
+  if (reader.trials().size() <= 1 && (command == own || command.starts_with(own + ' '))) return;
   reject("view: {} is there and not one trial of this scene, but of {}; allowed: -o with another name, or slipbench view {}",
          dataset, command, dataset);
 }

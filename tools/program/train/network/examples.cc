@@ -14,20 +14,16 @@
 #include "detectors/network/frames.h"
 #include "sim/core/contact_frame.h"
 #include "sim/core/random.h"
-#include "tools/base/dataset/guarded.h"
+#include "tools/base/dataset/checked_dataset.h"
+#include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
-#include "tools/base/workers/child_process.h"
 #include "tools/program/samples/myrmex_images.h"
 #include "tools/program/samples/samples.h"
 
 namespace slipbench::train {
-
-SLIPBENCH_FIELDS(FrameSequence, features, label)
-SLIPBENCH_FIELDS(Example, trial, sha256, part, dataset, twin, sensor, material, object, speed, mass, touches, onset, time, truth,
-                 frames, turn)
 
 namespace {
 
@@ -228,52 +224,6 @@ std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const
          fmt::join(there, ", "), wanted(options.input));
 }
 
-std::string packed_units(const std::string& dataset_path, const std::string& wanted, const std::string& channel) {
-  constexpr double slowest = 200.0;  // Hz
-  const DatasetReader reader = whole_dataset(dataset_path);
-  reader.check_recorded(reader.trials().front());
-  const TrialRecord record = reader.read_trial(reader.trials().front());
-  Packed bytes;
-  for (const SensorRecord& sensor : record.sensors) {
-    const auto column = std::ranges::find(sensor.channels, channel, &SensorColumn::name);
-    if ((!wanted.empty() && sensor.name != wanted) || column == sensor.channels.end() || column->shape.back() != 3 ||
-        sensor.rate < slowest)
-      continue;
-    bytes.put(sensor.type, sensor.rate, extent_of(column->shape) / 3);
-    break;
-  }
-  return bytes.release();
-}
-
-std::string packed_examples(const std::string& dataset_path, const ExampleOptions& options) {
-  const DatasetReader reader = whole_dataset(dataset_path);
-  Packed bytes;
-  bytes.put(reader.header().command, reader.content_sha256().size());
-  for (const std::string& digest : reader.content_sha256()) bytes.put(digest);
-  std::map<std::size_t, std::string> part_of = reader.split();
-  const ReadingProgress progress = options.read;  // what it shows goes with it, also where reading fails
-  if (progress) progress(0, reader.trials().size());
-  std::size_t read = 0;
-  for_each_trial(reader, [&](const TrialRecord& record) {
-    const std::string subject = fmt::format("{}: trial {}", reader.files()[reader.file_of(record.trial)], record.trial);
-    RandomStream turns(options.seed, record.trial, "turns");
-    for (const SensorRecord* sensor : chosen_sensors(record, options, subject)) {
-      for (std::size_t copy = 0; copy <= options.turned; ++copy) {
-        try {
-          Example example = example_of(record, *sensor, options, copy == 0 ? 0 : 1 + turns.integer(rotations - 1));
-          example.sha256 = trial_identity(reader, record.trial);
-          if (!part_of.empty()) example.part = part_of[record.trial];
-          bytes.put(example);
-        } catch (const InputError& error) {
-          reject("{}: {}", subject, error.what());
-        }
-      }
-    }
-    if (progress) progress(++read, reader.trials().size());
-  });
-  return bytes.release();
-}
-
 }  // namespace
 
 std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels) {
@@ -344,10 +294,21 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
 }
 
 UnitsInput units_input(const std::string& dataset_path, const std::string& sensor, const network::Input& input) {
-  Packed bytes(guarded(dataset_path, [&] { return packed_units(dataset_path, sensor, input.channels.front().name); }));
+  constexpr double slowest = 200.0;  // Hz
+  const DatasetReader reader = whole_dataset(dataset_path);
+  reader.check_recorded(reader.trials().front());
+  const TrialRecord record = reader.read_trial(reader.trials().front());
   UnitsInput there{input};
-  if (bytes.at_end()) return there;
-  bytes.take(there.input.sensor, there.input.rate, there.units);
+  const auto fitting = [&](const SensorRecord& one) {
+    const auto column = std::ranges::find(one.channels, input.channels.front().name, &SensorColumn::name);
+    return (sensor.empty() || one.name == sensor) && column != one.channels.end() && column->shape.back() == 3 &&
+           one.rate >= slowest;
+  };
+  const auto found = std::ranges::find_if(record.sensors, fitting);
+  if (found == record.sensors.end()) return there;
+  there.input.sensor = found->type;
+  there.input.rate = found->rate;
+  there.units = extent_of(std::ranges::find(found->channels, input.channels.front().name, &SensorColumn::name)->shape) / 3;
   const auto rated = [&](std::size_t& samples) {
     samples = static_cast<std::size_t>(std::lround(static_cast<double>(samples) * there.input.rate / input.rate));
   };
@@ -383,14 +344,32 @@ Examples read_examples(const std::string& dataset_path, const ExampleOptions& op
   bare.scale.clear();
   ExampleOptions unscaled = options;
   unscaled.input = bare;
-  Packed bytes(guarded(dataset_path, [&] { return packed_examples(dataset_path, unscaled); }));
+  const DatasetReader reader = whole_dataset(dataset_path);
   Examples examples;
-  bytes.take(examples.command);
-  examples.sha256.resize(bytes.take<std::size_t>());
-  for (std::string& digest : examples.sha256) bytes.take(digest);
-  while (!bytes.at_end()) {
-    Example& example = examples.all.emplace_back();
-    bytes.take(example);
+  examples.command = reader.header().command;
+  examples.sha256 = reader.content_sha256();
+  std::map<std::size_t, std::string> part_of = reader.split();
+  const ReadingProgress progress = options.read;  // what it shows goes with it, also where reading fails
+  if (progress) progress(0, reader.trials().size());
+  std::size_t read = 0;
+  for_each_trial(reader, [&](const TrialRecord& record) {
+    const std::string subject = fmt::format("{}: trial {}", reader.files()[reader.file_of(record.trial)], record.trial);
+    RandomStream turns(options.seed, record.trial, "turns");
+    for (const SensorRecord* sensor : chosen_sensors(record, unscaled, subject)) {
+      for (std::size_t copy = 0; copy <= options.turned; ++copy) {
+        try {
+          Example& example =
+              examples.all.emplace_back(example_of(record, *sensor, unscaled, copy == 0 ? 0 : 1 + turns.integer(rotations - 1)));
+          example.sha256 = trial_identity(reader, record.trial);
+          if (!part_of.empty()) example.part = part_of[record.trial];
+        } catch (const InputError& error) {
+          reject("{}: {}", subject, error.what());
+        }
+      }
+    }
+    if (progress) progress(++read, reader.trials().size());
+  });
+  for (const Example& example : examples.all) {
     if (example.frames.label.empty()) continue;
     const std::size_t inputs = example.frames.features.size() / example.frames.label.size();
     if (examples.inputs != 0 && inputs != examples.inputs)

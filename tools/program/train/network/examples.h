@@ -65,7 +65,7 @@ struct Example {
   std::uint8_t turn = 0;        // its images are turned by so many times 30 degrees; such a copy only learns
 };
 
-// Called in the child process that reads, before its first trial and after each: how many it has read of how many.
+// Called before the first trial is read and after each: how many have been read of how many.
 using ReadingProgress = std::function<void(std::size_t read, std::size_t trials)>;
 
 struct ExampleOptions {
@@ -96,7 +96,7 @@ struct UnitsInput {
 };
 UnitsInput units_input(const std::string& dataset_path, const std::string& sensor, const network::Input& input);
 
-// Reads every trial, all shards, in a child process (tools/base/dataset/guarded.h), and checks what it reads against its digests. A frame's label
+// Reads every trial, all shards, of a dataset that holds what was written (whole_dataset). A frame's label
 // is that of its last sample. Throws InputError, naming the file: no whole dataset, no sensor that fits, labels that are not there.
 Examples read_examples(const std::string& dataset_path, const ExampleOptions& options);
 

@@ -27,9 +27,6 @@ def main(text: str) -> int:
         message = f"export: --format {request.format} needs the Python package {error.name}, which {sys.executable} does not have; install it: {request.install}"
     except InputError as error:
         message = str(error)
-    except MemoryError:
-        message = "out of memory"
-        sys.unraisablehook = repeat_nothing
     except OSError as error:
         message = f"{error.filename or request.out}: cannot be written: {error.strerror or error}"
         sys.unraisablehook = repeat_nothing

@@ -1,12 +1,15 @@
 // A detector that does as its parameter `deed` says when it has been updated a hundred times, or when it is made where the deed begins with
 // "make ". With SLIPBENCH_HONEST in the environment it does nothing of the kind.
+#include <cfenv>
 #include <csignal>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "detectors/plugin_abi.h"
@@ -35,6 +38,16 @@ void corrupt_heap() {
   std::free(chunk);
 }
 
+[[noreturn]] void exhaust_memory() {
+  const rlimit a_gigabyte{1 << 30, 1 << 30};
+  ::setrlimit(RLIMIT_AS, &a_gigabyte);
+  for (volatile char* block = nullptr;; block = new char[1 << 24]) sink = block == nullptr ? 0 : 1;
+}
+
+void ignore_signals() {
+  for (int signal = 1; signal < NSIG; ++signal) std::signal(signal, SIG_IGN);
+}
+
 [[noreturn]] void loop() {
   while (true) sink = sink + 1;
 }
@@ -52,11 +65,15 @@ void do_deed(const std::string& deed) {
   if (deed == "files") ::close_range(3, ~0U, 0);
   if (deed == "folder") sink = ::chdir("/");
   if (deed == "output") std::puts("not JSON"), std::fflush(stdout);
-  if (deed == "memory") sink = static_cast<int>(std::string(2'000'000'000, 'm').size());
+  if (deed == "memory") exhaust_memory();
+  if (deed == "throw") throw std::runtime_error("out of ideas");
+  if (deed == "rounding") std::fesetround(FE_DOWNWARD);
+  if (deed == "signals") ignore_signals();
+  if (deed == "fork" && ::fork() == 0) ::pause();
   if (deed == "thread") std::thread(crash).join();
   if (deed == "loop") loop();
   if (deed == "deaf") {
-    for (int signal = 1; signal < NSIG; ++signal) std::signal(signal, SIG_IGN);
+    ignore_signals();
     while (true) ::pause();
   }
 }

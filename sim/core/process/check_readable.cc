@@ -1,0 +1,121 @@
+#include "sim/core/process/check_readable.h"
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "sim/core/error.h"
+#include "sim/core/process/interrupted.h"
+#include "sim/core/process/own_library.h"
+
+namespace slipbench {
+namespace {
+
+constexpr int refused = 2;  // status of the reader when the file is not what it should be
+
+// A running slipbench-reader and the pipe to which it writes its message.
+class Reader {
+ public:
+  Reader(FileKind kind, const std::string& path) {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0) throw InputError(path + ": cannot be read: " + std::strerror(errno));
+    channel_ = ends[0];
+    std::string program = own_path("slipbench-reader"), word = reader_word(kind), file = path;
+    char* const words[] = {program.data(), word.data(), file.data(), nullptr};
+    posix_spawn_file_actions_t actions;
+    ::posix_spawn_file_actions_init(&actions);
+    ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    const int error = ::posix_spawn(&process_, program.c_str(), &actions, nullptr, words, environ);
+    ::posix_spawn_file_actions_destroy(&actions);
+    ::close(ends[1]);
+    if (error == 0) return;
+    ::close(channel_);
+    throw InputError(path + ": cannot be read: cannot start " + program + ": " + std::strerror(error));
+  }
+  ~Reader() {
+    ::close(channel_);
+    if (process_ <= 0) return;
+    ::kill(process_, SIGKILL);
+    static_cast<void>(status());
+  }
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  // All that it writes.
+  std::string message() {
+    std::string text;
+    while (true) {
+      end_if_interrupted();
+      constexpr int between_looks = 100;  // ms
+      pollfd ready{channel_, POLLIN, 0};
+      if (::poll(&ready, 1, between_looks) <= 0) continue;
+      char buffer[4096];
+      const ssize_t count = ::read(channel_, buffer, sizeof buffer);
+      if (count > 0) text.append(buffer, static_cast<std::size_t>(count));
+      if (count == 0) return text;
+    }
+  }
+  // Waits for its end.
+  int status() {
+    int status = -1;  // neither an exit nor a signal, where others wait for the children of this process
+    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) continue;
+    process_ = -1;
+    return status;
+  }
+
+ private:
+  pid_t process_ = -1;
+  int channel_ = -1;
+};
+
+}  // namespace
+
+std::string reader_word(FileKind kind) {
+  switch (kind) {
+    case FileKind::dataset_file: return "dataset-file";
+    case FileKind::dataset_header: return "dataset-header";
+    case FileKind::dataset: return "dataset";
+    case FileKind::network: return "network";
+    case FileKind::model: return "model";
+  }
+  throw std::logic_error("a kind of file without a name");
+}
+
+std::string check_readable(FileKind kind, const std::string& path) {
+  Reader reader(kind, path);
+  const std::string message = reader.message();
+  const int status = reader.status();
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return message;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == refused) throw InputError(message);
+  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw Interrupted();
+  if (signal == SIGXCPU) throw InputError(path + ": is damaged: reading it does not come to an end");
+  throw InputError(path + ": is damaged: reading it crashed" +
+                   (signal == 0 ? "" : " (" + std::string(::strsignal(signal)) + ")"));
+}
+
+void check_readable_once(FileKind kind, const std::string& path) {
+  using Stamp = std::tuple<FileKind, std::string, std::uintmax_t, std::filesystem::file_time_type>;
+  static std::mutex mutex;
+  static std::set<Stamp> checked;
+  std::error_code gone;  // the reader says so
+  Stamp stamp(kind, path, std::filesystem::file_size(path, gone), std::filesystem::last_write_time(path, gone));
+  const std::lock_guard lock(mutex);
+  if (checked.contains(stamp)) return;
+  check_readable(kind, path);
+  checked.insert(std::move(stamp));
+}
+
+}  // namespace slipbench

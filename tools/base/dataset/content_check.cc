@@ -1,0 +1,50 @@
+#include "tools/base/dataset/content_check.h"
+
+#include <cstdio>
+
+#include "tools/base/files/reject.h"
+
+namespace slipbench {
+
+void ContentCheck::add(std::size_t trial) {
+  const std::size_t file = reader_->file_of(trial);
+  const Digest found = reader_->stored_digest(trial);
+  const std::string written = reader_->trial_sha256(trial);
+  if (reader_->schema(file) > 1 && hexadecimal(found) != written) {
+    reject("{}: /data/demo_{}: is damaged: its content has the SHA-256 {}, its attribute sha256 says {}", reader_->files()[file],
+           trial, hexadecimal(found), written);
+  }
+  digests_[file].emplace_back(trial, found);
+}
+
+void ContentCheck::finish(std::size_t file) const {
+  const std::string& written = reader_->content_sha256()[file];
+  if (reader_->schema(file) == 1) {
+    std::fprintf(stderr,
+                 "slipbench: %s: schema 1: its digest covers arrays alone, so attributes such as onset_time_s go unchecked\n",
+                 printable(reader_->files()[file]).c_str());
+  }
+  if (written.empty()) return;
+  const std::string found = reader_->stored_sha256(file, digests_[file]);
+  if (found == written) return;
+  reject("{}: is damaged: its content has the SHA-256 {}, content_sha256 says {}", reader_->files()[file], found, written);
+}
+
+void ContentCheck::finish() const {
+  for (std::size_t file = 0; file < digests_.size(); ++file) finish(file);
+}
+
+void check_content(const DatasetReader& reader, std::size_t file) {
+  ContentCheck check(reader);
+  for (const std::size_t trial : reader.trials()) {
+    if (reader.file_of(trial) == file) check.add(trial);
+  }
+  check.finish(file);
+}
+
+std::string trial_identity(const DatasetReader& reader, std::size_t trial) {
+  const std::string written = reader.trial_sha256(trial);
+  return written.empty() ? hexadecimal(reader.stored_digest(trial)) : written;
+}
+
+}  // namespace slipbench

@@ -1,0 +1,109 @@
+// slipbench-reader KIND PATH: reads a file through and ends. Status 0: it can be read, and the names of a dataset's files are on stdout; 2: it is refused, for the reason on stdout. Damage may end it in
+// any other way. check_readable.h starts it.
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include <sys/prctl.h>
+#include <sys/resource.h>
+
+#include "detectors/network/engine.h"
+#include "sim/core/error.h"
+#include "sim/core/process/check_readable.h"
+#include "tools/base/dataset/content_check.h"
+#include "tools/base/dataset/header.h"
+#include "tools/base/dataset/reader.h"
+#ifdef SLIPBENCH_WITH_MUJOCO
+#include "sim/mujoco/mjcf.h"
+#endif
+
+namespace slipbench {
+namespace {
+
+constexpr int good = 0, refused = 2;
+
+// Damage can make HDF5 run for ever: 8 s of the processor, and 2 s for each MB of a dataset's files.
+void limit_time(const std::string& path) {
+  constexpr std::uint64_t megabyte = 1'000'000;
+  std::uint64_t bytes = 0;
+  std::error_code error;
+  for (std::size_t k = 0;; ++k) {
+    const std::uintmax_t size = std::filesystem::file_size(sibling_path(path, k), error);
+    if (error) break;
+    bytes += size;
+  }
+  std::signal(SIGXCPU, SIG_DFL);
+  rlimit limit{};
+  ::getrlimit(RLIMIT_CPU, &limit);
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, 8 + 2 * bytes / megabyte);
+  ::setrlimit(RLIMIT_CPU, &limit);
+  constexpr rlimit no_core{0, 0};
+  ::setrlimit(RLIMIT_CORE, &no_core);
+}
+
+void print_files(const DatasetReader& reader) {
+  for (const std::string& file : reader.files()) std::fwrite(file.c_str(), 1, file.size() + 1, stdout);
+}
+
+void read_header(const std::string& path) {
+  const DatasetReader reader(path);
+  static_cast<void>(reader.split());
+  print_files(reader);
+}
+
+void read_dataset(const std::string& path) {
+  const DatasetReader reader(path);
+  ContentCheck check(reader);
+  for (const std::size_t trial : reader.trials()) {
+    static_cast<void>(reader.info(trial));
+    check.add(trial);
+  }
+  static_cast<void>(reader.split());
+  check.finish();
+  print_files(reader);
+}
+
+void read(const std::string& kind, const std::string& path) {
+  if (kind == reader_word(FileKind::dataset_file)) {
+    static_cast<void>(file_about(path));
+  } else if (kind == reader_word(FileKind::dataset_header)) {
+    read_header(path);
+  } else if (kind == reader_word(FileKind::dataset)) {
+    read_dataset(path);
+  } else if (kind == reader_word(FileKind::network)) {
+    static_cast<void>(network::load_engine_unchecked(path));
+#ifdef SLIPBENCH_WITH_MUJOCO
+  } else if (kind == reader_word(FileKind::model)) {
+    try_mjcf(path);
+#endif
+  } else {
+    throw InputError("unknown kind " + quote(kind));
+  }
+}
+
+int run(int count, char** words) {
+  constexpr int wanted = 3;
+  if (count != wanted) {
+    std::fputs("usage: slipbench-reader KIND PATH; slipbench starts it\n", stdout);
+    return refused;
+  }
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  try {
+    limit_time(words[2]);
+    read(words[1], words[2]);
+    return good;
+  } catch (const std::exception& error) {
+    std::fputs(error.what(), stdout);
+    return refused;
+  }
+}
+
+}  // namespace
+}  // namespace slipbench
+
+int main(int count, char** words) { return slipbench::run(count, words); }
