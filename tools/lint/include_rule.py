@@ -88,7 +88,7 @@ def fault_of(path, quoted, header):
     if header.startswith("mujoco/") and not f"{folder}/".startswith(MUJOCO):
         return f"only sim/mujoco may include <{header}>"
     if path.parts[:2] == ("sim", "core"):
-        hidden = path.suffix == ".cc" and (header.startswith("Random123/") or header in ("dlfcn.h", "link.h", "fcntl.h", "poll.h", "spawn.h", "sys/wait.h", "unistd.h"))
+        hidden = path.suffix == ".cc" and (header.startswith("Random123/") or header in ("dlfcn.h", "fcntl.h", "poll.h", "spawn.h", "sys/wait.h", "unistd.h"))
         in_c = path.name == "plugin_abi.h" and header == "stddef.h"
         if not (STANDARD.fullmatch(header) or header.startswith("Eigen/") or hidden or in_c):
             return f"sim/core may include the standard library and Eigen only, not <{header}>"

@@ -1,7 +1,6 @@
 #include "sim/core/process/own_library.h"
 
 #include <dlfcn.h>
-#include <link.h>
 
 #include <array>
 #include <csignal>
@@ -17,10 +16,9 @@ namespace {
 std::filesystem::path own_file() {
   static const char here = 0;
   Dl_info info{};
-  void* map = nullptr;
-  const bool known = ::dladdr1(&here, &info, &map, RTLD_DL_LINKMAP) != 0 && map != nullptr;
-  const char* const library = known ? static_cast<const link_map*>(map)->l_name : "";  // empty: the program itself
-  return *library != '\0' ? std::filesystem::path(library) : std::filesystem::read_symlink("/proc/self/exe");
+  const std::filesystem::path file = ::dladdr(&here, &info) != 0 ? info.dli_fname : "";
+  // Of the program itself the loader knows how it was called, which need not be where it lies.
+  return file.extension() == ".so" ? file : std::filesystem::read_symlink("/proc/self/exe");
 }
 
 // Restores the handlers of the signals that end the program. Libraries set their own when they are loaded: UCX, which Debian 13's libtorch brings,
