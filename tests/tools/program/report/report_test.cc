@@ -349,7 +349,7 @@ TEST(Report, RefusesBrokenContent) {
   std::string bytes = bytes_of(file);
   bytes.replace(bytes.find("{\"dropped"), 1, "[");
   write_text(file, bytes);
-  EXPECT_THAT(refusal(file, page_path("x.html")), mentions({file, "/data/demo_0", "outcome"}));
+  EXPECT_THAT(refusal(file, page_path("x.html")), mentions({file, "/data/demo_0", "damaged"}));
   EXPECT_THAT(refusal(write_dataset("report_scene.h5", "a: [b", trials(1)), page_path("x.html")), mentions({"attribute scene"}));
 }
 
