@@ -15,10 +15,7 @@ find_package(Random123 REQUIRED)                   # Random123::Random123
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)   # OpenSSL::Crypto
 find_package(ZLIB REQUIRED)                        # ZLIB::ZLIB
 find_package(Threads REQUIRED)                     # Threads::Threads
-find_file(SLIPBENCH_MUSL libc.a PATHS /usr/lib/${CMAKE_SYSTEM_PROCESSOR}-linux-musl NO_DEFAULT_PATH)  # sim/core takes its libm
-if(NOT SLIPBENCH_MUSL)
-  message(FATAL_ERROR "musl's libc.a is not there: install musl-dev (tools/setup/setup.sh build), or name it by -DSLIPBENCH_MUSL=")
-endif()
+find_package(SLEEF REQUIRED)                       # SLEEF::sleef
 find_package(verilator 5.006 REQUIRED HINTS /usr/share/verilator $ENV{VERILATOR_ROOT})  # verilate()
 if(SLIPBENCH_TESTS)
   find_package(GTest REQUIRED)                     # GTest::gtest_main, GTest::gmock

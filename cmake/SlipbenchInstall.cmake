@@ -78,6 +78,7 @@ function(slipbench_install)
     ${PROJECT_SOURCE_DIR}/cmake/Findlibdeflate.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindFFTW3.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindNLopt.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/FindSLEEF.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindMuJoCo.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindRandom123.cmake
     DESTINATION ${package_dir})

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 
 namespace slipbench::controllers {
 namespace {
@@ -45,7 +46,7 @@ double GripForce::normal(const SensorFrame& frame, std::size_t unit) const { ret
 
 double GripForce::tangential(const SensorFrame& frame, std::size_t unit) const {
   const UnitVector force = force_.unit(frame, unit);
-  return std::hypot(double{force[0]}, double{force[1]});
+  return math::hypot(double{force[0]}, double{force[1]});
 }
 
 double GripForce::total(const SensorFrame& frame) const {

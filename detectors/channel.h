@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/core/detector.h"
+#include "sim/core/math.h"
 #include "sim/core/parameters.h"
 
 namespace slipbench {
@@ -41,7 +42,7 @@ struct UnitForce {
 
 inline UnitForce force_at(const SensorFrame& frame, const ChannelPlace& force, std::size_t unit) {
   const auto f = vector_at(frame, force, unit);
-  return {f[2], std::hypot(double{f[0]}, double{f[1]})};
+  return {f[2], math::hypot(double{f[0]}, double{f[1]})};
 }
 
 // From what is told of each unit to what is told of the pad.

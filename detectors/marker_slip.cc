@@ -5,6 +5,7 @@
 
 #include "detectors/channel.h"
 #include "detectors/detector_kinds.h"
+#include "sim/core/math.h"
 
 namespace slipbench {
 namespace {
@@ -26,7 +27,7 @@ SlipEstimate by_entropy(const Markers& /*places*/, const Markers& moves, const P
   for (const auto& move : moves.colwise())
     shares[std::floor(move.matrix().norm() / parameters.number("bin"))] += 1.0 / static_cast<double>(moves.cols());
   double entropy = 0.0;
-  for (const auto& [bin, share] : shares) entropy -= share * std::log2(share);
+  for (const auto& [bin, share] : shares) entropy -= share * math::log2(share);
   return {.state = entropy < parameters.number("entropy") ? PadState::non_slip : PadState::incipient};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "detectors/channel.h"
+#include "sim/core/math.h"
 
 namespace slipbench {
 namespace {
@@ -54,7 +55,7 @@ class StuckFraction final : public Detector {
     const std::span<const double> velocity = window_.rates(tips_);
     double fastest = 0.0;
     for (std::size_t i = 0; i < forces_.size(); ++i) {
-      speeds_[i] = std::hypot(velocity[2 * i], velocity[2 * i + 1]);
+      speeds_[i] = math::hypot(velocity[2 * i], velocity[2 * i + 1]);
       if (forces_[i].normal >= touch_) fastest = std::max(fastest, speeds_[i]);
     }
     return fastest;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "sim/core/math.h"
 #include "sim/core/process/check_readable.h"
 #include "sim/core/process/own_library.h"
 
@@ -33,7 +34,7 @@ double slip_probability(const Description& description, std::span<const float> o
   double slip = 0.0;
   double all = 0.0;
   for (std::size_t i = 0; i < output.size(); ++i) {
-    const double weight = logits ? std::exp(double{output[i]} - top) : double{output[i]};
+    const double weight = logits ? math::exp(double{output[i]} - top) : double{output[i]};
     all += weight;
     if (slips(description.classes[i].state)) slip += weight;
   }

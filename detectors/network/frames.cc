@@ -7,6 +7,7 @@
 
 #include "detectors/spectral/spectral_features.h"
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench::network {
@@ -180,14 +181,14 @@ struct Frames::State {
     const auto put = [&](double feature) { out[at++] = static_cast<float>(feature); };
     for (std::size_t v = 0; v < places.size(); v += 3) {
       const double x = trend(input.spans[0], v).mean, y = trend(input.spans[0], v + 1).mean,
-                   z = trend(input.spans[0], v + 2).mean, shear = std::hypot(x, y);
-      put(std::asinh(z / input.floor));
+                   z = trend(input.spans[0], v + 2).mean, shear = math::hypot(x, y);
+      put(math::asinh(z / input.floor));
       put(shear / (std::abs(z) + input.floor));
       for (const std::size_t span : input.spans) {
         const double dx = trend(span, v).change, dy = trend(span, v + 1).change;
-        put(std::asinh(std::hypot(dx, dy) / input.floor));
-        put(shear > 0.0 ? std::asinh((dx * x + dy * y) / (shear * input.floor)) : 0.0);
-        put(std::asinh(trend(span, v + 2).change / input.floor));
+        put(math::asinh(math::hypot(dx, dy) / input.floor));
+        put(shear > 0.0 ? math::asinh((dx * x + dy * y) / (shear * input.floor)) : 0.0);
+        put(math::asinh(trend(span, v + 2).change / input.floor));
       }
     }
   }
@@ -199,8 +200,8 @@ struct Frames::State {
       const std::span<float> rising = out.subspan(k * values, values);
       for (std::size_t v = 0; v < values; ++v) {
         const Trend one = trend(input.spans[k], v);
-        by_value[v] = rising[v] = static_cast<float>(std::log(one.sd + input.floor));
-        by_value[values + v] = static_cast<float>(std::asinh(one.change / input.floor));
+        by_value[v] = rising[v] = static_cast<float>(math::log(one.sd + input.floor));
+        by_value[values + v] = static_cast<float>(math::asinh(one.change / input.floor));
       }
       std::ranges::sort(rising, before);
     }
@@ -209,9 +210,9 @@ struct Frames::State {
   void levels(std::span<float> out) const {
     const std::size_t values = places.size();
     for (std::size_t v = 0; v < values; ++v) {
-      out[v] = static_cast<float>(std::asinh(trend(input.window, v).mean / input.floor));
+      out[v] = static_cast<float>(math::asinh(trend(input.window, v).mean / input.floor));
       for (std::size_t k = 0; k < input.spans.size(); ++k)
-        out[(k + 1) * values + v] = static_cast<float>(std::asinh(trend(input.spans[k], v).change / input.floor));
+        out[(k + 1) * values + v] = static_cast<float>(math::asinh(trend(input.spans[k], v).change / input.floor));
     }
   }
 
@@ -246,9 +247,9 @@ struct Frames::State {
   }
 
   [[nodiscard]] double feature(std::span<const std::complex<double>> spectrum, std::size_t bin) const {
-    if (input.transform == Transform::amplitude) return std::abs(spectrum[bin]);
+    if (input.transform == Transform::amplitude) return std::sqrt(std::norm(spectrum[bin]));
     const double sides = bin == 0 || 2 * bin == input.window ? 1.0 : 2.0;
-    return std::log10(sides * std::norm(spectrum[bin]) * density + input.floor);
+    return math::log10(sides * std::norm(spectrum[bin]) * density + input.floor);
   }
 
   void pixels(std::span<const float> from) {

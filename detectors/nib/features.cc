@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 
 namespace slipbench::nib {
 namespace {
@@ -202,7 +203,7 @@ void FeatureReader::hand_on(std::vector<double>& out) const {
 WindowSpectrum::WindowSpectrum(std::size_t size, double rate)
     : rate_(rate), fft_(checked_size(size)), window_(size), magnitudes_(size / 2 + 1) {
   for (std::size_t n = 0; n < size; ++n) {
-    window_[n] = 0.54 - 0.46 * std::cos(2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(size));
+    window_[n] = 0.54 - 0.46 * math::cos(2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(size));
   }
 }
 
@@ -218,7 +219,8 @@ std::span<const double> WindowSpectrum::magnitudes(std::span<const double> sampl
   slope *= 12.0 / (n * (n * n - 1.0));
   const std::span<double> in = fft_.input();
   for (std::size_t i = 0; i < size(); ++i) in[i] = window_[i] * (samples[i] - mean - slope * (static_cast<double>(i) - middle));
-  std::ranges::transform(fft_.transform(), magnitudes_.begin(), [](const std::complex<double>& x) { return std::abs(x); });
+  std::ranges::transform(fft_.transform(), magnitudes_.begin(),
+                         [](const std::complex<double>& x) { return std::sqrt(std::norm(x)); });
   return magnitudes_;
 }
 

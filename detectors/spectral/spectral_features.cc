@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "sim/core/fftw_planner.h"
+#include "sim/core/math.h"
 
 namespace slipbench {
 
@@ -69,7 +70,7 @@ BinRange bins_within(double rate, std::size_t window, double low, double high) {
 std::vector<double> hann_taper(std::size_t window) {
   std::vector<double> taper(window);
   for (std::size_t n = 0; n < window; ++n) {
-    taper[n] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(window));
+    taper[n] = 0.5 - 0.5 * math::cos(2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(window));
   }
   return taper;
 }

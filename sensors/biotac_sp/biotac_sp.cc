@@ -9,6 +9,7 @@
 #include "sensors/electronics/band_pass.h"
 #include "sensors/electronics/electronics.h"
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/core/sensor.h"
 
 namespace slipbench {
@@ -246,7 +247,7 @@ class BioTacSp final : public Sensor {
     Electronics(parts(electronics, {"gain", "offset"}, true), spread_model(rate_), key).apply(spread, 0.0);
     for (std::size_t e = 0; e < electrodes; ++e) {
       scale_[e] = 1.0 / (parameters.number("gap") * static_cast<double>(spread[e]));
-      rest_[e] = impedance_of(rest_readings()[e]) * std::exp(static_cast<double>(spread[electrodes + e]));
+      rest_[e] = impedance_of(rest_readings()[e]) * math::exp(static_cast<double>(spread[electrodes + e]));
     }
     std::ranges::fill(values().subspan(pac), pac_middle);
     touching_.reserve(skin_.area.size());
@@ -349,7 +350,7 @@ class BioTacSp final : public Sensor {
   }
 
   double electrode(std::size_t e, const ContactFrame& truth) {
-    const double impedance = rest_[e] * std::exp(dents_.of(e, truth, touching_) * scale_[e]) + common_;
+    const double impedance = rest_[e] * math::exp(dents_.of(e, truth, touching_) * scale_[e]) + common_;
     return converted(counts_of(impedance) + disturbances()[e]);
   }
 
@@ -381,7 +382,7 @@ class BioTacSp final : public Sensor {
   // What the bench says of where it is, once a sample, and whether that has changed.
   void read_position(const ContactFrame& truth) {
     const double x = truth.stage_position.x(), y = truth.stage_position.y();
-    const bool moved = memory_[known] != 0.0 && std::hypot(x - memory_[stage_x], y - memory_[stage_y]) > label_step_;
+    const bool moved = memory_[known] != 0.0 && math::hypot(x - memory_[stage_x], y - memory_[stage_y]) > label_step_;
     memory_[moving] = moved ? 1.0 : 0.0;
     memory_[known] = 1.0;
     memory_[stage_x] = x;

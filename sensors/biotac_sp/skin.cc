@@ -5,12 +5,18 @@
 #include <numbers>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/core/quantity.h"
 
 namespace slipbench::biotac_sp {
 namespace {
 
 constexpr double mm = 1e-3;
+
+// Eigen's own exponential calls the C library's for what its vectors leave over.
+Eigen::ArrayXXd exponential(const Eigen::ArrayXXd& x) {
+  return x.unaryExpr([](double value) { return math::exp(value); });
+}
 
 }  // namespace
 
@@ -73,7 +79,7 @@ Skin make_skin(const SkinFigures& figures, const std::string& sensor) {
   for (std::size_t k = 0; k < points.size(); ++k) {
     const double height = (static_cast<double>(k) + 0.5) / count - 1.0, around = std::sqrt(1.0 - height * height);
     const double angle = golden_angle * static_cast<double>(k);
-    const Eigen::Vector3d u(around * std::cos(angle), height, around * std::sin(angle));
+    const Eigen::Vector3d u(around * math::cos(angle), height, around * math::sin(angle));
     const Eigen::Vector3d slope = u.cwiseQuotient(radii);
     Point& point = points[k];
     point.element.tip = in_pad_frame(u.cwiseProduct(radii), radii.y());
@@ -140,8 +146,8 @@ Dents::Dents(const Skin& skin, const Kernel& kernel, const std::string& sensor) 
     return Eigen::ArrayXXd(share / weighted.colwise().sum().maxCoeff() * weighted);
   };
   const Eigen::ArrayXXd near =
-      scaled((-0.5 * (distance / kernel.near).square()).exp(), 1.0 - kernel.far_share, "near", kernel.near);
-  const Eigen::ArrayXXd far = scaled((-distance / kernel.far).exp(), kernel.far_share, "far", kernel.far);
+      scaled(exponential(-0.5 * (distance / kernel.near).square()), 1.0 - kernel.far_share, "near", kernel.near);
+  const Eigen::ArrayXXd far = scaled(exponential(-distance / kernel.far), kernel.far_share, "far", kernel.far);
   depth_ = (near + far).colwise() - kernel.swell / area.sum() * area;
   if (kernel.stretch == 0.0) return;
 

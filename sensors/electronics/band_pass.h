@@ -5,6 +5,8 @@
 #include <numbers>
 #include <span>
 
+#include "sim/core/math.h"
+
 namespace slipbench {
 
 // A first-order high-pass y' = x' - w_1 y, then a first-order low-pass z' = w_2 (y - z). Between two samples x goes straight; each filter is then
@@ -39,7 +41,7 @@ class BandPass {
  private:
   struct Pole {
     // `a`: its angular frequency times the time between two samples.
-    explicit Pole(double a) : keeps(std::exp(-a)), mean(std::isinf(a) ? 0.0 : -std::expm1(-a) / a) {}
+    explicit Pole(double a) : keeps(math::exp(-a)), mean(std::isinf(a) ? 0.0 : -math::expm1(-a) / a) {}
     double keeps;  // E
     double mean;   // (1 - E)/a, of exp(-w t) over a step
   };

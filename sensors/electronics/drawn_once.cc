@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sensors/electronics/part_kind.h"
+#include "sim/core/math.h"
 
 namespace slipbench {
 namespace {
@@ -38,9 +39,9 @@ class Gain final : public ElectronicsStage {
   Gain(const Parameters& parameters, const SignalModel& model, RandomStream stream) : gain_(model.source.size()) {
     for (std::size_t v = 0; v < gain_.size(); ++v) {
       const double sd = parameters.number("scale") * model.gain_sd[v];
-      const double log_variance = std::log1p(sd * sd);
+      const double log_variance = math::log1p(sd * sd);
       // A value without gain error still takes its draw, so that the draws of the others do not depend on it.
-      gain_[v] = static_cast<float>(std::exp(std::sqrt(log_variance) * stream.normal() - 0.5 * log_variance));
+      gain_[v] = static_cast<float>(math::exp(std::sqrt(log_variance) * stream.normal() - 0.5 * log_variance));
     }
   }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sensors/electronics/part_kind.h"
+#include "sim/core/math.h"
 
 namespace slipbench {
 namespace {
@@ -19,7 +20,7 @@ class Noise final : public ElectronicsStage {
     for (const double sd : model.noise_sd) sd_.push_back(parameters.number("scale") * sd);
 
     const double w_h = 2.0 * std::numbers::pi * parameters.number("corner") / model.rate;
-    const double decay = std::exp(-w_h);
+    const double decay = math::exp(-w_h);
     const double a = std::isinf(w_h) ? 0.0 : w_h;  // nothing is left of the state: not 0 times infinity
     xx_ = decay * (1.0 + a);
     xu_ = decay * a;

@@ -45,7 +45,7 @@ class Quantisation final : public ElectronicsStage {
   Quantisation(const Parameters& parameters, const SignalModel& model) {
     if (model.converter.size() != model.source.size())
       throw std::logic_error("quantisation: a value without a converter's range");
-    const double codes = std::exp2(static_cast<double>(parameters.integer("bits"))) - 1.0;
+    const double codes = std::ldexp(1.0, static_cast<int>(parameters.integer("bits"))) - 1.0;
     for (const ConverterRange& range : model.converter) {
       lowest_.push_back(range.lowest);
       step_.push_back((range.highest - range.lowest) / codes);

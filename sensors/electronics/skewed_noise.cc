@@ -6,6 +6,7 @@
 
 #include "sensors/electronics/part_kind.h"
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/core/parameters.h"
 #include "sim/core/quantity.h"
 
@@ -35,7 +36,7 @@ class SkewedNoise final : public ElectronicsStage {
     for (double& n : draws_) {
       // One uniform number says both whether there is a tail or a spike, and of which size: where it is below the share it is even below it.
       const double tail = stream_.uniform(), spike = stream_.uniform();
-      if (tail < tail_share_) n += tail_ * std::log1p(-tail / tail_share_);
+      if (tail < tail_share_) n += tail_ * math::log1p(-tail / tail_share_);
       if (spike < spike_share_) n -= spike_min_ + (spike_max_ - spike_min_) * spike / spike_share_;
     }
     memory_[0] += static_cast<double>(draws_.size());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sensors/electronics/part_kind.h"
+#include "sim/core/math.h"
 #include "sim/core/vectorise.h"
 
 namespace slipbench {
@@ -24,7 +25,7 @@ const std::array<double, levels>& quantiles() {
       double low = -10.0, high = 0.0;
       for (int halving = 0; halving < 60; ++halving) {
         const double middle = 0.5 * (low + high);
-        (0.5 * std::erfc(-middle / std::numbers::sqrt2) < p ? low : high) = middle;
+        (0.5 * math::erfc(-middle / std::numbers::sqrt2) < p ? low : high) = middle;
       }
       values[j] = 0.5 * (low + high);
       square += values[j] * values[j] * 2.0 / static_cast<double>(levels);

@@ -10,6 +10,12 @@
 #include <vector>
 
 #include "sensors/plugin_abi.h"
+#ifdef SLIPBENCH_BUNDLED_TYPE  // in the program: the same bits on every processor
+#include "sim/core/math.h"
+namespace math = slipbench::math;
+#else
+namespace math = std;
+#endif
 
 // The parameters, in the order of the declarations below.
 enum Key : std::size_t {
@@ -124,7 +130,7 @@ class Gel {
     }
     if ((is_[marker_columns] - 1.0) * is_[marker_pitch] > across() || (is_[marker_rows] - 1.0) * is_[marker_pitch] > along())
       return "markers reach past the elements; allowed: none that does";
-    if (is_[dome] > 0.0 && std::hypot(across(), along()) >= 2.0 * is_[dome])
+    if (is_[dome] > 0.0 && math::hypot(across(), along()) >= 2.0 * is_[dome])
       return "dome is too narrow; allowed: over half the pad's diagonal";
     return is_[exposure] * is_[rate] > 1.0 ? "exposure is longer than a frame; allowed: up to 1/rate" : "";
   }
@@ -241,7 +247,7 @@ class Gel {
   // Number `which` of this frame, in [0, 1); from it and the next one a normal one (Box, Muller).
   double uniform(std::size_t which) const { return static_cast<double>(mixed(mixed(key_ + frames_) + which) >> 11) * 0x1p-53; }
   double gaussian(std::size_t which) const {
-    return std::sqrt(-2.0 * std::log1p(-uniform(which))) * std::cos(6.283185307179586 * uniform(which + 1));
+    return std::sqrt(-2.0 * math::log1p(-uniform(which))) * math::cos(6.283185307179586 * uniform(which + 1));
   }
 
   std::uint64_t key_, frames_ = 0;

@@ -8,6 +8,12 @@
 #include <vector>
 
 #include "sensors/plugin_abi.h"
+#ifdef SLIPBENCH_BUNDLED_TYPE  // in the program: the same bits on every processor
+#include "sim/core/math.h"
+namespace math = slipbench::math;
+#else
+namespace math = std;
+#endif
 
 // In the order of the declarations below.
 enum : std::size_t {
@@ -122,8 +128,8 @@ double uniform(std::uint64_t& state) {
 
 // Box and Muller.
 double normal(std::uint64_t& state) {
-  const double radius = std::sqrt(-2.0 * std::log(uniform(state)));
-  return radius * std::cos(2.0 * pi * uniform(state));
+  const double radius = std::sqrt(-2.0 * math::log(uniform(state)));
+  return radius * math::cos(2.0 * pi * uniform(state));
 }
 
 // uT, of all dipoles at one place: s (3 r (z.r)/r^5 - z/r^3), r from the dipole to there.
@@ -143,17 +149,17 @@ Vector field_at(const Vector& place, const std::vector<Magnet>& magnets) {
 // N, of a lone dipole straight below the magnetometer that now reads `field`: where it must be, times what its cell's springs make of that. With t
 // the tangent of the angle of r to Z, B_t/B_z = 3 t/(2 - t^2) and B = s sqrt(1 + 3 cos^2)/r^3.
 Vector force_of(const Skin& skin, const Vector& field, const Magnet& magnet, double height) {
-  const double sign = magnet.strength < 0.0 ? -1.0 : 1.0, z = sign * field[2], across = std::hypot(field[0], field[1]);
+  const double sign = magnet.strength < 0.0 ? -1.0 : 1.0, z = sign * field[2], across = math::hypot(field[0], field[1]);
   const double tangent = 4.0 * across / (3.0 * z + std::sqrt(9.0 * z * z + 8.0 * across * across));
-  const double cosine = 1.0 / std::hypot(1.0, tangent);
-  const double distance = std::cbrt(std::abs(magnet.strength) * std::sqrt(1.0 + 3.0 * cosine * cosine) / std::hypot(z, across));
+  const double cosine = 1.0 / math::hypot(1.0, tangent);
+  const double distance = math::cbrt(std::abs(magnet.strength) * std::sqrt(1.0 + 3.0 * cosine * cosine) / math::hypot(z, across));
   const double beside = across > 0.0 ? -sign * skin.is[k_tangential] * distance * cosine * tangent / (across * skin.share) : 0.0;
   return {beside * field[0], beside * field[1], skin.is[k_normal] * (height - distance * cosine) / skin.share};
 }
 
 void measure(void* self, const slipbench_contact* contact, float* values) {
   Skin& skin = *static_cast<Skin*>(self);
-  const double warmer = -skin.is[warming] * std::expm1(-contact->time / skin.is[warming_time]),
+  const double warmer = -skin.is[warming] * math::expm1(-contact->time / skin.is[warming_time]),
                left = 1.0 - skin.is[fading] * warmer;
   skin.moved = skin.magnets;
   for (std::size_t i = 0; i < contact->elements; ++i) {

@@ -8,6 +8,7 @@
 
 #include "sensors/electronics/pad_sensor.h"
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/core/random.h"
 #include "sim/core/sensor.h"
 
@@ -122,12 +123,12 @@ PadLayout make_layout(const Parameters& parameters, RandomStream stream) {
   const auto count = static_cast<std::size_t>(parameters.integer("bristles"));
   const double spread = parameters.number("bristle_spread");
   const double stiffness_sd = parameters.number("stiffness_sd");
-  const double log_variance = std::log1p(stiffness_sd * stiffness_sd);
+  const double log_variance = math::log1p(stiffness_sd * stiffness_sd);
 
   PadLayout layout;
   layout.unit_height = pillar_height;
   for (std::size_t pillar = 0; pillar < pillars; ++pillar) {
-    const double scatter = std::exp(std::sqrt(log_variance) * stream.normal() - 0.5 * log_variance);
+    const double scatter = math::exp(std::sqrt(log_variance) * stream.normal() - 0.5 * log_variance);
     layout.units.push_back({layout.elements.size(), count});
     for (std::size_t bristle = 0; bristle < count; ++bristle) {
       const double place = count == 1 ? 0.5 : static_cast<double>(bristle) / static_cast<double>(count - 1);

@@ -8,6 +8,7 @@
 #include "sensors/electronics/band_pass.h"
 #include "sensors/electronics/pad_sensor.h"
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/core/parameters.h"
 #include "sim/core/sensor.h"
 
@@ -45,7 +46,7 @@ PadLayout make_layout(const Parameters& parameters) {
     const double place = static_cast<double>(i), share = (place + 0.5) / static_cast<double>(count);
     const double r = radius * std::sqrt(share);
     Element element;
-    element.tip = {r * std::cos(golden_angle * place), r * std::sin(golden_angle * place),
+    element.tip = {r * math::cos(golden_angle * place), r * math::sin(golden_angle * place),
                    0.5 * curvature * radius * radius * (share - 0.5)};
     element.k_normal = parameters.number("k_normal") / static_cast<double>(count);
     element.k_tangential = parameters.number("k_tangential") / static_cast<double>(count);
@@ -115,7 +116,7 @@ class PiezoSkin final : public PadSensor {
   // What the position sensor of the bench reads, and whether that has changed since it was read last.
   void read_position(const ContactFrame& truth) {
     const double x = truth.stage_position.x(), y = truth.stage_position.y();
-    const bool moved = memory_[known] != 0.0 && std::hypot(x - memory_[stage_x], y - memory_[stage_y]) > label_step_;
+    const bool moved = memory_[known] != 0.0 && math::hypot(x - memory_[stage_x], y - memory_[stage_y]) > label_step_;
     memory_[moving] = moved ? 1.0 : 0.0;
     memory_[known] = 1.0;
     memory_[stage_x] = x;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 
 namespace slipbench {
 namespace {
@@ -150,7 +151,7 @@ std::optional<NumberText> split(std::string_view text) {
 
 // The decimal exponent of a factor that is a power of ten.
 std::optional<int> decimal_shift(double factor) {
-  const int exponent = static_cast<int>(std::lround(std::log10(factor)));
+  const int exponent = static_cast<int>(std::lround(math::log10(factor)));
   const std::string text = "1e" + std::to_string(exponent);
   double power = 0.0;
   std::from_chars(text.data(), text.data() + text.size(), power);

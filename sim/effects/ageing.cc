@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
@@ -15,7 +16,7 @@ class Ageing final : public FrictionEffect {
   void scale(const ElementColumns& elements, double* mu_s, double* /*mu_k*/) override {
     for (std::size_t i = 0; i < elements.count; ++i) {
       stuck_for_[i] = elements.mode[i] == stick ? stuck_for_[i] + elements.dt : 0.0;
-      mu_s[i] *= 1.0 + rate_ * std::log1p(stuck_for_[i] / time_);
+      mu_s[i] *= 1.0 + rate_ * math::log1p(stuck_for_[i] / time_);
     }
   }
 

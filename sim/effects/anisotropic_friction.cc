@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
@@ -12,7 +13,7 @@ namespace {
 class AnisotropicFriction final : public ConeEffect {
  public:
   explicit AnisotropicFriction(const Parameters& p)
-      : ratio_(p.number("ratio")), gx_(std::cos(p.number("angle"))), gy_(std::sin(p.number("angle"))) {
+      : ratio_(p.number("ratio")), gx_(math::cos(p.number("angle"))), gy_(math::sin(p.number("angle"))) {
     for (std::size_t face = 0; face < faces_.size(); ++face) {
       double n[3] = {0.0, 0.0, 0.0};
       n[face / 2] = face % 2 == 0 ? 1.0 : -1.0;

@@ -2,6 +2,7 @@
 #include <array>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/effects/stick_slip.h"
 #include "sim/field/vectorise.h"
@@ -79,9 +80,10 @@ class Asperities final : public RingingEffect {
 
   // exp((-s + i w) time)
   [[nodiscard]] static std::array<double, 2> turned(const Oscillator& oscillator, double time) {
-    const double fade = std::exp(-oscillator.zeta * oscillator.omega * time);
+    const double fade = math::exp(-oscillator.zeta * oscillator.omega * time);
     const double angle = oscillator.omega * std::sqrt(1.0 - oscillator.zeta * oscillator.zeta) * time;
-    return {fade * std::cos(angle), fade * std::sin(angle)};
+    const auto [sine, cosine] = math::sincos(angle);
+    return {fade * cosine, fade * sine};
   }
 
   void set_step(double dt) {
@@ -102,13 +104,13 @@ class Asperities final : public RingingEffect {
     constexpr std::uint64_t most = std::uint64_t{1} << 40;  // of one element
     double &place = column(next)[i], &number = column(drawn)[i];
     stream_.seek(2 * (most * i + static_cast<std::uint64_t>(number)));
-    const double way = -distance_[i] * std::log1p(-stream_.uniform()), sign = stream_.uniform() < 0.5 ? -1.0 : 1.0;
+    const double way = -distance_[i] * math::log1p(-stream_.uniform()), sign = stream_.uniform() < 0.5 ? -1.0 : 1.0;
     const double spread = stream_.normal();
     if (number > 0.0) {  // the first of all is not there: it is where the path begins
       const double slip = std::sqrt(tips.slip_x[i] * tips.slip_x[i] + tips.slip_y[i] * tips.slip_y[i]);
       const double since = slip > 0.0 ? std::min(1.0, (tips.path[i] - place) / slip) * tips.dt : 0.0;
       const double hardness = std::sqrt(std::max(0.0, tips.f_normal[i]) / (share_[i] * load_) * slip / (tips.dt * speed_));
-      const double push = slip > 0.0 ? sign * amplitude_ * hardness * std::exp(scatter_ * spread) / slip : 0.0;
+      const double push = slip > 0.0 ? sign * amplitude_ * hardness * math::exp(scatter_ * spread) / slip : 0.0;
       for (const std::size_t mode : {0U, 1U}) {
         const auto [re, im] = turned(oscillators_[2 * i + mode], since);
         const double force = mode == 0 ? push : second_ * push;

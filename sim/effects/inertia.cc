@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/effects/stick_slip.h"
 #include "sim/field/kernel.h"
@@ -98,7 +99,7 @@ class Inertia final : public TipEffect {
     speed_.resize(2 * padded_);
     RandomStream stream = context.stream("inertia");
     for (std::size_t i = 0; i < count_; ++i) {
-      const double omega = 2.0 * std::numbers::pi * p.number("frequency") * std::exp(p.number("scatter") * stream.normal());
+      const double omega = 2.0 * std::numbers::pi * p.number("frequency") * math::exp(p.number("scatter") * stream.normal());
       k_[i] = context.k_tangential[i];
       compliance_[i] = 1.0 / k_[i];
       dashpot_[i] = law(i).dashpot();

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
@@ -13,7 +14,7 @@ class LoadDependentFriction final : public FrictionEffect {
   void scale(const ElementColumns& elements, double* mu_s, double* mu_k) override {
     for (std::size_t i = 0; i < elements.count; ++i) {
       if (!(elements.normal_force[i] > 0.0)) continue;  // no load, no friction to scale
-      const double factor = std::pow(elements.normal_force[i] / (reference_ * share_[i]), -exponent_);
+      const double factor = math::pow(elements.normal_force[i] / (reference_ * share_[i]), -exponent_);
       mu_s[i] *= factor;
       mu_k[i] *= factor;
     }

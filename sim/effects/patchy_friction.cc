@@ -1,16 +1,19 @@
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <numbers>
 #include <tuple>
 #include <utility>
 
 #include "sim/core/error.h"
-#include "sim/core/quad_math.h"
+#include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
 namespace {
+
+using QuadBits __attribute__((vector_size(quad * sizeof(std::uint64_t)))) = std::uint64_t;
 
 // A smooth random map g(x, y) with mean 0 and variance 1: random plane waves, tabulated once on a grid that repeats.
 class RandomMap {
@@ -30,11 +33,11 @@ class RandomMap {
     std::vector<Wave> drawn;
     while (drawn.size() < waves) {
       const double wavelength = stream.uniform(shortest, longest), angle = stream.uniform(0.0, 2.0 * std::numbers::pi);
-      const double nx = std::round(side / wavelength * std::cos(angle)), ny = std::round(side / wavelength * std::sin(angle));
+      const double nx = std::round(side / wavelength * math::cos(angle)), ny = std::round(side / wavelength * math::sin(angle));
       const double phase = stream.uniform(0.0, 2.0 * std::numbers::pi);
       if (nx == 0.0 && ny == 0.0) continue;
       Wave& wave = drawn.emplace_back(Wave{wrapped(nx), wrapped(ny), {}});
-      for (std::size_t k = 0; k < cells; ++k) wave.values[k] = std::cos(step * static_cast<double>(k) + phase);
+      for (std::size_t k = 0; k < cells; ++k) wave.values[k] = math::cos(step * static_cast<double>(k) + phase);
     }
     const double amplitude = std::sqrt(2.0 / static_cast<double>(waves));
     for (std::size_t row = 0; row < cells; ++row) {
@@ -92,7 +95,7 @@ SLIPBENCH_DISPATCHED void scale_all(const RandomMap& map, double sd, const Eleme
     const Quad face = on_z ? (nz > 0.0 ? none : none + 1.0) : beside;
     const Quad u = (on_z | ~on_x ? x : y) + face * 0.3819660113 * map.period(), v = (on_z ? y : z) + face * 0.1459 * map.period();
     // Of an argument below 512: a map's values are below 7, sd 2 at most.
-    const Quad factor = pressed ? exp_of(sd * map.at(u, v) - 0.5 * sd * sd) : none + 1.0;
+    const Quad factor = pressed ? math::exp(sd * map.at(u, v) - 0.5 * sd * sd) : none + 1.0;
     put_vector(mu_s + i, at(mu_s) * factor);
     put_vector(mu_k + i, at(mu_k) * factor);
   }

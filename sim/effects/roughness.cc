@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <numbers>
 
-#include <unsupported/Eigen/FFT>
-
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
+#include "sim/effects/wave_sum.h"
 #include "sim/field/vectorise.h"
 
 namespace slipbench {
@@ -18,22 +18,24 @@ namespace {
 class Profile {
  public:
   Profile(double period, std::size_t first, std::size_t last, double exponent, double rms, RandomStream& stream,
-          Eigen::FFT<double>& transform) {
-    std::size_t cells = 1;
-    while (cells < points_per_wave * last) cells *= 2;
+          const WaveSum& sum) {
     double power = 0.0;  // mean square at a = 1
-    for (std::size_t n = first; n <= last; ++n) power += 0.5 * std::pow(static_cast<double>(n), -2.0 * exponent);
+    for (std::size_t n = first; n <= last; ++n) power += 0.5 * math::pow(static_cast<double>(n), -2.0 * exponent);
     const double amplitude = rms / std::sqrt(power);
-    std::vector<std::complex<double>> waves(cells / 2 + 1);
+    std::vector<std::complex<double>> waves(last + 1);
     for (std::size_t n = first; n <= last; ++n) {
-      waves[n] = std::polar(0.5 * static_cast<double>(cells) * amplitude * std::pow(static_cast<double>(n), -exponent),
-                            stream.uniform(0.0, 2.0 * std::numbers::pi));
+      const auto [sine, cosine] = math::sincos(stream.uniform(0.0, 2.0 * std::numbers::pi));
+      waves[n] = amplitude * math::pow(static_cast<double>(n), -exponent) * std::complex<double>(cosine, sine);
     }
-    transform.inv(heights_, waves, static_cast<Eigen::Index>(cells));
+    heights_ = sum.at_points(waves);
+    const std::size_t cells = heights_.size();
     heights_.push_back(heights_.front());  // whoever reads up to the next point needs no wrapping
     per_cell_ = static_cast<double>(cells) / period;
     mask_ = cells - 1;
   }
+
+  // Points over the period for a profile of waves down to period/last.
+  static std::size_t points(std::size_t last) { return std::bit_ceil(points_per_wave * last); }
 
   [[nodiscard]] const double* heights() const { return heights_.data(); }  // m; the first again behind the last
   [[nodiscard]] double per_cell() const { return per_cell_; }              // points a metre
@@ -76,13 +78,12 @@ class Roughness final : public SurfaceEffect {
     const auto last = static_cast<std::size_t>(period / shortest_ * (1.0 + 1e-12));
     const auto directions = static_cast<std::size_t>(p.integer("directions"));
     RandomStream stream = context.stream("roughness");
-    Eigen::FFT<double> transform;
-    transform.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+    const WaveSum sum(Profile::points(last));
     for (std::size_t j = 0; j < directions; ++j) {
       const double angle = p.number("angle") + std::numbers::pi * static_cast<double>(j) / static_cast<double>(directions);
       const double rms = p.number("height") / std::sqrt(static_cast<double>(directions));
       ridges_.push_back(
-          {std::cos(angle), std::sin(angle), Profile(period, first, last, p.number("exponent"), rms, stream, transform)});
+          {math::cos(angle), math::sin(angle), Profile(period, first, last, p.number("exponent"), rms, stream, sum)});
     }
   }
 

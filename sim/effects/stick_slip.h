@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "sim/core/math.h"
 #include "sim/field/effect.h"
 
 namespace slipbench {
@@ -35,16 +36,17 @@ inline Propagator propagator(const Oscillator& oscillator, double time) {
   const double w2 = (omega - decay) * (omega + decay), turn2 = w2 * time * time;
   double even = 0.0, odd = 0.0;
   if (std::abs(turn2) < 1e-8) {  // next to critical damping, or a short time: the series, good to turn2^2/24
-    const double fade = std::exp(-decay * time);
+    const double fade = math::exp(-decay * time);
     even = fade * (1.0 - 0.5 * turn2);
     odd = fade * time * (1.0 - turn2 / 6.0);
   } else if (w2 > 0.0) {
-    const double w = std::sqrt(w2), fade = std::exp(-decay * time);
-    even = fade * std::cos(w * time);
-    odd = fade * std::sin(w * time) / w;
+    const double w = std::sqrt(w2), fade = math::exp(-decay * time);
+    const auto [sine, cosine] = math::sincos(w * time);
+    even = fade * cosine;
+    odd = fade * sine / w;
   } else {
     const double s = std::sqrt(-w2);
-    const double slow = std::exp(-(decay - s) * time), fast = std::exp(-(decay + s) * time);
+    const double slow = math::exp(-(decay - s) * time), fast = math::exp(-(decay + s) * time);
     even = 0.5 * (slow + fast);
     odd = 0.5 * (slow - fast) / s;
   }

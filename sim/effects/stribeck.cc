@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
@@ -14,7 +15,7 @@ class Stribeck final : public FrictionEffect {
     for (std::size_t i = 0; i < elements.count; ++i) {
       const double v =
           std::sqrt(elements.vx[i] * elements.vx[i] + elements.vy[i] * elements.vy[i] + elements.vz[i] * elements.vz[i]);
-      mu_k[i] *= 1.0 - weakening_ * -std::expm1(-std::pow(v / speed_, exponent_));
+      mu_k[i] *= 1.0 - weakening_ * -math::expm1(-math::pow(v / speed_, exponent_));
     }
   }
 

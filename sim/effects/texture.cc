@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
@@ -12,12 +13,12 @@ class Texture final : public SurfaceEffect {
   explicit Texture(const Parameters& p)
       : height_(p.number("height")),
         wavelength_(p.number("wavelength")),
-        kx_(2.0 * std::numbers::pi / wavelength_ * std::cos(p.number("angle"))),
-        ky_(2.0 * std::numbers::pi / wavelength_ * std::sin(p.number("angle"))) {}
+        kx_(2.0 * std::numbers::pi / wavelength_ * math::cos(p.number("angle"))),
+        ky_(2.0 * std::numbers::pi / wavelength_ * math::sin(p.number("angle"))) {}
 
   void displace(std::size_t count, const double* x, const double* y, const double* nz, double* gap) override {
     for (std::size_t i = 0; i < count; ++i) {
-      if (nz[i] == 1.0) gap[i] -= height_ * std::sin(kx_ * x[i] + ky_ * y[i]);
+      if (nz[i] == 1.0) gap[i] -= height_ * math::sin(kx_ * x[i] + ky_ * y[i]);
     }
   }
 

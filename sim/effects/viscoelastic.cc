@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 
+#include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
@@ -60,8 +61,8 @@ class Viscoelastic final : public RheologyEffect {
   // Exact for a deflection that changes at a constant rate within the step: q' = -q/time + k u'.
   void set_step(double dt) {
     const double x = dt / time_;
-    decay_ = std::exp(-x);
-    gain_ = x > 0.0 ? -std::expm1(-x) / x : 1.0;
+    decay_ = math::exp(-x);
+    gain_ = x > 0.0 ? -math::expm1(-x) / x : 1.0;
   }
   [[nodiscard]] double history(std::size_t i, std::size_t c, double k) {
     return decay_ * branch(i, c) - relaxing_ * k * gain_ * before(i, c);

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "sim/core/quad_math.h"
+#include "sim/core/math.h"
 #include "sim/effects/effect_catalogue.h"
 
 namespace slipbench {
@@ -14,12 +14,13 @@ namespace {
 // concave. `y`: of the step before, 0 for none; of several, each as if alone. In a steady slide one logarithm.
 SLIPBENCH_INLINE Quad solve(const Quad& a, const Quad& b, decltype(Quad{} < Quad{}) wanted, Quad y) {
   const Quad one = Quad{} + 1.0;
-  for (std::size_t lane = 0; lane < quad; ++lane) {
-    if (!(y[lane] >= 1.0))
-      y[lane] = wanted[lane] != 0 ? std::max(1.0, 1.0 / (std::exp(-a[lane]) + b[lane] / (a[lane] + b[lane]))) : 1.0;
+  const auto fresh = ~(y >= 1.0);
+  if (any(fresh)) {
+    const Quad start = 1.0 / (math::exp(-a) + b / (a + b));
+    y = fresh ? (wanted & (start > 1.0) ? start : one) : y;
   }
   for (int iteration = 0; iteration < 100 && any(wanted); ++iteration) {
-    const Quad z1 = 1.0 + b * y, r = a + b * (1.0 - y) - log_of(y);
+    const Quad z1 = 1.0 + b * y, r = a + b * (1.0 - y) - math::log(y);
     const Quad newton = r / z1, p = 2.0 * z1 * (z1 + 2.0 / 3.0 * r);
     const auto near = (newton < 0.5) & (newton > -0.5);
     const Quad change = near ? newton * (p - r) / (p - 2.0 * r) : newton, next = y * (1.0 + change);
@@ -68,7 +69,7 @@ class ViscousFriction final : public RateEffect {
     if (gain_ != 0.0) strengthen_all(gain_, dt, speed_, count, trial, stiffness, limit, ratio_.data() + first, factor);
   }
 
-  [[nodiscard]] double factor(double speed) const override { return 1.0 + gain_ * std::log(1.0 + speed / speed_); }
+  [[nodiscard]] double factor(double speed) const override { return 1.0 + gain_ * math::log(1.0 + speed / speed_); }
   [[nodiscard]] double growth(double speed) const override { return gain_ / ((speed_ + speed) * factor(speed)); }
 
   [[nodiscard]] std::span<double> memory() override { return ratio_; }

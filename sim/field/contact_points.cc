@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/core/math.h"
+
 namespace slipbench {
 namespace {
 
@@ -11,7 +13,7 @@ bool outside(const Plane& /*shape*/, const Eigen::Vector3d& p) { return p.z() > 
 bool outside(const Sphere& shape, const Eigen::Vector3d& p) { return p.norm() > shape.radius; }
 bool outside(const Box& shape, const Eigen::Vector3d& p) { return (p.cwiseAbs() - shape.half).maxCoeff() > 0.0; }
 bool outside(const Cylinder& shape, const Eigen::Vector3d& p) {
-  return std::hypot(p.x(), p.y()) > shape.radius || std::abs(p.z()) > shape.half_length;
+  return math::hypot(p.x(), p.y()) > shape.radius || std::abs(p.z()) > shape.half_length;
 }
 bool outside(const Capsule& shape, const Eigen::Vector3d& p) {
   return (p - Eigen::Vector3d(0.0, 0.0, std::clamp(p.z(), -shape.half_length, shape.half_length))).norm() > shape.radius;
@@ -90,7 +92,7 @@ std::optional<Entry> way_out(const Box& shape, const Eigen::Vector3d& tip, const
 
 std::optional<Entry> way_out(const Cylinder& shape, const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double from) {
   const Eigen::Vector3d start = tip - from * axis;
-  if (std::hypot(start.x(), start.y()) > shape.radius + same_place || std::abs(start.z()) > shape.half_length + same_place)
+  if (math::hypot(start.x(), start.y()) > shape.radius + same_place || std::abs(start.z()) > shape.half_length + same_place)
     return std::nullopt;
   const double end = axis.z() < 0.0 ? 1.0 : -1.0;
   const double by_cap =

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/core/math.h"
+
 namespace slipbench::unit_rules {
 namespace {
 
@@ -78,7 +80,7 @@ double fit_slip_motion(ContactFrame& frame, const Eigen::Array3Xd& undeformed, c
   fastest = std::sqrt(fastest);
   const double speed = std::sqrt(mean_velocity.square().sum());
   const double rate = n > 1.0 && spread > 0.0 ? moment / spread : 0.0;  // rad/s
-  if (speed > negligible * fastest) frame.slip_direction = std::atan2(mean_velocity.y(), mean_velocity.x());
+  if (speed > negligible * fastest) frame.slip_direction = math::atan2(mean_velocity.y(), mean_velocity.x());
   if (!(std::abs(rate) * std::sqrt(spread) > negligible * fastest)) return 0.0;
   const Eigen::Array2d centre = mean_position + Eigen::Array2d(-mean_velocity.y(), mean_velocity.x()) / rate;
   frame.slip_centre = plane.turned_back({centre.x(), centre.y(), z_sum / n}).head<2>().array();

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/core/quantity.h"
 #include "sim/core/random.h"
 
@@ -24,7 +25,7 @@ void add_scatter(Grasp& grasp, const Parameters& scatter, double period, std::ui
   grasp.yaw += scatter.number("yaw") * stream("yaw").normal();
   grasp.pitch += scatter.number("pitch") * stream("pitch").normal();
   grasp.box_size.x() += scatter.number("width") * stream("width").uniform();
-  grasp.friction_scale *= std::exp(scatter.number("friction") * stream("friction").normal());
+  grasp.friction_scale *= math::exp(scatter.number("friction") * stream("friction").normal());
   if (scatter.flag("phase")) grasp.phase += period * stream("phase").uniform();
 }
 

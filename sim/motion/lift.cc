@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/core/math.h"
+#include "sim/core/math/rotation.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {
@@ -66,13 +68,13 @@ class Lift final : public Motion {
     arm.pose.position = way.position * sideways_ + Eigen::Vector3d(0.0, 0.0, height.position);
     arm.velocity = way.velocity * sideways_ + Eigen::Vector3d(0.0, 0.0, height.velocity);
     if (turns()) {
-      arm.pose.rotation = Eigen::AngleAxisd(turn.position, tilt_).toRotationMatrix();
+      arm.pose.rotation = rotation_about(tilt_, turn.position);
       arm.angular_velocity = turn.velocity * tilt_;
     }
     if (t > shake_from_ && t < shake_until_) {
       const double phase = shake_rate_ * (t - shake_from_);
-      arm.pose.position += 0.5 * (1.0 - std::cos(phase)) * shake_;
-      arm.velocity += 0.5 * shake_rate_ * std::sin(phase) * shake_;
+      arm.pose.position += 0.5 * (1.0 - math::cos(phase)) * shake_;
+      arm.velocity += 0.5 * shake_rate_ * math::sin(phase) * shake_;
     }
     return arm;
   }

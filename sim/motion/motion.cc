@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/core/math.h"
 #include "sim/motion/guided.h"
 
 namespace slipbench {
@@ -12,7 +13,8 @@ constexpr double turn = 2.0 * std::numbers::pi;
 
 // The powers of e^(i angle) that are the spindle's orders, by repeated squaring: one sine and cosine for all of them.
 std::array<std::complex<double>, 7> powers(double angle) {
-  const std::complex<double> p1(std::cos(angle), std::sin(angle));
+  const auto [sine, cosine] = math::sincos(angle);
+  const std::complex<double> p1(cosine, sine);
   const std::complex<double> p2 = p1 * p1, p4 = p2 * p2, p8 = p4 * p4, p16 = p8 * p8, p24 = p16 * p8, p25 = p24 * p1,
                              p50 = p25 * p25, p100 = p50 * p50;
   return {p1, p2, p8, p24, p50, p100, p100 * p100};
@@ -33,9 +35,12 @@ const std::vector<MotionKind>& motion_catalogue() {
 }
 
 MotorVibration::MotorVibration(const MotorSettings& settings, RandomStream stream) : settings_(settings), stream_(stream) {
-  amplitude_ = settings.level * unit_rms * std::exp(settings.sd * stream_.normal());
+  amplitude_ = settings.level * unit_rms * math::exp(settings.sd * stream_.normal());
   const auto draw_phases = [this](std::size_t axis) {
-    for (std::complex<double>& phase : line_phase_[axis]) phase = std::polar(1.0, turn * stream_.uniform());
+    for (std::complex<double>& phase : line_phase_[axis]) {
+      const auto [sine, cosine] = math::sincos(turn * stream_.uniform());
+      phase = {cosine, sine};
+    }
   };
   for (std::size_t axis = 0; axis < idle_axis; ++axis) draw_phases(axis);
   noise_ = stream_.normal();
@@ -102,7 +107,7 @@ double MotorVibration::drive(const BodyState& stage, double dt) {
   const double corner = now.corner / now.speed;
   if (corner * dt != noise_corner_) {
     noise_corner_ = corner * dt;
-    noise_keeps_ = std::exp(-turn * noise_corner_);
+    noise_keeps_ = math::exp(-turn * noise_corner_);
   }
   noise_ = noise_keeps_ * noise_ + std::sqrt(1.0 - noise_keeps_ * noise_keeps_) * stream_.normal();
   return amplitude_ * (line_share * now.lines + noise_share * std::sqrt(now.speed / reference_speed) * noise_);
@@ -114,8 +119,8 @@ void MotorVibration::set_step(double dt) {
   step_ = dt;
   for (Mode& mode : modes_) {
     const double w = mode.omega, decay = mode.zeta * w, damped = std::sqrt(w * w - decay * decay);
-    const double even = std::exp(-decay * dt) * std::cos(damped * dt),
-                 odd = std::exp(-decay * dt) * std::sin(damped * dt) / damped;
+    const double even = math::exp(-decay * dt) * math::cos(damped * dt),
+                 odd = math::exp(-decay * dt) * math::sin(damped * dt) / damped;
     mode.from_q = {even + decay * odd, -w * w * odd};
     mode.from_v = {odd, even - decay * odd};
     const double slope = 1.0 / (w * w * dt), lag = 2.0 * mode.zeta / (w * w * w * dt), rest = 1.0 / (w * w);

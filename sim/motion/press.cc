@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/math/rotation.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {
@@ -48,9 +49,7 @@ class Press final : public Motion {
   explicit Press(const Parameters& p)
       : height_(p.number("gap")),
         place_(p.vector("offset")[0], p.vector("offset")[1], 0.0),
-        turned_(Eigen::AngleAxisd(p.number("yaw"), Eigen::Vector3d::UnitZ()) *
-                Eigen::AngleAxisd(p.vector("tilt")[1], Eigen::Vector3d::UnitY()) *
-                Eigen::AngleAxisd(p.vector("tilt")[0], Eigen::Vector3d::UnitX())) {
+        turned_(rotation_by_axes({p.vector("tilt")[0], p.vector("tilt")[1], p.number("yaw")})) {
     const double stroke = p.number("gap") + p.number("compression"), retreat = p.number("retreat");
     height_.move(p.number("begin"), -stroke, p.number("approach_speed"), p.number("acceleration"));
     if (!std::isfinite(retreat)) return;

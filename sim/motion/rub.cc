@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
+#include "sim/core/math/rotation.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {
@@ -102,7 +104,7 @@ class Process {
   }
 
   void advance(double s, RandomStream& random) {
-    const double d = std::exp(-s), q12 = 2.0 * d * d * s * s;
+    const double d = math::exp(-s), q12 = 2.0 * d * d * s * s;
     const double q11 = beyond_second(2.0 * s), q22 = 1.0 - d * d * (s * s + (1.0 - s) * (1.0 - s));
     const double l11 = std::sqrt(q11), l21 = q12 / l11, l22 = std::sqrt(std::max(0.0, q22 - l21 * l21));
     double x = 0.0, u = 0.0;
@@ -119,17 +121,17 @@ class Process {
   [[nodiscard]] Point bounded() const {
     const double over = std::abs(x_) - (limit - 1.0);
     if (over <= 0.0) return {x_, u_};
-    const double bent = std::tanh(over);
+    const double bent = math::tanh(over);
     return {std::copysign(limit - 1.0 + bent, x_), (1.0 - bent * bent) * u_};
   }
 
  private:
   // 1 - e^-y (1 + y + y^2/2), without cancellation where y is small.
   static double beyond_second(double y) {
-    if (y > 1.0) return 1.0 - std::exp(-y) * (1.0 + y + 0.5 * y * y);
+    if (y > 1.0) return 1.0 - math::exp(-y) * (1.0 + y + 0.5 * y * y);
     double term = y * y * y / 6.0, sum = term;
     for (int k = 4; k < 20; ++k) sum += term *= y / k;
-    return std::exp(-y) * sum;
+    return math::exp(-y) * sum;
   }
 
   double x_ = 0.0, u_ = 0.0;
@@ -166,7 +168,7 @@ class Restlessness {
 
   // Bounds on the rate of the processes [1/s] and on q. Between knots a cubic is at most twice as steep as at them and as their chord.
   [[nodiscard]] double top_rate() const {
-    return 2.0 * limit * (pole_ * std::exp(settings_.warp * limit) + 1.5 * (1.0 - settings_.rest) / settings_.rise);
+    return 2.0 * limit * (pole_ * math::exp(settings_.warp * limit) + 1.5 * (1.0 - settings_.rest) / settings_.rise);
   }
   [[nodiscard]] double top_way_rate() const { return std::max(0.0, settings_.drive + limit); }
 
@@ -193,7 +195,7 @@ class Restlessness {
   }
 
   [[nodiscard]] Knot read(const Walk& walk, double t) const {
-    Knot made{{}, pole_ * std::exp(settings_.warp * walk.time.bounded().value), 0.0, 0.0};
+    Knot made{{}, pole_ * math::exp(settings_.warp * walk.time.bounded().value), 0.0, 0.0};
     const double up = std::clamp((t - settings_.begin) / settings_.rise, 0.0, 1.0), more = 1.0 - settings_.rest;
     const double share = settings_.rest + more * up * up * (3.0 - 2.0 * up),
                  growth = more * 6.0 * up * (1.0 - up) / settings_.rise;
@@ -208,7 +210,7 @@ class Restlessness {
   void step(Walk& walk) const {
     walk.before = walk.after;
     walk.time.advance(2.0 * std::numbers::pi * settings_.warp_corner * knot, walk.random);
-    const double mean = 0.5 * (walk.before.pace + pole_ * std::exp(settings_.warp * walk.time.bounded().value));
+    const double mean = 0.5 * (walk.before.pace + pole_ * math::exp(settings_.warp * walk.time.bounded().value));
     for (Process& process : walk.processes) process.advance(mean * knot, walk.random);
     walk.after = read(walk, static_cast<double>(walk.knots) * knot);
     walk.after.way = walk.before.way + 0.5 * knot * (walk.before.q + walk.after.q);
@@ -248,7 +250,7 @@ class Rub final : public Motion {
         rotation_(p.number("rotation")),
         yaw_(p.number("yaw")),
         speed_(p.number("speed") *
-               Eigen::Vector3d(std::cos(yaw_ + p.number("direction")), std::sin(yaw_ + p.number("direction")), 0.0)),
+               Eigen::Vector3d(math::cos(yaw_ + p.number("direction")), math::sin(yaw_ + p.number("direction")), 0.0)),
         restless_({p.number("corner"), p.number("warp_corner"), p.number("warp"), p.number("drive"),
                    start_ + approach_ + p.number("wait"), approach_, p.number("rest")},
                   key) {
@@ -258,14 +260,14 @@ class Rub final : public Motion {
   [[nodiscard]] BodyState pad_at(double t) const override {
     const ProfilePoint down = come_down(t, start_, approach_);
     const Point load = restless_.at(Restlessness::load, t), way = restless_.way(t);
-    const double asked = compression_ * std::exp(load_sd_ * load.value), share = std::tanh(asked / deepest_);
+    const double asked = compression_ * math::exp(load_sd_ * load.value), share = math::tanh(asked / deepest_);
     const double pressed = deepest_ * share, pressing = (1.0 - share * share) * asked * load_sd_ * load.rate;
     const Spot spot = spot_at(t);
 
-    const Eigen::Matrix3d turned = Eigen::AngleAxisd(yaw_ + rotation_ * way.value, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    const Eigen::Matrix3d pitched = turned * Eigen::AngleAxisd(spot.pitch.value, Eigen::Vector3d::UnitY());
+    const Eigen::Matrix3d turned = rotation_about(Eigen::Vector3d::UnitZ(), yaw_ + rotation_ * way.value);
+    const Eigen::Matrix3d pitched = turned * rotation_about(Eigen::Vector3d::UnitY(), spot.pitch.value);
     BodyState pad;
-    pad.pose.rotation = pitched * Eigen::AngleAxisd(spot.roll.value, Eigen::Vector3d::UnitX());
+    pad.pose.rotation = pitched * rotation_about(Eigen::Vector3d::UnitX(), spot.roll.value);
     pad.angular_velocity =
         rotation_ * way.rate * Eigen::Vector3d::UnitZ() + spot.pitch.rate * turned.col(1) + spot.roll.rate * pitched.col(0);
     Eigen::Vector3d touch = speed_ * way.value, touch_rate = speed_ * way.rate;
@@ -285,7 +287,7 @@ class Rub final : public Motion {
     // tan(roll) = -(c/b) tan(g). An angle whose tangent is f times another's changes at most max(f, 1/f) times as fast. m itself changes by
     // at most half of f^2 - 1 of it a radian, f = max(b, c)/min(b, c), and pitch by half of that.
     const double most = std::max(b_, c_), least = std::min(b_, c_), f = most / least;
-    const double cosine = std::sqrt(1.0 - std::pow((std::abs(site_[0]) + std::min(limit * wander_[0], room_[0])) / a_, 2));
+    const double cosine = std::sqrt(1.0 - math::pow((std::abs(site_[0]) + std::min(limit * wander_[0], room_[0])) / a_, 2));
     const double h_rate = wander_[0] * rate / (a_ * cosine), g_rate = wander_[1] * rate / radius();
     const double pitching = std::max({a_ / least, most / a_, 1.0}) * h_rate + 0.25 * (f * f - 1.0) * g_rate;
     const double turning = std::abs(rotation_) * q + pitching + f * g_rate;
@@ -317,7 +319,7 @@ class Rub final : public Motion {
 
   // A coordinate of the spot.
   [[nodiscard]] Point wandered(std::size_t k, const Point& process) const {
-    const double bounded = std::tanh(wander_[k] * process.value / room_[k]);
+    const double bounded = math::tanh(wander_[k] * process.value / room_[k]);
     return {site_[k] + room_[k] * bounded, (1.0 - bounded * bounded) * wander_[k] * process.rate};
   }
 
@@ -328,15 +330,15 @@ class Rub final : public Motion {
                 around = wandered(1, restless_.at(Restlessness::around, t));
     const double x = along.value, dx = along.rate, g = around.value / radius(), dg = around.rate / radius();
     const double k = std::sqrt(1.0 - x * x / (a_ * a_)), dk = -x * dx / (a_ * a_ * k);
-    const double sine = std::sin(g), cosine = std::cos(g);
+    const auto [sine, cosine] = math::sincos(g);
     Spot spot;
     spot.place = centre_ + Eigen::Vector3d(x, k * b_ * sine, -k * c_ * cosine);
     spot.rate = {dx, b_ * (dk * sine + k * cosine * dg), -c_ * (dk * cosine - k * sine * dg)};
     const double nx = x / (a_ * a_), ny = k * sine / b_, nz = -k * cosine / c_;
     const double dny = (dk * sine + k * cosine * dg) / b_, dnz = -(dk * cosine - k * sine * dg) / c_;
-    const double m = std::hypot(ny, nz), dm = (ny * dny + nz * dnz) / m;
-    spot.roll = {std::atan(ny / nz), (dny * nz - ny * dnz) / (m * m)};
-    spot.pitch = {std::atan2(nx, m), (dx / (a_ * a_) * m - nx * dm) / (nx * nx + m * m)};
+    const double m = math::hypot(ny, nz), dm = (ny * dny + nz * dnz) / m;
+    spot.roll = {math::atan(ny / nz), (dny * nz - ny * dnz) / (m * m)};
+    spot.pitch = {math::atan2(nx, m), (dx / (a_ * a_) * m - nx * dm) / (nx * nx + m * m)};
     return spot;
   }
 

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
+#include "sim/core/math/rotation.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {
@@ -92,9 +94,8 @@ class Stage final : public Motion {
         way_(0.0),
         turn_(0.0),
         pivot_(p.vector("pivot")[0], p.vector("pivot")[1], 0.0),
-        direction_(std::cos(p.number("direction")), std::sin(p.number("direction")), 0.0),
-        tilt_(Eigen::AngleAxisd(p.vector("tilt")[1], Eigen::Vector3d::UnitY()) *
-              Eigen::AngleAxisd(p.vector("tilt")[0], Eigen::Vector3d::UnitX())) {
+        direction_(math::cos(p.number("direction")), math::sin(p.number("direction")), 0.0),
+        tilt_(rotation_by_axes({p.vector("tilt")[0], p.vector("tilt")[1], 0.0})) {
     const double acceleration = p.number("acceleration"), angular = p.number("angular_acceleration");
     const double speed = p.number("speed"), rate = p.number("rotation");
     const double start = p.number("start"), stop = p.number("stop"), reverse = p.number("reverse"), retract = p.number("retract");
@@ -164,7 +165,7 @@ class Stage final : public Motion {
     pad.velocity = way.velocity * direction_;
     if (turns()) {
       const ProfilePoint turn = turn_.at(t);
-      const Eigen::Matrix3d turned = Eigen::AngleAxisd(turn.position, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      const Eigen::Matrix3d turned = rotation_about(Eigen::Vector3d::UnitZ(), turn.position);
       const Eigen::Vector3d arm = turned * -pivot_;
       pad.pose.rotation = turned * tilt_;
       pad.pose.position += pivot_ + arm;

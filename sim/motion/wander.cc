@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/core/math.h"
+#include "sim/core/math/rotation.h"
 #include "sim/motion/profile.h"
 
 namespace slipbench {
@@ -53,10 +55,11 @@ class Wave {
   [[nodiscard]] Point at(double t) const {
     double g = 0.0, rate = 0.0;
     for (const Tone& tone : tones_) {
-      g += amplitude * std::sin(tone.omega * t + tone.phase);
-      rate += amplitude * tone.omega * std::cos(tone.omega * t + tone.phase);
+      const auto [sine, cosine] = math::sincos(tone.omega * t + tone.phase);
+      g += amplitude * sine;
+      rate += amplitude * tone.omega * cosine;
     }
-    return {std::erf(g / std::numbers::sqrt2), slope * std::exp(-0.5 * g * g) * rate};
+    return {math::erf(g / std::numbers::sqrt2), slope * math::exp(-0.5 * g * g) * rate};
   }
 
   [[nodiscard]] double top_rate() const {
@@ -98,12 +101,12 @@ class Wander final : public Motion {
       way[i] = {limits_[i] * share.value * wave.value, limits_[i] * (share.rate * wave.value + share.value * wave.rate)};
     }
     const auto& [x, y, about_x, about_y, about_z] = way;
-    const Eigen::Matrix3d turned = Eigen::AngleAxisd(about_z.value, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    const Eigen::Matrix3d pitched = turned * Eigen::AngleAxisd(about_y.value, Eigen::Vector3d::UnitY());
+    const Eigen::Matrix3d turned = rotation_about(Eigen::Vector3d::UnitZ(), about_z.value);
+    const Eigen::Matrix3d pitched = turned * rotation_about(Eigen::Vector3d::UnitY(), about_y.value);
     BodyState pad;
     pad.pose.position = {x.value, y.value, gap_ * (1.0 - down.position) - compression_ * share.value};
     pad.velocity = {x.rate, y.rate, -gap_ * down.velocity - compression_ * share.rate};
-    pad.pose.rotation = pitched * Eigen::AngleAxisd(about_x.value, Eigen::Vector3d::UnitX());
+    pad.pose.rotation = pitched * rotation_about(Eigen::Vector3d::UnitX(), about_x.value);
     pad.angular_velocity = about_z.rate * Eigen::Vector3d::UnitZ() + about_y.rate * turned.col(1) + about_x.rate * pitched.col(0);
     return pad;
   }

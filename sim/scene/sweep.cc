@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 
 namespace slipbench {
 namespace {
@@ -170,9 +171,9 @@ class DrawReader {
 double sample_once(const Draw& draw, RandomStream& random) {
   switch (draw.kind) {
     case Draw::Kind::uniform: return random.uniform(draw.min, draw.max);
-    case Draw::Kind::log_uniform: return std::exp(random.uniform(std::log(draw.min), std::log(draw.max)));
+    case Draw::Kind::log_uniform: return math::exp(random.uniform(math::log(draw.min), math::log(draw.max)));
     case Draw::Kind::normal: return random.normal(draw.centre, draw.sd);
-    case Draw::Kind::lognormal: return draw.centre * std::exp(draw.sd * random.normal());
+    case Draw::Kind::lognormal: return draw.centre * math::exp(draw.sd * random.normal());
     case Draw::Kind::choice: break;
   }
   throw std::logic_error("a choice is no number");

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
+#include "sim/core/math/rotation.h"
 #include "sim/core/quantity.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/grasp/grasp.h"
@@ -59,9 +60,7 @@ ParameterSpec angle() {
 // With the shape's z axis along the angle, and its highest line at z = 0.
 Pose lying(const Parameters& p) {
   Pose pose = placed(p, -p.number("radius"));
-  pose.rotation = (Eigen::AngleAxisd(p.number("angle"), Eigen::Vector3d::UnitZ()) *
-                   Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitY()))
-                      .toRotationMatrix();
+  pose.rotation = rotation_by_axes({0.0, 0.5 * std::numbers::pi, p.number("angle")});
   return pose;
 }
 

@@ -19,7 +19,7 @@ del sys.argv[1:]
 
 # Of https://spdx.org/licenses, those in use.
 LICENCES = {
-    "Apache-2.0", "Artistic-2.0", "BSD-2-Clause", "BSD-3-Clause", "BSD-Attribution-HPND-disclaimer", "GPL-2.0-only", "GPL-2.0-or-later",
+    "Apache-2.0", "Artistic-2.0", "BSD-2-Clause", "BSD-3-Clause", "BSD-Attribution-HPND-disclaimer", "BSL-1.0", "GPL-2.0-only", "GPL-2.0-or-later",
     "GPL-3.0-or-later", "ISC", "LGPL-2.0-or-later", "LGPL-2.1-or-later", "LGPL-3.0-only", "LGPL-3.0-or-later", "LicenseRef-public-domain", "MIT",
     "MPL-2.0", "OLDAP-2.8", "Python-2.0", "Unicode-DFS-2016", "Zlib", "bzip2-1.0.6", "curl"}
 EXCEPTIONS = {"GCC-exception-3.1", "Linux-syscall-note"}
@@ -73,8 +73,7 @@ def compiled_in():
     """Debian packages of the headers and sources outside of the tree that the product is compiled from."""
     files = set()
     ours = False
-    packages = {"libpython3-dev",  # Python's headers are Debian's, or those of another Python that the module is built for
-                "musl-dev"}  # objects of its archive, no headers
+    packages = {"libpython3-dev"}  # Python's headers are Debian's, or those of another Python that the module is built for
     for line in output("ninja", "-t", "deps").splitlines():
         if not line.startswith(" "):
             ours = bool(line) and "#deps" in line and not line.startswith("tests/")

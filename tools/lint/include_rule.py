@@ -1,6 +1,6 @@
 """Who may include whom. A detector that could include the simulation could read the truth; this check keeps that out.
 
-- sim/core: itself, the standard library and Eigen; Random123 and the loader of libraries and calls about files and threads in a .cc; in plugin_abi.h, which is C, <stddef.h>.
+- sim/core: itself, the standard library and Eigen; Random123, SLEEF with its vector type, the loader of libraries and calls about files and threads in a .cc; in plugin_abi.h, which is C, <stddef.h>.
 - sensors/X: sim/core, sensors/X, sensors/plugin_abi.h, and sensors/electronics, which every sensor is composed of.
 - detectors, controllers: sim/core without the truth (contact_frame.h, and sensor.h, which is handed it), and themselves.
 - rtl: what detectors may include, and detectors, whose golden models it runs in lockstep with.
@@ -88,7 +88,7 @@ def fault_of(path, quoted, header):
     if header.startswith("mujoco/") and not f"{folder}/".startswith(MUJOCO):
         return f"only sim/mujoco may include <{header}>"
     if path.parts[:2] == ("sim", "core"):
-        hidden = path.suffix == ".cc" and (header.startswith("Random123/") or header in ("dlfcn.h", "fcntl.h", "poll.h", "spawn.h", "sys/wait.h", "unistd.h"))
+        hidden = path.suffix == ".cc" and (header.startswith("Random123/") or header in ("sleef.h", "emmintrin.h", "dlfcn.h", "fcntl.h", "poll.h", "spawn.h", "sys/wait.h", "unistd.h"))
         in_c = path.name == "plugin_abi.h" and header == "stddef.h"
         if not (STANDARD.fullmatch(header) or header.startswith("Eigen/") or hidden or in_c):
             return f"sim/core may include the standard library and Eigen only, not <{header}>"

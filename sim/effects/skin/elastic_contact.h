@@ -60,7 +60,7 @@ class Influence {
 };
 
 // Elements on a full grid of one height or several, all along -Z of the pad: by FFT on a grid twice as large, exact up to rounding. FFTW plans
-// without vector code, so that all processors give the same bytes. All others: a dense matrix over the places of the tips, for a half-space
+// without vector code, so that processors differ in the last digits only. All others: a dense matrix over the places of the tips, for a half-space
 // alone, where each stands for a square of the edge `patch` [m]; 0: of the mean distance to the nearest. Throws SceneValueError where neither fits,
 // or where a patch is given that a grid has.
 std::unique_ptr<Influence> make_influence(const PadLayout& layout, const ElasticBody& body, double patch);

@@ -17,7 +17,9 @@
 
 #include "sim/core/error.h"
 #include "sim/core/fftw_planner.h"
+#include "sim/core/math.h"
 #include "sim/core/quantity.h"
+#include "sim/effects/skin/bessel.h"
 
 namespace slipbench {
 namespace {
@@ -34,10 +36,10 @@ struct Kernel {
 Kernel rectangle(double x1, double x2, double y1, double y2, double shear_modulus) {
   double along_x = 0.0, along_y = 0.0, mixed = 0.0;
   const auto corner = [&](double x, double y, double sign) {
-    const double r = std::hypot(x, y);
+    const double r = math::hypot(x, y);
     // ln(a + length), in the form that does not cancel for a < 0.
     const auto log_of = [](double a, double b, double length) {
-      return a >= 0.0 ? std::log(a + length) : 2.0 * std::log(std::abs(b)) - std::log(length - a);
+      return a >= 0.0 ? math::log(a + length) : 2.0 * math::log(std::abs(b)) - math::log(length - a);
     };
     along_x += sign * (y == 0.0 ? 0.0 : y * log_of(x, y, r));
     along_y += sign * (x == 0.0 ? 0.0 : x * log_of(y, x, r));
@@ -75,7 +77,7 @@ class RigidBack {
   }
 
   [[nodiscard]] Kernel at(double x, double y) const {
-    const double r = std::hypot(x, y);
+    const double r = math::hypot(x, y);
     const double place = r / spacing_;
     // The functions are even in r: before the first row stands the second.
     const auto k = static_cast<std::ptrdiff_t>(place);
@@ -102,10 +104,10 @@ class RigidBack {
     std::array<double, 3> sum{};
     for (int piece = 0; piece < pieces; ++piece) {
       gauss_legendre([&](double x, double weight) {
-        const double u = half * (2.0 * piece + 1.0 + x), z = u * rho, j0 = ::j0(z);
-        const double j2 = z > 0.1 ? 2.0 * ::j1(z) / z - j0 : z * z / 8.0 * (1.0 - z * z / 12.0 * (1.0 - z * z / 32.0));
+        const double u = half * (2.0 * piece + 1.0 + x), w = half * weight;
+        const auto [j0, j2] = bessel(u * rho);
         const LayerCompliance c = layer_compliance(u);
-        const double along = c.along - 1.0, across = 2.0 * (c.across - 1.0), w = half * weight;
+        const double along = c.along - 1.0, across = 2.0 * (c.across - 1.0);
         sum[0] += w * (c.normal - 1.0) * j0;
         sum[1] += w * 0.5 * (along + across) * j0;
         sum[2] += w * 0.5 * (along - across) * j2;
@@ -282,7 +284,7 @@ class GridInfluence final : public Influence {
     std::vector<Kernel> quarter(grid.rows * grid.columns);
     std::optional<RigidBack> back;
     if (std::isfinite(body.thickness)) {
-      back.emplace(body, std::hypot(static_cast<double>(grid.columns) * grid.a, static_cast<double>(grid.rows) * grid.b));
+      back.emplace(body, math::hypot(static_cast<double>(grid.columns) * grid.a, static_cast<double>(grid.rows) * grid.b));
     }
     for (std::size_t row = 0; row < grid.rows; ++row) {
       for (std::size_t column = 0; column < grid.columns; ++column) {
@@ -405,12 +407,12 @@ class MeshInfluence final : public Influence {
 
 LayerCompliance layer_compliance(double s) {
   if (s > 20.0) return {1.0, 1.0, 1.0};  // to rounding
-  const double bottom = std::cosh(2.0 * s) + 1.0 + 2.0 * s * s;
+  const double bottom = math::cosh(2.0 * s) + 1.0 + 2.0 * s * s;
   // sinh 2s - 2s by its series where the difference would cancel.
   const double s2 = s * s;
   const double difference =
-      s < 0.1 ? s * s2 * (4.0 / 3.0 + s2 * (4.0 / 15.0 + s2 * (8.0 / 315.0 + s2 * 4.0 / 2835.0))) : std::sinh(2.0 * s) - 2.0 * s;
-  return {difference / bottom, (std::sinh(2.0 * s) + 2.0 * s) / bottom, std::tanh(s)};
+      s < 0.1 ? s * s2 * (4.0 / 3.0 + s2 * (4.0 / 15.0 + s2 * (8.0 / 315.0 + s2 * 4.0 / 2835.0))) : math::sinh(2.0 * s) - 2.0 * s;
+  return {difference / bottom, (math::sinh(2.0 * s) + 2.0 * s) / bottom, math::tanh(s)};
 }
 
 std::unique_ptr<Influence> make_influence(const PadLayout& layout, const ElasticBody& body, double patch) {

@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
+#include "sim/core/math/rotation.h"
 #include "sim/core/quantity.h"
 #include "sim/mujoco/linear/stability.h"
 
@@ -158,9 +160,9 @@ void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carr
 
 void drive_free_joint(const mjModel* model, mjData* data, int joint, const Pose& from, const Pose& to, double dt) {
   const Eigen::Quaterniond turn(from.rotation);
-  const Eigen::AngleAxisd way(Eigen::Matrix3d(from.rotation.transpose() * to.rotation));
   const Eigen::Vector3d linear = (to.position - from.position) / dt;
-  const Eigen::Vector3d angular = way.angle() / dt * way.axis();  // of a free joint: in the body's own frame
+  // The angular velocity of a free joint is given in the body's own frame.
+  const Eigen::Vector3d angular = rotation_vector(from.rotation.transpose() * to.rotation) / dt;
   const double quaternion[4] = {turn.w(), turn.x(), turn.y(), turn.z()};
   mjtNum* qpos = data->qpos + model->jnt_qposadr[joint];
   mjtNum* qvel = data->qvel + model->jnt_dofadr[joint];
@@ -341,7 +343,7 @@ void ArticulatedContact::gather(const mjModel* model, const mjData* data) {
 }
 
 void ArticulatedContact::average(double dt) {
-  const double kept = std::exp(-dt / settings_.creep_time);
+  const double kept = math::exp(-dt / settings_.creep_time);
   for (std::size_t i = 0; i < mean_.size(); ++i) {
     if (tips_[i].normal_force > 0.0) {
       mean_[i] = kept * mean_[i] + (1.0 - kept) * tips_[i].velocity;

@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/math/rotation.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/mujoco/articulated/articulated.h"
 #include "sim/mujoco/mujoco_call.h"
@@ -148,7 +149,6 @@ const ContactFrame& ArticulatedStage::step(const Pose& pad_in_surface, double ti
   }
   const Pose from = std::exchange(w.pose, pad_in_surface);
 
-  const Eigen::Quaterniond start(from.rotation), end(pad_in_surface.rotation);
   std::vector<ContactEvent> events;
   Eigen::Array2Xd slip = Eigen::Array2Xd::Zero(2, static_cast<Eigen::Index>(w.layout.units.size()));
   Pose here = from;
@@ -158,7 +158,7 @@ const ContactFrame& ArticulatedStage::step(const Pose& pad_in_surface, double ti
     Pose there = pad_in_surface;
     if (k < w.parts) {
       there.position = from.position + share * (pad_in_surface.position - from.position);
-      there.rotation = start.slerp(share, end).toRotationMatrix();
+      there.rotation = interpolated_rotation(from.rotation, pad_in_surface.rotation, share);
     }
     w.step_part(here, there, now);
     const ContactFrame& part = w.contact->read(w.model.get(), w.data.get(), now, w.dt);

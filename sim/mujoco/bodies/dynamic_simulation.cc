@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/math/decade.h"
 #include "sim/core/quantity.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
@@ -63,7 +64,7 @@ const PadLayout& springs_of(const Field& field, const PadLayout& sensor) { retur
 
 double DynamicSimulation::State::rounded_down(double value) {
   if (!std::isfinite(value) || value <= 0.0) return value;
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
+  const double unit = power_of_ten(decade_of(value) - 2);
   return std::stod(fmt::format("{:.2e}", std::floor(value / unit) * unit));
 }
 

@@ -11,6 +11,8 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/math.h"
+#include "sim/core/math/rotation.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/motion/motion.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
@@ -270,12 +272,12 @@ void GraspSimulation::State::observe(double time) {
   truth.box_height = held.position.z() - start_height;
   truth.table_force =
       own_contact ? simulation->contact_normal_force(box_name, table_name) : simulation->normal_force(corners_index);
-  truth.tilt = std::acos(std::min(1.0, std::abs(held.rotation(2, 1))));
+  truth.tilt = math::acos(std::min(1.0, std::abs(held.rotation(2, 1))));
   if (time < lift_start()) return;
   const Pose in_arm = arm.inverse() * held;
   if (!std::exchange(lifting, true)) taken = in_arm;
   truth.slip = in_arm.position - taken.position;
-  truth.rotation = Eigen::AngleAxisd(Eigen::Matrix3d(in_arm.rotation * taken.rotation.transpose())).angle();
+  truth.rotation = rotation_vector(in_arm.rotation * taken.rotation.transpose()).norm();
   const Eigen::Vector3d half_size = 0.5 * grasp.box_size;
   const double lowest = held.position.z() - held.rotation.row(2).cwiseAbs().dot(half_size) - table_height;
   truth.lift_height = std::max(truth.lift_height, lowest);

@@ -6,6 +6,8 @@
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
 
+#include "sim/core/math/rotation.h"
+
 namespace slipbench {
 namespace {
 
@@ -30,9 +32,7 @@ void copy_turn(const Eigen::Quaterniond& turn, double* quat) {
 }  // namespace
 
 Pose carriage_in_arm(const Hand& hand, std::size_t finger, double opening) {
-  Eigen::Matrix3d rotation =
-      (Eigen::AngleAxisd(hand.yaw, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(hand.pitch, Eigen::Vector3d::UnitY()))
-          .toRotationMatrix();
+  Eigen::Matrix3d rotation = rotation_by_axes({0.0, hand.pitch, hand.yaw});
   if (finger == 1) rotation.leftCols<2>() *= -1.0;  // half a turn about the hand's Z
   return {rotation, rotation * Eigen::Vector3d(-0.5 * opening, 0.0, hand.grip.number("pivot"))};
 }

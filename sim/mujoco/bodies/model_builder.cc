@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/math/rotation.h"
 #include "sim/core/process/check_readable.h"
 #include "sim/core/quantity.h"
 #include "sim/mujoco/articulated/articulated.h"
@@ -346,9 +347,7 @@ class Builder {
     mjs_setName(body->element, scene.name.c_str());
     std::ranges::copy(p.vector("position"), body->pos);
     const std::vector<double>& angles = p.vector("rotation");
-    const Eigen::Quaterniond turn = Eigen::AngleAxisd(angles[2], Eigen::Vector3d::UnitZ()) *
-                                    Eigen::AngleAxisd(angles[1], Eigen::Vector3d::UnitY()) *
-                                    Eigen::AngleAxisd(angles[0], Eigen::Vector3d::UnitX());
+    const Eigen::Quaterniond turn(rotation_by_axes({angles[0], angles[1], angles[2]}));
     body->quat[0] = turn.w();
     for (int k = 0; k < 3; ++k) body->quat[1 + k] = turn.vec()[k];
 

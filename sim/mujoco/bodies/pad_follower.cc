@@ -9,6 +9,7 @@
 
 #include "sim/core/error.h"
 
+#include "sim/core/math/rotation.h"
 #include "sim/effects/effect_catalogue.h"
 #include "sim/field/several_surfaces.h"
 #include "sim/mujoco/pads/geom_surface.h"
@@ -20,8 +21,7 @@ namespace {
 constexpr double same_time = 1e-6;
 
 Pose between(const Pose& from, const Pose& to, double share) {
-  const Eigen::Quaterniond start(from.rotation), end(to.rotation);
-  return {start.slerp(share, end).toRotationMatrix(), from.position + share * (to.position - from.position)};
+  return {interpolated_rotation(from.rotation, to.rotation, share), from.position + share * (to.position - from.position)};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <mujoco/mujoco.h>
 #include <Eigen/Geometry>
 
+#include "sim/core/math/rotation.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/mujoco_differences.h"
 
@@ -31,7 +32,7 @@ Index block(std::size_t i) { return static_cast<Index>(6 * i); }
 Matrix3d rotation_by(const Vector3d& angle) {
   const double size = angle.norm();
   if (size == 0.0) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(size, angle / size).toRotationMatrix();
+  return rotation_about(angle / size, size);
 }
 
 // Rows of the metric: scale_k (values_k' J)'(values_k' J).

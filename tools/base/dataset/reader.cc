@@ -482,6 +482,7 @@ TrialRecord DatasetReader::read_trial(std::size_t trial) const {
   const Handle demo_object = open_object(demo_place);
   if (H5Aexists(demo_object.get(), "model_sha256") > 0)
     record.model_sha256 = hdf5::text_of(demo_place, demo_object, "model_sha256");
+  if (H5Aexists(demo_object.get(), libraries_name) > 0) record.libraries = hdf5::text_of(demo_place, demo_object, libraries_name);
   for (const std::string& sensor : sensors(trial)) record.sensors.push_back(read_sensor(trial, sensor));
   for (const std::string& body : bodies(trial)) {
     const Place place = state_->demo(trial).below(body_group(body));

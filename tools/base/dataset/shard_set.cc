@@ -12,6 +12,7 @@
 #include "sim/core/process/check_readable.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/stored_trials.h"
+#include "tools/base/dataset/trial_difference.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/base/files/reject.h"
 
@@ -143,8 +144,12 @@ std::vector<StoredTrials*> ShardSet::at_least() {
   }
   for (std::size_t i = 1; i < least.size(); ++i) {
     if (least[i]->sha256() == least.front()->sha256()) continue;
-    reject("{}: trial {} is not that of {}: their digests differ; allowed: one of the two files", least[i]->path(),
-           *least[i]->trial(), least.front()->path());
+    const std::string difference = trial_difference(least[i]->read(), least.front()->read());
+    if (!difference.empty()) {
+      reject("{}: trial {} is not that of {}: {}; allowed: one of the two files", least[i]->path(), *least[i]->trial(),
+             least.front()->path(), difference);
+    }
+    ++within_rounding_;
   }
   return least;
 }
@@ -188,6 +193,7 @@ Merged merge_shards(const std::vector<std::string>& paths, const std::string& ou
     for (const FailedTrial& failed : set.failed()) writer.add_failed(failed);
     merged.trials = writer.size();
     merged.failed = set.failed().size();
+    merged.within_rounding = set.within_rounding();
     merged.files = writer.commit();
   } catch (...) {
     if (!kept) writer.discard();

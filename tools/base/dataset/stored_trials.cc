@@ -23,7 +23,7 @@ using hdf5::Place;
 // not keep it: where it grows, HDF5 moves some.
 std::vector<std::string> attributes_as_encoded(const Place& place, const Handle& object) {
   static const std::vector<std::string> order = [] {
-    std::vector<std::string> names{"num_samples", "seed",       "params", "outcome", "model_sha256", "type",
+    std::vector<std::string> names{"num_samples", "seed",       "params", "outcome", "model_sha256", libraries_name, "type",
                                    "detector",    "controller", "sensor", "rate_hz", "frame",        "follows"};
     const SampleTiming timing;
     for_each_timing_attribute(timing, [&](const char* name, double) { names.emplace_back(name); });

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/math.h"
+#include "sim/core/math/decade.h"
 #include "tools/base/page/page.h"
 
 namespace slipbench::page {
@@ -20,7 +22,7 @@ std::string text_at(std::string_view kind, std::string_view place, std::string_v
 }  // namespace
 
 double Axis::at(double value) const {
-  const double share = logarithmic ? std::log10(value / low) / std::log10(high / low) : (value - low) / (high - low);
+  const double share = logarithmic ? math::log10(value / low) / math::log10(high / low) : (value - low) / (high - low);
   return begin + (end - begin) * share;
 }
 
@@ -34,14 +36,17 @@ Axis linear_axis(std::span<const double> values, double step, double begin, doub
 
 Axis decade_axis(std::span<const double> values, double begin, double end) {
   const auto [least, most] = std::ranges::minmax(values);
-  const double first = std::ceil(std::log10(least)) - 1.0, last = std::max(std::ceil(std::log10(most)), first + 1.0);
-  Axis axis{.low = std::pow(10.0, first), .high = std::pow(10.0, last), .begin = begin, .end = end, .logarithmic = true};
-  for (double k = first; k <= last; ++k) axis.ticks.push_back(std::pow(10.0, k));
+  const int lowest = decade_of(least), highest = decade_of(most);
+  // A value on a power of ten keeps one decade below itself, and none above.
+  const int first = power_of_ten(lowest) == least ? lowest - 1 : lowest;
+  const int last = std::max(power_of_ten(highest) == most ? highest : highest + 1, first + 1);
+  Axis axis{.low = power_of_ten(first), .high = power_of_ten(last), .begin = begin, .end = end, .logarithmic = true};
+  for (int k = first; k <= last; ++k) axis.ticks.push_back(power_of_ten(k));
   return axis;
 }
 
 double round_step(double range, double times) {
-  const double rough = range > 0.0 ? range / times : 1.0, decade = std::pow(10.0, std::floor(std::log10(rough)));
+  const double rough = range > 0.0 ? range / times : 1.0, decade = power_of_ten(decade_of(rough));
   for (const double step : {1.0, 2.0, 5.0}) {
     if (rough <= step * decade) return step * decade;
   }

@@ -16,6 +16,8 @@ namespace slipbench {
 
 // Name of a demo's attribute that holds its own digest, which is not among its entries.
 inline constexpr const char* trial_sha256_name = "sha256";
+// A trial's attribute with the libraries of others that computed in it (TrialRecord::libraries).
+inline constexpr const char* libraries_name = "libraries";
 // The same of a file.
 inline constexpr const char* file_sha256_name = "content_sha256";
 

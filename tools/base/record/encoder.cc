@@ -35,6 +35,7 @@ std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
   attributes.push_back({"", "params", record.params});
   attributes.push_back({"", "outcome", outcome_json(record.outcome)});
   if (!record.model_sha256.empty()) attributes.push_back({"", "model_sha256", record.model_sha256});
+  if (!record.libraries.empty()) attributes.push_back({"", libraries_name, record.libraries});
   for (const SensorRecord& sensor : record.sensors) {
     const std::string samples = sensor_group(sensor.name);
     std::vector<std::string> channels;

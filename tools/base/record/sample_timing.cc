@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/math/decade.h"
+
 namespace slipbench {
 namespace {
 
@@ -31,10 +33,10 @@ double median_step(std::span<const double> times) {
 // The value with the fewest significant digits within [low, high], the nearest to `value` of several; `value` where 15 digits are too few.
 double roundest(double low, double value, double high) {
   constexpr int digits_of_a_double = 15;
-  const int exponent = static_cast<int>(std::floor(std::log10(value)));
+  const int exponent = decade_of(value);
   for (int digits = 1; digits <= digits_of_a_double; ++digits) {
     const int place = digits - 1 - exponent;  // decimals
-    const double unit = std::pow(10.0, std::abs(place));
+    const double unit = power_of_ten(std::abs(place));
     const auto decimal = [&](double whole) { return place >= 0 ? whole / unit : whole * unit; };
     const double whole = place >= 0 ? value * unit : value / unit;
     const double below = decimal(std::floor(whole)), above = decimal(std::ceil(whole));

@@ -223,6 +223,9 @@ struct TrialRecord {
   std::string material;           // what /mask splits by, or what else the scene's `split` says
   std::string params = "{}";      // JSON object: path -> value of what was swept
   std::string model_sha256 = {};  // of the scene's model file, 64 hexadecimal digits; empty: it has none
+  // "MuJoCo, FFTW": libraries of others that computed in it, whose results depend on the processor in the last digits. Empty: none did, and the trial
+  // has the same bits on every processor.
+  std::string libraries = {};
   TrialOutcome outcome;
   std::vector<SensorRecord> sensors;  // empty, as are the bodies: only the outcome was recorded
   std::vector<double> body_time;      // [T] s, samples of the fastest sensor that follows no other's pad; imported: of the first

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/core/math.h"
 #include "sim/core/random.h"
 
 namespace slipbench {
@@ -17,8 +18,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // Probability of k or more successes in n trials with p in (0, k/n]: from k on the terms only fall.
 double upper_tail(double k, double n, double p) {
-  double term = std::exp(std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0) + k * std::log(p) +
-                         (n - k) * std::log1p(-p));
+  double term = math::exp(math::lgamma(n + 1.0) - math::lgamma(k + 1.0) - math::lgamma(n - k + 1.0) + k * math::log(p) +
+                          (n - k) * math::log1p(-p));
   double sum = 0.0;
   for (double i = k; i <= n && term > std::numeric_limits<double>::epsilon() * sum; ++i) {
     sum += term;
@@ -30,7 +31,7 @@ double upper_tail(double k, double n, double p) {
 double lower_bound(std::size_t k, std::size_t n, double outside) {
   if (k == 0) return 0.0;
   const auto [count, all] = std::pair{static_cast<double>(k), static_cast<double>(n)};
-  if (k == n) return std::pow(outside, 1.0 / all);
+  if (k == n) return math::pow(outside, 1.0 / all);
   double low = 0.0;
   double high = count / all;
   while (true) {

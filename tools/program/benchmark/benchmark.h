@@ -61,8 +61,9 @@ std::string submission_text(const Json& result);
 // that.
 Json parse_submission(const std::string& text, const std::string& name);
 
-// How a recomputed board, with the submission's own `machine` in the place of this one, differs from the submission's bytes:
-// "/sets/0/rows/2/credit: 0.41 in the file, 0.43 here". Empty: in nothing.
+// How a recomputed board, with the submission's own `machine` in the place of this one, differs from the submission:
+// "/sets/0/rows/2/credit: 0.41 in the file, 0.43 here". Empty: in nothing. MuJoCo, FFTW and networks compute in every board, so numbers that are
+// not whole are equal within 1e-9; all else must be the same byte for byte.
 std::string difference(const std::string& text, const Json& submitted, Json recomputed);
 
 // One HTML page without scripts of a board (benchmark.h).

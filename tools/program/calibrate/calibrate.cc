@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/math.h"
 #include "sim/core/random.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/calibrate/recordings.h"
@@ -117,7 +118,7 @@ struct Scatter {
 };
 Scatter scatter_of(const FitKey& key, const std::vector<double>& places, const std::vector<Known>& known) {
   const auto count = static_cast<double>(places.size());
-  const double width = key.logarithmic ? std::log(key.max / key.min) : key.max - key.min;
+  const double width = key.logarithmic ? math::log(key.max / key.min) : key.max - key.min;
   double mean = 0.0, square = 0.0, uncertain = 0.0;
   for (std::size_t r = 0; r < places.size(); ++r) {
     mean += places[r] / count;
@@ -206,7 +207,8 @@ Json residuals_json(const Compared& data, const Disturbances& disturbances, cons
       double gains = 0.0, offsets = 0.0, real = 0.0, synthetic = 0.0;
       for (std::size_t unit = 0; unit < place.units; ++unit) {
         const auto column = static_cast<Index>(place.column(unit, k));
-        gains += std::pow(solution.distance.gain(column) - 1.0, 2);
+        const double change = solution.distance.gain(column) - 1.0;
+        gains += change * change;
         offsets += solution.distance.offset.col(column).squaredNorm() / static_cast<double>(data.real.size());
         real += data.roughness(column) * data.roughness(column);
         synthetic += rough(column) * rough(column);

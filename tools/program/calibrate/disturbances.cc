@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "sim/core/math.h"
+
 namespace slipbench::calibrate {
 namespace {
 
@@ -250,7 +252,7 @@ Disturbances::Disturbances(const Columns& columns, const std::vector<Waves>& rea
     disturbances_[i] = {.gain_sd = gains[i].rms(),
                         .coupling_sd = couplings[i].rms(),
                         .offset_sd = offsets[i].rms() > none_below * ranges[i] ? offsets[i].rms() : 0.0,
-                        .remainder_sd = std::hypot(remainders[i].rms(), least)};
+                        .remainder_sd = math::hypot(remainders[i].rms(), least)};
   }
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/core/math.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/workers/ordered_workers.h"
@@ -100,7 +101,7 @@ MatrixXd figures_of(const MatrixXd& samples, const RowVectorXd& floor) {
   while (blocks.rows() >= least_blocks) {
     const MatrixXd steps = blocks.bottomRows(blocks.rows() - 1) - blocks.topRows(blocks.rows() - 1);
     const RowVectorXd squares = 0.5 * steps.colwise().squaredNorm() / static_cast<double>(steps.rows()) + floor.cwiseAbs2();
-    figures.emplace_back((squares.array() > 0.0).select(0.5 * squares.array().log(), 0.0).matrix());
+    figures.emplace_back(squares.unaryExpr([](double square) { return square > 0.0 ? 0.5 * math::log(square) : 0.0; }));
     MatrixXd means(blocks.rows() / 2, blocks.cols());
     for (Index k = 0; k < means.rows(); ++k) means.row(k) = 0.5 * (blocks.row(2 * k) + blocks.row(2 * k + 1));
     blocks = std::move(means);
@@ -341,7 +342,7 @@ Json GroupProblem::json(const Solution& solution) const {
           synthetic.push_back(std::stod(fmt::format("{:.5g}", simulated(row, column))));
           const double sd = scatter_(row, column);
           if (sd > 0.0)
-            squares += std::pow((real_means_(row, column) - simulated(row, column)) / sd, 2) / static_cast<double>(place.units);
+            squares += math::pow((real_means_(row, column) - simulated(row, column)) / sd, 2) / static_cast<double>(place.units);
         }
         group["statistics"].push_back({{"sensor", place.sensor},
                                        {"channel", place.channel},

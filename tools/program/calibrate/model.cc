@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sensors/electronics/electronics.h"
+#include "sim/core/math.h"
 #include "sim/core/random.h"
 #include "sim/scene/section_readers.h"
 #include "sim/scene/sweep.h"
@@ -304,11 +305,11 @@ std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number, const std::strin
   return RandomStream(seed, number, "calibrate." + what).integer(std::uint64_t{1} << 62U);
 }
 
-double FitKey::value(double place) const { return logarithmic ? min * std::pow(max / min, place) : min + (max - min) * place; }
+double FitKey::value(double place) const { return logarithmic ? min * math::pow(max / min, place) : min + (max - min) * place; }
 
 double FitKey::place(double value) const {
   if (!logarithmic) return (value - min) / (max - min);
-  return value > 0.0 ? std::log(value / min) / std::log(max / min) : -1.0;
+  return value > 0.0 ? math::log(value / min) / math::log(max / min) : -1.0;
 }
 
 std::string FitKey::text(double value, int digits) const {

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <nlopt.hpp>
 
+#include "sim/core/math.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/random.h"
 #include "tools/base/workers/ordered_workers.h"
@@ -317,7 +318,7 @@ class Sizes {
   VectorXd weight_;
 };
 
-double log_rms(double squares, double count) { return 0.5 * std::log(squares / count); }
+double log_rms(double squares, double count) { return 0.5 * math::log(squares / count); }
 
 }  // namespace
 
@@ -390,7 +391,8 @@ VectorXd disturbance_sizes(const Columns& columns, const Waves& read, const Dist
       double gains = 0.0, offsets = 0.0, rest = 0.0, rows = 0.0, steps = 0.0;
       for (std::size_t unit = 0; unit < place.units; ++unit) {
         const auto column = static_cast<Index>(place.column(unit, k));
-        gains += std::pow(distance.gain(column) - 1.0, 2);
+        const double change = distance.gain(column) - 1.0;
+        gains += change * change;
         offsets += distance.offset.col(column).squaredNorm();
         steps += rough(column) * rough(column);
         for (std::size_t r = 0; r < read.size(); ++r) {

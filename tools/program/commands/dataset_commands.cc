@@ -99,7 +99,10 @@ std::string sweep_report(const Json& sweep, const Style& style) {
                   sweep["shards"].get<std::size_t>());
   if (!sweep["trials"].is_null()) text += fmt::format(": {} trials", sweep["trials"].get<std::size_t>());
   if (!sweep["duplicates"].is_null() && sweep["duplicates"] != 0) {
-    text += fmt::format(", {} of them twice with the same digest, which is harmless", sweep["duplicates"].get<std::size_t>());
+    const auto duplicates = sweep["duplicates"].get<std::size_t>(), within = sweep["within_rounding"].get<std::size_t>();
+    text += fmt::format(", {} of them twice, which is harmless", duplicates);
+    if (within < duplicates) text += fmt::format("; {} compared bit by bit", duplicates - within);
+    if (within > 0) text += fmt::format("; {} compared within 1e-9, since libraries of others computed them", within);
   }
   text += "\n";
   for (const Json& failure : sweep["failures"]) text += fmt::format("  {}\n", text_of(failure));
@@ -374,8 +377,7 @@ int PluginPathCommand::run() {
   }
   const std::string build = mujoco.empty() ? front.filename().string() : plugin_build(mujoco);
   if (build.empty()) {
-    reject("--mujoco {}: there is no build of the plugin for MuJoCo {}; allowed: {}", mujoco, mujoco,
-           plugin_versions_text(mujoco));
+    reject("--mujoco {}: there is no build of the plugin for MuJoCo {}; allowed: {}", mujoco, mujoco, plugin_versions_text(mujoco));
   }
   const fs::path path = fs::canonical(front.parent_path() / build);
   if (json) return print_json({{"plugin", path.string()}});

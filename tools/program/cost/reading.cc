@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/math/decade.h"
 #include "tools/program/cost/explore.h"
 
 namespace slipbench::cost {
@@ -256,7 +257,7 @@ const Row* cheapest(const Exploration& exploration, Measure measure, double limi
 
 std::string ratio_text(double ratio) {
   if (ratio < 1000.0) return fmt::format("{:.3g}", ratio);
-  const double unit = std::pow(10.0, std::floor(std::log10(ratio)) - 2.0);
+  const double unit = power_of_ten(decade_of(ratio) - 2);
   return fmt::format("{:.0f}", std::round(ratio / unit) * unit);
 }
 

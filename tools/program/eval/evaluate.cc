@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "detectors/hd/memory_files.h"
+#include "sim/core/math.h"
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/reader.h"
@@ -53,7 +54,7 @@ struct Judged {
 // Thresholds of a probability, from where nearly all is called slip to where nearly nothing is.
 std::vector<double> alarm_thresholds() {
   std::vector<double> thresholds;
-  for (double logit = -4.0; logit <= 7.0; logit += 0.5) thresholds.push_back(1.0 / (1.0 + std::exp(-logit)));
+  for (double logit = -4.0; logit <= 7.0; logit += 0.5) thresholds.push_back(1.0 / (1.0 + math::exp(-logit)));
   return thresholds;
 }
 
@@ -92,7 +93,7 @@ std::string object_of(const std::string& params) {
 double reach_of(const LabelRecord& labels) {
   double reach = 0.0;
   for (std::size_t k = 0; k + 1 < labels.unit_positions.size(); k += 2) {
-    reach = std::max(reach, std::hypot(labels.unit_positions[k], labels.unit_positions[k + 1]));
+    reach = std::max(reach, math::hypot(labels.unit_positions[k], labels.unit_positions[k + 1]));
   }
   return reach;
 }
@@ -220,7 +221,7 @@ Group octave_of(double speed) {
   if (!(speed > 0.0)) return {0.0, "at rest"};
   // A speed of 16 mm/s may be a few units in the last place below 16.
   constexpr double rounding = 1.0 + 1e-12;
-  const double low = std::exp2(std::floor(std::log2(1e3 * speed * rounding)));
+  const double low = std::ldexp(1.0, std::ilogb(1e3 * speed * rounding));
   return {low, fmt::format("{:g} to {:g} mm/s", low, 2.0 * low)};
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/math.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/export/formats.h"
 
@@ -89,7 +90,7 @@ Move move_of(const BodyRecord& pad, const std::vector<double>& time) {
   std::vector<double> pace;  // m/s, of the centre and of a corner about it
   for (std::size_t row = 0; row < time.size(); ++row) {
     const float* velocity = pad.velocity.data() + 6 * row;
-    pace.push_back(std::hypot(velocity[0], velocity[1]) + corner_radius * std::abs(velocity[5]));
+    pace.push_back(math::hypot(velocity[0], velocity[1]) + corner_radius * std::abs(velocity[5]));
   }
   const double top = pace.empty() ? 0.0 : *std::max_element(pace.begin(), pace.end());
   if (top < at_rest) return {};

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/math/decade.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
 #include "sim/core/sensor.h"
@@ -173,7 +174,7 @@ double resolution_of(std::string_view number) {
     std::from_chars(text.data(), text.data() + text.size(), exponent);
   }
   const std::size_t decimals = point == std::string_view::npos ? 0 : std::min(number.size(), exponent_at) - point - 1;
-  return std::pow(10.0, exponent - static_cast<int>(decimals));
+  return power_of_ten(exponent - static_cast<int>(decimals));
 }
 
 void set_timing(const SourceTable& table, double resolution, SensorRecord& sensor) {

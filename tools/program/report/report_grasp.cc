@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/core/error.h"
+#include "sim/core/math/rotation.h"
 #include "sim/core/pose.h"
 #include "sim/grasp/grasp.h"
 #include "sim/motion/motion.h"
@@ -62,7 +63,7 @@ std::vector<GraspCurve> curves_of(const TrialRecord& record, const BodyRecord& a
   for (std::size_t row = 0; row < rows; ++row) {
     const Pose held = pose_at(arm, row).inverse() * pose_at(box, row);
     const bool dropped = record.body_time[row] >= record.outcome.grasp->drop_time;  // false where that is NaN
-    const double angle = Eigen::AngleAxisd(Eigen::Matrix3d(held.rotation * taken.rotation.transpose())).angle();
+    const double angle = rotation_vector(held.rotation * taken.rotation.transpose()).norm();
     for (const BodyRecord* body : {&box, &arm}) height.values.push_back(body->pose[pose_values * row + 2] - body->pose[2]);
     slip.values.push_back(dropped ? never : row < lift ? 0.0F : static_cast<float>((held.position - taken.position).norm()));
     rotation.values.push_back(dropped ? never : row < lift ? 0.0F : static_cast<float>(angle));

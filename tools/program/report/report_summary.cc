@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim/core/contact_frame.h"
+#include "sim/core/math.h"
 #include "sim/core/quantity.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -202,7 +203,7 @@ double motion_start(const TrialRecord& trial, double from) {
   for (const BodyRecord& body : trial.bodies) {
     for (std::size_t row = 0; row < trial.body_time.size(); ++row) {
       const float* const v = &body.velocity[6 * row];
-      const bool moves = std::hypot(v[0], v[1]) > at_rest || std::hypot(v[3], v[4], v[5]) > at_rest;
+      const bool moves = math::hypot(v[0], v[1]) > at_rest || std::sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5]) > at_rest;
       if (moves && trial.body_time[row] >= from) {
         first = std::fmin(first, trial.body_time[row]);
         break;

@@ -13,6 +13,7 @@
 #include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
+#include "tools/program/run/libraries.h"
 #include "tools/program/run/recorded_scene.h"
 #include "tools/program/run/trial_run.h"
 #ifdef SLIPBENCH_WITH_MUJOCO
@@ -213,6 +214,7 @@ TrialResult TrialRun::finish() {
   for (std::size_t pad = 0; pad < sensors_.size(); ++pad) {
     if (scene_.sensors[pad].follows.empty()) result_.time_step = std::min(result_.time_step, simulation_->time_step(pad));
   }
+  result_.record.libraries = libraries_of(scene_);
   if (!scene_.model.empty()) result_.record.model_sha256 = file_sha256(scene_.model);
   return std::move(result_);
 }

@@ -9,6 +9,7 @@
 
 #include "detectors/channel.h"
 #include "detectors/hd/words.h"
+#include "sim/core/math.h"
 #include "sim/motion/motion.h"
 #include "sim/scene/parser.h"
 #include "tools/base/files/reject.h"
@@ -240,7 +241,7 @@ PapillarraySamples::PapillarraySamples(const SensorRecord& record, SlipRule rule
 
 bool PapillarraySamples::fast(std::size_t row, std::size_t pillar) const {
   const float* velocity = record_->labels.slip_velocity.data() + (row * pillars + pillar) * 2;
-  return touching(row, pillar) && std::hypot(velocity[0], velocity[1]) > label_speed_;
+  return touching(row, pillar) && math::hypot(velocity[0], velocity[1]) > label_speed_;
 }
 
 bool PapillarraySamples::slipping(std::size_t row, std::size_t pillar) const {
@@ -269,7 +270,7 @@ PadState PapillarraySamples::pad_state(std::size_t row, bool turning) const {
 
 double PapillarraySamples::tangential_force(std::size_t row, std::size_t pillar) const {
   const auto [x, y, z] = triple(record_->labels.force, row, pillar);
-  return std::hypot(x, y);
+  return math::hypot(x, y);
 }
 
 std::array<double, 3> PapillarraySamples::tip(std::size_t pillar) const {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <span>
 
+#include "sim/core/math.h"
+
 namespace slipbench {
 namespace {
 
@@ -18,10 +20,11 @@ double gain_of(std::span<const Element> points, const Eigen::Vector2d& k) {
   std::complex<double> sum;
   double weight = 0.0;
   for (const Element& point : points) {
-    sum += std::polar(point.k_normal, k.dot(place_of(point)));
+    const auto [sine, cosine] = math::sincos(k.dot(place_of(point)));
+    sum += point.k_normal * std::complex<double>(cosine, sine);
     weight += point.k_normal;
   }
-  return std::abs(sum) / weight;
+  return math::hypot(sum.real(), sum.imag()) / weight;
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
+#include "sim/core/math.h"
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/header.h"
 #include "tools/base/statistics/descriptive.h"
@@ -161,7 +162,7 @@ void look_at_texture(const Scene& scene, std::size_t trial, Collector& found) {
   const auto texture = std::ranges::find(scene.effects, "texture", &Named::name);
   if (texture == scene.effects.end() || texture->parameters.number("height") == 0.0) return;
   const double wavelength = texture->parameters.number("wavelength"), angle = texture->parameters.number("angle");
-  const Eigen::Vector2d k = 2.0 * std::numbers::pi / wavelength * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  const Eigen::Vector2d k = 2.0 * std::numbers::pi / wavelength * Eigen::Vector2d(math::cos(angle), math::sin(angle));
   for (const SensorScene& sensor : scene.sensors) {
     if (sensor.friction || !sensor.follows.empty()) continue;  // no effects, or the points of another
     const std::unique_ptr<Sensor> made = make_sensor(sensor, scene.seed, trial);

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/math.h"
 #include "sim/core/random.h"
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/content_check.h"
@@ -60,7 +61,7 @@ double onset_of(const LabelRecord& labels, SlipRule rule) {
 
 bool moves(const BodyRecord& pad, std::size_t row) {
   const float* velocity = pad.velocity.data() + 6 * row;
-  return std::hypot(velocity[0], velocity[1]) + corner_radius * std::abs(velocity[5]) > at_rest;
+  return math::hypot(velocity[0], velocity[1]) + corner_radius * std::abs(velocity[5]) > at_rest;
 }
 
 std::string chosen_sensor(const DatasetReader& reader, std::size_t trial, const std::string& wanted, const std::string& subject) {
@@ -138,7 +139,7 @@ std::size_t condition_of(const CommandedMotion& motion) {
   const auto band = static_cast<std::size_t>(
       std::lower_bound(compression_bands.begin(), compression_bands.end(), motion.compression) - compression_bands.begin());
   const double speed = 1e3 * std::max(std::abs(motion.speed), corner_radius * std::abs(motion.rotation));
-  const int octave = speed > 0.0 ? std::max(slowest_octave, static_cast<int>(std::lround(std::log2(speed)))) : slowest_octave;
+  const int octave = speed > 0.0 ? std::max(slowest_octave, static_cast<int>(std::lround(math::log2(speed)))) : slowest_octave;
   return static_cast<std::size_t>(octave - slowest_octave) * (compression_bands.size() + 1) + band;
 }
 

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/math.h"
 #include "sim/core/process/interrupted.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
@@ -28,7 +29,7 @@ std::vector<double> probabilities(std::span<const float> logits) {
   const double top = *std::ranges::max_element(logits);
   std::vector<double> all;
   double sum = 0.0;
-  for (const float logit : logits) sum += all.emplace_back(std::exp(double{logit} - top));
+  for (const float logit : logits) sum += all.emplace_back(math::exp(double{logit} - top));
   for (double& one : all) one /= sum;
   return all;
 }

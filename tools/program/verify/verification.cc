@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/contact_frame.h"
+#include "sim/core/math.h"
 #include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
@@ -198,9 +199,9 @@ void check_slip_direction(const LabelRecord& labels, const Where& where, Verific
       x += vx;
       y += vy;
       slipping += 1.0;
-      fastest = std::max(fastest, std::hypot(vx, vy));
+      fastest = std::max(fastest, math::hypot(vx, vy));
     }
-    const double speed = slipping > 0.0 ? std::hypot(x, y) / slipping : 0.0;
+    const double speed = slipping > 0.0 ? math::hypot(x, y) / slipping : 0.0;
     const double direction = static_cast<double>(labels.slip_direction[row]);
     const auto fail = [&](const std::string& what) { verification.fail(Check::values, {where.trial, where.array, row}, what); };
     if (std::isfinite(direction)) {
@@ -395,7 +396,7 @@ void check_cone(const ConeLaw& law, const SensorRecord& sensor, std::size_t tria
     const std::size_t unit = i % units;
     const auto state = static_cast<UnitState>(labels.unit_state[i]);
     const float* force = labels.force.data() + 3 * i;
-    const double tangential = std::hypot(static_cast<double>(force[0]), static_cast<double>(force[1]));
+    const double tangential = math::hypot(static_cast<double>(force[0]), static_cast<double>(force[1]));
     const double normal = force[2];
     const double margin = labels.margin[i];
     const auto fail = [&](const char* array, const std::string& what) {
@@ -404,7 +405,7 @@ void check_cone(const ConeLaw& law, const SensorRecord& sensor, std::size_t tria
     };
     if (state == UnitState::detached) {
       if (tangential != 0.0 || normal != 0.0)
-        fail("force", fmt::format("is detached and bears {} N", std::hypot(tangential, normal)));
+        fail("force", fmt::format("is detached and bears {} N", math::hypot(tangential, normal)));
       continue;
     }
     verification.count(Check::cone, 1);

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/math.h"
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
@@ -110,9 +111,9 @@ std::vector<Answer> answers_of(std::span<const train::FoldExample> examples, con
       const std::span<const float> one = std::span(logits[i]).subspan((frame + 1 - history) * classes, classes);
       const auto greatest = std::ranges::max_element(one);
       double sum = 0.0;
-      for (const float logit : one) sum += std::exp(double{logit} - double{*greatest});
+      for (const float logit : one) sum += math::exp(double{logit} - double{*greatest});
       answers.push_back({i, label[frame], static_cast<std::uint8_t>(greatest - one.begin()),
-                         1.0 - std::exp(double{one[0]} - double{*greatest}) / sum});
+                         1.0 - math::exp(double{one[0]} - double{*greatest}) / sum});
     }
   }
   return answers;

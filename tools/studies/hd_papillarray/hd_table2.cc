@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 #include <Eigen/Core>
 
+#include "sim/core/math.h"
 #include "sim/core/pad_state.h"
 #include "sim/motion/motion.h"
 #include "tools/base/project/project_file.h"
@@ -55,7 +56,7 @@ double normal_force(const Row& row) {
 double ideal_force(const Row& row) {
   double tangential = 0.0, ratios = 0.0, n = 0.0;
   for (std::size_t k = 0; k < row.force.size(); k += 3) {
-    const double shear = std::hypot(double{row.force[k]}, double{row.force[k + 1]});
+    const double shear = math::hypot(double{row.force[k]}, double{row.force[k + 1]});
     const double normal = double{row.force[k + 2]};
     tangential += shear;
     if (shear == 0.0 || normal == 0.0 || shear / normal >= 1.0) continue;
@@ -93,7 +94,7 @@ Eigen::Vector3d mean_way(std::span<const float> arm, std::span<const float> box,
   return mean;
 }
 
-double polar_angle(const Eigen::Vector3d& v) { return std::atan2(std::hypot(v.x(), v.y()), v.z()); }
+double polar_angle(const Eigen::Vector3d& v) { return math::atan2(math::hypot(v.x(), v.y()), v.z()); }
 
 // What Table II simulates: grasps under two protocols, with boxes, surfaces and loops of detector and controller.
 constexpr const char* lift_scene = "scenes/grasp/lift.yaml";

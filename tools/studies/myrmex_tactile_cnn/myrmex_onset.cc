@@ -10,6 +10,7 @@
 
 #include "sensors/myrmex/foam_cell.h"
 #include "sim/core/error.h"
+#include "sim/core/math/rotation.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/studies/grid.h"
 
@@ -328,9 +329,7 @@ double side_of_mass(const BodyScene& body) {
   const Parameters& p = body.shape.parameters;
   const auto vector = [&](const char* name) { return Eigen::Vector3d::Map(p.vector(name).data()); };
   const Eigen::Vector3d angles = vector("rotation");
-  const Eigen::Quaterniond turn = Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
-                                  Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
-                                  Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX());
+  const Eigen::Matrix3d turn = rotation_by_axes(angles);
   const bool known = p.values().contains("centre_of_mass");
   const Eigen::Vector3d centre = known ? Eigen::Vector3d(turn * vector("centre_of_mass")) : Eigen::Vector3d(0.0, 0.0, 0.0);
   return vector("position").y() + centre.y();

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/math.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/studies/grid.h"
 
@@ -26,7 +27,7 @@ const float* pose_of(const TrialRecord& record, std::string_view body, std::size
 // Between the body's axis Y and the vertical: of a rotation by (w, x, y, z) the entry of Y upwards is 2 (y z + w x).
 double tilt_of(const float* pose) {
   const double w = pose[3], x = pose[4], y = pose[5], z = pose[6];
-  return std::acos(std::min(1.0, std::abs(2.0 * (y * z + w * x))));
+  return math::acos(std::min(1.0, std::abs(2.0 * (y * z + w * x))));
 }
 
 double median_of(const ReorientRuns& runs, double (*figure)(const ReorientRun&)) {

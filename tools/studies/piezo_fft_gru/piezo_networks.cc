@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "detectors/spectral/spectral_features.h"
+#include "sim/core/math.h"
 #include "sim/core/pad_state.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/train/recipes/recipe.h"
@@ -170,7 +171,7 @@ BenchSpeed speed_at(const TrialRecord& record, std::size_t sample) {
   for (const BodyRecord& body : record.bodies) {
     const float* v = &body.velocity[6 * sample];
     speed.normal = std::max(speed.normal, std::abs(double{v[2]}));
-    speed.sideways = std::max(speed.sideways, std::hypot(double{v[0]}, double{v[1]}));
+    speed.sideways = std::max(speed.sideways, math::hypot(double{v[0]}, double{v[1]}));
   }
   return speed;
 }

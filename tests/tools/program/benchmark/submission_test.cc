@@ -25,7 +25,7 @@ struct Submissions : ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Submissions, AreRecomputedByteForByte) {
+TEST_F(Submissions, AreRecomputed) {
   const std::string file = folder_ / "mine.json", page = folder_ / "board.html";
   const ChildResult made = run(quick, {"--submit", file, "-o", page});
   ASSERT_EQ(made.status, 0) << made.err;

@@ -264,7 +264,7 @@ class ShardsTest(unittest.TestCase):
         shards = self.shards(2)
         result = json.loads(self.run_program("verify", *shards, "--json").stdout)
         self.assertEqual([dataset["shard"] for dataset in result["datasets"]], ["1/2", "2/2"])
-        self.assertEqual(result["sweep"], {"shards": 2, "trials": TRIALS, "duplicates": 0, "holds": True, "failures": []})
+        self.assertEqual(result["sweep"], {"shards": 2, "trials": TRIALS, "duplicates": 0, "within_rounding": 0, "holds": True, "failures": []})
         self.assertNotIn("sweep", json.loads(self.run_program("verify", shards[0], "--json").stdout))
 
 

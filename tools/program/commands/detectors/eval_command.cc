@@ -153,7 +153,7 @@ simulations is judged on recordings of real sensors.
 
 DETECTOR is a name of `slipbench list detectors`, FILE.onnx (a network), or a folder that `slipbench train` wrote.
 
---verify recomputes a submission. It exits with status 1 and says what differs first where it is not the same byte for byte. The library of
+--verify recomputes a submission. It exits with status 1 and says what differs first where a number differs by more than 1e-9 (MuJoCo, FFTW and networks round by the processor) or anything else does. The library of
 a plugin, which is code of others, runs where --set library=PATH names it.
 
 Examples:
@@ -224,8 +224,9 @@ int BenchmarkCommand::verify() const {
     print_json({{"file", verified}, {"same", difference.empty()}, {"difference", difference}, {"same_machine", same_machine}});
   } else {
     const Style style = style_for(stdout);
-    fmt::print("{}\n", difference.empty() ? style.good(verified + ": recomputed, the same byte for byte")
-                                          : style.error(verified + ": differs: ") + difference);
+    fmt::print("{}\n", difference.empty()
+                           ? style.good(verified + ": recomputed, the same: numbers compared within 1e-9, all else byte for byte")
+                           : style.error(verified + ": differs: ") + difference);
     if (!same_machine) fmt::print("made on another machine or by another build, which its `machine` names\n");
   }
   return difference.empty() ? exit_good : exit_check_failed;

@@ -281,7 +281,7 @@ void MergeCommand::declare(Arguments& arguments) {
   arguments.about("merge", "Put the shards of a sweep together", R"(
 Writes the dataset that the undivided sweep would have written, byte for byte, from the files of sweep --shard k/n of all k. Arrays are copied
 as they are compressed, so it takes little memory and no simulation. Shards of another scene, seed, version or n are refused, missing trials too.
-A trial that stands in several files is taken once, if its digests agree. A trial that does not hold its digest is refused.
+A trial that stands in several files is taken once, if its digests are equal, or where MuJoCo, FFTW or a network computed it its numbers within 1e-9. A trial that does not hold its digest is refused.
 
 Examples:
   slipbench merge shard-1.h5 shard-2.h5 -o hexapod.h5)");
@@ -293,11 +293,17 @@ int MergeCommand::run() {
   std::signal(SIGXFSZ, SIG_IGN);  // writing beyond a limit is an error like a full disk
   const Merged merged = merge_shards(shards, output);
   if (json)
-    return print_json(
-        Json{{"files", merged.files}, {"trials", merged.trials}, {"failed", merged.failed}, {"duplicates", merged.duplicates}});
+    return print_json(Json{{"files", merged.files},
+                           {"trials", merged.trials},
+                           {"failed", merged.failed},
+                           {"duplicates", merged.duplicates},
+                           {"within_rounding", merged.within_rounding}});
   std::string about = fmt::format("{} trials", merged.trials);
   if (merged.failed > 0) about += fmt::format(", {} have failed", merged.failed);
-  if (merged.duplicates > 0) about += fmt::format(", {} stood in several files", merged.duplicates);
+  if (merged.duplicates > 0) {
+    about += fmt::format(", {} stood in several files ({} compared bit by bit, {} within 1e-9)", merged.duplicates,
+                         merged.duplicates - merged.within_rounding, merged.within_rounding);
+  }
   fmt::print("{} {}: {}\n{} slipbench report {}\n", style_for(stdout).good("written:"), files_text(merged.files), about,
              style_for(stdout).dim("next:"), shell_word(merged.files.front()));
   return exit_good;

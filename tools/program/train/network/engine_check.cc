@@ -8,13 +8,14 @@
 #include <fmt/format.h>
 
 #include "detectors/network/engine.h"
+#include "sim/core/math.h"
 
 namespace slipbench::train {
 namespace {
 
 double probability(std::span<const float> logits, std::size_t of) {
   double sum = 0.0;
-  for (const float logit : logits) sum += std::exp(double{logit} - double{logits[of]});
+  for (const float logit : logits) sum += math::exp(double{logit} - double{logits[of]});
   return 1.0 / sum;
 }
 

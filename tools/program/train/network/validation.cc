@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/math.h"
 #include "sim/core/random.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/statistics/descriptive.h"
@@ -47,7 +48,7 @@ std::string group_of(const Example& example, std::size_t experiment, Split split
     case Split::object: return example.object;
     case Split::speed:
       return std::isnan(example.speed) || example.speed <= 0.0 ? ""
-                                                               : fmt::format("{}", std::lround(std::log2(example.speed * 1e3)));
+                                                               : fmt::format("{}", std::lround(math::log2(example.speed * 1e3)));
   }
   return {};
 }
@@ -342,7 +343,7 @@ OperatingPoint best_point(std::span<const SlipSeries> series, double period, std
   const std::vector<double> all = merged(hold, slip);
   std::set<double> thresholds{most_accurate_point(series, period).threshold};
   for (std::size_t k = 0; k < steps; ++k) {
-    const double above = std::pow(static_cast<double>(hold.size()), 1.0 - static_cast<double>(k) / (steps - 1));
+    const double above = math::pow(static_cast<double>(hold.size()), 1.0 - static_cast<double>(k) / (steps - 1));
     const double below = hold[hold.size() - static_cast<std::size_t>(above)];
     if (const auto next = std::ranges::upper_bound(all, below); next != all.end()) thresholds.insert(0.5 * (below + *next));
   }

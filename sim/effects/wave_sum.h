@@ -1,0 +1,25 @@
+// Sums of waves that fit a whole number of times into a period.
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace slipbench {
+
+// By the fast Fourier transform of Cooley and Tukey (Math. Comput. 19 (1965) 297), radix 2. Eigen's and FFTW's
+// take their sines from the C library, whose bits depend on the processor.
+class WaveSum {
+ public:
+  // `points`: number of points at which sums are read, evenly over the period; a power of two.
+  explicit WaveSum(std::size_t points);
+
+  // At point k: Re sum_n waves[n] exp(2 pi i n k/points). `waves`: complex amplitudes, at most `points`.
+  [[nodiscard]] std::vector<double> at_points(std::span<const std::complex<double>> waves) const;
+
+ private:
+  std::vector<std::complex<double>> turn_;  // exp(2 pi i k/points), half a period of them
+};
+
+}  // namespace slipbench
