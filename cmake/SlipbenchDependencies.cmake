@@ -40,18 +40,25 @@ if(NOT SLIPBENCH_WITH_MUJOCO)
   message(STATUS "MuJoCo ${SLIPBENCH_MUJOCO_VERSION} not found: sim/mujoco is left out. Get it with: tools/setup/setup.sh python")
 endif()
 
-# Further versions of MuJoCo in which the plugin is tried: those of build/mujoco/VERSION (tools/setup/setup.sh mujoco-VERSION). A box is held in all,
-# and the tests of the plugin and of its Python run in some.
-set(SLIPBENCH_OTHER_MUJOCOS "")
-set(SLIPBENCH_SOME_MUJOCOS "")
-if(SLIPBENCH_WITH_MUJOCO AND NOT SLIPBENCH_SANITIZE)
-  file(GLOB SLIPBENCH_OTHER_MUJOCOS RELATIVE ${PROJECT_SOURCE_DIR}/build/mujoco ${PROJECT_SOURCE_DIR}/build/mujoco/*.*.*[0-9])
-  foreach(version 3.3.7 3.8.1 3.17.0 4.0.0)
-    if(version IN_LIST SLIPBENCH_OTHER_MUJOCOS)
-      list(APPEND SLIPBENCH_SOME_MUJOCOS ${version})
-    endif()
-  endforeach()
+# An earlier release of MuJoCo, for which the plugin is built, too (tools/setup/setup.sh mujoco). Without its wheel that build is left out.
+set(SLIPBENCH_EARLIER_MUJOCO_VERSION 3.3.7)
+set(SLIPBENCH_EARLIER_MUJOCO_ROOT ${PROJECT_SOURCE_DIR}/build/mujoco/${SLIPBENCH_EARLIER_MUJOCO_VERSION}/mujoco CACHE PATH
+  "The `mujoco` folder of an unpacked wheel of MuJoCo ${SLIPBENCH_EARLIER_MUJOCO_VERSION}")
+set(SLIPBENCH_WITH_EARLIER_MUJOCO FALSE)
+set(SLIPBENCH_PLUGIN_RELEASES ${SLIPBENCH_MUJOCO_VERSION})  # oldest first
+set(earlier_library ${SLIPBENCH_EARLIER_MUJOCO_ROOT}/libmujoco.so.${SLIPBENCH_EARLIER_MUJOCO_VERSION})
+if(SLIPBENCH_WITH_MUJOCO AND EXISTS ${earlier_library})
+  set(SLIPBENCH_WITH_EARLIER_MUJOCO TRUE)
+  list(PREPEND SLIPBENCH_PLUGIN_RELEASES ${SLIPBENCH_EARLIER_MUJOCO_VERSION})
+  add_library(mujoco::earlier SHARED IMPORTED)
+  set_target_properties(mujoco::earlier PROPERTIES
+    IMPORTED_LOCATION ${earlier_library}
+    IMPORTED_SONAME libmujoco.so.${SLIPBENCH_EARLIER_MUJOCO_VERSION}
+    INTERFACE_INCLUDE_DIRECTORIES ${SLIPBENCH_EARLIER_MUJOCO_ROOT}/include)
+elseif(SLIPBENCH_WITH_MUJOCO)
+  message(STATUS "MuJoCo ${SLIPBENCH_EARLIER_MUJOCO_VERSION} not found: its build of the plugin is left out. Get it with: tools/setup/setup.sh mujoco")
 endif()
+list(JOIN SLIPBENCH_PLUGIN_RELEASES ", " SLIPBENCH_PLUGIN_VERSIONS)
 
 # libtorch teaches the networks of tools/program/train/network. Without it everything else is built.
 find_package(Torch 1.13 QUIET)                     # TORCH_LIBRARIES

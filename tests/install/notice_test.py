@@ -24,7 +24,7 @@ LICENCES = {
     "MPL-2.0", "OLDAP-2.8", "Python-2.0", "Unicode-DFS-2016", "Zlib", "bzip2-1.0.6", "curl"}
 EXCEPTIONS = {"GCC-exception-3.1", "Linux-syscall-note"}
 PROGRAMS = ("bin/slipbench", "bin/slipbench-reader", "bin/slipbench-studies")
-PINS = {name: version for listing in ("requirements", "requirements-test")
+PINS = {name: version for listing in ("requirements", "requirements-test", "requirements-mujoco")
         for name, version in re.findall(r"^([a-z-]+)==(\S+)", (ROOT / f"tools/setup/{listing}.txt").read_text(encoding="utf-8"), re.MULTILINE)}
 D3 = ROOT / "tools/base/page/d3"
 SONAME = re.compile(r"[\w.+-]+\.so(?:\.[\w.]+)?")
@@ -83,6 +83,8 @@ def compiled_in():
                 files.add(path)
             elif "/site-packages/nanobind/" in path:
                 packages.add("PyPI: nanobind")
+            elif "/build/mujoco/" in path:
+                packages.add("PyPI: mujoco")
     files = {path for path in files if not re.search(r"/python3\.\d+/", path)}
     for listing in Path("/var/lib/dpkg/info").glob("*.list"):
         if not files.isdisjoint(listing.read_text(encoding="utf-8").splitlines()):

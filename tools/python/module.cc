@@ -35,7 +35,7 @@ NB_MODULE(_core, module) {
     std::string build = slipbench::plugin_build(version);
     if (!build.empty()) return build;
     throw slipbench::InputError("MuJoCo " + version +
-                                " has no build of the plugin; allowed: " + slipbench::plugin_versions_text(version));
+                                " has no build of the plugin; supported: " + slipbench::plugin_versions_text);
   });
   slipbench::python::bind_trial(module);
   slipbench::python::bind_own_parts(module);

@@ -22,9 +22,6 @@ for set in requirements requirements-test requirements-lock requirements-wheel; 
   "$work/bin/pip-compile" --quiet --generate-hashes --allow-unsafe --strip-extras --no-emit-index-url "$@" \
     --output-file "$set.txt" "$set.in"
 done
-# Versions that no one environment can hold, each in a folder of its own and without what it needs itself: of each only its own entry.
-mapfile -t mujocos < <(grep '^mujoco' requirements-mujoco.in)
-for entry in "${mujocos[@]}"; do
-  "$work/bin/pip-compile" --quiet --generate-hashes --strip-extras --no-emit-index-url --no-header --no-annotate --output-file - - <<<"$entry" |
-    awk -v entry="$entry" '!/^ / { keep = index($0, entry " ") == 1 } keep'
-done >requirements-mujoco.txt
+# A second release of MuJoCo, in a folder of its own and without what it needs itself: only its own entry.
+"$work/bin/pip-compile" --quiet --generate-hashes --strip-extras --no-emit-index-url --no-header --no-annotate --output-file - requirements-mujoco.in |
+  awk '!/^ / { keep = index($0, "mujoco==") == 1 } keep' >requirements-mujoco.txt

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Installs what the project needs: setup.sh SET..., where a SET is `build`, `test` or `all` (Debian packages of packages.txt), `python` or
 # `test-python` (PyPI packages of requirements.txt and requirements-test.txt, into the virtual environment build/venv: wheels whose SHA-256 stands
-# there, and nothing else), `mujoco-VERSION` (that version of requirements-mujoco.txt, into build/mujoco/VERSION, in which the plugin is
-# then tried) `mujoco` (all of them) or `wheel` (requirements-wheel.txt, into build/wheel/tools). Does nothing where all is there; touches build/installed where it installed something, so that the launcher
-# configures anew.
+# there, and nothing else), `mujoco` (the earlier release of requirements-mujoco.txt, into build/mujoco/VERSION, for which the plugin is built, too)
+# or `wheel` (requirements-wheel.txt, into build/wheel/tools). Does nothing where all is there; touches build/installed where it installed something,
+# so that the launcher configures anew.
 # setup.sh rights SET...: installs nothing; where Debian packages are missing, lets sudo ask for its password, or says what root is to run.
 set -euo pipefail
 
@@ -80,25 +80,21 @@ install_python() {
   touch "$root/build/installed"
 }
 
-# install_mujoco VERSION: into a folder of its own, since an environment holds one.
+# The earlier release of MuJoCo: into a folder of its own, since an environment holds one.
 install_mujoco() {
-  local folder=$root/build/mujoco/$1 entry=$root/build/mujoco/$1.txt
+  local listing=$here/requirements-mujoco.txt version
+  version=$(sed -n 's/^mujoco==\([^ ]*\).*/\1/p' "$listing")
+  local folder=$root/build/mujoco/$version
   [[ ! -d $folder ]] || return 0
+  say "installing into build/mujoco/$version: mujoco==$version"
   mkdir -p "$root/build/mujoco"
-  awk -v version="$1" '!/^ / { keep = $1 ~ "==" version "$" } keep' "$here/requirements-mujoco.txt" >"$entry"
-  [[ -s $entry ]] || {
-    say "unknown MuJoCo version '$1'; allowed: $(known_mujocos | paste -sd ' ')"
-    exit 2
-  }
-  say "installing into build/mujoco/$1: $(sed -n 's/^\([^ ]*==[^ ]*\).*/\1/p' "$entry")"
   rm -rf "$folder.part"
   mkdir "$folder.part"
   "$venv/bin/pip" install --disable-pip-version-check --progress-bar off --require-hashes --only-binary :all: --no-deps --target "$folder.part" \
-    --requirement "$entry"
+    --requirement "$listing"
   mv "$folder.part" "$folder"
   touch "$root/build/installed"
 }
-known_mujocos() { sed -n 's/^mujoco.*==//p' "$here/requirements-mujoco.in"; }
 
 # What tools/python/build_wheels.py needs, into build/wheel/tools: no part of the environment that tests run in.
 install_wheel_tools() {
@@ -126,10 +122,9 @@ for set in "$@"; do
     python) install_python "$here/requirements.txt" ;;
     test-python) install_python "$here/requirements-test.txt" ;;
     wheel) install_wheel_tools ;;
-    mujoco) for version in $(known_mujocos); do install_mujoco "$version"; done ;;
-    mujoco-*) install_mujoco "${set#mujoco-}" ;;
+    mujoco) install_mujoco ;;
     *)
-      say "unknown set '$set'; allowed: build, test, all, python, test-python, wheel, mujoco, mujoco-VERSION"
+      say "unknown set '$set'; allowed: build, test, all, python, test-python, wheel, mujoco"
       exit 2
       ;;
   esac

@@ -103,7 +103,7 @@ def part(spec, name):
 
 
 def with_pads(spec, sites, size, mass):
-    """Adds a free box and the pads that touch it: implicit ones, where MuJoCo has the integrator for it (3.17.0 on). Explicit ones refuse these models'
+    """Adds a free box and the pads that touch it: implicit ones, where MuJoCo has the integrator for it (4.0.1). Explicit ones refuse these models'
     step of 2 ms."""
     light = [0.97, 0.97, 0.98]
     spec.add_texture(type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT, rgb1=light, rgb2=light, width=8, height=48)

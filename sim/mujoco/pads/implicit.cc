@@ -11,6 +11,7 @@
 #include "sim/core/math/rotation.h"
 #include "sim/mujoco/mujoco_call.h"
 #include "sim/mujoco/mujoco_differences.h"
+#include "sim/mujoco/pads/effective_metric.h"
 
 namespace slipbench {
 namespace {
@@ -94,10 +95,6 @@ std::string body_name(const mjModel* m, int body) {
 }  // namespace
 
 std::string implicit_refusal(const mjModel* m, std::span<const ImplicitPad> pads) {
-  if (!has_metric()) {
-    return std::string("needs the integrator discrete, which MuJoCo ") + mj_versionString() +
-           " lacks: use 3.17.0 or newer, or the explicit solver";
-  }
   std::vector<std::string> missing;
   if (m->opt.integrator != mjINT_DISCRETE) missing.emplace_back("integrator=\"discrete\"");
   if (m->opt.noslip_iterations != 0) missing.emplace_back("noslip_iterations=\"0\" (the noslip solver does not see the pads)");

@@ -26,7 +26,7 @@
 //   - for every kinematic tree with pads and every object that they touch a spatial tendon with damping > 0 from a site on a body of the tree to a site
 //     on the object's, for instance <spatial damping="1e-9"><site site="pad"/><site site="box"/></spatial>. Without one in the
 //     metric MuJoCo takes short cuts that leave the rows out. What it damps is nothing: 1e-9 N s/m.
-//   - a MuJoCo whose metric is known (mujoco_differences.h), as the rows are no part of its interface. implicit_self_test() proves
+//   - a MuJoCo whose metric is known (effective_metric.h), as the rows are no part of its interface. implicit_self_test() proves
 //     on the very model that they do what they should; nothing falls back in silence.
 #pragma once
 

@@ -674,7 +674,7 @@ void PadInstance::draw(const mjModel* model, mjData* data, mjvScene* scene) {
   const double radius = model->site_size[3 * config_.site];
   const double scale = metres_per_newton * model->vis.map.force / default_force_scale;
   const auto next_geom = [scene]() -> mjvGeom* {
-    return scene->ngeom < scene->maxgeom ? geom_of(scene, scene->ngeom++) : nullptr;
+    return scene->ngeom < scene->maxgeom ? scene->geoms + scene->ngeom++ : nullptr;
   };
   for (Field& field : fields_) field.view_from_pad();
   for (std::size_t i = 0; i < fields_.front().size(); ++i) {

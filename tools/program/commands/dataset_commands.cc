@@ -377,7 +377,7 @@ int PluginPathCommand::run() {
   }
   const std::string build = mujoco.empty() ? front.filename().string() : plugin_build(mujoco);
   if (build.empty()) {
-    reject("--mujoco {}: there is no build of the plugin for MuJoCo {}; allowed: {}", mujoco, mujoco, plugin_versions_text(mujoco));
+    reject("--mujoco {}: there is no build of the plugin for MuJoCo {}; allowed: {}", mujoco, mujoco, plugin_versions_text);
   }
   const fs::path path = fs::canonical(front.parent_path() / build);
   if (json) return print_json({{"plugin", path.string()}});

@@ -1,5 +1,5 @@
 // libslipbench_mujoco.so: what mj_loadPluginLibrary loads, in whatever MuJoCo. It needs none itself: it looks which one is loaded, and loads the
-// build for that version, which lies beside it. Where there is none it says so, with both versions.
+// build for that release, which lies beside it. Where there is none it names the supported releases.
 #include "tools/program/plugin/loaded_mujocos.h"
 #include "tools/program/plugin/plugin_builds.h"
 
@@ -21,7 +21,7 @@ void load_build_for(const std::string& file) {
   const std::string build = plugin_build(version);
   if (build.empty()) {
     warn(mujoco, "slipbench.field: MuJoCo " + version +
-                     " is loaded: the plugin stays unknown. Allowed: " + plugin_versions_text(version));
+                     " is loaded, for which there is no build of the plugin; supported: " + plugin_versions_text);
   } else if (::dlopen((own_folder() / build).c_str(), RTLD_NOW | RTLD_LOCAL) == nullptr) {
     warn(mujoco, std::string("slipbench.field: ") + ::dlerror());
   }

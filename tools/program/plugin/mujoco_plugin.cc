@@ -1,4 +1,4 @@
-// libslipbench_mujoco-VERSION.so: the plugin for one version of MuJoCo. Its code knows no MuJoCo, so that it is compiled once for all.
+// libslipbench_mujoco-VERSION.so: the plugin for one release of MuJoCo. This part knows no MuJoCo, so that it is compiled once for both.
 #include <algorithm>
 #include <cmath>
 #include <cstring>

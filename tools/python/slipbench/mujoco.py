@@ -1,7 +1,7 @@
 """Pads in any MuJoCo model. Importing this loads the plugin `slipbench.field` into the package `mujoco`.
 
 `attach_pad()` puts a pad on a site of an MjSpec, `Pad.read()` reads it by name, `max_timestep()` says how long a step may be. It works in the
-versions of MuJoCo that `builds()` names; in any other the import raises `InputError`, which names the nearest.
+versions of MuJoCo that `builds()` names; in any other the import raises `InputError`, which names them.
 """
 
 from __future__ import annotations
@@ -225,9 +225,6 @@ def attach_pad(spec: Any, site: Any, touch: Any, *,
 
     Raises InputError for what is not in the spec or not possible in this MuJoCo; other mistakes are errors of `spec.compile()`.
     """
-    if not hasattr(spec, "activate_plugin"):
-        raise InputError(f"attach_pad() needs an MjSpec that takes plugins, which MuJoCo {_mujoco.__version__} lacks; allowed: MuJoCo 3.3.2 or newer, or the "
-                         "pads in the model's XML")
     site_name = site if isinstance(site, str) else _name(site, "site")
     if isinstance(site, str) and spec.site(site) is None:
         raise InputError(f"no site {site!r} in the spec; allowed: {', '.join(s.name for s in spec.sites if s.name)}")
@@ -305,9 +302,9 @@ def complete(spec: Any) -> None:
 
 
 def _need_discrete() -> Any:
-    if _mujoco.mj_version() < 3017000:
-        raise InputError(f"solver='implicit' needs the integrator discrete, which MuJoCo {_mujoco.__version__} lacks; allowed: MuJoCo 3.17.0 or newer, "
-                         "or solver='explicit'")
+    if not hasattr(_mujoco.mjtIntegrator, "mjINT_DISCRETE"):
+        raise InputError(f"solver='implicit' needs the integrator discrete, which MuJoCo {_mujoco.__version__} lacks; allowed: "
+                         f"MuJoCo {builds()[-1]}, or solver='explicit'")
     return _mujoco.mjtIntegrator.mjINT_DISCRETE
 
 

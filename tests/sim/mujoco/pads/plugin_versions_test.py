@@ -1,4 +1,4 @@
-"""plugin_versions_test.py ROOT LIBRARY PINNED [VERSION...]: one path for every MuJoCo, and what the versions agree on."""
+"""plugin_versions_test.py ROOT LIBRARY VERSION...: one path for every supported MuJoCo, the pinned one last, and the refusal of others."""
 
 import importlib.util
 import os
@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT, LIBRARY, PINNED, *OTHERS = sys.argv[1:]
+ROOT, LIBRARY, *VERSIONS = sys.argv[1:]
+PINNED = VERSIONS[-1]
 ROOT, LIBRARY = Path(ROOT), Path(LIBRARY)
 HOLD = """
 import mujoco, sys
@@ -20,13 +21,12 @@ mujoco.mj_loadPluginLibrary(sys.argv[1])
 model = mujoco.MjModel.from_xml_path(sys.argv[2])
 data = mujoco.MjData(model)
 mujoco.mj_resetDataKeyframe(model, data, 0)
-heights, readings = [], []
+heights = []
 while data.time < 10.0:
     mujoco.mj_step(model, data)
     heights.append(data.qpos[2])
-    readings.append(data.sensordata.copy())
 import numpy as np
-np.savez(sys.argv[3], heights=heights, readings=readings)
+np.savez(sys.argv[3], heights=heights)
 """
 
 
@@ -44,23 +44,18 @@ class Versions(unittest.TestCase):
         self.assertEqual(re.findall(r"\(NEEDED\).*\[lib(?:mujoco|fmt|yaml|stdc)[^]]*\]", dynamic), [])
 
     def test_one_path_holds_a_box_in_every_version(self):
-        found = {}
         with tempfile.TemporaryDirectory() as folder:
-            for version in (PINNED, *OTHERS):
+            for version in VERSIONS:
                 out = Path(folder) / f"{version}.npz"
                 result = python(version, HOLD, LIBRARY, ROOT / "scenes/mujoco/hold.xml", out)
                 self.assertEqual(result.returncode, 0, result.stderr)
-                found[version] = dict(np.load(out))
                 with self.subTest(version):
-                    heights = found[version]["heights"]
+                    heights = np.load(out)["heights"]
                     self.assertGreater(heights[-1], 0.0999)  # hung on springs, from 0.1
                     # From 5 to 10 s: 0.01 um/s.
                     self.assertLess(abs(heights[-1] - heights[len(heights) // 2]) / 5.0, 1e-8)
-        if "4.0.0" in found:
-            for name in ("heights", "readings"):
-                np.testing.assert_allclose(found["4.0.0"][name], found[PINNED][name], rtol=0, atol=1e-9)
 
-    def test_an_unknown_version_is_refused_with_the_nearest(self):
+    def test_another_version_is_refused_with_the_supported_ones(self):
         """A copy of the pinned MuJoCo, of which every "4.0.1" is made "3.9.9"."""
         with tempfile.TemporaryDirectory() as folder:
             package = Path(next(iter(importlib.util.find_spec("mujoco").submodule_search_locations)))
@@ -69,16 +64,9 @@ class Versions(unittest.TestCase):
             library.write_bytes(library.read_bytes().replace(f"\0{PINNED}\0".encode(), b"\x003.9.9\0"))
             code = "import mujoco, sys; mujoco.mj_loadPluginLibrary(sys.argv[1]); mujoco.MjModel.from_xml_path(sys.argv[2])"
             result = python("none", f"import sys; sys.path.insert(0, {folder!r}); {code}", LIBRARY, ROOT / "scenes/mujoco/hold.xml", cwd=folder)
-        self.assertRegex(result.stdout + result.stderr, "slipbench.field: MuJoCo 3.9.9 is loaded: the plugin stays unknown. Allowed: 3.3.0, .*; the nearest is 3.9.0")
+        self.assertIn(f"slipbench.field: MuJoCo 3.9.9 is loaded, for which there is no build of the plugin; supported: {', '.join(VERSIONS)}",
+                      result.stdout + result.stderr)
         self.assertIn("slipbench.field not found", result.stderr)
-
-    def test_the_table_is_that_of_the_headers(self):
-        folders = [f"{version}={ROOT / 'build/mujoco' / version}" for version in OTHERS]
-        command = [sys.executable, ROOT / "tools/program/plugin/layouts.py", "--check"]
-        subprocess.run([*command, *folders], check=True)
-        for version in OTHERS[:1]:
-            other = subprocess.run([*command, f"3.12.0={ROOT / 'build/mujoco' / version}"], capture_output=True, text=True)
-            self.assertRegex(other.stderr, r"3\.12\.0: nbody is \d+, and mujoco_layouts.h says 48")
 
 
 if __name__ == "__main__":
