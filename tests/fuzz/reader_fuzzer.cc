@@ -58,11 +58,7 @@ void read_dataset(const Texts& paths, const Texts&) {
     check.add(trial);
   }
   check.finish();
-  for (const std::size_t trial : reader.trials()) static_cast<void>(reader.read_encoded(trial));
-  if (!about || !about->header.part) return;
-  StoredTrials stored(paths[0], about);
-  static_cast<void>(stored.list());
-  for (; stored.trial(); stored.advance()) static_cast<void>(stored.read());
+  if (about && about->header.part) static_cast<void>(stored_trials(paths[0]));
 }
 
 // What HDF5 hands over as texts, which few of the changes to a whole file reach.

@@ -87,6 +87,7 @@ std::string reader_word(FileKind kind) {
     case FileKind::dataset_file: return "dataset-file";
     case FileKind::dataset_header: return "dataset-header";
     case FileKind::dataset: return "dataset";
+    case FileKind::batch: return "batch";
     case FileKind::network: return "network";
     case FileKind::model: return "model";
   }

@@ -9,6 +9,7 @@ enum class FileKind {
   dataset_file,    // one HDF5 file: what its root says of it
   dataset_header,  // all files of a dataset: the same, and which trials they hold
   dataset,         // the same, and all trials, whose values are compared with their digests
+  batch,           // one HDF5 file of an unfinished sweep, with its trials
   network,         // ONNX
   model,           // MJCF
 };

@@ -4,13 +4,14 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/core/random.h"
-#include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/json.h"
 
@@ -35,6 +36,36 @@ std::string rule_text(const std::optional<SplitRule>& rule, bool one_material) {
   const std::string shares = fmt::format("{:.4g}/{:.4g}/{:.4g} % of the", 100.0 * train, 100.0 * valid, 100.0 * test);
   if (rule->by == "trial") return fmt::format("{} trials, shuffled by the seed, {}", shares, rule->said_by);
   return fmt::format("{} {}s, shuffled by the seed, {}; no {} is in two parts", shares, rule->by, rule->said_by, rule->by);
+}
+
+// The first line in which two texts differ.
+std::string line_difference(const std::string& left, const std::string& now, const std::string& other) {
+  std::istringstream left_lines(left);
+  std::istringstream now_lines(now);
+  std::string left_line;
+  std::string now_line;
+  for (std::size_t number = 1;; ++number) {
+    const bool left_has = static_cast<bool>(std::getline(left_lines, left_line));
+    const bool now_has = static_cast<bool>(std::getline(now_lines, now_line));
+    if (!left_has) left_line = "(its end)";
+    if (!now_has) now_line = "(its end)";
+    if (left_line != now_line || !left_has || !now_has) {
+      return fmt::format("scene with line {} '{}', {}'s has '{}'", number, left_line, other, now_line);
+    }
+  }
+}
+
+// The first file that two runs have named and found different, as a clause.
+std::string file_difference(const std::map<std::string, std::string>& left, const std::map<std::string, std::string>& now,
+                            const std::string& other) {
+  for (const auto& [path, digest] : left) {
+    if (!now.contains(path)) return fmt::format("file {}, which {}'s scene does not name", path, other);
+    if (now.at(path) != digest) return fmt::format("file {} has changed since", path);
+  }
+  for (const auto& [path, digest] : now) {
+    if (!left.contains(path)) return fmt::format("no file {}, which {}'s scene names", path, other);
+  }
+  return "";
 }
 
 }  // namespace
@@ -115,18 +146,19 @@ std::string shard_path(const std::string& path, std::size_t shard) {
   return (whole.parent_path() / name).string();
 }
 
-std::string sibling_path(const std::string& path, std::size_t k) {
-  constexpr std::string_view mark = ".partial";
-  if (!path.ends_with(mark)) return shard_path(path, k);
-  return temporary_path(shard_path(path.substr(0, path.size() - mark.size()), k));
-}
-
-std::string kept_path(const std::string& path) {
-  const std::filesystem::path whole(path);
-  std::filesystem::path name = whole.stem();
-  name += ".partial";
-  name += whole.extension();
-  return (whole.parent_path() / name).string();
+std::string header_difference(const DatasetHeader& left, const DatasetHeader& now, const std::string& other) {
+  std::vector<std::string> parts;
+  const auto compare = [&](const char* what, const auto& of_left, const auto& of_now) {
+    if (of_left != of_now) parts.push_back(fmt::format("{} {}, {} has {}", what, of_left, other, of_now));
+  };
+  compare("version", left.version, now.version);
+  compare("seed", left.seed, now.seed);
+  if (left.scene != now.scene) parts.push_back(line_difference(left.scene, now.scene, other));
+  compare("overrides", left.overrides, now.overrides);
+  compare("command", left.command, now.command);
+  if (const std::string difference = file_difference(left.files, now.files, other); !difference.empty())
+    parts.push_back(difference);
+  return fmt::format("{}", fmt::join(parts, "; "));
 }
 
 Masks split_trials(const std::vector<std::pair<std::size_t, std::string>>& trials, std::uint64_t seed,

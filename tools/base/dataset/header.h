@@ -15,9 +15,6 @@ namespace slipbench {
 inline constexpr std::uint64_t dataset_schema = 2;         // what is written
 inline constexpr std::uint64_t oldest_dataset_schema = 1;  // what is read still
 
-// A file lists no more demos, so that the list stays one block of HDF5, which can be rewritten at one go (shard.h).
-inline constexpr std::size_t most_trials_per_file = 2000;
-
 // A part of a sweep that is cut into several: sweep --shard k/n.
 struct SweepShard {
   std::size_t number = 1;  // k, from 1 on
@@ -79,12 +76,12 @@ inline bool same_dataset(const DatasetHeader& a, const DatasetHeader& b) {
   return a.seed == b.seed && a.command == b.command && a.scene == b.scene;
 }
 
+// Describes how two runs differ, as a clause: "seed 7, this run has 8; ...". `other`: name of the second run. Returns an empty text if
+// version, seed, scene, overrides, command and files are equal.
+std::string header_difference(const DatasetHeader& left, const DatasetHeader& now, const std::string& other = "this run");
+
 // Name of the k-th file of a dataset: OUT.h5, OUT-0001.h5, OUT-0002.h5, ...
 std::string shard_path(const std::string& path, std::size_t shard);
-// Name of the k-th file of the dataset whose first is `path`, be it finished, kept or that of a killed run.
-std::string sibling_path(const std::string& path, std::size_t k);
-// Where an interrupted run leaves the trials it finished: OUT.partial.h5.
-std::string kept_path(const std::string& path);
 
 struct Masks {
   std::string split_by;  // SplitRule::by; without a rule "material", or "trial" where there is only one material

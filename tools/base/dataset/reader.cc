@@ -111,7 +111,6 @@ FileAbout read_about(const Place& place) {
   FileAbout about;
   about.schema = schema;
   if (H5Aexists(object.get(), "shards") > 0) {
-    check_heaps(place.file_name);
     about.shards = read_number<std::uint64_t>(place, object, "shards");
     about.complete = read_number<std::uint64_t>(place, object, "complete") != 0;
   }
@@ -191,12 +190,10 @@ TrialRecord record_of(const Place& place, std::size_t trial, DemoInfo demo) {
 }  // namespace
 
 struct DatasetReader::State {
-  struct File {
-    std::string name;
-    Handle handle;
-  };
   DatasetHeader header;
-  std::vector<File> files;
+  std::vector<std::string> files;
+  static constexpr std::size_t most_open = 64;  // a killed sweep has left thousands
+  mutable std::map<std::size_t, Handle> open;   // by index into files
   std::vector<std::string> digests;
   std::vector<std::uint64_t> schemas;
   bool complete = false;
@@ -204,34 +201,41 @@ struct DatasetReader::State {
   std::vector<std::size_t> trials;
   std::map<std::size_t, std::size_t> file_of;  // trial -> index into files
 
-  [[nodiscard]] Place root(std::size_t file) const { return {files[file].handle.get(), files[file].name, "/"}; }
+  // Opens the file where it is not open. What another file has given of handles may be closed then.
+  [[nodiscard]] hid_t handle(std::size_t file) const {
+    if (const auto found = open.find(file); found != open.end()) return found->second.get();
+    if (open.size() == most_open) open.clear();
+    const Handle& opened = open[file] = open_file(files[file]);
+    if (file > 0) hdf5::keep_little(opened);
+    return opened.get();
+  }
+  [[nodiscard]] Place root(std::size_t file) const { return {handle(file), files[file], "/"}; }
   [[nodiscard]] std::size_t index_of(std::size_t trial) const {
     const auto found = file_of.find(trial);
     if (found == file_of.end()) {
-      reject("{}: no trial {}; {}", files.front().name, trial,
+      reject("{}: no trial {}; {}", files.front(), trial,
              trials.empty() ? "the file holds none" : fmt::format("the first is {}, the last {}", trials.front(), trials.back()));
     }
     return found->second;
   }
   [[nodiscard]] Place demo(std::size_t trial) const {
-    const File& file = files[index_of(trial)];
-    return {file.handle.get(), file.name, fmt::format("/data/demo_{}", trial)};
+    const std::size_t file = index_of(trial);
+    return {handle(file), files[file], demo_path(trial)};
   }
 
   // Reads one file's header; returns the number of files of the dataset, which a killed run has not noted.
-  std::size_t add_file(const std::string& path) {
+  std::size_t add_file(const std::string& path, bool alone = false) {
     const std::size_t index = files.size();
     if (index > 0 && !std::filesystem::exists(path))
-      reject("{}: no such file; expected file {} of the dataset that begins with {}", path, index, files.front().name);
-    files.push_back({path, open_file(path)});
-    if (index > 0) hdf5::keep_little(files.back().handle);
+      reject("{}: no such file; expected file {} of the dataset that begins with {}", path, index, files.front());
+    files.push_back(path);
     const Place place = root(index);
     FileAbout about = read_about(place);
-    if (about.shard != index) {
+    if (about.shard != index && !alone) {
       place.fail(fmt::format("is file {} of its dataset, expected file {}; open the first", about.shard, index));
     }
     if (index > 0 && !same_dataset(about.header, header)) {
-      place.fail(fmt::format("belongs to another dataset than {}", files.front().name));
+      place.fail(fmt::format("belongs to another dataset than {}", files.front()));
     }
     schemas.push_back(about.schema);
     header = std::move(about.header);
@@ -243,9 +247,8 @@ struct DatasetReader::State {
         place.fail(fmt::format("holds trial {}, as does another file of the dataset", trial));
     }
     digests.push_back(about.shards ? hdf5::text_of(place, open_object(place), file_sha256_name) : "");
-    // What a killed run has left has no more files than are there, whatever those say that it had finished.
-    const bool killed = digests.front().empty() || !about.shards;
-    if (killed) return index + (std::filesystem::exists(sibling_path(files.front().name, index + 1)) ? 2 : 1);
+    // Batches do not know how many there are.
+    if (!about.shards) return index + (std::filesystem::exists(shard_path(files.front(), index + 1)) ? 2 : 1);
     complete = about.complete && (index == 0 || complete);
     return *about.shards;
   }
@@ -336,9 +339,18 @@ std::optional<FileAbout> file_about(const std::string& path) {
 DatasetReader::DatasetReader(const std::string& path) : state_(std::make_unique<State>()) {
   read_safely(path, [&] {
     std::size_t shards = state_->add_file(path);
-    for (std::size_t k = 1; k < shards; ++k) shards = state_->add_file(sibling_path(path, k));
+    for (std::size_t k = 1; k < shards; ++k) shards = state_->add_file(shard_path(path, k));
   });
   std::sort(state_->trials.begin(), state_->trials.end());
+}
+
+DatasetReader::DatasetReader() : state_(std::make_unique<State>()) {}
+
+DatasetReader DatasetReader::of_file(const std::string& path) {
+  DatasetReader reader;
+  read_safely(path, [&] { reader.state_->add_file(path, true); });
+  std::ranges::sort(reader.state_->trials);
+  return reader;
 }
 
 DatasetReader::~DatasetReader() = default;
@@ -346,11 +358,7 @@ DatasetReader::DatasetReader(DatasetReader&&) noexcept = default;
 DatasetReader& DatasetReader::operator=(DatasetReader&&) noexcept = default;
 
 const DatasetHeader& DatasetReader::header() const { return state_->header; }
-std::vector<std::string> DatasetReader::files() const {
-  std::vector<std::string> names;
-  for (const State::File& file : state_->files) names.push_back(file.name);
-  return names;
-}
+std::vector<std::string> DatasetReader::files() const { return state_->files; }
 const std::vector<std::string>& DatasetReader::content_sha256() const { return state_->digests; }
 std::uint64_t DatasetReader::schema(std::size_t file) const { return state_->schemas[file]; }
 bool DatasetReader::complete() const { return state_->complete; }
@@ -406,7 +414,7 @@ void DatasetReader::check_recorded(std::size_t trial) const {
 
 void DatasetReader::check_truth(const std::string& what, const std::string& allowed) const {
   if (header().truth.empty()) return;
-  reject("{}: {} needs the truth, which it does not hold ({}); allowed: {}", state_->files.front().name, what,
+  reject("{}: {} needs the truth, which it does not hold ({}); allowed: {}", state_->files.front(), what,
          printable(header().truth), allowed);
 }
 
@@ -473,8 +481,6 @@ std::string DatasetReader::stored_sha256(std::size_t file, const std::vector<std
   for (const auto& [number, digest] : trials) digests.push_back(digest);
   return content_digest(digests);
 }
-
-EncodedTrial DatasetReader::read_encoded(std::size_t trial) const { return slipbench::read_encoded(state_->demo(trial), trial); }
 
 TrialRecord DatasetReader::read_trial(std::size_t trial) const {
   const Place demo_place = state_->demo(trial);

@@ -46,6 +46,8 @@ std::optional<FileAbout> file_about(const std::string& path);
 class DatasetReader {
  public:
   explicit DatasetReader(const std::string& path);
+  // One file alone, whichever it is of its dataset.
+  static DatasetReader of_file(const std::string& path);
   ~DatasetReader();
   DatasetReader(DatasetReader&&) noexcept;
   DatasetReader& operator=(DatasetReader&&) noexcept;
@@ -85,8 +87,6 @@ class DatasetReader {
   // Everything of one trial. `material` is not stored a trial and stays empty. A file of a version before outcomes had
   // `detection` gets one by today's rule (settle_detection).
   [[nodiscard]] TrialRecord read_trial(std::size_t trial) const;
-  // The trial as it is stored (read_encoded() of stored_trials.h).
-  [[nodiscard]] EncodedTrial read_encoded(std::size_t trial) const;
   // What a sensor is: "papillarray".
   [[nodiscard]] std::string sensor_type(std::size_t trial, const std::string& sensor) const;
   // One sensor's samples and labels.
@@ -109,6 +109,8 @@ class DatasetReader {
   [[nodiscard]] std::vector<std::size_t> shape(std::size_t trial, const std::string& path) const;
 
  private:
+  DatasetReader();
+
   struct State;
   std::unique_ptr<State> state_;
 };

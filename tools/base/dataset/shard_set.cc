@@ -2,19 +2,21 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/core/process/check_readable.h"
-#include "tools/base/dataset/dataset_target.h"
+#include "tools/base/dataset/dataset_file.h"
 #include "tools/base/dataset/stored_trials.h"
 #include "tools/base/dataset/trial_difference.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/base/files/reject.h"
+#include "tools/base/hdf5/hdf5_place.h"
 
 namespace slipbench {
 namespace {
@@ -40,6 +42,23 @@ void refuse_input_as_output(const std::vector<std::string>& inputs, const std::s
   }
 }
 
+EncodedTrial encoded_trial(const StoredTrial& stored) { return read_encoded(hdf5::open_file(stored.file).get(), stored); }
+
+// The scene's split, which the shard's masks do not tell.
+std::optional<SplitRule> split_of(const std::string& path) {
+  const hdf5::Handle file = hdf5::open_file(path);
+  const hdf5::Place mask{file.get(), path, "/mask"};
+  const hdf5::Handle object = hdf5::open_object(mask);
+  if (H5Aexists(object.get(), split_shares_name) <= 0) return std::nullopt;
+  const hdf5::Attribute attribute = hdf5::open_attribute(mask, object, split_shares_name);
+  SplitRule rule{hdf5::text_of(mask, object, "split_by"), {}};
+  if (attribute.shape != std::vector{rule.shares.size()} || H5Tget_class(attribute.type.get()) != H5T_FLOAT ||
+      H5Aread(attribute.handle.get(), H5T_NATIVE_DOUBLE, rule.shares.data()) < 0) {
+    mask.fail("attribute 'shares' is not three numbers");
+  }
+  return rule;
+}
+
 }  // namespace
 
 ShardSet::ShardSet(const std::vector<std::string>& paths) {
@@ -47,159 +66,120 @@ ShardSet::ShardSet(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     check_readable(FileKind::dataset_file, path);
     std::optional<FileAbout> about = file_about(path);
-    if (about && about->header.part && about->shard > 0) {
+    if (!about) throw InputError(path + ": is no dataset");
+    if (!about->header.part) throw InputError(path + ": is no shard of a sweep; allowed: files of sweep --shard k/n");
+    if (about->shard > 0) {
       later.insert(normal(path));
     } else {
-      shards_.push_back(std::make_unique<StoredTrials>(path, std::move(about)));
+      add_shard(path, std::move(*about));
     }
   }
-  for (const auto& shard : shards_) check_readable(FileKind::dataset_header, shard->path());
   for (const std::string& name : files()) later.erase(normal(name));
   if (!later.empty()) throw InputError(*later.begin() + ": is a further file of a shard; allowed: with the shard's first file");
-
-  for (const auto& shard : shards_) {
-    const DatasetHeader& one = shard->about().header;
-    const auto refuse = [&](const std::string& difference) {
-      reject("{}: is no shard of the same sweep as {}: it has {}", shard->path(), shards_.front()->path(), difference);
-    };
-    const std::string other = shards_.front()->path();
-    const std::string difference = header_difference(whole_header(one), whole_header(header()), other);
-    if (!difference.empty()) refuse(difference);
-    if (one.part->count != header().part->count)
-      refuse(fmt::format("shard {}, {} has {}", shard_text(*one.part), other, shard_text(*header().part)));
-    if (one.part->trials != header().part->trials)
-      refuse(fmt::format("{} trials in all, {} has {}", one.part->trials, other, header().part->trials));
-    for (const FailedTrial& trial : shard->about().failed) failed_.emplace(trial.trial, trial);
+  for (const Shard& shard : shards_) {
+    check_same_sweep(shard);
+    for (const FailedTrial& trial : shard.about.failed) failed_.emplace(trial.trial, trial);
   }
-  look_for_gaps();
+  for (const Shard& shard : shards_) add_trials(shard);
 }
 
-void ShardSet::look_for_gaps() {
-  const SweepShard& part = *header().part;
-  std::vector<bool> there(part.trials, false);
-  std::vector<bool> shard_there(part.count + 1, false);
-  for (const auto& shard : shards_) {
-    shard_there[shard->about().header.part->number] = true;
-    for (const auto& [trial, group] : shard->list()) {
-      if (trial >= part.trials) {
-        reject("{}: holds trial {}; allowed: 0 to {}, those of its sweep", shard->path(), trial, part.trials - 1);
+void ShardSet::add_shard(const std::string& path, FileAbout about) {
+  if (!about.complete) {
+    throw InputError(path + ": its run did not come to its end; allowed: the whole shard, which its command with --resume gives");
+  }
+  about.header.split = split_of(path);
+  Shard shard{path, std::move(about), {}};
+  for (std::size_t k = 0; k < *shard.about.shards; ++k) shard.files.push_back(shard_path(path, k));
+  shards_.push_back(std::move(shard));
+}
+
+void ShardSet::check_same_sweep(const Shard& shard) const {
+  const Shard& first = shards_.front();
+  const DatasetHeader& one = shard.about.header;
+  const auto refuse = [&](const std::string& difference) {
+    reject("{}: is no shard of the same sweep as {}: it has {}", shard.path, first.path, difference);
+  };
+  const std::string difference = header_difference(whole_header(one), whole_header(header()), first.path);
+  if (!difference.empty()) refuse(difference);
+  if (one.part->count != header().part->count)
+    refuse(fmt::format("shard {}, {} has {}", shard_text(*one.part), first.path, shard_text(*header().part)));
+  if (one.part->trials != header().part->trials)
+    refuse(fmt::format("{} trials in all, {} has {}", one.part->trials, first.path, header().part->trials));
+}
+
+void ShardSet::add_trials(const Shard& shard) {
+  const std::size_t all = header().part->trials;
+  for (const std::string& file : shard.files) {
+    for (StoredTrial& trial : stored_trials(file)) {
+      if (trial.number >= all) reject("{}: holds trial {}; allowed: 0 to {}, those of its sweep", file, trial.number, all - 1);
+      if (failed_.contains(trial.number)) reject("{}: holds trial {}, which has failed in a shard", file, trial.number);
+      const auto [same, added] = trials_.try_emplace(trial.number, trial);
+      if (added) continue;
+      ++duplicates_;
+      if (same->second.digest == trial.digest) continue;
+      const std::string difference = trial_difference(encoded_trial(trial), encoded_trial(same->second));
+      if (!difference.empty()) {
+        reject("{}: trial {} is not that of {}: {}; allowed: one of the two files", file, trial.number, same->second.file,
+               difference);
       }
-      if (failed_.contains(trial)) reject("{}: holds trial {}, which has failed in a shard", shard->path(), trial);
-      if (!there[trial]) ++count_;
-      there[trial] = true;
+      ++within_rounding_;
     }
   }
-  for (const auto& [trial, failed] : failed_) {
-    if (trial < part.trials) there[trial] = true;
-  }
+}
+
+std::vector<std::string> ShardSet::gaps() const {
+  const SweepShard& part = *header().part;
+  std::set<std::size_t> there;
+  for (const Shard& shard : shards_) there.insert(shard.about.header.part->number);
   std::vector<std::size_t> missing;
   for (std::size_t number = 1; number <= part.count; ++number) {
-    if (!shard_there[number]) missing.push_back(number);
+    if (!there.contains(number)) missing.push_back(number);
   }
-  if (!missing.empty()) {
-    gaps_.push_back(missing_text("shard", missing, fmt::format(" of {}", part.count)));
-    return;
-  }
+  if (!missing.empty()) return {missing_text("shard", missing, fmt::format(" of {}", part.count))};
   for (std::size_t trial = 0; trial < part.trials; ++trial) {
-    if (!there[trial]) missing.push_back(trial);
+    if (!trials_.contains(trial) && !failed_.contains(trial)) missing.push_back(trial);
   }
-  if (!missing.empty()) gaps_.push_back(missing_text("trial", missing, ""));
+  if (!missing.empty()) return {missing_text("trial", missing, "")};
+  return {};
 }
-
-ShardSet::~ShardSet() = default;
-
-std::vector<std::pair<std::size_t, std::string>> ShardSet::list() {
-  std::vector<std::pair<std::size_t, std::string>> all;
-  for (const auto& shard : shards_) std::ranges::move(shard->list(), std::back_inserter(all));
-  std::ranges::sort(all);
-  return all;
-}
-
-const DatasetHeader& ShardSet::header() const { return shards_.front()->about().header; }
 
 std::vector<std::string> ShardSet::paths() const {
-  std::vector<std::string> paths;
-  for (const auto& shard : shards_) paths.push_back(shard->path());
-  return paths;
+  std::vector<std::string> names;
+  for (const Shard& shard : shards_) names.push_back(shard.path);
+  return names;
 }
 
 std::vector<std::string> ShardSet::files() const {
   std::vector<std::string> names;
-  for (const auto& shard : shards_) std::ranges::move(shard->files(), std::back_inserter(names));
+  for (const Shard& shard : shards_) names.insert(names.end(), shard.files.begin(), shard.files.end());
   return names;
 }
 
+std::vector<StoredTrial> ShardSet::trials() const {
+  std::vector<StoredTrial> trials;
+  for (const auto& [number, trial] : trials_) trials.push_back(trial);
+  return trials;
+}
+
 std::vector<FailedTrial> ShardSet::failed() const {
-  std::vector<FailedTrial> all;
-  for (const auto& [number, failed] : failed_) all.push_back(failed);
-  return all;
-}
-
-std::vector<StoredTrials*> ShardSet::at_least() {
-  std::vector<StoredTrials*> least;
-  for (const auto& shard : shards_) {
-    if (!shard->trial()) continue;
-    if (!least.empty() && *shard->trial() < *least.front()->trial()) least.clear();
-    if (least.empty() || *shard->trial() == *least.front()->trial()) least.push_back(shard.get());
-  }
-  for (std::size_t i = 1; i < least.size(); ++i) {
-    if (least[i]->sha256() == least.front()->sha256()) continue;
-    const std::string difference = trial_difference(least[i]->read(), least.front()->read());
-    if (!difference.empty()) {
-      reject("{}: trial {} is not that of {}: {}; allowed: one of the two files", least[i]->path(), *least[i]->trial(),
-             least.front()->path(), difference);
-    }
-    ++within_rounding_;
-  }
-  return least;
-}
-
-std::optional<EncodedTrial> ShardSet::next(std::size_t& duplicates) {
-  const std::vector<StoredTrials*> least = at_least();
-  if (least.empty()) return std::nullopt;
-  duplicates += least.size() - 1;
-  EncodedTrial trial = least.front()->read();
-  for (StoredTrials* shard : least) shard->advance();
-  return trial;
-}
-
-std::size_t ShardSet::check_duplicates() {
-  std::size_t duplicates = 0;
-  for (std::vector<StoredTrials*> least = at_least(); !least.empty(); least = at_least()) {
-    duplicates += least.size() - 1;
-    for (StoredTrials* shard : least) shard->advance();
-  }
-  return duplicates;
+  std::vector<FailedTrial> failed;
+  for (const auto& [number, trial] : failed_) failed.push_back(trial);
+  return failed;
 }
 
 Merged merge_shards(const std::vector<std::string>& paths, const std::string& output) {
-  ShardSet set(paths);
+  const ShardSet set(paths);
   refuse_input_as_output(set.files(), output);
   if (const std::vector<std::string> gaps = set.gaps(); !gaps.empty()) {
     reject("cannot write {}: {}; allowed: all shards of a sweep", output, fmt::join(gaps, "; "));
   }
   if (set.size() == 0) reject("cannot write {}: all trials of the sweep have failed", output);
-  ShardSet(paths).check_duplicates();
-  // Chunks are copied as they are: what a disk has changed in them would be told by nobody.
+  // Chunks are copied as they are: nobody would notice what a disk has changed in them.
   for (const std::string& shard : set.paths()) check_readable(FileKind::dataset, shard);
-
-  Merged merged;
-  const DatasetHeader header = whole_header(set.header());
-  std::optional<KeptTrials> kept;  // of a merge that was killed
-  if (!leftovers(output).empty()) kept.emplace(output, header);
-  DatasetWriter writer(output, header, set.header().part->trials, DatasetWriter::default_shard_limit, kept ? &*kept : nullptr);
-  try {
-    while (const std::optional<EncodedTrial> trial = set.next(merged.duplicates)) writer.append(*trial);
-    for (const FailedTrial& failed : set.failed()) writer.add_failed(failed);
-    merged.trials = writer.size();
-    merged.failed = set.failed().size();
-    merged.within_rounding = set.within_rounding();
-    merged.files = writer.commit();
-  } catch (...) {
-    if (!kept) writer.discard();
-    throw;
-  }
-  return merged;
+  DatasetWriter writer(output, whole_header(set.header()));
+  copy_trials(set.trials(), writer);
+  for (const FailedTrial& failed : set.failed()) writer.add_failed(failed);
+  return {set.size(), set.failed().size(), set.duplicates(), set.within_rounding(), writer.commit()};
 }
 
 }  // namespace slipbench

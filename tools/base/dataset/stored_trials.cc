@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/base/dataset/shard.h"
 #include "tools/base/files/reject.h"
+#include "tools/base/hdf5/hdf5_place.h"
 #include "tools/base/record/content_digest.h"
 
 namespace slipbench {
@@ -19,27 +19,16 @@ using hdf5::check;
 using hdf5::Handle;
 using hdf5::Place;
 
-// The attributes of a group in the order in which the encoder writes them, in which they must be written again for the same bytes. A header does
-// not keep it: where it grows, HDF5 moves some.
-std::vector<std::string> attributes_as_encoded(const Place& place, const Handle& object) {
-  static const std::vector<std::string> order = [] {
-    std::vector<std::string> names{"num_samples", "seed",       "params", "outcome", "model_sha256", libraries_name, "type",
-                                   "detector",    "controller", "sensor", "rate_hz", "frame",        "follows"};
-    const SampleTiming timing;
-    for_each_timing_attribute(timing, [&](const char* name, double) { names.emplace_back(name); });
-    for (const char* name : {"channels", "channel_names", "rule"}) names.emplace_back(name);
-    LabelRecord labels;
-    for_each_unit_attribute(labels,
-                            [&](const char* name, const Extents&, const std::vector<double>&) { names.emplace_back(name); });
-    for (const char* name : {"size", "confusion", trial_sha256_name}) names.emplace_back(name);
-    return names;
-  }();
-  std::vector<std::string> names = hdf5::attributes_of(place, object);
-  for (const std::string& name : names) {
-    if (std::ranges::find(order, name) == order.end()) place.fail("has the attribute '" + name + "', which no trial has");
+Digest parse_digest(const Place& place, const std::string& digits) {
+  Digest digest{};
+  bool good = digits.size() == 2 * digest.size();
+  for (std::size_t i = 0; good && i < digest.size(); ++i) {
+    const char* const from = digits.data() + 2 * i;
+    const auto [end, error] = std::from_chars(from, from + 2, digest[i], 16);
+    good = error == std::errc() && end == from + 2;
   }
-  std::ranges::sort(names, {}, [&](const std::string& name) { return std::ranges::find(order, name); });
-  return names;
+  if (!good) place.fail("attribute 'sha256' is not a digest");
+  return digest;
 }
 
 bool is_type(const Handle& type, hid_t known) { return H5Tequal(type.get(), known) > 0; }
@@ -86,29 +75,52 @@ ElementType element_type(const Place& place, const Handle& array) {
   place.fail("is of a type that no dataset has");
 }
 
-void read_chunks(const Place& place, const Handle& dataset, const Handle& properties, EncodedArray& array) {
-  array.chunk_rows = hdf5::folded_rows(properties, array.shape, size_of(array.type));
-  if (array.chunk_rows == 0) place.fail("is not stored as this program does it; allowed: the files of sweep --shard");
-  for (std::size_t row = 0; row < array.shape.front(); row += array.chunk_rows) {
-    if (!hdf5::read_chunk(dataset, array.shape.size(), row, array.chunks.emplace_back()))
-      place.fail("has a chunk that is missing or not stored as this program does it; allowed: the files of sweep --shard");
+// Rows of a chunk of an array that is stored as the encoder does it: in chunks of whole rows, through its filters. 0: it is not.
+std::size_t chunk_rows_of(const Handle& properties, const std::vector<std::size_t>& extents, std::size_t element) {
+  std::vector<H5Z_filter_t> wanted{H5Z_FILTER_DEFLATE};
+  if (element > 1) wanted.insert(wanted.begin(), H5Z_FILTER_SHUFFLE);
+  if (extents.empty() || H5Pget_layout(properties.get()) != H5D_CHUNKED ||
+      H5Pget_nfilters(properties.get()) != static_cast<int>(wanted.size()))
+    return 0;
+  for (unsigned i = 0; i < wanted.size(); ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t count = 0;
+    if (H5Pget_filter2(properties.get(), i, &flags, &count, nullptr, 0, nullptr, &config) != wanted[i]) return 0;
   }
+  std::vector<hsize_t> chunk(extents.size());
+  check(H5Pget_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()));
+  return std::equal(chunk.begin() + 1, chunk.end(), extents.begin() + 1, extents.end()) ? chunk.front() : 0;
+}
+
+// The chunk that begins at a row, as it is compressed. False: it is missing or cannot be read.
+bool read_chunk(const Handle& array, std::size_t rank, std::size_t row, std::vector<std::uint8_t>& to) {
+  std::vector<hsize_t> offset(rank, 0);
+  offset.front() = row;
+  to.clear();
+  hsize_t bytes = 0;
+  std::uint32_t filters = 0;
+  if (H5Dget_chunk_storage_size(array.get(), offset.data(), &bytes) < 0 || bytes > H5Dget_storage_size(array.get())) return false;
+  to.resize(bytes);
+  return bytes > 0 && H5Dread_chunk(array.get(), H5P_DEFAULT, offset.data(), &filters, to.data()) >= 0 && filters == 0;
+}
+
+void read_chunks(const Place& place, const Handle& dataset, const Handle& properties, EncodedArray& array) {
+  array.chunk_rows = chunk_rows_of(properties, array.shape, size_of(array.type));
+  bool good = array.chunk_rows > 0;
+  for (std::size_t row = 0; good && row < array.shape.front(); row += array.chunk_rows)
+    good = read_chunk(dataset, array.shape.size(), row, array.chunks.emplace_back());
+  if (!good) place.fail("has a chunk that is missing or is not stored as this program does it; allowed: the files of a sweep");
 }
 
 EncodedArray read_array(const Place& place, const Handle& dataset, const std::string& path) {
-  const Handle properties = hdf5::array_properties(place, dataset);
-  EncodedArray array{path,
-                     hdf5::text_of(place, dataset, "unit"),
-                     {},
-                     element_type(place, dataset),
-                     hdf5::array_extents(place, dataset, properties),
-                     0,
-                     {}};
+  const Handle properties(H5Dget_create_plist(dataset.get()), &H5Pclose);
+  EncodedArray array{
+      path, hdf5::text_of(place, dataset, "unit"), {}, element_type(place, dataset), hdf5::array_extents(place, dataset), 0, {}};
   if (H5Aexists(dataset.get(), "codes") > 0) array.codes = hdf5::text_of(place, dataset, "codes");
   if (H5Pget_layout(properties.get()) == H5D_CHUNKED) {
     read_chunks(place, dataset, properties, array);
   } else if (hdf5::count_of(place, array.shape, size_of(array.type), 1) > 0) {
-    place.fail("is not stored in chunks; allowed: the files of sweep --shard");
+    place.fail("is not stored in chunks; allowed: the files of a sweep");
   }
   return array;
 }
@@ -120,7 +132,7 @@ void read_from(const Place& place, const Handle& object, const std::string& path
     return;
   }
   if (static_cast<std::size_t>(std::ranges::count(path, '/')) >= hdf5::deepest) place.fail("lies too deep in the file");
-  for (const std::string& name : attributes_as_encoded(place, object)) {
+  for (const std::string& name : hdf5::attributes_of(place, object)) {
     trial.attributes.push_back(read_attribute(place, object, path, name));
   }
   for (const std::string& name : hdf5::members_of(place, object)) {
@@ -129,99 +141,9 @@ void read_from(const Place& place, const Handle& object, const std::string& path
   }
 }
 
-Digest digest_of(const Place& place, const std::string& hexadecimal_digits) {
-  Digest digest{};
-  bool good = hexadecimal_digits.size() == 2 * digest.size();
-  for (std::size_t i = 0; good && i < digest.size(); ++i) {
-    const char* const from = hexadecimal_digits.data() + 2 * i;
-    const auto [end, error] = std::from_chars(from, from + 2, digest[i], 16);
-    good = error == std::errc() && end == from + 2;
-  }
-  if (!good) place.fail("attribute 'sha256' is no digest");
-  return digest;
-}
-
-// The scene's split, which the shard's masks do not tell.
-std::optional<SplitRule> split_of(const Place& mask) {
-  const Handle object = hdf5::open_object(mask);
-  if (H5Aexists(object.get(), split_shares_name) <= 0) return std::nullopt;
-  const EncodedAttribute read = read_attribute(mask, object, "", split_shares_name);
-  const auto* shares = std::get_if<EncodedAttribute::Doubles>(&read.value);
-  if (shares == nullptr || shares->values.size() != 3) mask.fail("attribute 'shares' is not three numbers");
-  return SplitRule{hdf5::text_of(mask, object, "split_by"), {shares->values[0], shares->values[1], shares->values[2]}};
-}
-
 }  // namespace
 
-StoredTrials::StoredTrials(std::string path, std::optional<FileAbout> about) : path_(std::move(path)) {
-  if (!about) throw InputError(path_ + ": is no dataset");
-  if (!about->header.part) {
-    throw InputError(path_ + ": is no shard of a sweep; allowed: files of sweep --shard k/n");
-  }
-  if (about->shard != 0) reject("{}: is file {} of a shard; allowed: the first with it", path_, about->shard);
-  if (!about->complete) {
-    throw InputError(path_ +
-                     ": its run did not come to its end; allowed: the whole shard, which its command with --resume gives");
-  }
-  about_ = std::move(*about);
-  open(0);
-  about_.header.split = split_of(place("/mask"));
-}
-
-std::vector<std::string> StoredTrials::files() const {
-  std::vector<std::string> paths;
-  for (std::size_t k = 0; k < *about_.shards; ++k) paths.push_back(shard_path(path_, k));
-  return paths;
-}
-
-void StoredTrials::open(std::size_t file) {
-  index_ = file;
-  name_ = shard_path(path_, file);
-  if (file > 0) {
-    const std::optional<FileAbout> about = file_about(name_);
-    if (!about || !same_dataset(about->header, about_.header) || about->shard != file || about->shards != about_.shards) {
-      reject("{}: is not file {} of {}", name_, file, path_);
-    }
-  }
-  file_ = hdf5::open_file(name_);
-  hdf5::keep_little(file_);
-  const Place root = place("/");
-  content_sha256_ = hdf5::text_of(root, hdf5::open_object(root), file_sha256_name);
-  const Place list = place("/data");
-  std::vector<std::size_t> numbers;
-  for (const std::string& name : hdf5::members_of(list)) numbers.push_back(trial_number(list, name));
-  std::ranges::sort(numbers);
-  const Place group_place = place("/mask/group");
-  std::vector<std::string> groups = hdf5::texts_of(group_place, hdf5::open_object(group_place));
-  if (groups.size() != numbers.size()) group_place.fail(fmt::format("has {} texts for {} trials", groups.size(), numbers.size()));
-  trials_.clear();
-  for (std::size_t i = 0; i < numbers.size(); ++i) trials_.emplace_back(numbers[i], std::move(groups[i]));
-  digests_.clear();
-  next_ = 0;
-}
-
-std::vector<std::pair<std::size_t, std::string>> StoredTrials::list() {
-  std::vector<std::pair<std::size_t, std::string>> all;
-  for (std::size_t file = 0; file < *about_.shards; ++file) {
-    if (file != index_) open(file);
-    if (!all.empty() && !trials_.empty() && trials_.front().first <= all.back().first) {
-      reject("{}: holds trial {} after trial {} of the file before", name_, trials_.front().first, all.back().first);
-    }
-    all.insert(all.end(), trials_.begin(), trials_.end());
-  }
-  if (index_ != 0) open(0);
-  return all;
-}
-
-std::optional<std::size_t> StoredTrials::trial() {
-  if (next_ == trials_.size()) return std::nullopt;
-  return trials_[next_].first;
-}
-
-std::string StoredTrials::sha256() {
-  const Place demo = place(fmt::format("/data/demo_{}", trials_[next_].first));
-  return hdf5::text_of(demo, hdf5::open_object(demo), trial_sha256_name);
-}
+std::string demo_path(std::size_t trial) { return fmt::format("/data/demo_{}", trial); }
 
 std::size_t trial_number(const Place& list, const std::string& name) {
   constexpr std::string_view prefix = "demo_";
@@ -233,38 +155,37 @@ std::size_t trial_number(const Place& list, const std::string& name) {
   return number;
 }
 
-EncodedTrial read_encoded(const Place& demo, std::size_t number) {
+std::vector<StoredTrial> stored_trials(const std::string& path) {
+  const Handle file = hdf5::open_file(path);
+  hdf5::keep_little(file);
+  const Place list{file.get(), path, "/data"};
+  const Handle list_group = hdf5::open_object(list);
+  std::vector<StoredTrial> trials;
+  for (const std::string& name : hdf5::members_of(list, list_group)) {
+    const Place demo = list.below(name);
+    const Handle group = hdf5::open_member(demo, list_group, name);
+    const Digest digest = parse_digest(demo, hdf5::text_of(demo, group, trial_sha256_name));
+    trials.push_back({trial_number(list, name), {}, digest, path});
+  }
+  std::ranges::sort(trials, {}, &StoredTrial::number);
+  const bool is_batch = H5Lexists(file.get(), batch_groups_name, H5P_DEFAULT) > 0;
+  const Place place{file.get(), path, std::string("/") + (is_batch ? batch_groups_name : shard_groups_name)};
+  std::vector<std::string> groups = hdf5::texts_of(place, hdf5::open_object(place));
+  if (groups.size() != trials.size()) place.fail(fmt::format("has {} texts for {} trials", groups.size(), trials.size()));
+  for (std::size_t i = 0; i < trials.size(); ++i) trials[i].group = std::move(groups[i]);
+  return trials;
+}
+
+EncodedTrial read_encoded(hid_t file, const StoredTrial& stored) {
+  const Place demo{file, stored.file, demo_path(stored.number)};
   EncodedTrial trial;
-  trial.trial = number;
+  trial.trial = stored.number;
+  trial.material = stored.group;
+  trial.digest = stored.digest;
   read_from(demo, hdf5::open_object(demo), "", trial);
   std::ranges::sort(trial.arrays, {}, &EncodedArray::path);
   std::ranges::stable_sort(trial.attributes, {}, &EncodedAttribute::path);
-  // The digest stands last.
-  const auto digest = std::ranges::find_if(trial.attributes, [](const EncodedAttribute& attribute) {
-    return attribute.path.empty() && attribute.name == trial_sha256_name;
-  });
-  if (digest == trial.attributes.end()) demo.fail("has no attribute 'sha256'");
-  std::rotate(digest, digest + 1, trial.attributes.end());
-  const auto* digits = std::get_if<std::string>(&trial.attributes.back().value);
-  trial.digest = digest_of(demo, digits != nullptr ? *digits : "");
   return trial;
-}
-
-EncodedTrial StoredTrials::read() {
-  const auto& [number, material] = trials_[next_];
-  EncodedTrial trial = read_encoded(place(fmt::format("/data/demo_{}", number)), number);
-  trial.material = material;
-  return trial;
-}
-
-void StoredTrials::advance() {
-  const Place demo = place(fmt::format("/data/demo_{}", trials_[next_].first));
-  digests_.emplace_back(trials_[next_].first, digest_of(demo, sha256()));
-  if (++next_ < trials_.size()) return;
-  if (hexadecimal(stored_file_digest(place("/"), digests_)) != content_sha256_) {
-    throw InputError(name_ + ": is damaged: content_sha256 is not that of what it holds; slipbench verify says more");
-  }
-  if (index_ + 1 < *about_.shards) open(index_ + 1);
 }
 
 }  // namespace slipbench

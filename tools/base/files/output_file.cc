@@ -42,6 +42,14 @@ void rename_file(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) reject("cannot rename {} to {}: {}", from, to, std::strerror(errno));
 }
 
+void sync_folder_of(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const Descriptor descriptor(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (descriptor.get() < 0 || !sync_file(descriptor.get(), true)) {
+    reject("a power failure may take the name of {}: its folder cannot be synced: {}", path, std::strerror(errno));
+  }
+}
+
 void check_target(const std::string& path) {
   if (path.empty() || path.back() == '/') reject("cannot write '{}': no file name; allowed: a path such as out.h5", path);
   struct stat status {};

@@ -34,6 +34,9 @@ std::string temporary_path(const std::string& path);
 // Throws InputError with the system's reason.
 void rename_file(const std::string& from, const std::string& to);
 
+// Makes names in the folder of `path` survive a power failure. Throws InputError with the system's reason.
+void sync_folder_of(const std::string& path);
+
 // Writes `text` to PATH.partial, syncs it and renames it. Throws InputError when that is not possible; then nothing is left
 // behind. Call check_text_target before.
 void write_text_file(const std::string& path, const std::string& text);

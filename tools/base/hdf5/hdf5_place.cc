@@ -1,20 +1,12 @@
 #include "tools/base/hdf5/hdf5_place.h"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <new>
 #include <numeric>
 #include <optional>
 #include <string_view>
@@ -22,7 +14,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <libdeflate.h>
 
 #include "sim/core/process/regular_file.h"
 #include "tools/base/files/reject.h"
@@ -80,17 +71,6 @@ void write(hid_t object, const std::string& name, hid_t type, const std::vector<
   Handle attribute(H5Acreate2(object, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT), &H5Aclose);
   check(H5Awrite(attribute.get(), type, values));
   attribute.close();
-}
-
-// The reverse of HDF5's shuffle filter, which puts all first bytes of the elements before all second bytes, and so on.
-template <class Element>
-void unshuffle(const std::uint8_t* in, std::size_t count, std::uint8_t* out) {
-  for (std::size_t i = 0; i < count; ++i) {
-    Element element = 0;
-    for (std::size_t byte = 0; byte < sizeof element; ++byte)
-      element |= static_cast<Element>(Element{in[byte * count + i]} << (8 * byte));
-    std::memcpy(out + i * sizeof element, &element, sizeof element);
-  }
 }
 
 struct Reason {
@@ -290,16 +270,9 @@ std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents
   return count;
 }
 
-Handle array_properties(const Place& place, const Handle& array) {
-  if (H5Iget_type(array.get()) != H5I_DATASET) place.fail("is no array");
-  return {H5Dget_create_plist(array.get()), &H5Pclose};
-}
-
 std::vector<std::size_t> array_extents(const Place& place, const Handle& array) {
-  return array_extents(place, array, array_properties(place, array));
-}
-
-std::vector<std::size_t> array_extents(const Place& place, const Handle& array, const Handle& properties) {
+  if (H5Iget_type(array.get()) != H5I_DATASET) place.fail("is no array");
+  const Handle properties(H5Dget_create_plist(array.get()), &H5Pclose);
   const H5D_layout_t layout = H5Pget_layout(properties.get());
   constexpr const char* allowed = "; allowed: a dataset as the program writes it, which holds all of its data";
   if (layout == H5D_VIRTUAL) place.fail(std::string("is a virtual dataset, whose values lie in other files") + allowed);
@@ -324,48 +297,6 @@ std::vector<std::size_t> array_extents(const Place& place, const Handle& array, 
 void read_values(const Place& place, const Handle& array, hid_t type, void* to) {
   check_unfiltered_chunks(place, array);
   if (H5Dread(array.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, to) < 0) place.fail("cannot be read: " + last_error());
-}
-
-std::size_t folded_rows(const Handle& properties, const std::vector<std::size_t>& extents, std::size_t element) {
-  std::vector<H5Z_filter_t> wanted{H5Z_FILTER_DEFLATE};
-  if (element > 1) wanted.insert(wanted.begin(), H5Z_FILTER_SHUFFLE);
-  if (extents.empty() || H5Pget_layout(properties.get()) != H5D_CHUNKED ||
-      H5Pget_nfilters(properties.get()) != static_cast<int>(wanted.size()))
-    return 0;
-  for (unsigned i = 0; i < wanted.size(); ++i) {
-    unsigned flags = 0, config = 0;
-    std::size_t count = 0;
-    if (H5Pget_filter2(properties.get(), i, &flags, &count, nullptr, 0, nullptr, &config) != wanted[i]) return 0;
-  }
-  std::vector<hsize_t> chunk(extents.size());
-  check(H5Pget_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()));
-  return std::equal(chunk.begin() + 1, chunk.end(), extents.begin() + 1, extents.end()) ? chunk.front() : 0;
-}
-
-bool read_chunk(const Handle& array, std::size_t rank, std::size_t row, std::vector<std::uint8_t>& to) {
-  std::vector<hsize_t> offset(rank, 0);
-  offset.front() = row;
-  to.clear();
-  hsize_t bytes = 0;
-  std::uint32_t filters = 0;
-  if (H5Dget_chunk_storage_size(array.get(), offset.data(), &bytes) < 0 || bytes > H5Dget_storage_size(array.get())) return false;
-  to.resize(bytes);
-  return bytes > 0 && H5Dread_chunk(array.get(), H5P_DEFAULT, offset.data(), &filters, to.data()) >= 0 && filters == 0;
-}
-
-Unfolder::Unfolder() : inflater_(libdeflate_alloc_decompressor()) {
-  if (inflater_ == nullptr) throw std::bad_alloc();
-}
-Unfolder::~Unfolder() { libdeflate_free_decompressor(inflater_); }
-
-bool Unfolder::unfold(std::span<const std::uint8_t> chunk, std::size_t element, std::span<std::uint8_t> to) {
-  if (element == 1)
-    return libdeflate_zlib_decompress(inflater_, chunk.data(), chunk.size(), to.data(), to.size(), nullptr) == LIBDEFLATE_SUCCESS;
-  shuffled_.resize(to.size());
-  if (!unfold(chunk, 1, shuffled_)) return false;
-  if (element == 4) unshuffle<std::uint32_t>(shuffled_.data(), to.size() / element, to.data());
-  if (element == 8) unshuffle<std::uint64_t>(shuffled_.data(), to.size() / element, to.data());
-  return element == 4 || element == 8;
 }
 
 Attribute open_attribute(const Place& place, const Handle& object, const std::string& name) {
@@ -498,89 +429,3 @@ void Handle::close() {
 }
 
 }  // namespace slipbench::hdf5
-
-namespace slipbench {
-namespace {
-
-using Bytes = std::span<const std::uint8_t>;
-
-// A file's bytes, mapped for as long as the object lives.
-class MappedFile {
- public:
-  explicit MappedFile(const std::string& path) {
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    struct stat status {};
-    const bool found = descriptor >= 0 && ::fstat(descriptor, &status) == 0;
-    void* address =
-        found ? ::mmap(nullptr, static_cast<std::size_t>(status.st_size), PROT_READ, MAP_PRIVATE, descriptor, 0) : MAP_FAILED;
-    const int reason = errno;
-    if (descriptor >= 0) ::close(descriptor);
-    if (address == MAP_FAILED) reject("{}: cannot be read: {}", path, std::strerror(reason));
-    bytes_ = {static_cast<const std::uint8_t*>(address), static_cast<std::size_t>(status.st_size)};
-  }
-  ~MappedFile() { ::munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size()); }
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-  [[nodiscard]] Bytes bytes() const { return bytes_; }
-  // Gives back the memory of a part, which is read again when it is asked for. `from`: a multiple of the page.
-  void let_go(std::size_t from, std::size_t count) const {
-    ::madvise(const_cast<std::uint8_t*>(bytes_.data()) + from, std::min(count, bytes_.size() - from), MADV_DONTNEED);
-  }
-
- private:
-  Bytes bytes_;
-};
-
-template <class T>
-T number_at(Bytes bytes, std::size_t place) {
-  T value{};
-  std::memcpy(&value, bytes.data() + place, sizeof value);
-  return value;
-}
-
-// HDF5 file format 3.0, III.E: signature, version and size; then objects of index, count of references and size, each padded to
-// 8 bytes. Index 0 is the free rest, whose size includes its header. The writer numbers the others from 1 on. HDF5 1.14 leaves gaps where a text was
-// changed, and finds an index that is not there by itself; 1.10 reads from nowhere.
-constexpr bool gaps_are_sound = H5_VERSION_GE(1, 14, 0);
-
-bool sound_heap(Bytes rest) {
-  constexpr std::size_t header = 16;
-  if (rest.size() < header) return false;
-  const auto size = number_at<std::uint64_t>(rest, 8);
-  if (size < header || size > rest.size()) return false;
-  std::uint16_t last = 0;
-  for (std::size_t place = header; place + header <= size;) {
-    const auto index = number_at<std::uint16_t>(rest, place);
-    const auto length = number_at<std::uint64_t>(rest, place + 8);
-    const std::uint64_t left = size - place;
-    if (length > left) return false;
-    if (index == 0) return length == left;
-    if (index != last + 1 && !gaps_are_sound) return false;
-    const std::uint64_t needed = header + (length + 7) / 8 * 8;
-    if (needed > left) return false;
-    last = index;
-    place += needed;
-  }
-  return true;
-}
-
-}  // namespace
-
-void check_heaps(const std::string& path) {
-  using namespace std::string_view_literals;
-  constexpr std::string_view start = "GCOL\x01\0\0\0"sv;  // signature, version, reserved
-  const MappedFile file(path);
-  const std::string_view text(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
-  constexpr std::size_t window = 16 << 20;  // bytes that are in memory at a time
-  for (std::size_t from = 0; from < text.size(); from += window) {
-    const std::string_view part = text.substr(from, window + start.size() - 1);
-    for (std::size_t place = part.find(start); place != std::string_view::npos; place = part.find(start, place + start.size())) {
-      if (!sound_heap(file.bytes().subspan(from + place))) {
-        reject("{}: is damaged: the texts at byte {} are not as they were written", path, from + place);
-      }
-    }
-    file.let_go(from, window);
-  }
-}
-
-}  // namespace slipbench

@@ -4,15 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <hdf5.h>
-
-struct libdeflate_decompressor;
 
 namespace slipbench::hdf5 {
 
@@ -111,36 +108,11 @@ std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents
                      std::uint64_t compression);
 
 // Extents of an array, once it is known that all of its values lie in the file: no external storage, no virtual dataset, no more
-// bytes than what is stored can unfold to.
+// bytes than what is stored can decompress to. Throws InputError also where what is open at `place` is not an array.
 std::vector<std::size_t> array_extents(const Place& place, const Handle& array);
-// The same where the array's creation properties are at hand.
-std::vector<std::size_t> array_extents(const Place& place, const Handle& array, const Handle& properties);
-// Creation properties of what is open at `place`. Throws InputError where it is no array.
-Handle array_properties(const Place& place, const Handle& array);
 
 // Reads all values of an array, converted to `type`, into `to`, which must have room for them.
 void read_values(const Place& place, const Handle& array, hid_t type, void* to);
-
-// Rows of a chunk of an array that is stored as the encoder does it: in chunks of whole rows, through its filters. 0: it is stored otherwise.
-std::size_t folded_rows(const Handle& properties, const std::vector<std::size_t>& extents, std::size_t element);
-// The chunk that begins at a row, as it is stored; false: it is missing or cannot be read.
-bool read_chunk(const Handle& array, std::size_t rank, std::size_t row, std::vector<std::uint8_t>& to);
-
-// Undoes deflate and, of elements of several bytes, HDF5's shuffle filter.
-class Unfolder {
- public:
-  Unfolder();
-  ~Unfolder();
-  Unfolder(const Unfolder&) = delete;
-  Unfolder& operator=(const Unfolder&) = delete;
-
-  // The bytes of one chunk into `to`, whose size they must have; false: they have not.
-  bool unfold(std::span<const std::uint8_t> chunk, std::size_t element, std::span<std::uint8_t> to);
-
- private:
-  libdeflate_decompressor* inflater_;
-  std::vector<std::uint8_t> shuffled_;
-};
 
 // An attribute that is there; its extents are checked likewise.
 struct Attribute {
@@ -176,14 +148,3 @@ void write_attribute(hid_t object, const std::string& name, const std::vector<do
 void write_texts(hid_t group, const char* name, const std::vector<std::string>& texts);
 
 }  // namespace slipbench::hdf5
-
-namespace slipbench {
-
-// The one part of a file whose damage HDF5 does not notice.
-
-// Walks every global heap of a finished file: the blocks "GCOL" that hold the texts of attributes. They have no checksum, and where
-// their sizes or indices are damaged HDF5 1.10 runs on for ever or ends the process. Throws InputError when one is damaged.
-// Not for the file of a killed run, which may end in half a heap that nothing refers to.
-void check_heaps(const std::string& path);
-
-}  // namespace slipbench

@@ -240,14 +240,6 @@ std::string_view numpy_name(ElementType type) {
   return {};
 }
 
-std::size_t EncodedTrial::stored_bytes() const {
-  std::size_t bytes = 0;
-  for (const EncodedArray& array : arrays) {
-    for (const auto& chunk : array.chunks) bytes += chunk.size();
-  }
-  return bytes;
-}
-
 TrialEncoder::TrialEncoder() : state_(std::make_unique<State>()) {
   if (!state_->compressor) throw std::bad_alloc();
 }
@@ -265,35 +257,6 @@ EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
   });
   trial.attributes.push_back({"", trial_sha256_name, hexadecimal(trial.digest)});
   return trial;
-}
-
-Digest recomputed_digest(const EncodedTrial& trial,
-                         const std::function<void(const EncodedArray&, std::span<const std::uint8_t>)>& see) {
-  hdf5::Unfolder unfolder;
-  ContentDigest digest;
-  std::vector<std::uint8_t> values;
-  for (const EncodedArray& array : trial.arrays) {
-    const auto refuse = [&] { throw InputError(array.path + ": a chunk does not hold its rows"); };
-    const std::size_t element = size_of(array.type);
-    std::size_t row = element;  // bytes
-    for (std::size_t axis = 1; axis < array.shape.size(); ++axis) row *= array.shape[axis];
-    values.resize(0);
-    for (const std::vector<std::uint8_t>& chunk : array.chunks) {
-      constexpr std::size_t most = 1032;  // bytes that deflate makes of one
-      if (row == 0 || array.chunk_rows > most * chunk.size() / row) refuse();
-      const std::size_t bytes = array.chunk_rows * row;
-      values.resize(values.size() + bytes);
-      if (!unfolder.unfold(chunk, element, std::span(values).last(bytes))) refuse();
-    }
-    const std::size_t bytes = array.shape.front() * row;
-    if (bytes > values.size()) refuse();
-    add_array(digest, array.path, array.type, array.shape, values.data(), bytes, array.unit, array.codes);
-    see(array, std::span(values).first(bytes));
-  }
-  for (const EncodedAttribute& attribute : trial.attributes) {
-    if (!attribute.path.empty() || attribute.name != trial_sha256_name) add_attribute(digest, attribute);
-  }
-  return digest.finish();
 }
 
 std::string truth_sha256(const LabelRecord& labels) {

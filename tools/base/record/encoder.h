@@ -4,9 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -173,9 +171,6 @@ struct EncodedTrial {
   std::vector<EncodedArray> arrays;          // in ascending order of path
   std::vector<EncodedAttribute> attributes;  // likewise
   Digest digest{};                           // of all arrays and attributes, see README.md; also the attribute `sha256`
-
-  // Bytes that the chunks take in the file.
-  [[nodiscard]] std::size_t stored_bytes() const;
 };
 
 // Encodes trials. One object a thread: it holds the compressor and its buffers.
@@ -194,11 +189,6 @@ class TrialEncoder {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-// EncodedTrial::digest by its chunks and attributes, whatever it says itself; `see` is shown the values of each array. Throws InputError where a
-// chunk does not hold the rows that it should.
-Digest recomputed_digest(const EncodedTrial& trial,
-                         const std::function<void(const EncodedArray&, std::span<const std::uint8_t>)>& see);
 
 // EncodedTrial::digest of a trial, without encoding it.
 Digest trial_digest(const TrialRecord& record);

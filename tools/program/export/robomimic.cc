@@ -12,7 +12,6 @@
 
 #include "sim/core/process/check_readable.h"
 #include "sim/core/process/regular_file.h"
-#include "tools/base/dataset/shard.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/hdf5/hdf5_place.h"

@@ -21,15 +21,14 @@ namespace {
 // All formats in the order of the help, a line each.
 constexpr std::array<ImportFormat, 5> import_catalogue{{
     {"bts3v2", "grasps with three BioTac SP, a row a grasp: object, whether it slipped, 72 electrodes before the lift", "object",
-     &count_lines, &read_bts3v2},
+     &read_bts3v2},
     {"biotacsp-dos", "a BioTac SP that slides, turns or rests, CLASS/OBJECT<number>.csv: 24 electrodes, 100 rows a second",
-     "object", &count_one, &read_biotacsp_dos},
-    {"papillarray-csv", "the PapillArray vendor's logs of one or two sensors, a file a recording", "trial", &count_one,
+     "object", &read_biotacsp_dos},
+    {"papillarray-csv", "the PapillArray vendor's logs of one or two sensors, a file a recording", "trial",
      &read_papillarray_csv},
-    {"training-csv", "the PapillArray's published training files: 73 columns, no header, a file a recording", "trial", &count_one,
+    {"training-csv", "the PapillArray's published training files: 73 columns, no header, a file a recording", "trial",
      &read_training_csv},
-    {"csv", "tables of your own with a header, a file a recording; --map says what their columns are", "trial", &count_one,
-     &read_mapped_csv},
+    {"csv", "tables of your own with a header, a file a recording; --map says what their columns are", "trial", &read_mapped_csv},
 }};
 
 // A link to a folder is not followed.
@@ -138,10 +137,7 @@ void resample_and_note(TrialRecord& record, double rate, const SourceFile& file,
 // A dataset of which nothing is left unless it was finished.
 class Target {
  public:
-  Target(const ImportOptions& options, std::size_t trials) : writer_(options.output, header_of(options), trials) {}
-  ~Target() { writer_.discard(); }
-  Target(const Target&) = delete;
-  Target& operator=(const Target&) = delete;
+  explicit Target(const ImportOptions& options) : writer_(options.output, header_of(options)) {}
 
   void add(const TrialRecord& record) { writer_.append(encoder_.encode(record)); }
   std::vector<std::string> finish() { return writer_.commit(); }
@@ -188,11 +184,7 @@ ImportSummary import_recordings(const ImportOptions& options) {
   ImportSummary summary;
   summary.sources = sources.size();
   std::optional<Target> target;
-  if (!options.output.empty()) {
-    std::size_t planned = 0;
-    for (const SourceFile& file : sources) planned += options.format->count(file);
-    target.emplace(options, planned);
-  }
+  if (!options.output.empty()) target.emplace(options);
   for (const SourceFile& file : sources) {
     options.format->read(file, [&](TrialRecord record, std::size_t repeated_rows) {
       record.trial = summary.trials++;

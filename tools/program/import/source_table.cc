@@ -118,15 +118,6 @@ void SourceTable::expect_room(std::size_t rows, std::size_t row_bytes) const {
   }
 }
 
-std::size_t count_lines(const SourceFile& file) {
-  SourceTable table(file);
-  std::size_t lines = 0;
-  while (table.next()) ++lines;
-  return lines == 0 ? 0 : lines - 1;
-}
-
-std::size_t count_one(const SourceFile&) { return 1; }
-
 TrialRecord make_recording(const Json& params, const std::string& object) {
   TrialRecord record;
   record.material = object;

@@ -30,8 +30,6 @@ struct ImportFormat {
   const char* name;      // on the command line: "bts3v2"
   const char* summary;   // for the help
   const char* split_by;  // as SplitRule::by: "object", which recordings of the same TrialRecord::material share, or "trial"
-  // How many recordings a file holds, counted without looking into them.
-  std::size_t (*count)(const SourceFile& file);
   // Hands over those of a file. Throws InputError "FILE:LINE: what was found; allowed: ...".
   void (*read)(const SourceFile& file, const AddRecording& add);
 };
@@ -42,10 +40,6 @@ void read_biotacsp_dos(const SourceFile& file, const AddRecording& add);
 void read_papillarray_csv(const SourceFile& file, const AddRecording& add);
 void read_training_csv(const SourceFile& file, const AddRecording& add);
 void read_mapped_csv(const SourceFile& file, const AddRecording& add);  // also throws InputError "MAP:LINE: ..."
-
-// ImportFormat::count of a file with a recording in every line below its header, and of one that is a single recording.
-std::size_t count_lines(const SourceFile& file);
-std::size_t count_one(const SourceFile& file);
 
 // A recording without sensors and without a single truth. `object`: what the split goes by; empty: nothing.
 TrialRecord make_recording(const Json& params, const std::string& object);

@@ -68,6 +68,11 @@ void read_dataset(const std::string& path) {
   print_files(reader);
 }
 
+void read_batch(const std::string& path) {
+  const DatasetReader reader = DatasetReader::of_file(path);
+  for (const std::size_t trial : reader.trials()) static_cast<void>(reader.read_trial(trial));
+}
+
 void read(const std::string& kind, const std::string& path) {
   if (kind == reader_word(FileKind::dataset_file)) {
     static_cast<void>(file_about(path));
@@ -75,6 +80,8 @@ void read(const std::string& kind, const std::string& path) {
     read_header(path);
   } else if (kind == reader_word(FileKind::dataset)) {
     read_dataset(path);
+  } else if (kind == reader_word(FileKind::batch)) {
+    read_batch(path);
   } else if (kind == reader_word(FileKind::network)) {
     static_cast<void>(network::load_engine_unchecked(path));
 #ifdef SLIPBENCH_WITH_MUJOCO

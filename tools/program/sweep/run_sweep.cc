@@ -4,6 +4,8 @@
 #include <cctype>
 #include <chrono>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <new>
 #include <numeric>
@@ -16,6 +18,7 @@
 
 #include "sim/core/process/interrupted.h"
 #include "sim/scene/section_readers.h"
+#include "tools/base/dataset/finished_dataset.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
@@ -308,39 +311,6 @@ std::unique_ptr<TrialWorkers> make_workers(std::vector<std::size_t> trials, std:
   return std::make_unique<WorkerThreads>(std::move(trials), jobs, plan, options, files);
 }
 
-// A trial of an earlier run, as it would be handed over by a worker.
-FinishedTrial resumed_trial(const KeptTrials& kept, const WorkPlan& plan, std::size_t index) {
-  std::optional<KeptTrials::Trial> read = kept.read(index);
-  if (!read) reject("trial {}: {} has changed since it was checked", index, fmt::join(kept.files(), ", "));
-  TrialResult result;
-  result.record = std::move(read->counts);
-  result.units.resize(result.record.sensors.size());
-  const Scene scene = plan.trials.trial(index).scene;
-  FinishedTrial finished{summary_of(result), scene.duration, 0.0, 0.0, std::move(read->encoded)};
-  finished.encoded->material = split_group(scene);
-  finished.summary.resumed = true;
-  return finished;
-}
-
-// Which of the trials that an earlier run has left can be read, and hold what was written. Each is read by a child process, since HDF5 crashes on
-// some damaged files, and runs for ever on others.
-std::set<std::size_t> intact_trials(const KeptTrials& kept, const std::vector<std::size_t>& trials, std::size_t jobs,
-                                    const std::atomic<bool>* interrupt) {
-  constexpr double long_enough = 120.0;  // s
-  std::vector<std::size_t> held;
-  std::ranges::copy_if(trials, std::back_inserter(held), [&](std::size_t trial) { return kept.holds(trial); });
-  OrderedChildren readers(
-      held.size(), jobs, [&](std::size_t index) { return std::string(kept.read(held[index]) ? "intact" : "damaged"); }, interrupt,
-      long_enough);
-  std::set<std::size_t> intact;
-  for (const std::size_t trial : held) {
-    const std::optional<ChildEnd> end = readers.next();
-    if (!end) throw Interrupted();
-    if (end->text == "intact") intact.insert(trial);
-  }
-  return intact;
-}
-
 // The command that runs one trial of a sweep again.
 std::string repeating_command(const SweepOptions& options, std::uint64_t seed, std::size_t trial) {
   SweepOptions run = options;
@@ -355,11 +325,26 @@ std::string repeating_command(const SweepOptions& options, std::uint64_t seed, s
 }
 
 // Keeps the finished trials of a run that failed, and says where; empty when there are none.
-std::string keep_finished(DatasetWriter& writer, std::size_t planned) {
-  const std::vector<std::string> files = writer.keep_partial();
-  const std::size_t finished = writer.size();
-  if (files.empty()) return "";
-  return fmt::format("; {} {} {} of {} trials", fmt::join(files, ", "), files.size() == 1 ? "holds" : "hold", finished, planned);
+std::string keep_finished(SweepWriter& writer, std::size_t planned) {
+  try {
+    writer.keep();
+  } catch (const InputError&) {
+    // The disk may still be full. Batches that were finished before are there.
+  }
+  if (writer.finished() == 0) return "";
+  return fmt::format("; {} holds {} of {} trials, with which the same command with --resume goes on", writer.folder(),
+                     writer.finished(), planned);
+}
+
+// What the sweep tells of a trial that an earlier run has finished. What became of each unit is not in a dataset.
+std::string summary_of_stored(const TrialRecord& record) {
+  TrialResult result;
+  result.record = record;
+  result.units.resize(record.sensors.size());
+  FinishedTrial finished;
+  finished.summary = summary_of(result);
+  finished.summary.resumed = true;
+  return to_message(finished);
 }
 
 // The scene's sweep, its cells repeated until there are at least options.limit trials.
@@ -391,10 +376,9 @@ class RunningSweep {
 
   // Refuses what cannot run, before anything is written.
   void check(const Catalogues& catalogues);
-  // Finds what an earlier run has left. True: it had come to its end, and nothing is left to do.
-  bool resume();
-  // Makes the dataset's first file.
-  void open();
+  // Makes the folder for what is finished, and finds there what an earlier run has left. False: that run had come to its end, and nothing
+  // is left to do.
+  bool open();
   // Runs the trials that are missing and finishes the dataset; of a run that fails what is finished is kept.
   void run();
 
@@ -403,14 +387,13 @@ class RunningSweep {
  private:
   void run_trials();
   void take(FinishedTrial& trial);
+  void add_summary(TrialSummary& summary);
   void finish();
   void report();
 
   [[nodiscard]] WorkPlan work() const {
     return {plan_, summary_.seed, recording_of(options_), workforce_.max_bytes, options_.interrupt};
   }
-  [[nodiscard]] bool holds(std::size_t trial) const { return kept_ && kept_->holds(trial); }
-  [[nodiscard]] bool unpublished() const { return writer_ && writer_->published() < writer_->size(); }
 
   const ReadSweep& read_;
   const SweepOptions& options_;
@@ -420,9 +403,8 @@ class RunningSweep {
   Workforce workforce_;
   std::optional<HeldFiles> files_;  // that the trials name
   DatasetHeader header_;
-  std::optional<KeptTrials> kept_;         // of an earlier run
-  std::set<std::size_t> intact_;           // of these, those that can be read
-  std::unique_ptr<DatasetWriter> writer_;  // null: nothing is written
+  std::unique_ptr<SweepWriter> writer_;         // null: nothing is written
+  std::map<std::size_t, std::string> resumed_;  // each trial that an earlier run has finished, as a message (finished_trial.h)
   SweepSummary summary_;
   std::size_t reported_ = 0;  // trials done, of the last report
 };
@@ -458,22 +440,22 @@ void RunningSweep::check(const Catalogues& catalogues) {
              summary_.shard};
 }
 
-bool RunningSweep::resume() {
-  kept_.emplace(options_.output, header_);
-  intact_ = intact_trials(*kept_, trials_, workforce_.threads, options_.interrupt);
-  if (kept_->size() > 0) return false;
+bool RunningSweep::open() {
+  writer_ = std::make_unique<SweepWriter>(options_.output, header_, options_.shard_limit);
+  if (options_.resume) {
+    resumed_ = writer_->resume(&summary_of_stored);
+    summary_.damaged = writer_->damaged();
+  } else {
+    writer_->refuse_left();
+  }
+  if (!options_.resume || !resumed_.empty()) return true;
   std::optional<FinishedDataset> whole = finished_dataset(options_.output, header_);
-  if (!whole) return false;
+  if (!whole) return true;
   summary_.was_complete = true;
   summary_.resumed = whole->trials;
   summary_.failed = std::move(whole->failed);
   summary_.files = std::move(whole->files);
-  return true;
-}
-
-void RunningSweep::open() {
-  const std::size_t planned = options_.shard ? trials_.size() : plan_.size();
-  writer_ = std::make_unique<DatasetWriter>(options_.output, header_, planned, options_.shard_limit, kept_ ? &*kept_ : nullptr);
+  return false;
 }
 
 void RunningSweep::run() {
@@ -495,34 +477,30 @@ void RunningSweep::run() {
 void RunningSweep::run_trials() {
   summary_.trials.reserve(summary_.planned);  // growing, it would leave holes of as much again in the heap
   std::vector<std::size_t> missing;
-  std::ranges::copy_if(trials_, std::back_inserter(missing), [&](std::size_t trial) { return !intact_.contains(trial); });
+  std::ranges::copy_if(trials_, std::back_inserter(missing), [&](std::size_t trial) { return !resumed_.contains(trial); });
   const std::unique_ptr<TrialWorkers> workers = make_workers(missing, workforce_.threads, work(), options_, *files_);
-  // What is finished is made safe while nothing else is to be done, and at the latest after a moment: a sync may take a while.
-  constexpr std::chrono::milliseconds longest_unsafe{250};
-  auto due = std::chrono::steady_clock::now() + longest_unsafe;
   for (const std::size_t trial : trials_) {
     end_if(options_.interrupt);
-    std::optional<FinishedTrial> finished;
-    if (intact_.contains(trial)) {
-      finished = resumed_trial(*kept_, work(), trial);
-    } else {
-      if (unpublished() && !workers->ready_until(due)) writer_->publish();
-      constexpr std::chrono::milliseconds a_while{100};
-      while (progress_ && trials_.size() == 1 && !workers->ready_until(std::chrono::steady_clock::now() + a_while))
-        progress_({.total = 1, .share = simulated_share()});
-      finished = workers->next();
+    if (const auto resumed = resumed_.find(trial); resumed != resumed_.end()) {
+      FinishedTrial finished = from_message(resumed->second);
+      add_summary(finished.summary);
+      report();
+      continue;
     }
+    const auto due = writer_ ? writer_->due() : std::nullopt;
+    if (due && (std::chrono::steady_clock::now() >= *due || !workers->ready_until(*due))) writer_->finish_batch();
+    constexpr std::chrono::milliseconds a_while{100};
+    while (progress_ && trials_.size() == 1 && !workers->ready_until(std::chrono::steady_clock::now() + a_while))
+      progress_({.total = 1, .share = simulated_share()});
+    std::optional<FinishedTrial> finished = workers->next();
     if (!finished) break;
     take(*finished);
     workers->give_back(std::move(*finished));
-    if (writer_ && std::chrono::steady_clock::now() >= due) writer_->publish();
-    if (std::chrono::steady_clock::now() >= due) due = std::chrono::steady_clock::now() + longest_unsafe;
     report();
   }
 }
 
 void RunningSweep::take(FinishedTrial& trial) {
-  if (holds(trial.summary.trial) && !trial.summary.resumed) summary_.damaged.push_back(trial.summary.trial);
   if (!trial.failure.empty()) {
     const std::size_t number = trial.summary.trial;
     summary_.failed.push_back({number, std::move(trial.failure), repeating_command(options_, summary_.seed, number)});
@@ -530,33 +508,34 @@ void RunningSweep::take(FinishedTrial& trial) {
     return;
   }
   if (writer_) writer_->append(*trial.encoded);
-  if (trial.summary.resumed) {
-    ++summary_.resumed;
-  } else {
-    summary_.simulated += trial.duration;
-    summary_.computed += trial.computed;
-    summary_.shortest_step = summary_.longest_step == 0.0 ? trial.time_step : std::min(summary_.shortest_step, trial.time_step);
-    summary_.longest_step = std::max(summary_.longest_step, trial.time_step);
-  }
-  if (options_.on_trial) options_.on_trial(trial.summary);
+  summary_.simulated += trial.duration;
+  summary_.computed += trial.computed;
+  summary_.shortest_step = summary_.longest_step == 0.0 ? trial.time_step : std::min(summary_.shortest_step, trial.time_step);
+  summary_.longest_step = std::max(summary_.longest_step, trial.time_step);
+  add_summary(trial.summary);
+}
+
+void RunningSweep::add_summary(TrialSummary& summary) {
+  if (summary.resumed) ++summary_.resumed;
+  if (options_.on_trial) options_.on_trial(summary);
   if (!options_.keep_units && summary_.planned > 1) {
-    for (SensorSummary& sensor : trial.summary.sensors) sensor.units.clear();
+    for (SensorSummary& sensor : summary.sensors) sensor.units.clear();
   }
   // A copy: what a worker has allocated would keep the memory around it, which is ten times its own.
-  summary_.trials.push_back(std::as_const(trial.summary));
+  summary_.trials.push_back(std::as_const(summary));
 }
 
 void RunningSweep::finish() {
   summary_.interrupted = summary_.trials.size() + summary_.failed.size() < summary_.planned;
   // A shard tells of its failed trials even where it has no others: merging counts them.
   const bool whole = !summary_.interrupted && (!summary_.trials.empty() || summary_.shard);
-  if (writer_) summary_.files = whole ? writer_->commit() : writer_->keep_partial();
-  if (writer_) summary_.kept = writer_->size();
+  if (writer_) summary_.files = whole ? writer_->commit() : writer_->keep();
+  if (writer_) summary_.kept = whole ? summary_.trials.size() : writer_->finished();
   report();
 }
 
 void RunningSweep::report() {
-  const std::size_t done = (writer_ ? writer_->published() : summary_.trials.size()) + summary_.failed.size();
+  const std::size_t done = summary_.trials.size() + summary_.failed.size();
   if (progress_ && done > reported_) progress_({done, summary_.planned, summary_.simulated});
   reported_ = done;
 }
@@ -631,9 +610,7 @@ SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const
                        const ProgressCallback& progress) {
   RunningSweep sweep(read, options, progress);
   sweep.check(catalogues);
-  if (options.resume && sweep.resume()) return sweep.take_summary();
-  if (!options.output.empty()) sweep.open();
-  sweep.run();
+  if (options.output.empty() || sweep.open()) sweep.run();
   return sweep.take_summary();
 }
 

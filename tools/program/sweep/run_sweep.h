@@ -13,8 +13,8 @@
 
 #include "sim/scene/catalogues.h"
 #include "sim/scene/parser.h"
+#include "tools/base/dataset/batches.h"
 #include "tools/base/dataset/header.h"
-#include "tools/base/dataset/writer.h"
 #include "tools/base/record/trial_record.h"
 #include "tools/base/workers/child_process.h"
 #include "tools/program/run/run_trial.h"
@@ -23,7 +23,7 @@ namespace slipbench {
 
 // Told from the calling thread after each trial, in order.
 struct SweepProgress {
-  std::size_t done = 0;  // trials that failed, or are finished and, with a dataset, safe in it
+  std::size_t done = 0;  // trials that failed or are finished; a kill loses those of the batch that is being written (batches.h)
   std::size_t total = 0;
   double simulated = 0.0;  // s, of the trials done
   double share = 0.0;      // of a run of one trial, told while it runs: what of it is simulated
@@ -92,14 +92,14 @@ struct SweepSummary {
   std::vector<TrialSummary> trials;  // finished, in order
   std::vector<FailedTrial> failed;   // the others, in order
   std::size_t resumed = 0;           // of the finished, those that an earlier run has simulated
-  std::vector<std::size_t> damaged;  // trials that an earlier run had left damaged: they were simulated again
+  std::vector<std::string> damaged;  // batches that an earlier run had left damaged: their trials were simulated again
   bool was_complete = false;         // there was nothing to resume: the dataset is there, and whole; `trials` is empty
   std::size_t kept = 0;              // trials in `files`
   double simulated = 0.0;            // s, of the trials that this run has simulated
   double computed = 0.0;             // s, what their simulation took on the clock, summed over the workers
   double shortest_step = 0.0, longest_step = 0.0;  // s, of these trials; 0 where there is none
   bool interrupted = false;
-  std::vector<std::string> files;  // written; those of the kept partial dataset when interrupted
+  std::vector<std::string> files;  // written; the batches when interrupted
 };
 
 // The trials that a command chooses from.
@@ -140,7 +140,7 @@ std::string shell_word(const std::string& word);
 
 // Runs the sweep. A trial that fails is noted, in the summary and in the dataset, and the others run. Throws InputError for a
 // scene or a target that cannot be used, and when options.only is none of its trials. What is finished when the target fails is
-// kept under OUT.partial.h5, which the message names. A scene that wishes for accuracy is a std::logic_error: its setting is
+// kept in the folder OUT.h5.partial, which the message names. A scene that wishes for accuracy is a std::logic_error: its setting is
 // found before (tools/program/cost). What is written does not depend on `jobs`.
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
 // The same; `read`: read_sweep(options, catalogues).

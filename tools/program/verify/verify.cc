@@ -274,10 +274,10 @@ Json shards_result(const std::vector<std::string>& paths) {
   Json result{{"shards", paths.size()}, {"trials", nullptr}, {"duplicates", nullptr}, {"within_rounding", nullptr}};
   std::vector<std::string> failures;
   try {
-    ShardSet set(paths);
+    const ShardSet set(paths);
     failures = set.gaps();
     result["trials"] = set.size();
-    result["duplicates"] = set.check_duplicates();
+    result["duplicates"] = set.duplicates();
     result["within_rounding"] = set.within_rounding();
   } catch (const InputError& error) {
     failures.emplace_back(error.what());

@@ -20,6 +20,7 @@
 
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/dataset/run_folder.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/workers/interrupt_guard.h"
@@ -151,8 +152,8 @@ int status_of_rerun() { return Python("", "").wait(); }
 
 RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) {
   using namespace std::chrono_literals;
-  const std::string growing = path + ".partial";  // the name of a dataset that is not whole yet (tools/base/dataset)
-  const bool follows = is_being_written(growing);
+  const std::string lock = run_lock_path(path);
+  const bool follows = is_being_written(lock);
   if (!follows && !fs::exists(path)) reject("view: {}: there is no such dataset, and no run writes it", path);
   const InterruptGuard guard("the viewer stays open");
   const ScratchFolder folder;  // for what Python reads
@@ -160,8 +161,12 @@ RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) 
   RerunResult result;
   for (bool alive = true, runs = follows; alive && !InterruptGuard::flag();) {
     // A trial that is finished after this look is seen at the next, or in the whole file.
-    runs = runs && is_being_written(growing);
-    const std::string source = runs ? growing : path;
+    runs = runs && is_being_written(lock);
+    const std::string source = runs ? first_batch_path(path) : path;
+    if (runs && !fs::exists(source)) {  // the first batch is not finished
+      std::this_thread::sleep_for(500ms);
+      continue;
+    }
     const auto trial = trial_in(source, options.trial, follows);
     if (trial && (result.trials.empty() || *trial != result.trials.back())) {
       const std::vector<std::string> files =

@@ -32,7 +32,7 @@ void expect_same(const std::vector<double>& found, const std::vector<double>& ex
 
 struct DatasetTest : FolderTest {
   std::string write(const std::string& name, std::size_t trials, std::size_t rows, std::uint64_t limit) {
-    DatasetWriter writer(path(name), header, trials, limit);
+    DatasetWriter writer(path(name), header, limit);
     for (std::size_t k = 0; k < trials; ++k) writer.append(make_trial(k, rows));
     writer.commit();
     return path(name);
@@ -108,7 +108,7 @@ TEST_F(DatasetTest, ComesBackAsItWasWritten) {
 TEST_F(DatasetTest, DetectorComesBackAsItWasWritten) {
   const TrialRecord expected = make_controlled_record(0, 41);
   {
-    DatasetWriter writer(path("a.h5"), header, 2);
+    DatasetWriter writer(path("a.h5"), header);
     writer.append(TrialEncoder().encode(expected));
     writer.append(make_trial(1, 41));
     writer.commit();
@@ -135,7 +135,7 @@ TEST_F(DatasetTest, OldOutcomesAreJudgedByTodaysRule) {
   early.outcome.false_alarm_time = 0.166;
   missed.outcome.detection_time = missed.outcome.detection_delay = std::numeric_limits<double>::quiet_NaN();
   {
-    DatasetWriter writer(path("a.h5"), header, 3);
+    DatasetWriter writer(path("a.h5"), header);
     for (TrialRecord* record : {&seen, &early, &missed}) {
       record->outcome.detection.reset();
       writer.append(TrialEncoder().encode(*record));
@@ -258,7 +258,7 @@ TEST_F(DatasetTest, RefusesAShardOfAnotherRun) {
   DatasetHeader other = header;
   other.seed = 8;
   {
-    DatasetWriter writer(path("b.h5"), other, 20, limit);
+    DatasetWriter writer(path("b.h5"), other, limit);
     for (std::size_t k = 0; k < 20; ++k) writer.append(make_trial(k, 500));
     writer.commit();
   }
@@ -272,7 +272,7 @@ TEST_F(DatasetTest, RefusesAShardOfAnotherRun) {
 }
 
 TEST_F(DatasetTest, TrialsComeInOrder) {
-  DatasetWriter writer(path("a.h5"), header, 2);
+  DatasetWriter writer(path("a.h5"), header);
   writer.append(make_trial(1, 10));
   EXPECT_THROW(writer.append(make_trial(1, 10)), std::logic_error);
 }

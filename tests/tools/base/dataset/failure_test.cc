@@ -1,6 +1,4 @@
 // What happens to a dataset when its writing cannot go on.
-#include <sys/file.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -27,28 +25,18 @@ constexpr std::size_t rows = 400;
 
 struct FailureTest : FolderTest {
   std::string refusal(const std::string& target) {
-    return refusal_of([&] { DatasetWriter writer(target, header, 1); });
+    return refusal_of([&] { DatasetWriter writer(target, header); });
   }
   static void write(const std::string& target, std::size_t trials) {
-    DatasetWriter writer(target, header, trials);
+    DatasetWriter writer(target, header);
     for (std::size_t k = 0; k < trials; ++k) writer.append(make_trial(k, rows));
     writer.commit();
-  }
-  void expect_first_trials(const std::string& name, std::size_t count) {
-    const DatasetReader reader(path(name));
-    EXPECT_FALSE(reader.complete());
-    ASSERT_EQ(reader.trials().size(), count);
-    for (std::size_t k = 0; k < count; ++k) {
-      EXPECT_EQ(reader.trials()[k], k);
-      EXPECT_EQ(reader.read<float>(k, "labels/pad/force"), make_record(k, rows).sensors[0].labels.force);
-      EXPECT_EQ(reader.read_trial(k).sensors[0].labels.k_normal, make_record(k, rows).sensors[0].labels.k_normal);
-    }
   }
 };
 
 TEST_F(FailureTest, FullFilesAreNotKeptOpen) {
-  DatasetWriter writer(path("out.h5"), header, 9, 1);  // bytes, so that each trial gets a file
-  std::vector<ssize_t> open;                           // files, groups and arrays, with HDF5
+  DatasetWriter writer(path("out.h5"), header, 1);  // bytes, so that each trial gets a file
+  std::vector<ssize_t> open;                        // files, groups and arrays, with HDF5
   for (std::size_t k = 0; k < 9; ++k) {
     writer.append(make_trial(k, rows));
     open.push_back(H5Fget_obj_count(H5F_OBJ_ALL, H5F_OBJ_ALL));
@@ -116,14 +104,14 @@ TEST_F(FailureTest, FolderWithoutPermissionIsRefused) {
 }
 
 TEST_F(FailureTest, TwoRunsDoNotShareATarget) {
-  const DatasetWriter first(path("out.h5"), header, 1);
+  const DatasetWriter first(path("out.h5"), header);
   EXPECT_THAT(refusal(path("out.h5")), mentions({"another run"}));
 }
 
 TEST_F(FailureTest, OldTargetStaysUntilTheNewOneIsWhole) {
   write(path("out.h5"), 1);
   const std::string old = bytes_of(path("out.h5"));
-  DatasetWriter writer(path("out.h5"), header, 100);
+  DatasetWriter writer(path("out.h5"), header);
   writer.append(make_trial(0, rows));
   writer.append(make_trial(1, rows));
   EXPECT_EQ(bytes_of(path("out.h5")), old);
@@ -132,76 +120,26 @@ TEST_F(FailureTest, OldTargetStaysUntilTheNewOneIsWhole) {
   EXPECT_THAT(names(), ElementsAre("out.h5"));
 }
 
-TEST_F(FailureTest, UnfinishedRunKeepsItsTrials) {
+TEST_F(FailureTest, UnfinishedDatasetLeavesNothing) {
   {
-    DatasetWriter writer(path("out.h5"), header, 100);
+    DatasetWriter writer(path("out.h5"), header);
     for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, rows));
-    EXPECT_EQ(writer.size(), 3U);
-    EXPECT_THAT(writer.keep_partial(), ElementsAre(path("out.partial.h5")));
+    EXPECT_THAT(names(), ElementsAre("out.h5.partial"));
   }
-  EXPECT_THAT(names(), ElementsAre("out.partial.h5"));
-  expect_first_trials("out.partial.h5", 3);
-  EXPECT_EQ(DatasetReader(path("out.partial.h5")).mask("train").size(), 1U);  // of three, one each for validation and test
-}
-
-TEST_F(FailureTest, UnfinishedRunWithoutTrialsLeavesNothing) {
-  { DatasetWriter writer(path("out.h5"), header, 100); }
   EXPECT_THAT(names(), IsEmpty());
 }
 
-TEST_F(FailureTest, KilledRunLeavesItsTrials) {
+TEST_F(FailureTest, WhatAKilledRunHasLeftIsReplaced) {
   const int status = in_child([&] {
-    DatasetWriter writer(path("out.h5"), header, 100);
-    for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, rows));
-    writer.publish();
-    writer.append(make_trial(3, rows));
+    DatasetWriter writer(path("out.h5"), header);
+    writer.append(make_trial(0, rows));
     ::raise(SIGKILL);
   });
   ASSERT_TRUE(WIFSIGNALED(status));
   EXPECT_THAT(names(), ElementsAre("out.h5.partial"));
-  expect_first_trials("out.h5.partial", 3);
-}
-
-TEST_F(FailureTest, KilledRunOfSeveralFilesIsReadAsOne) {
-  in_child([&] {
-    DatasetWriter writer(path("out.h5"), header, 8, 100'000);
-    for (std::size_t k = 0; k < 8; ++k) writer.append(make_trial(k, rows));
-    writer.publish();
-    ::raise(SIGKILL);
-  });
-  EXPECT_GE(names().size(), 2U);
-  expect_first_trials("out.h5.partial", 8);
-}
-
-// Killed at any time, also inside a write: every trial that publish() had returned for is there, and at most one more.
-TEST_F(FailureTest, RunKilledAtAnyTimeLeavesItsTrials) {
-  for (int attempt = 0; attempt < 20; ++attempt) {
-    std::filesystem::remove(path("out.h5.partial"));
-    int channel[2];
-    ASSERT_EQ(::pipe(channel), 0);
-    const pid_t child = ::fork();
-    if (child == 0) {
-      DatasetWriter writer(path("out.h5"), header, 100);
-      for (std::size_t k = 0;; ++k) {
-        writer.append(make_trial(k, rows));
-        writer.publish();
-        if (::write(channel[1], "x", 1) != 1) ::_exit(1);
-      }
-    }
-    ::close(channel[1]);
-    char mark = 0;
-    ASSERT_EQ(::read(channel[0], &mark, 1), 1);
-    ::usleep(static_cast<useconds_t>(1000 + 3700 * attempt));
-    ::kill(child, SIGKILL);
-    std::size_t reported = 1;
-    while (::read(channel[0], &mark, 1) == 1) ++reported;
-    ::close(channel[0]);
-    ::waitpid(child, nullptr, 0);
-    const std::size_t held = DatasetReader(path("out.h5.partial")).trials().size();
-    EXPECT_GE(held, reported);
-    EXPECT_LE(held, reported + 1);
-    expect_first_trials("out.h5.partial", held);
-  }
+  write(path("out.h5"), 2);
+  EXPECT_EQ(DatasetReader(path("out.h5")).trials().size(), 2U);
+  EXPECT_THAT(names(), ElementsAre("out.h5"));
 }
 
 // HDF5 leaves out an optional filter that does not make a chunk smaller and notes so in the chunk's filter mask: h5repack and h5py write such files.
@@ -273,7 +211,7 @@ TEST_F(FailureTest, AChunkThatDecompressesToTooLittleIsRefused) {
 // Whatever bytes a file has lost or changed, a check ends in a file that this process can read, or in an InputError that names it.
 TEST_F(FailureTest, DamagedFilesAreRefusedOrRead) {
   {
-    DatasetWriter writer(path("whole.h5"), header, 1);
+    DatasetWriter writer(path("whole.h5"), header);
     writer.append(make_trial(0, 20));
     writer.commit();
   }
@@ -294,36 +232,6 @@ TEST_F(FailureTest, DamagedFilesAreRefusedOrRead) {
       EXPECT_THAT(error.what(), HasSubstr("damaged.h5")) << step;
     }
   }
-}
-
-// A limit on the file's size stands for the full disk: the write fails half-way in the same place.
-TEST_F(FailureTest, FullDiskKeepsTheTrialsThatFitted) {
-  std::size_t most = 0;
-  for (const rlim_t limit : {100U, 3'000U, 10'000U, 30'000U, 60'000U, 100'000U, 150'000U, 177'000U, 200'000U}) {
-    const int status = in_child([&] {
-      const rlimit limits{limit, limit};
-      ::setrlimit(RLIMIT_FSIZE, &limits);
-      std::signal(SIGXFSZ, SIG_IGN);
-      const std::string message = refusal_of([&] {
-        DatasetWriter writer(path("out.h5"), header, 100);
-        for (std::size_t k = 0; k < 100; ++k) {
-          writer.append(make_trial(k, rows));
-          writer.publish();
-        }
-      });
-      ::_exit(message == "cannot write " + path("out.h5.partial") + ": File too large" ? 0 : 1);
-    });
-    ASSERT_TRUE(WIFEXITED(status));
-    EXPECT_EQ(WEXITSTATUS(status), 0) << limit;
-    if (names().empty()) continue;
-    ASSERT_THAT(names(), ElementsAre("out.partial.h5")) << limit;
-    const std::size_t held = DatasetReader(path("out.partial.h5")).trials().size();
-    EXPECT_GE(held, std::max<std::size_t>(1, most));
-    most = held;
-    expect_first_trials("out.partial.h5", held);
-    std::filesystem::remove(path("out.partial.h5"));
-  }
-  EXPECT_GE(most, 2U);
 }
 
 }  // namespace

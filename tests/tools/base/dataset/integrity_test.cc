@@ -38,7 +38,7 @@ void change_text(hid_t file, const std::string& object, const std::string& name,
 
 struct IntegrityTest : FolderTest {
   IntegrityTest() {
-    DatasetWriter writer(path("a.h5"), header, 3);
+    DatasetWriter writer(path("a.h5"), header);
     for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, rows));
     writer.commit();
   }

@@ -190,7 +190,6 @@ TEST(FileNames, NumberShardsBeforeTheExtension) {
   EXPECT_EQ(shard_path("a/out.h5", 1), "a/out-0001.h5");
   EXPECT_EQ(shard_path("a/out.h5", 12345), "a/out-12345.h5");
   EXPECT_EQ(shard_path("out", 2), "out-0002");
-  EXPECT_EQ(kept_path("a/out.h5"), "a/out.partial.h5");
   EXPECT_EQ(temporary_path("a/out.h5"), "a/out.h5.partial");
 }
 

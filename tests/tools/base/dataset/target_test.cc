@@ -19,12 +19,12 @@ struct TargetTest : FolderTest {
   // A dataset of another seed is another one.
   std::vector<std::string> write(const std::string& name, std::size_t trials, std::uint64_t limit = several,
                                  std::uint64_t seed = 7) {
-    DatasetWriter writer(path(name), {"1.2.3", "scene", "{}", seed, "slipbench sweep a.yaml"}, trials, limit);
+    DatasetWriter writer(path(name), {"1.2.3", "scene", "{}", seed, "slipbench sweep a.yaml"}, limit);
     for (std::size_t k = 0; k < trials; ++k) writer.append(make_trial(k, rows));
     return writer.commit();
   }
-  std::string refusal(const std::string& name, std::size_t planned = 1) {
-    return refusal_of([&] { DatasetWriter writer(path(name), {}, planned); });
+  std::string refusal(const std::string& name) {
+    return refusal_of([&] { DatasetWriter writer(path(name), {}); });
   }
   void write_text(const std::string& name, const std::string& text) { std::ofstream(path(name)) << text; }
   // HDF5 of another program.
@@ -35,66 +35,27 @@ struct TargetTest : FolderTest {
   }
 };
 
-TEST_F(TargetTest, LinkUnderTheTemporaryNameIsNotFollowed) {
-  write_text("precious.txt", "precious");
-  std::filesystem::create_symlink(path("precious.txt"), path("out.h5.partial"));
-  EXPECT_THAT(refusal("out.h5"), mentions({path("out.h5.partial"), "symbolic link", path("precious.txt")}));
-  EXPECT_EQ(bytes_of(path("precious.txt")), "precious");
+TEST_F(TargetTest, LinkUnderTheFoldersNameIsNotFollowed) {
+  std::filesystem::create_directory(path("precious"));
+  std::filesystem::create_directory_symlink(path("precious"), path("out.h5.partial"));
+  EXPECT_THAT(refusal("out.h5"), mentions({path("out.h5.partial"), "folder"}));
+  EXPECT_TRUE(std::filesystem::is_empty(path("precious")));
 }
 
-TEST_F(TargetTest, FileUnderTheTemporaryNameIsKept) {
+TEST_F(TargetTest, FileUnderTheFoldersNameIsKept) {
   write_text("out.h5.partial", "precious");
-  EXPECT_THAT(refusal("out.h5"), mentions({path("out.h5"), path("out.h5.partial"), "dataset"}));
+  EXPECT_THAT(refusal("out.h5"), mentions({path("out.h5"), path("out.h5.partial"), "folder"}));
   EXPECT_EQ(bytes_of(path("out.h5.partial")), "precious");
 }
 
-TEST_F(TargetTest, LeftoverWithoutATrialIsReplaced) {
-  write_text("out.h5.partial", "");
-  write("out.h5", 1);
-  write_text("out.h5.partial", std::string(600, '\0'));  // killed before it had a superblock
-  write("out.h5", 2, DatasetWriter::default_shard_limit);
-  EXPECT_EQ(DatasetReader(path("out.h5")).trials().size(), 2U);
+TEST_F(TargetTest, FolderOfTheUserIsKept) {
+  std::filesystem::create_directory(path("out.h5.partial"));
+  write_text("out.h5.partial/notes.partial", "precious");
+  EXPECT_THAT(refusal("out.h5"), HasSubstr("exists and was not made by a run"));
+  EXPECT_EQ(bytes_of(path("out.h5.partial/notes.partial")), "precious");
+  std::filesystem::remove(path("out.h5.partial/notes.partial"));
+  write("out.h5", 1);  // an empty one is as good as a new one
   EXPECT_THAT(names(), ElementsAre("out.h5"));
-}
-
-TEST_F(TargetTest, UnreadableLeftoverIsKept) {
-  write("out.h5", 1);
-  write_text("out.h5.partial", bytes_of(path("out.h5")).substr(0, 600));
-  EXPECT_THAT(refusal("out.h5"), mentions({"read", path("out.h5.partial")}));
-  EXPECT_EQ(bytes_of(path("out.h5.partial")).size(), 600U);
-}
-
-// A dataset that is whole goes only where the user names it, whatever it is called.
-TEST_F(TargetTest, WholeDatasetIsNoLeftover) {
-  write("out.partial.h5", 1, DatasetWriter::default_shard_limit);
-  const std::string before = file_sha256(path("out.partial.h5"));
-  EXPECT_THAT(refusal("out.h5"), mentions({"complete", path("out.partial.h5")}));
-  EXPECT_EQ(file_sha256(path("out.partial.h5")), before);
-  EXPECT_THAT(names(), ElementsAre("out.partial.h5"));
-}
-
-TEST_F(TargetTest, WholeDatasetThatCameMeanwhileIsNotRemoved) {
-  DatasetWriter writer(path("out.h5"), {}, 1);
-  writer.append(make_trial(0, rows));
-  write("other.h5", 1);
-  std::filesystem::rename(path("other.h5"), path("out.partial.h5"));
-  writer.commit();
-  EXPECT_THAT(names(), ElementsAre("out.h5", "out.partial.h5"));
-}
-
-// Finished work is thrown away by nobody but its owner.
-TEST_F(TargetTest, TrialsOfAnInterruptedRunAreKept) {
-  {
-    DatasetWriter writer(path("out.h5"), {}, 3);
-    for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, rows));
-    writer.keep_partial();
-  }
-  const std::string before = file_sha256(path("out.partial.h5"));
-  for (const std::string name : {"out.partial.h5", "out.h5.partial"}) {
-    std::filesystem::rename(path(names().front()), path(name));
-    EXPECT_THAT(refusal("out.h5"), mentions({path("out.h5"), path(name), "3 trials", "--resume"}));
-    EXPECT_EQ(file_sha256(path(name)), before);
-  }
 }
 
 TEST_F(TargetTest, FileOfAnotherProgramIsKept) {
@@ -104,42 +65,28 @@ TEST_F(TargetTest, FileOfAnotherProgramIsKept) {
   EXPECT_EQ(bytes_of(path("out.h5")), before);
 }
 
-// 2001 trials need a second file, which is looked at before the run begins.
-TEST_F(TargetTest, FileInTheWayOfALaterOneIsKept) {
-  write_text("out-0001.h5", "my notes");
-  EXPECT_THAT(refusal("out.h5", 2001), mentions({path("out.h5"), path("out-0001.h5"), "file 1", "dataset"}));
-  for (const std::string in_the_way : {"out-0001.h5.partial", "out.partial-0001.h5"}) {
-    std::filesystem::rename(path(names().front()), path(in_the_way));
-    EXPECT_THAT(refusal("out.h5", 2001), mentions({path(in_the_way)}));
-    EXPECT_EQ(bytes_of(path(in_the_way)), "my notes");
-  }
-  EXPECT_THAT(names(), ElementsAre("out.partial-0001.h5"));
-}
-
-TEST_F(TargetTest, DatasetOfItsOwnInTheWayIsKept) {
-  write("out-0001.h5", 1);
-  EXPECT_THAT(refusal("out.h5", 2001), mentions({"file 1", "file 0", "another dataset"}));
-  EXPECT_EQ(DatasetReader(path("out-0001.h5")).trials().size(), 1U);
-}
-
 TEST_F(TargetTest, LaterFileOfADatasetIsNotReplacedAlone) {
   ASSERT_GE(write("out.h5", 8).size(), 2U);
   EXPECT_THAT(refusal("out-0001.h5"), mentions({"file 1", "another dataset"}));
   EXPECT_EQ(DatasetReader(path("out.h5")).trials().size(), 8U);
 }
 
-// How many files large trials need shows only while they are written.
-TEST_F(TargetTest, FileMetDuringTheRunIsKept) {
+// How many files are needed shows only while they are written. What stands in the way, and a word of the message.
+TEST_F(TargetTest, FileInTheWayOfALaterOneIsKept) {
   write_text("out-0001.h5", "my notes");
   const std::string message = refusal_of([&] { write("out.h5", 8); });
   EXPECT_THAT(message, mentions({path("out.h5"), path("out-0001.h5"), "file 1"}));
   EXPECT_EQ(bytes_of(path("out-0001.h5")), "my notes");
-  EXPECT_THAT(names(), ElementsAre("out-0001.h5", "out.partial.h5"));
-  EXPECT_GE(DatasetReader(path("out.partial.h5")).trials().size(), 1U);
+  EXPECT_THAT(names(), ElementsAre("out-0001.h5"));
   // A run that needs no second file does not mind.
-  std::filesystem::remove(path("out.partial.h5"));
   write("out.h5", 1);
   EXPECT_THAT(names(), ElementsAre("out-0001.h5", "out.h5"));
+}
+
+TEST_F(TargetTest, DatasetOfItsOwnInTheWayIsKept) {
+  write("out-0001.h5", 1);
+  EXPECT_THAT(refusal_of([&] { write("out.h5", 8); }), HasSubstr("exists and is file 0 of another dataset"));
+  EXPECT_EQ(DatasetReader(path("out-0001.h5")).trials().size(), 1U);
 }
 
 TEST_F(TargetTest, DatasetOfSeveralFilesIsReplacedWhole) {

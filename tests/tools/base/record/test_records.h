@@ -120,7 +120,7 @@ inline EncodedTrial make_trial(std::size_t trial, std::size_t rows, const std::s
 
 // Writes whole what is in `records` and gives the path.
 inline std::string write_dataset(const std::string& path, const DatasetHeader& header, const std::vector<TrialRecord>& records) {
-  DatasetWriter writer(path, header, records.size());
+  DatasetWriter writer(path, header);
   for (const TrialRecord& record : records) writer.append(TrialEncoder().encode(record));
   writer.commit();
   return path;

@@ -239,7 +239,7 @@ TEST_F(Calibrated, RefusesWhatCannotBeFitted) {
   run_sweep(sweep, program_catalogues(), {});
   wanted.recordings = {path("three.h5")};
   EXPECT_THAT(refusal(wanted), mentions({"3 recordings", "4 trials"}));
-  { DatasetWriter(path("none.h5"), {"1.2.3", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}, 1).commit(); }
+  { DatasetWriter(path("none.h5"), {"1.2.3", "slipbench: 1\n", "{}", 7, "slipbench sweep a.yaml"}).commit(); }
   wanted.recordings = {path("none.h5")};
   EXPECT_THAT(refusal(wanted), mentions({"none.h5", "recording"}));
   wanted.recordings = {path("three.csv")};

@@ -7,6 +7,8 @@ import sys
 import time
 from pathlib import Path
 
+import h5py
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "sweep"))
 from short_sweep import scene_text  # noqa: E402
 
@@ -23,6 +25,11 @@ def wait_for(what, condition):
             return found
         time.sleep(0.02)
     raise AssertionError(f"{what}: not within {PATIENCE} s")
+
+
+def content(path):
+    with h5py.File(path) as file:
+        return file.attrs["content_sha256"]
 
 
 class SweepFolder:
@@ -58,12 +65,12 @@ class SweepFolder:
         """Kills shard k once it has finished some trials."""
 
         def holds_trials():
-            partial = list(cluster.glob(f"attempts/{k}.*/shard.h5.partial"))
-            return partial and partial[0].stat().st_size > 100_000 and self.sweep_process(cluster, k)
+            written = list(cluster.glob(f"attempts/{k}.*/shard.h5.partial/batch*"))
+            return written and written[0].stat().st_size > 100_000 and self.sweep_process(cluster, k)
 
         os.kill(wait_for(f"shard {k} simulates", holds_trials), signal.SIGKILL)
         assert not (cluster / f"shards/{k}").exists(), f"shard {k} was finished before it could be killed"
 
     def merged_is_whole(self, cluster):
         subprocess.run(["bash", cluster / "merge.sh"], check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE)
-        return (cluster / "scene.h5").read_bytes() == self.whole.read_bytes()
+        return content(cluster / "scene.h5") == content(self.whole)

@@ -383,7 +383,7 @@ TEST_F(ExportTest, ReplacesItsOwnFilesAndNothingElse) {
 TEST_F(ExportTest, ChangedArraysAreRefused) {
   EncodedTrial changed = TrialEncoder().encode(make_trial_record(1));
   changed.digest[0] ^= 1U;
-  DatasetWriter writer(path("a.h5"), {"1", scene_text, overrides, 7, "slipbench sweep a.yaml"}, 2);
+  DatasetWriter writer(path("a.h5"), {"1", scene_text, overrides, 7, "slipbench sweep a.yaml"});
   writer.append(TrialEncoder().encode(make_trial_record(0)));
   writer.append(changed);
   writer.commit();

@@ -402,7 +402,7 @@ TEST(Report, ReplacesReportsAndNothingElse) {
 TEST(Report, RefusesArraysOfAnotherDigest) {
   EncodedTrial changed = TrialEncoder().encode(sample_trial(0, "{}"));
   changed.digest[0] ^= 1U;
-  DatasetWriter writer(page_path("report_changed.h5"), {"0.1.0", scene, "{}", 7, "slipbench run scene.yaml"}, 1);
+  DatasetWriter writer(page_path("report_changed.h5"), {"0.1.0", scene, "{}", 7, "slipbench run scene.yaml"});
   writer.append(changed);
   writer.commit();
   EXPECT_THAT(refusal(page_path("report_changed.h5"), page_path("x.html")), mentions({"report_changed.h5", "SHA-256"}));

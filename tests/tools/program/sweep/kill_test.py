@@ -1,125 +1,128 @@
-"""Kills sweeps at random instants: what was counted as finished is readable, and --resume gives the bytes of an undisturbed run.
+"""Kills sweeps at random instants: finished batches are readable, and --resume ends with the content digest of an undisturbed run.
 
-usage: kill_test.py SLIPBENCH KILLS SEED
+usage: kill_test.py ROOT SLIPBENCH PLUGIN KIND ENDS SEED
 
-Half of the kills are SIGKILL; of the others a part is a disk that is full (a limit on the file's size), a part SIGTERM.
+KIND: stage, grasp, outcome or plugin. Of four ends two are SIGKILL, one is a full disk (a limit on the file's size) and one SIGTERM.
+Each kill checks: no file that had a batch's final name is lost, h5py reads all trials of each, the last batch is at most 5 s old,
+--resume simulates no trial of a batch again, and the digest is right.
 """
-import hashlib
+import json
 import os
-import pty
 import random
-import re
 import resource
 import signal
 import subprocess
 import sys
 import tempfile
 import time
+from pathlib import Path
+
+import h5py
 
 from short_sweep import scene_text
 
-
-# Reads every array and attribute of every trial, and prints how many trials there are.
-READ_ALL = """
-import h5py, sys
-def read(name, item):
-    dict(item.attrs)
-    if isinstance(item, h5py.Dataset):
-        item[()]
-with h5py.File(sys.argv[1]) as file:
-    for demo in file["data"].values():
-        dict(demo.attrs)
-        demo.visititems(read)
-    print(len(file["data"]))
-"""
-SECONDS = 60  # no reader and no run takes longer
+SECONDS = 240  # no reader and no run takes longer
+OLDEST = 5.0  # s, of work that is repeated
+SLOW = 5.0  # s more, where the machine is loaded and a trial or a sync takes its time
 
 
-def digest(path):
-    with open(path, "rb") as file:
-        return hashlib.sha256(file.read()).hexdigest()
+def kinds(root, plugin):
+    """Scene and words of each kind of sweep. Each takes some seconds, so that it has more than one batch."""
+    some = ["--trials", "250"]
+    return {
+        "stage": (None, some),
+        "outcome": (None, ["--trials", "2000", "--record", "outcome"]),
+        "grasp": (root / "scenes/grasp/lift.yaml", ["--set", "duration=2 s", "motion.distance=10 mm", "sweep={box.mass: [50 g, 100 g], trials: 60}"]),
+        "plugin": (None, [*some, "--set", f"detector={{type: plugin, library: {plugin}, parameters: {{deed: none}}}}"]),
+    }
 
 
-def counted(terminal):
-    """The highest number of finished trials that a progress bar has shown."""
-    text = b""
-    while True:
-        try:
-            block = os.read(terminal, 65536)
-        except OSError:  # the other end is closed
-            break
-        if not block:
-            break
-        text += block
-    return max([int(done) for done in re.findall(rb"(\d+)/90 ", text)], default=0)
+def read_all(path):
+    """Reads every array and attribute of a file; returns its trials."""
+    with h5py.File(path, locking=False) as file:
+        for demo in file["data"].values():
+            dict(demo.attrs)
+            demo.visititems(lambda name, item: (dict(item.attrs), item[()] if isinstance(item, h5py.Dataset) else None) and None)
+        return len(file["data"])
 
 
-def is_dataset(path):
-    # A file that begins with zeros was killed before it began.
-    return os.path.exists(path) and os.path.getsize(path) > 0 and open(path, "rb").read(8) != bytes(8)
+def content(path):
+    with h5py.File(path) as file:
+        return file.attrs["content_sha256"]
 
 
-def readable_trials(path):
-    result = subprocess.run([sys.executable, "-c", READ_ALL, path], capture_output=True, text=True, timeout=SECONDS)
-    assert result.returncode == 0, f"{path}: {result.stderr}"
-    return int(result.stdout)
+def batches(out):
+    folder = Path(f"{out}.partial")
+    return sorted(folder.glob("batch*.h5")) if folder.is_dir() else []
 
 
-def main(program, kills, seed):
-    draw = random.Random(seed)
-    with tempfile.TemporaryDirectory() as folder:
-        scene, whole, out = (os.path.join(folder, name) for name in ("scene.yaml", "whole.h5", "out.h5"))
-        with open(scene, "w", encoding="ascii") as file:
-            file.write(scene_text(trials=30))
-        begin = time.monotonic()
-        subprocess.run([program, "sweep", scene, "-o", whole, "--quiet"], check=True, timeout=SECONDS)
-        duration = time.monotonic() - begin
-        size = os.path.getsize(whole)
-        lost = 0
-        for attempt in range(kills):
-            way = ("kill", "full", "kill", "term")[attempt % 4]
-            limit = draw.randrange(size // 20, size) if way == "full" else resource.RLIM_INFINITY
-            ours, theirs = pty.openpty()
-            sweep = subprocess.Popen(
-                [program, "sweep", scene, "-o", out, "--jobs", str(1 + attempt % 2)],
-                stdout=subprocess.DEVNULL,
-                stderr=theirs,
-                preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)),
-            )
-            os.close(theirs)
-            if way != "full":
-                time.sleep(draw.uniform(0.0, 1.2 * duration))
-                sweep.send_signal(signal.SIGKILL if way == "kill" else signal.SIGTERM)
-            shown = counted(ours)
-            os.close(ours)
-            status = sweep.wait(timeout=SECONDS)
-            if way == "full":
-                assert status == 2, f"attempt {attempt}: a full disk ended the sweep with {status}"
-            places = (out, out + ".partial", os.path.join(folder, "out.partial.h5"))
-            held = max((readable_trials(path) for path in places if is_dataset(path)), default=0)
-            if held < shown:
-                lost += 1
-                print(f"attempt {attempt} ({way}): {shown} trials were counted as finished, {held} are readable")
-            resume = [program, "sweep", scene, "-o", out, "--quiet", "--resume"]
-            if way == "term":  # a --resume that is ended keeps what there was
-                with subprocess.Popen(resume, stderr=subprocess.DEVNULL) as ended:
-                    time.sleep(draw.uniform(0.0, 0.5 * duration))
-                    ended.send_signal(signal.SIGTERM)
-                    assert ended.wait(timeout=SECONDS) in (0, 130, -signal.SIGTERM), ended.returncode
-                kept = max((readable_trials(path) for path in places if is_dataset(path)), default=0)
-                if kept < held:
-                    lost += 1
-                    print(f"attempt {attempt}: {held} trials were left, and {kept} by a --resume that was ended")
-            subprocess.run(resume, check=True, timeout=SECONDS, capture_output=True)
-            if digest(out) != digest(whole):
-                lost += 1
-                print(f"attempt {attempt} ({way}, {held} trials were left): --resume gave other bytes")
-            left = sorted(os.listdir(folder))
-            assert left == ["out.h5", "scene.yaml", "whole.h5"], left
-            os.remove(out)
-    print(f"{kills} runs were ended at random instants; {lost} lost a trial or were not resumed to the same bytes")
-    return 1 if lost else 0
+class Ends:
+    def __init__(self, root, program, plugin, kind, seed):
+        self.program, self.kind, self.draw = program, kind, random.Random(seed)
+        self.scene, self.words = kinds(root, plugin)[kind]
+        self.oldest = self.repeated = 0.0
+
+    def sweep(self, out, *more, **options):
+        words = [self.program, "sweep", self.scene, *self.words, "-o", out, *more]
+        return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+
+    def finish(self, sweep, statuses=(0,)):
+        told, said = sweep.communicate(timeout=SECONDS)
+        assert sweep.returncode in statuses, f"{self.kind}: status {sweep.returncode}: {said}"
+        return told
+
+    def disturb(self, out, way, duration, size):
+        """Ends a sweep; returns how many trials its batches hold."""
+        limit = self.draw.randrange(size // 20, size) if way == "full" else resource.RLIM_INFINITY
+        begin = ended = time.time()
+        sweep = self.sweep(out, "--quiet", "--jobs", self.draw.choice("12"),
+                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))  # fmt: skip
+        seen = []
+        if way != "full":
+            wait = begin + self.draw.uniform(0.0, 1.1 * duration)
+            while time.time() < wait and sweep.poll() is None:
+                seen = batches(out)
+                time.sleep(0.01)
+            sweep.send_signal(signal.SIGKILL if way == "kill" else signal.SIGTERM)
+            ended = time.time()
+        self.finish(sweep, {"kill": (-signal.SIGKILL, 0), "term": (130, 0, -signal.SIGTERM), "full": (2,)}[way])
+        if out.exists():  # it was at its end
+            return None
+        left = batches(out)
+        assert set(seen) <= set(left), f"{way}: {set(seen) - set(left)} are lost"
+        if way == "kill":
+            # Renaming sets the time of a file's own entry. The lock is made when the trials begin.
+            lock = Path(f"{out}.partial/lock")
+            begun = lock.stat().st_mtime if lock.exists() else begin
+            age = ended - max([begun, *(path.stat().st_ctime for path in left)])
+            self.oldest = max(self.oldest, age)
+            assert age <= OLDEST + SLOW, f"the last batch was {age:.1f} s old"
+        return sum(map(read_all, left))
+
+    def run(self, ends):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = Path(folder)
+            if self.scene is None:
+                self.scene = folder / "scene.yaml"
+                self.scene.write_text(scene_text(trials=30), encoding="ascii")
+            whole, out = folder / "whole.h5", folder / "out.h5"
+            begin = time.monotonic()
+            told = json.loads(self.finish(self.sweep(whole, "--json")))
+            duration, size, trials = time.monotonic() - begin, whole.stat().st_size, len(told["trials"])
+            held_in_all = 0
+            for attempt in range(ends):
+                held = self.disturb(out, ("kill", "full", "kill", "term")[attempt % 4], duration, size)
+                if held is not None:
+                    told = json.loads(self.finish(self.sweep(out, "--resume", "--json")))
+                    assert told["resumed"] == held, f"{held} trials were in batches, {told['resumed']} were taken from them"
+                    assert len(told["trials"]) == trials
+                    held_in_all += held
+                assert content(out) == content(whole), f"attempt {attempt}: another content digest"
+                assert {path.name for path in folder.iterdir()} <= {"out.h5", "scene.yaml", "whole.h5"}
+                out.unlink()
+        print(f"{self.kind}: {ends} sweeps of {trials} trials, {duration:.1f} s, were ended at random instants; {held_in_all} trials were kept; "
+              f"none of a finished batch was lost; the last batch was at most {self.oldest:.1f} s old")  # fmt: skip
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3])))
+    Ends(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3], sys.argv[4], int(sys.argv[6])).run(int(sys.argv[5]))

@@ -6,6 +6,7 @@
 #include "tests/expect.h"
 #include "tests/scenes.h"
 #include "tests/tools/base/record/test_records.h"
+#include "tools/base/dataset/batches.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/run/run_trial.h"
 #include "tools/program/verify/contact.h"
@@ -33,14 +34,14 @@ struct VerifyTest : FolderTest {
   // A dataset of trials 0 to 2, of which 1 is changed.
   std::string write(const std::function<void(TrialRecord&)>& change, bool complete = true,
                     std::uint64_t limit = DatasetWriter::default_shard_limit) {
-    DatasetWriter writer(path("a.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"}, 3, limit);
+    SweepWriter writer(path("a.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"}, limit);
     for (std::size_t k = 0; k < 3; ++k) {
       TrialRecord record = sound();
       record.trial = k;
       if (k == 1) change(record);
       writer.append(TrialEncoder().encode(record));
     }
-    return complete ? (writer.commit(), path("a.h5")) : writer.keep_partial().front();
+    return complete ? (writer.commit(), path("a.h5")) : writer.keep().front();
   }
   // What fails: "cone: trial 1, labels/pad/force, sample 3: ...".
   std::vector<std::string> failures(const std::function<void(TrialRecord&)>& change) {
@@ -57,7 +58,8 @@ struct VerifyTest : FolderTest {
     return list;
   }
   // Trials 0 and 2.
-  static void append_two(DatasetWriter& writer) {
+  template <class Writer>
+  static void append_two(Writer& writer) {
     for (const std::size_t k : {0U, 2U}) {
       TrialRecord record = sound();
       record.trial = k;
@@ -116,7 +118,7 @@ TEST(VerifyContact, AnElementPressesOnOneSurface) {
 // A dataset of one trial of the scene.
 Verified verified_run(const std::string& path, const std::string& text) {
   const Scene scene = parsed(text);
-  DatasetWriter writer(path, {"1.2.3", text, "{}", scene.seed, "slipbench run a.yaml"}, 1);
+  DatasetWriter writer(path, {"1.2.3", text, "{}", scene.seed, "slipbench run a.yaml"});
   writer.append(TrialEncoder().encode(run_trial(scene, 0, Recording::full).record));
   writer.commit();
   return verify_datasets({path});
@@ -209,7 +211,7 @@ TEST_F(VerifyTest, TimesRiseAtTheRate) {
 }
 
 TEST_F(VerifyTest, GapIsNamed) {
-  DatasetWriter writer(path("gap.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"}, 2);
+  DatasetWriter writer(path("gap.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"});
   append_two(writer);
   writer.commit();
   const Verified verified = verify_datasets({path("gap.h5")});
@@ -221,7 +223,7 @@ TEST_F(VerifyTest, PartialRunAndSeveralFilesAreVerified) {
   const Verified partial = verify_datasets({write([](TrialRecord&) {}, false)});
   EXPECT_TRUE(partial.holds);
   EXPECT_FALSE(partial.datasets.at(0).at("complete"));
-  std::filesystem::remove(path("a.partial.h5"));
+  std::filesystem::remove_all(path("a.h5.partial"));
   const std::string first = write([](TrialRecord&) {}, true, 100'000);  // a trial takes more: a file each
   const Verified verified = verify_datasets({path("a-0002.h5"), first, path("none.h5")});
   EXPECT_TRUE(verified.holds);
@@ -235,10 +237,10 @@ TEST_F(VerifyTest, PartialRunAndSeveralFilesAreVerified) {
 
 // A killed run has no content_sha256; its trials have digests of their own.
 TEST_F(VerifyTest, KilledRunHasItsTrialsVerified) {
-  DatasetWriter writer(path("a.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"}, 2);
+  SweepWriter writer(path("a.h5"), {"1.2.3", scene_text, "{}", sound().seed, "slipbench run a.yaml"});
   append_two(writer);  // trial 1 failed, which is written at the run's end
-  writer.publish();
-  const Verified verified = verify_datasets({path("a.h5.partial")});
+  writer.finish_batch();
+  const Verified verified = verify_datasets({path("a.h5.partial/batch.h5")});
   EXPECT_TRUE(verified.holds);
   const auto digests = verified.datasets.at(0).at("checks").at(0);
   EXPECT_EQ(digests.at("checked"), 2U);

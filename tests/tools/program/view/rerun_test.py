@@ -94,8 +94,8 @@ class Rerun(unittest.TestCase):
 
     def test_follows_a_run(self):
         self.use(STAND_IN)
-        # A run that takes seconds: two speeds, 800 draws each, so that a loaded machine opens it before it ends.
-        run = subprocess.Popen([PROGRAM, "sweep", "scene.yaml", "--trials", "800", "--jobs", "1", "-o", "a.h5", "--quiet"], cwd=self.folder)
+        # A run that takes seconds: two speeds, 2400 draws each, so that there is more than one batch.
+        run = subprocess.Popen([PROGRAM, "sweep", "scene.yaml", "--trials", "2400", "--jobs", "1", "-o", "a.h5", "--quiet"], cwd=self.folder)
         self.addCleanup(run.wait)
         end = time.monotonic() + 60
         while not (self.folder / "a.h5.partial").exists():
@@ -106,7 +106,7 @@ class Rerun(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         trials = json.loads(done.stdout)["trials"]
         self.assertEqual(trials, sorted(set(trials)))
-        self.assertEqual(trials[-1], 1599)  # 2 speeds, 800 draws each, all of them
+        self.assertEqual(trials[-1], 4799)  # all of them
         self.assertGreater(len(trials), 1)
         names = [one[1] for one in self.said() if one[0] == "name"]
         self.assertEqual(names, [f"a.h5, trial {trial}" for trial in trials])

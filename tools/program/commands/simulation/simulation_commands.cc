@@ -226,8 +226,8 @@ int SimulationCommand::run() {
     print_summary(sweep, finished, catalogues);
   }
   if (!summary.damaged.empty()) {
-    say(stderr, fmt::format("slipbench: {} of the trials that were left were damaged and have been simulated again: {}\n",
-                            summary.damaged.size(), fmt::join(summary.damaged, ", ")));
+    say(stderr,
+        fmt::format("slipbench: damaged, so that the trials in it were simulated again: {}\n", fmt::join(summary.damaged, ", ")));
   }
   if (!summary.failed.empty()) print_failed(summary);
   if (!sweep.output.empty() && summary.files.empty() && !summary.interrupted) say(stderr, "slipbench: nothing is written\n");
@@ -260,8 +260,8 @@ of draws of each cell (otherwise the scene's sweep.trials, or 1). Without -o the
 trial ended, a few kB a trial: enough for the report's maps and curves, not for training.
 
 FILE.h5 is written under a temporary name and renamed at the end; a file of that name is replaced. Above 1 GB it is split into
-FILE.h5, FILE-0001.h5, ... Ctrl-C: running trials end, all finished ones are kept in FILE.partial.h5, the exit status is 130;
-a second Ctrl-C stops at once. The same command with --resume goes on with what a killed or interrupted run has left. Where trials
+FILE.h5, FILE-0001.h5, ... Ctrl-C: running trials end, all finished ones are kept in the folder FILE.h5.partial, the exit status is 130;
+a second Ctrl-C stops at once. A kill loses at most the work of the last 5 s. The same command with --resume goes on with what a killed or interrupted run has left. Where trials
 fail the others are written, and the exit status is 1.
 
 Examples:
@@ -279,7 +279,7 @@ Examples:
 
 void MergeCommand::declare(Arguments& arguments) {
   arguments.about("merge", "Put the shards of a sweep together", R"(
-Writes the dataset that the undivided sweep would have written, byte for byte, from the files of sweep --shard k/n of all k. Arrays are copied
+Writes the dataset that the undivided sweep would have written, with the same digests, from the files of sweep --shard k/n of all k. Arrays are copied
 as they are compressed, so it takes little memory and no simulation. Shards of another scene, seed, version or n are refused, missing trials too.
 A trial that stands in several files is taken once, if its digests are equal, or where MuJoCo, FFTW or a network computed it its numbers within 1e-9. A trial that does not hold its digest is refused.
 
@@ -312,7 +312,7 @@ int MergeCommand::run() {
 void ClusterCommand::declare(Arguments& arguments) {
   arguments.about("cluster", "Write a folder of scripts that run a sweep on many machines", R"(
 A Slurm array, a Snakefile, and the two scripts that both call: one runs a shard with sweep --shard, the other verifies the shards and merges
-them. The merged dataset has the bytes of the undivided sweep. A shard may be killed, run again or run twice at once. The folder's README.md
+them. The merged dataset has the digests of the undivided sweep. A shard may be killed, run again or run twice at once. The folder's README.md
 says how to start; its paths are those of this machine.
 
 Examples:

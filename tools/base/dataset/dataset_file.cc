@@ -1,15 +1,21 @@
-#include "tools/base/dataset/shard.h"
+#include "tools/base/dataset/dataset_file.h"
+
+#include <fcntl.h>
 
 #include <algorithm>
-#include <functional>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
 #include <set>
-
-#include <unistd.h>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "sim/core/process/regular_file.h"
+#include "tools/base/dataset/stored_trials.h"
 #include "tools/base/files/reject.h"
-#include "tools/base/hdf5/hdf5_place.h"
 #include "tools/base/record/content_digest.h"
 
 namespace slipbench {
@@ -49,16 +55,6 @@ Handle group_properties(hid_t kind) {
 Handle create_group(hid_t parent, const std::string& path) {
   static const Handle properties = group_properties(H5P_GROUP_CREATE);
   return {H5Gcreate2(parent, path.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose};
-}
-
-// The group of the demos keeps its list in its header, which is allocated whole: one block, as CrashSafeFile needs it.
-Handle create_demo_list(hid_t file, std::size_t planned, std::size_t last) {
-  const auto name_length = static_cast<unsigned>(demo_name(last).size());
-  const auto entries = static_cast<unsigned>(std::clamp<std::size_t>(planned, 32, most_trials_per_file));
-  const Handle properties = group_properties(H5P_GROUP_CREATE);
-  check(H5Pset_link_phase_change(properties.get(), entries, entries));
-  check(H5Pset_est_link_info(properties.get(), entries, name_length));
-  return {H5Gcreate2(file, "data", H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose};
 }
 
 // All groups that the arrays and attributes of a demo lie in, parents before children, without the demo itself.
@@ -110,24 +106,6 @@ void write_array(hid_t demo, const EncodedArray& array) {
   dataset.close();
 }
 
-// HDF5 puts texts into heaps, and goes on with one that has room left for as long as it holds it in memory. While `insert` makes
-// an object it has no room in memory and must let go of all that is there, so that what follows does not rewrite the heap of a
-// demo.
-// `kept`: bytes of what `insert` looks at first of all and that is to stay; with 2,000 names the demos' list takes longer to be read again than a
-// demo to be written. A heap has 4096 bytes or more.
-void forget_heaps(hid_t file, std::size_t kept, const std::function<void()>& insert) {
-  H5AC_cache_config_t usual{};
-  usual.version = H5AC__CURR_CACHE_CONFIG_VERSION;
-  check(H5Fget_mdc_config(file, &usual));
-  H5AC_cache_config_t least = usual;
-  least.set_initial_size = true;
-  least.initial_size = least.min_size = least.max_size = 1024 + kept;
-  check(H5Fset_mdc_config(file, &least));
-  insert();
-  usual.set_initial_size = true;
-  check(H5Fset_mdc_config(file, &usual));
-}
-
 // Names of the trials that are both in `part` and in `held`, as robomimic writes them: fixed-length strings.
 void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& part, const std::vector<std::size_t>& held) {
   std::vector<std::size_t> members;
@@ -140,9 +118,15 @@ void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& p
   hdf5::write_texts(group, name, names);
 }
 
+// What the trials are split by, in ascending order of their numbers.
+void write_groups(hid_t file, const char* name, const std::vector<StoredTrial>& trials) {
+  std::vector<std::string> groups;
+  for (const StoredTrial& trial : trials) groups.push_back(trial.group);
+  hdf5::write_texts(file, name, groups);
+}
+
 Handle write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t>& held) {
-  Handle group;
-  forget_heaps(file, 0, [&] { group = create_group(file, "mask"); });
+  Handle group = create_group(file, "mask");
   write_attribute(group.get(), "split_by", masks.split_by);
   write_attribute(group.get(), "rule", masks.rule);
   write_mask(group.get(), "train", masks.train, held);
@@ -151,19 +135,8 @@ Handle write_masks(hid_t file, const Masks& masks, const std::vector<std::size_t
   return group;
 }
 
-// The root's header takes in one block what the constructor of Shard gives it, as CrashSafeFile needs it. No other creation
-// property: any would add an object that carries the time of day.
-Handle file_properties(bool of_shard) {
-  const unsigned entries = of_shard ? 24 : 16;
-  constexpr unsigned name_length = 32;
-  Handle properties = group_properties(H5P_FILE_CREATE);
-  check(H5Pset_est_link_info(properties.get(), entries, name_length));
-  return properties;
-}
-
-void write_demo(hid_t file, hid_t list, std::size_t list_bytes, const EncodedTrial& trial) {
-  Handle demo;
-  forget_heaps(file, list_bytes, [&] { demo = create_group(list, demo_name(trial.trial)); });
+void write_demo(hid_t list, const EncodedTrial& trial) {
+  Handle demo = create_group(list, demo_name(trial.trial));
   for (const std::string& group : groups_of(trial)) create_group(demo.get(), group).close();
   for (const EncodedArray& array : trial.arrays) write_array(demo.get(), array);
   // Attributes of one group stand together.
@@ -180,114 +153,127 @@ void write_demo(hid_t file, hid_t list, std::size_t list_bytes, const EncodedTri
   demo.close();
 }
 
-}  // namespace
-
-Shard::Shard(std::string temporary, const DatasetHeader& header, std::size_t index, std::size_t planned, std::size_t last)
-    : path_(std::move(temporary)), descriptor_(lock_file(path_)), of_shard_(header.part.has_value()), split_(header.split) {
-  hdf5::initialise();
-  try {
-    write([&] {
-      file_ = hdf5::CrashSafeFile(descriptor_.get(), file_properties(of_shard_).get());
-      const hid_t root = file_.get();
-      write_attribute(root, "schema", dataset_schema);
-      write_attribute(root, "version", header.version);
-      write_attribute(root, "scene", header.scene);
-      write_attribute(root, "overrides", header.overrides);
-      write_attribute(root, "seed", header.seed);
-      write_attribute(root, "command", header.command);
-      if (!header.truth.empty()) write_attribute(root, "truth", header.truth);
-      if (!header.files.empty()) write_attribute(root, "files", files_json(header.files));
-      if (header.part) {
-        write_attribute(root, "sweep_shard", shard_text(*header.part));
-        write_attribute(root, "sweep_trials", static_cast<std::uint64_t>(header.part->trials));
-      }
-      write_attribute(root, "shard", static_cast<std::uint64_t>(index));
-      list_ = create_demo_list(root, planned, last);
-      H5O_info_t info;
-      check(H5Oget_info2(list_.get(), &info, H5O_INFO_HDR));
-      list_bytes_ = info.hdr.space.total;
-      file_.begin("data");
-    });
-  } catch (const InputError&) {
-    list_.abandon();
-    file_.abandon();
-    ::unlink(path_.c_str());
-    throw;
-  }
+// File format 1.8: every HDF5 of the last fifteen years reads it. HDF5's own lock would refuse a reader of a file that is not renamed
+// yet, and is not needed: the run has locked its folder.
+Handle file_access() {
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
+  check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
+  check(H5Pset_meta_block_size(access.get(), 1 << 16));
+  check(H5Pset_file_locking(access.get(), false, true));
+  return access;
 }
 
-Shard::~Shard() {
-  if (!failed_) return;
-  list_.abandon();
-  file_.abandon();
+void write_header(hid_t root, const DatasetHeader& header, std::size_t index) {
+  write_attribute(root, "schema", dataset_schema);
+  write_attribute(root, "version", header.version);
+  write_attribute(root, "scene", header.scene);
+  write_attribute(root, "overrides", header.overrides);
+  write_attribute(root, "seed", header.seed);
+  write_attribute(root, "command", header.command);
+  if (!header.truth.empty()) write_attribute(root, "truth", header.truth);
+  if (!header.files.empty()) write_attribute(root, "files", files_json(header.files));
+  if (header.part) {
+    write_attribute(root, "sweep_shard", shard_text(*header.part));
+    write_attribute(root, "sweep_trials", static_cast<std::uint64_t>(header.part->trials));
+  }
+  write_attribute(root, "shard", static_cast<std::uint64_t>(index));
+}
+
+}  // namespace
+
+DatasetFile::DatasetFile(std::string path, const DatasetHeader& header, std::size_t index)
+    : path_(std::move(path)),
+      descriptor_(::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666)),
+      of_sweep_shard_(header.part.has_value()),
+      split_(header.split) {
+  if (descriptor_.get() < 0) fail(path_, std::strerror(errno));
+  hdf5::initialise();
+  write([&] {
+    const Handle creation = group_properties(H5P_FILE_CREATE), access = file_access();
+    file_ = Handle(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), &H5Fclose);
+    write_header(file_.get(), header, index);
+    list_ = create_group(file_.get(), "data");
+  });
+}
+
+DatasetFile::~DatasetFile() {
+  if (!finished_) remove();
+}
+
+// The space is returned now: HDF5 may have the file open for as long as the process runs.
+void DatasetFile::remove() {
+  std::error_code ignored;
+  std::filesystem::resize_file(path_, 0, ignored);
+  std::filesystem::remove(path_, ignored);
 }
 
 template <class Action>
-void Shard::write(const Action& action) {
+void DatasetFile::write(const Action& action) {
   try {
     action();
   } catch (const std::runtime_error& error) {
-    failed_ = true;
+    list_.abandon();  // closing would write again what could not be written
+    file_.abandon();
+    remove();
     fail(path_, error.what());
   }
 }
 
-void Shard::append(const EncodedTrial& trial) {
-  write([&] {
-    write_demo(file_.get(), list_.get(), list_bytes_, trial);
-    file_.flush();
-  });
-  trials_.push_back(trial.trial);
-  if (of_shard_) groups_.push_back(trial.material);
-  digests_.push_back(trial.digest);
+void DatasetFile::append(const EncodedTrial& trial) {
+  write([&] { write_demo(list_.get(), trial); });
+  trials_.push_back({trial.trial, trial.material, trial.digest, path_});
+  bytes_ += file_bytes(trial);
 }
 
-void Shard::publish() {
-  if (published_ == trials_.size()) return;
-  write([&] { file_.publish(); });
-  published_ = trials_.size();
-}
-
-void Shard::park() {
-  publish();
+void DatasetFile::pause() {
   write([&] {
     list_.close();
-    file_.park();
+    file_.close();
   });
-  parked_ = true;
 }
 
-std::uint64_t Shard::size_bytes() const { return file_.size_bytes(); }
-
-void Shard::prepare(const Masks& masks, const std::vector<FailedTrial>& failed, std::size_t shards, bool complete) {
-  publish();
+void DatasetFile::finish_batch() {
   write([&] {
-    if (parked_) file_.reopen();
-    Handle mask = write_masks(file_.get(), masks, trials_);
-    if (of_shard_) hdf5::write_texts(mask.get(), split_groups_name, groups_);  // what merging splits the whole sweep by
-    if (of_shard_ && split_)
+    write_groups(file_.get(), batch_groups_name, trials_);
+    close();
+  });
+}
+
+void DatasetFile::finish(const Masks& masks, const std::vector<FailedTrial>& failed, std::size_t files) {
+  write([&] {
+    if (!file_) file_ = Handle(H5Fopen(path_.c_str(), H5F_ACC_RDWR, file_access().get()), &H5Fclose);
+    std::vector<std::size_t> numbers;
+    std::vector<std::pair<std::size_t, Digest>> digests;
+    for (const StoredTrial& trial : trials_) {
+      numbers.push_back(trial.number);
+      digests.emplace_back(trial.number, trial.digest);
+    }
+    Handle mask = write_masks(file_.get(), masks, numbers);
+    if (of_sweep_shard_) write_groups(file_.get(), shard_groups_name, trials_);
+    if (of_sweep_shard_ && split_)
       write_attribute(mask.get(), split_shares_name, {split_->shares.begin(), split_->shares.end()}, {split_->shares.size()});
     mask.close();
     if (!failed.empty()) write_attribute(file_.get(), "failed", failures_json(failed));
-    write_attribute(file_.get(), "shards", static_cast<std::uint64_t>(shards));
-    write_attribute(file_.get(), "complete", static_cast<std::uint64_t>(complete));
-    std::vector<std::pair<std::size_t, Digest>> digests;
-    for (std::size_t i = 0; i < trials_.size(); ++i) digests.emplace_back(trials_[i], digests_[i]);
+    write_attribute(file_.get(), "shards", static_cast<std::uint64_t>(files));
+    write_attribute(file_.get(), "complete", std::uint64_t{1});
     write_attribute(file_.get(), file_sha256_name, hexadecimal(stored_file_digest({file_.get(), path_, "/"}, digests)));
-    list_.close();
-    file_.flush();
-    file_.sync();
+    close();
   });
-  prepared_ = true;
 }
 
-void Shard::close() {
-  write([&] { file_.close(); });
+void DatasetFile::close() {
+  list_.close();
+  file_.close();
+  if (!sync_file(descriptor_.get(), true)) throw std::runtime_error(std::strerror(errno));
+  finished_ = true;
 }
 
-std::uint64_t overhead_bytes(const EncodedTrial& trial) {
+std::uint64_t file_bytes(const EncodedTrial& trial) {
   std::uint64_t bytes = 16384;  // groups, and the free rest of a metadata block
-  for (const EncodedArray& array : trial.arrays) bytes += 4096 + 64 * array.chunks.size();
+  for (const EncodedArray& array : trial.arrays) {
+    bytes += 4096 + 64 * array.chunks.size();
+    for (const auto& chunk : array.chunks) bytes += chunk.size();
+  }
   for (const EncodedAttribute& attribute : trial.attributes) {
     bytes += 256;
     if (const auto* text = std::get_if<std::string>(&attribute.value)) bytes += text->size();
@@ -298,5 +284,7 @@ std::uint64_t overhead_bytes(const EncodedTrial& trial) {
   }
   return bytes;
 }
+
+std::uint64_t closing_bytes(std::size_t trials) { return 32768 + 32 * static_cast<std::uint64_t>(trials); }
 
 }  // namespace slipbench

@@ -1,0 +1,19 @@
+#include "tools/base/dataset/finished_dataset.h"
+
+#include "sim/core/error.h"
+#include "tools/base/dataset/checked_dataset.h"
+#include "tools/base/dataset/reader.h"
+
+namespace slipbench {
+
+std::optional<FinishedDataset> finished_dataset(const std::string& path, const DatasetHeader& header) {
+  try {
+    const DatasetReader reader = dataset_header_at(path);
+    if (!reader.complete() || !header_difference(reader.header(), header).empty()) return std::nullopt;
+    return FinishedDataset{reader.trials().size(), reader.failed(), reader.files()};
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace slipbench

@@ -1,0 +1,19 @@
+// Where a finished trial lies.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "tools/base/files/output_file.h"
+
+namespace slipbench {
+
+// A trial of a batch or of a sweep's shard.
+struct StoredTrial {
+  std::size_t number = 0;  // k of demo_<k>
+  std::string group;       // what it is split by
+  Digest digest{};         // its attribute sha256
+  std::string file;        // that holds it
+};
+
+}  // namespace slipbench
