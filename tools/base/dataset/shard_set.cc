@@ -42,7 +42,7 @@ void refuse_input_as_output(const std::vector<std::string>& inputs, const std::s
   }
 }
 
-EncodedTrial encoded_trial(const StoredTrial& stored) { return read_encoded(hdf5::open_file(stored.file).get(), stored); }
+TrialRecord record_of(const StoredTrial& stored) { return DatasetReader::of_file(stored.file).read_trial(stored.number); }
 
 // The scene's split, which the shard's masks do not tell.
 std::optional<SplitRule> split_of(const std::string& path) {
@@ -117,7 +117,7 @@ void ShardSet::add_trials(const Shard& shard) {
       if (added) continue;
       ++duplicates_;
       if (same->second.digest == trial.digest) continue;
-      const std::string difference = trial_difference(encoded_trial(trial), encoded_trial(same->second));
+      const std::string difference = trial_difference(record_of(trial), record_of(same->second));
       if (!difference.empty()) {
         reject("{}: trial {} is not that of {}: {}; allowed: one of the two files", file, trial.number, same->second.file,
                difference);

@@ -7,14 +7,13 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <variant>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/base/record/content_digest.h"
+#include "tools/base/record/encoder.h"
 
 namespace slipbench {
 namespace {
@@ -27,11 +26,11 @@ struct Values {
   std::vector<std::uint8_t> bytes;
 };
 
-std::map<std::string, Values> arrays_of(const EncodedTrial& trial) {
+std::map<std::string, Values> values_of(const TrialRecord& trial) {
   std::map<std::string, Values> arrays;
-  (void)recomputed_digest(trial, [&](const EncodedArray& array, std::span<const std::uint8_t> bytes) {
-    arrays[array.path] = {array.type, array.shape, {bytes.begin(), bytes.end()}};
-  });
+  for (const ArrayView& view : arrays_of(trial)) {
+    arrays[view.path] = {view.type, view.shape, {view.bytes, view.bytes + view.size_bytes()}};
+  }
   return arrays;
 }
 
@@ -97,12 +96,6 @@ bool attributes_agree(const EncodedAttribute& one, const EncodedAttribute& other
   return std::get<std::vector<std::string>>(one.value) == std::get<std::vector<std::string>>(other.value);
 }
 
-bool names_libraries(const EncodedTrial& trial) {
-  return std::ranges::any_of(trial.attributes, [](const EncodedAttribute& attribute) {
-    return attribute.path.empty() && attribute.name == libraries_name;
-  });
-}
-
 }  // namespace
 
 bool agree(double one, double other, double scale, double last_place) {
@@ -111,22 +104,16 @@ bool agree(double one, double other, double scale, double last_place) {
   return std::abs(one - other) <= library_rounding * std::max(larger, scale) + last_place * larger;
 }
 
-std::string trial_difference(const EncodedTrial& one, const EncodedTrial& other) {
-  if (!names_libraries(one) || !names_libraries(other)) return "their digests differ";
-  const std::map<std::string, Values> arrays = arrays_of(one), others = arrays_of(other);
+std::string trial_difference(const TrialRecord& one, const TrialRecord& other) {
+  if (one.libraries.empty() || other.libraries.empty()) return "their digests differ";
+  const std::map<std::string, Values> arrays = values_of(one), others = values_of(other);
   if (arrays.size() != others.size()) return "they have different arrays";
   for (const auto& [path, values] : arrays) {
     const auto second = others.find(path);
     if (second == others.end()) return "they have different arrays";
     if (std::string difference = array_difference(path, values, second->second); !difference.empty()) return difference;
   }
-  const auto measured = [](const EncodedTrial& trial) {
-    std::vector<EncodedAttribute> attributes = trial.attributes;
-    std::erase_if(attributes,
-                  [](const auto& attribute) { return attribute.path.empty() && attribute.name == trial_sha256_name; });
-    return attributes;
-  };
-  const std::vector<EncodedAttribute> attributes = measured(one), second = measured(other);
+  const std::vector<EncodedAttribute> attributes = attributes_of(one), second = attributes_of(other);
   if (attributes.size() != second.size()) return "they have different attributes";
   for (std::size_t i = 0; i < attributes.size(); ++i) {
     if (!attributes_agree(attributes[i], second[i]))

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tools/base/record/encoder.h"
+#include "tools/base/record/trial_record.h"
 
 namespace slipbench {
 
@@ -13,8 +13,8 @@ inline constexpr double library_rounding = 1e-9;
 // Compares two computations of one trial whose digests differ. Only trials that name `libraries` (TrialRecord::libraries) may differ: their numbers
 // are equal when they differ by at most `library_rounding` of the larger one or of the largest in the array, and by one unit in the last place of
 // a float32. So values that are zero but for rounding, such as slip_angle and slip_centre where nothing moves, are compared by their distance, and
-// slip_direction by its angle. Returns the first difference as a clause; empty: they agree. Throws InputError where a chunk does not hold its rows.
-std::string trial_difference(const EncodedTrial& one, const EncodedTrial& other);
+// slip_direction by its angle. Returns the first difference as a clause; empty: they agree.
+std::string trial_difference(const TrialRecord& one, const TrialRecord& other);
 
 // Whether two numbers agree by that rule; `scale`: the largest magnitude beside them.
 bool agree(double one, double other, double scale, double last_place = 0.0);

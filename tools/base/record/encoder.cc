@@ -28,56 +28,6 @@ EncodedAttribute::Doubles confusion_matrix(const Confusion& confusion) {
   return matrix;
 }
 
-std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
-  std::vector<EncodedAttribute> attributes;
-  attributes.push_back({"", "num_samples", static_cast<std::uint64_t>(record.num_samples())});
-  attributes.push_back({"", "seed", record.seed});
-  attributes.push_back({"", "params", record.params});
-  attributes.push_back({"", "outcome", outcome_json(record.outcome)});
-  if (!record.model_sha256.empty()) attributes.push_back({"", "model_sha256", record.model_sha256});
-  if (!record.libraries.empty()) attributes.push_back({"", libraries_name, record.libraries});
-  for (const SensorRecord& sensor : record.sensors) {
-    const std::string samples = sensor_group(sensor.name);
-    std::vector<std::string> channels;
-    for (const SensorColumn& channel : sensor.channels) channels.push_back(channel.name);
-    attributes.push_back({samples, "type", sensor.type});
-    attributes.push_back({samples, "rate_hz", sensor.rate});
-    attributes.push_back({samples, "frame", sensor.frame});
-    if (!sensor.follows.empty()) attributes.push_back({samples, "follows", sensor.follows});
-    if (sensor.timing) {
-      for_each_timing_attribute(*sensor.timing, [&](const char* name, double value) {
-        attributes.push_back({samples, name, value});
-      });
-    }
-    attributes.push_back({samples, "channels", std::move(channels)});
-    attributes.push_back({samples, "channel_names", sensor.channel_names});
-    if (!has_labels(sensor.labels)) continue;
-    if (!sensor.labels.truth) {
-      attributes.push_back({label_group(sensor.name), "rule", sensor.labels.rule});
-      continue;
-    }
-    attributes.push_back({label_group(sensor.name), "frame", std::string(label_frame_text)});
-    for_each_unit_attribute(sensor.labels, [&](const char* name, const Extents& tail, const std::vector<double>& values) {
-      EncodedAttribute::Doubles matrix{{sensor.labels.units()}, values};
-      matrix.shape.insert(matrix.shape.end(), tail.begin(), tail.end());
-      attributes.push_back({label_group(sensor.name), name, std::move(matrix)});
-    });
-  }
-  for (const BodyRecord& body : record.bodies) {
-    if (!body.size.empty()) {
-      attributes.push_back({body_group(body.name), "size", EncodedAttribute::Doubles{{body.size.size()}, body.size}});
-    }
-  }
-  if (record.control) {
-    attributes.push_back({control_group, "detector", record.control->detector});
-    attributes.push_back({control_group, "controller", record.control->controller});
-    attributes.push_back({control_group, "sensor", record.control->sensor});
-    attributes.push_back({control_group, "rate_hz", record.control->rate});
-    if (record.sensors.empty()) attributes.push_back({control_group, "confusion", confusion_matrix(record.control->confusion)});
-  }
-  return attributes;
-}
-
 void add_attribute(ContentDigest& digest, const EncodedAttribute& attribute) {
   struct Adder {
     ContentDigest& digest;
@@ -295,6 +245,56 @@ std::string file_sha256(const std::string& path) {
   }
   if (!stream.is_open() || stream.bad()) throw InputError(path + ": cannot be read");
   return hexadecimal(hash.finish());
+}
+
+std::vector<EncodedAttribute> attributes_of(const TrialRecord& record) {
+  std::vector<EncodedAttribute> attributes;
+  attributes.push_back({"", "num_samples", static_cast<std::uint64_t>(record.num_samples())});
+  attributes.push_back({"", "seed", record.seed});
+  attributes.push_back({"", "params", record.params});
+  attributes.push_back({"", "outcome", outcome_json(record.outcome)});
+  if (!record.model_sha256.empty()) attributes.push_back({"", "model_sha256", record.model_sha256});
+  if (!record.libraries.empty()) attributes.push_back({"", libraries_name, record.libraries});
+  for (const SensorRecord& sensor : record.sensors) {
+    const std::string samples = sensor_group(sensor.name);
+    std::vector<std::string> channels;
+    for (const SensorColumn& channel : sensor.channels) channels.push_back(channel.name);
+    attributes.push_back({samples, "type", sensor.type});
+    attributes.push_back({samples, "rate_hz", sensor.rate});
+    attributes.push_back({samples, "frame", sensor.frame});
+    if (!sensor.follows.empty()) attributes.push_back({samples, "follows", sensor.follows});
+    if (sensor.timing) {
+      for_each_timing_attribute(*sensor.timing, [&](const char* name, double value) {
+        attributes.push_back({samples, name, value});
+      });
+    }
+    attributes.push_back({samples, "channels", std::move(channels)});
+    attributes.push_back({samples, "channel_names", sensor.channel_names});
+    if (!has_labels(sensor.labels)) continue;
+    if (!sensor.labels.truth) {
+      attributes.push_back({label_group(sensor.name), "rule", sensor.labels.rule});
+      continue;
+    }
+    attributes.push_back({label_group(sensor.name), "frame", std::string(label_frame_text)});
+    for_each_unit_attribute(sensor.labels, [&](const char* name, const Extents& tail, const std::vector<double>& values) {
+      EncodedAttribute::Doubles matrix{{sensor.labels.units()}, values};
+      matrix.shape.insert(matrix.shape.end(), tail.begin(), tail.end());
+      attributes.push_back({label_group(sensor.name), name, std::move(matrix)});
+    });
+  }
+  for (const BodyRecord& body : record.bodies) {
+    if (!body.size.empty()) {
+      attributes.push_back({body_group(body.name), "size", EncodedAttribute::Doubles{{body.size.size()}, body.size}});
+    }
+  }
+  if (record.control) {
+    attributes.push_back({control_group, "detector", record.control->detector});
+    attributes.push_back({control_group, "controller", record.control->controller});
+    attributes.push_back({control_group, "sensor", record.control->sensor});
+    attributes.push_back({control_group, "rate_hz", record.control->rate});
+    if (record.sensors.empty()) attributes.push_back({control_group, "confusion", confusion_matrix(record.control->confusion)});
+  }
+  return attributes;
 }
 
 std::vector<ArrayView> arrays_of(const TrialRecord& record) {

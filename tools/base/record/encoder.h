@@ -231,4 +231,7 @@ struct ArrayView {
 // samples.
 std::vector<ArrayView> arrays_of(const TrialRecord& record);
 
+// Attributes of a trial and of what is in it, without `sha256`.
+std::vector<EncodedAttribute> attributes_of(const TrialRecord& record);
+
 }  // namespace slipbench

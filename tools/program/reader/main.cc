@@ -33,7 +33,7 @@ void limit_time(const std::string& path) {
   std::uint64_t bytes = 0;
   std::error_code error;
   for (std::size_t k = 0;; ++k) {
-    const std::uintmax_t size = std::filesystem::file_size(sibling_path(path, k), error);
+    const std::uintmax_t size = std::filesystem::file_size(shard_path(path, k), error);
     if (error) break;
     bytes += size;
   }

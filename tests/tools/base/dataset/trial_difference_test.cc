@@ -21,7 +21,7 @@ std::string found(const std::string& libraries, const Change& change) {
   one.sensors.front().labels.slip_direction.assign(20, std::numbers::pi_v<float>);
   TrialRecord other = one;
   change(other);
-  return trial_difference(TrialEncoder().encode(one), TrialEncoder().encode(other));
+  return trial_difference(one, other);
 }
 
 void scale_force(TrialRecord& record, float factor) {
