@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
 namespace {
@@ -16,9 +17,16 @@ bool has_effect(const Scene& scene, std::string_view name) {
   return std::ranges::find(scene.effects, name, &Named::name) != scene.effects.end();
 }
 
-// Whether a sensor, detector or controller of this type is a plugin's, or that of a program that embeds this one.
-bool is_users(const std::string& type, const std::vector<Entry>& own) {
-  return !type.empty() && (type == "plugin" || std::ranges::find(own, type, &Entry::name) == own.end());
+// Whether a type is a plugin's, or that of a program that embeds this one.
+bool is_users_sensor(const SensorScene& sensor) {
+  const std::vector<Entry> registered = registered_sensor_entries();
+  return sensor.type == "plugin" || std::ranges::find(registered, sensor.type, &Entry::name) != registered.end();
+}
+bool is_users(const std::string& type, std::vector<Entry> Catalogues::*own) {
+  if (type.empty() || type == "plugin") return !type.empty();
+  static const Catalogues catalogues =
+      command_line_catalogues();  // costs as much as a short trial's set-up: made where it is asked
+  return std::ranges::find(catalogues.*own, type, &Entry::name) == (catalogues.*own).end();
 }
 
 }  // namespace
@@ -31,10 +39,8 @@ std::string libraries_of(const Scene& scene) {
   if (scene.dynamic() || scene.fidelity != "field") libraries.emplace_back("MuJoCo");
   if (has_effect(scene, "elastic_skin") || spectral || detector == "network") libraries.emplace_back("FFTW");
   if (detector == "network") libraries.emplace_back("network");
-  static const Catalogues own = command_line_catalogues();
-  const bool users_sensor =
-      std::ranges::any_of(scene.sensors, [](const SensorScene& sensor) { return is_users(sensor.type, own.sensors); });
-  if (users_sensor || is_users(detector, own.detectors) || is_users(controller, own.controllers))
+  if (std::ranges::any_of(scene.sensors, is_users_sensor) || is_users(detector, &Catalogues::detectors) ||
+      is_users(controller, &Catalogues::controllers))
     libraries.emplace_back("user's library");
   return fmt::format("{}", fmt::join(libraries, ", "));
 }
