@@ -11,10 +11,11 @@ namespace slipbench {
 // Whether the loaded MuJoCo is one that this code is compiled for; else it warns, with both versions.
 inline bool meet_mujoco() {
   if (mj_version() == mjVERSION_HEADER) return true;
-  const auto part = [](int size) { return std::to_string(mjVERSION_HEADER / size % 1000); };
+  constexpr int base = mjVERSION_HEADER < 1000 ? 10 : 1000;  // 3.3.7 calls itself 337, and 4.0.1 4000001
+  const auto part = [](int size) { return std::to_string(mjVERSION_HEADER / size % base); };
   // No mju_error: it may jump over the loader that is running a library's constructors, which would then stay locked.
   mju_warning("slipbench.field is for MuJoCo %s.%s.%s and not for %s, the one that is loaded: it stays unknown",
-              part(1000000).c_str(), part(1000).c_str(), part(1).c_str(), mj_versionString());
+              part(base * base).c_str(), part(base).c_str(), part(1).c_str(), mj_versionString());
   return false;
 }
 

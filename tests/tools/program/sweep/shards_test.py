@@ -200,7 +200,7 @@ class ShardsTest(unittest.TestCase):
     def test_a_damaged_list_of_digests_is_not_merged(self):
         one, two = self.shards(2, "--record", "outcome")
         two.write_bytes(bytes_of(two).replace(self.first_digest(two)[1], b"0" * 64))
-        self.assert_refused("content_sha256", "merge", one, two, "-o", self.folder / "merged.h5")
+        self.assert_refused("damaged", "merge", one, two, "-o", self.folder / "merged.h5")
         self.assertEqual([path.name for path in self.folder.glob("merged*")], [])
 
     def test_a_damaged_trial_is_not_merged(self):
