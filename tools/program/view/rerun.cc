@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "sim/core/error.h"
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/run_folder.h"
@@ -167,13 +168,19 @@ RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) 
       std::this_thread::sleep_for(500ms);
       continue;
     }
-    const auto trial = trial_in(source, options.trial, follows);
-    if (trial && (result.trials.empty() || *trial != result.trials.back())) {
-      const std::vector<std::string> files =
-          export_dataset(source, folder.path(),
-                         {.format = ExportFormat::npz, .slip_rule = {}, .label_speed = {}, .sensors = {}, .trial = trial});
-      alive = python.tell(files.front());
-      result.trials.push_back(*trial);
+    try {
+      const auto trial = trial_in(source, options.trial, follows);
+      if (trial && (result.trials.empty() || *trial != result.trials.back())) {
+        const std::vector<std::string> files =
+            export_dataset(source, folder.path(),
+                           {.format = ExportFormat::npz, .slip_rule = {}, .label_speed = {}, .sensors = {}, .trial = trial});
+        alive = python.tell(files.front());
+        result.trials.push_back(*trial);
+      }
+    } catch (const InputError&) {
+      // A run that ends joins its batches and removes them, also while they are read here.
+      if (!runs || fs::exists(source)) throw;
+      continue;
     }
     if (!runs || (options.trial && !result.trials.empty())) break;
     std::this_thread::sleep_for(500ms);

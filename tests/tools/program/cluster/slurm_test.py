@@ -158,7 +158,7 @@ def main(program, rounds):
             raise
         finally:
             slurm.close()
-    print(f"{rounds} arrays with a killed task, a restarted slurmd and a shard that ran twice: {sum(equal)} merged to the bytes of the whole sweep")
+    print(f"{rounds} arrays with a killed task, a restarted slurmd and a shard that ran twice: {sum(equal)} merged to the content of the whole sweep")
     return 0 if all(equal) else 1
 
 

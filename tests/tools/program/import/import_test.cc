@@ -247,14 +247,6 @@ TEST_F(Imported, HasTheSameBytesAgain) {
   EXPECT_EQ(bytes_of(path("out.h5")), before);
 }
 
-TEST_F(Imported, OfManyRowsIsSeveralFiles) {
-  std::string rows;
-  for (int k = 0; k < 2001; ++k) rows += grasp_row("object", "0", k);
-  const ImportSummary summary = run({source("many.csv", grasp_header() + rows)}, "bts3v2");
-  EXPECT_THAT(summary.files, ElementsAre(path("out.h5"), path("out-0001.h5")));  // 2,000 trials a file
-  EXPECT_EQ(trial(2000).sensors.at(0).channels[0].values[0], 2001.0F);
-}
-
 TEST_F(Imported, WithoutAnOutputIsOnlyRead) {
   const ImportSummary summary = import_recordings({{file_}, &import_format("bts3v2"), "", 1});
   EXPECT_EQ(summary.trials, 40u);
