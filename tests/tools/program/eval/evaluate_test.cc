@@ -123,7 +123,7 @@ TEST_F(Evaluated, LeavesOutWhatADetectorWasTrainedOn) {
   EXPECT_THAT(with_all.at("warnings")[0].get<std::string>(), HasSubstr("trained on 4 of the 24 trials judged"));
   trained.all = false;
   trained.trained = R"({"sha256_seen": ["12"]})";
-  EXPECT_THAT(refusal_of([&] { evaluate(trained); }), mentions({"sha256_seen"}));
+  EXPECT_THAT(refusal_of([&] { evaluate(trained); }), mentions({"trained.sha256_seen"}));
 }
 
 // Memories record their trials in seen.txt. Those without it, as the published ones are, cannot be
