@@ -71,7 +71,8 @@ std::map<std::size_t, std::string> SweepWriter::resume(const Summarise& summaris
   for (const std::string& name : batches) {
     try {
       std::map<std::size_t, std::string> held;
-      std::vector<StoredTrial> trials = read_batch(name, [&](const TrialRecord& record) { held[record.trial] = summarise(record); });
+      std::vector<StoredTrial> trials =
+          read_batch(name, [&](const TrialRecord& record) { held[record.trial] = summarise(record); });
       std::ranges::move(trials, std::back_inserter(trials_));
       summaries.merge(held);
     } catch (const InputError&) {

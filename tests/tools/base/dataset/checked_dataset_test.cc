@@ -21,7 +21,8 @@ namespace {
 struct CheckedDataset : FolderTest {
   void SetUp() override {
     FolderTest::SetUp();
-    DatasetWriter writer(path("a.h5"), {"1.2.3", "scene", "{}", 7, "slipbench sweep a.yaml"}, 1);  // bytes: each trial gets a file
+    DatasetWriter writer(path("a.h5"), {"1.2.3", "scene", "{}", 7, "slipbench sweep a.yaml"},
+                         1);  // bytes: each trial gets a file
     for (std::size_t k = 0; k < 3; ++k) writer.append(make_trial(k, 50));
     writer.commit();
   }
