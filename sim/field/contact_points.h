@@ -51,7 +51,7 @@ class ContactPoints {
   [[nodiscard]] bool on_grid() const { return std::holds_alternative<DistanceGrid>(surface_); }
   // Returns true if the point p of S [m] is inside the surface.
   [[nodiscard]] bool is_inside(const Eigen::Vector3d& p) const;
-  // Whether the point p of S [m] is outside the surface; false where the gap's slope may exceed 1: between the nodes of a grid.
+  // Returns true if the point p of S [m] is outside the surface; false where the gap's slope may exceed 1: between the nodes of a grid.
   [[nodiscard]] bool is_outside(const Eigen::Vector3d& p) const;
 
  private:

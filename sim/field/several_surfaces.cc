@@ -66,8 +66,8 @@ std::size_t owner_of(std::span<Field> fields, std::size_t i, std::size_t holder)
   const auto meets = [i](const Field& field) { return field.is_inside(i); };
   const auto met = std::ranges::count_if(fields, meets);
   if (holder != none && met == 1 && fields[holder].keeps_face(i)) return holder;
-  // The grid of a mesh may miss an element that is inside it beside an edge. A first touch there is accepted only within the length of the column, since a
-  // pad that looks the wrong way is inside, too.
+  // The grid of a mesh may miss an element that is inside it beside an edge. A first touch there is accepted only within the length of the column: a pad
+  // that points the wrong way has its elements inside as well, but deeper.
   const double column = fields.front().column_length();
   if (met == 0 && holder == none) {
     const auto in_grid = [i](const Field& field) { return field.on_grid() && field.has_tip_inside(i); };

@@ -10,7 +10,7 @@ namespace slipbench {
 std::string own_path(const std::string& path);
 
 // The address of `symbol` in the library at own_path(path), which stays loaded. Throws InputError with the loader's reason and `remedy`,
-// "allowed: ...". Handlers of SIGINT, SIGTERM and SIGHUP stay as they are, whatever the library sets when it is loaded.
+// "allowed: ...". The handlers of SIGINT, SIGTERM and SIGHUP do not change, even if the library sets its own.
 void* own_symbol(const std::string& path, const std::string& symbol, const std::string& remedy);
 
 }  // namespace slipbench

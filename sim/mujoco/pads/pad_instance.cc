@@ -621,7 +621,7 @@ void PadInstance::commit(const mjModel* model, mjData* data) {
     evaluated_ = locate(model, data);
     evaluate(state, computed_at_);
   }
-  if (std::ranges::any_of(fields_, [](const Field& field) { return field.lost().has_value(); })) refuse_lost(model);
+  refuse_lost(model);
   state.header[committed_time] = time_;
   if (watched_) remember_readings(state);
   evaluated_ = false;

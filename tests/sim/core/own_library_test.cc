@@ -31,13 +31,14 @@ TEST(OwnLibrary, LeavesSignalsToTheProgram) {
     sigaction(signal, nullptr, &action);
     return action.sa_handler;
   };
-  const auto before = std::signal(SIGHUP, [](int) {});
+  const auto interrupt = handler_of(SIGINT), terminate = handler_of(SIGTERM);
+  const auto hang_up = std::signal(SIGHUP, [](int) {});
   const auto ours = handler_of(SIGHUP);
   own_symbol("../tests/sim/core/takes_signals.so", "nothing", "");
   EXPECT_EQ(handler_of(SIGHUP), ours);
-  EXPECT_EQ(handler_of(SIGINT), SIG_DFL);
-  EXPECT_EQ(handler_of(SIGTERM), SIG_DFL);
-  std::signal(SIGHUP, before);
+  EXPECT_EQ(handler_of(SIGINT), interrupt);
+  EXPECT_EQ(handler_of(SIGTERM), terminate);
+  std::signal(SIGHUP, hang_up);
 }
 
 std::string refusal(const std::string& path, std::uintmax_t most) {

@@ -262,7 +262,7 @@ class OwnControllers(unittest.TestCase):
     def test_a_twin_of_a_controller_gives_its_trial(self):
         scene = slipbench.Scene.load("grasp/lift.yaml").set(GRASP)
         own, catalogues = (scene.set({"controller.type": name}).run(seed=3) for name in ("twin_of_hold_preset", "hold_preset"))
-        # Of the catalogue's it is known that it never answers a slip; of any other, what tightens after one counts as its answer.
+        # hold_preset never reacts to slip, so its reaction time is null. A controller of the user's counts as reacting when it tightens after a slip.
         self.assertIsNone(catalogues.outcome["reaction_time_s"])
         self.assertEqual({**own.outcome, "reaction_time_s": None}, catalogues.outcome)
         np.testing.assert_array_equal(own.control.command, catalogues.control.command)

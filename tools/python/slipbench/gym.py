@@ -204,10 +204,10 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
             raise _core.InputError(f"{len(seeds)} seeds; allowed: one for each of {self.num_envs} environments")
         if options and "reset_mask" in options:
             raise _core.InputError("options has 'reset_mask', and this vector resets its environments together; allowed: any other key, without effect")
-        for i, one in enumerate([_seed(one) for one in seeds]):
-            self._seeds[i], self._episodes[i] = _next_episode(self, self._seeds[i], self._episodes[i], one)
-        drawn = [one for one in self._seeds if one is not None]  # all of them
-        observations, _, _, _, infos = self._batch(self._grasps.reset(drawn, self._episodes))
+        asked = [_seed(one) for one in seeds]
+        begun = [_next_episode(self, before, episode, one) for before, episode, one in zip(self._seeds, self._episodes, asked, strict=True)]
+        self._seeds = [one for one, _ in begun]
+        observations, _, _, _, infos = self._batch(self._grasps.reset([one for one, _ in begun], [episode for _, episode in begun]))
         return observations, infos
 
     def step(self, actions: Observation) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
