@@ -37,7 +37,9 @@ def faults(path):
         # An empty place is the folder that a user happens to be in.
         if any(not place.startswith("$ORIGIN/") for place in places.split(":")):
             found.append(f"it looks for libraries in '{places}'")
-    rounded = sorted(LIBM.intersection(re.findall(r" UND (\w+)@", readelf("--dyn-syms", path))))
+    # Verilator's runtime converts wide integers by exp2 of whole numbers, which is exact.
+    exact = {"exp2"} if path.name == "libslipbench_cores.so" else set()
+    rounded = sorted(LIBM.intersection(re.findall(r" UND (\w+)@", readelf("--dyn-syms", path))) - exact)
     found += [f"it rounds by the processor: {rounded}"] if rounded else []
     bytes_of = path.read_bytes()
     found += [f"it holds {place}" for place in (ROOT, BUILD) if str(place).encode() in bytes_of]
