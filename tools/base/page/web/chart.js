@@ -29,9 +29,11 @@ sb.scale = (logarithmic, domain, range) => (logarithmic ? d3.scaleLog : d3.scale
 sb.ticks = (scale, needed) => {
   const [begin, end] = scale.range(), room = Math.abs(end - begin);
   if (!scale.base) return scale.ticks(Math.max(1, room / needed));
-  const decades = Math.log10(scale.domain()[1] / scale.domain()[0]);
-  if (Math.abs(decades) * 4 * needed > room) return scale.ticks(Math.min(room / needed, Math.abs(decades)));
-  return scale.ticks(Math.abs(decades) + 2).filter(tick => /^[125]/.test(tick.toExponential()));
+  const decades = Math.abs(Math.log10(scale.domain()[1] / scale.domain()[0]));
+  const beginning = digits => scale.ticks(decades + 2).filter(tick => digits.test(tick.toExponential()));
+  if (decades * 4 * needed <= room) return beginning(/^[125]/);
+  const powers = beginning(/^1/), every = Math.ceil(powers.length * needed / room);
+  return powers.filter((tick, i) => i % every === 0);
 };
 
 // An axis of d3 at `transform`, in the page's font and without a line of its own. Lines of `across` px cross the plot at its ticks.
