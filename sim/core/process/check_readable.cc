@@ -23,14 +23,17 @@
 namespace slipbench {
 namespace {
 
-constexpr int refused = 2;  // status of the reader when the file is not what it should be
+// Signals by which damage ends the reader. All others come from outside: a user, the system when memory is short.
+bool is_crash(int signal) {
+  return signal == SIGSEGV || signal == SIGBUS || signal == SIGABRT || signal == SIGFPE || signal == SIGILL;
+}
 
 // A running slipbench-reader and the pipe to which it writes its message.
 class Reader {
  public:
   Reader(FileKind kind, const std::string& path) {
     int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) throw InputError(path + ": cannot be read: " + std::strerror(errno));
+    if (::pipe2(ends, O_CLOEXEC) != 0) throw NotChecked(path + ": cannot be read: " + std::strerror(errno));
     channel_ = ends[0];
     std::string program = own_path("slipbench-reader"), word = reader_word(kind), file = path;
     char* const words[] = {program.data(), word.data(), file.data(), nullptr};
@@ -42,7 +45,7 @@ class Reader {
     ::close(ends[1]);
     if (error == 0) return;
     ::close(channel_);
-    throw InputError(path + ": cannot be read: cannot start " + program + ": " + std::strerror(error));
+    throw NotChecked(path + ": cannot be read: cannot start " + program + ": " + std::strerror(error));
   }
   ~Reader() {
     ::close(channel_);
@@ -96,14 +99,19 @@ std::string reader_word(FileKind kind) {
 
 std::string check_readable(FileKind kind, const std::string& path) {
   Reader reader(kind, path);
-  const std::string message = reader.message();
+  std::string message = reader.message();
   const int status = reader.status();
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return message;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == refused) throw InputError(message);
+  // The verdict counts, not the status: a program that waits for all children, or ignores SIGCHLD, leaves none.
+  const char verdict = message.empty() ? '\0' : message.back();
+  if (!message.empty()) message.pop_back();
+  if (verdict == static_cast<char>(ReaderVerdict::readable)) return message;
+  if (verdict == static_cast<char>(ReaderVerdict::refused)) throw InputError(message);
+  if (verdict == static_cast<char>(ReaderVerdict::not_checked)) throw NotChecked(path + ": cannot be read: " + message);
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw Interrupted();
   if (signal == SIGXCPU) throw InputError(path + ": is damaged: reading it does not come to an end");
-  throw InputError(path + ": is damaged: reading it crashed" +
+  if (is_crash(signal)) throw InputError(path + ": is damaged: reading it crashed (" + ::strsignal(signal) + ")");
+  throw NotChecked(path + ": cannot be read: slipbench-reader was ended" +
                    (signal == 0 ? "" : " (" + std::string(::strsignal(signal)) + ")"));
 }
 

@@ -3,13 +3,15 @@
 
 #include <atomic>
 #include <stdexcept>
+#include <string>
 
 namespace slipbench {
 
 // Thrown by what an interrupt has ended early.
 class Interrupted : public std::runtime_error {
  public:
-  Interrupted() : std::runtime_error("interrupted") {}
+  // `left`: what is left of the work, for the user.
+  explicit Interrupted(const std::string& left = "nothing is kept") : std::runtime_error("interrupted; " + left) {}
 };
 
 // Throws Interrupted once `interrupt` is true; it may be null.

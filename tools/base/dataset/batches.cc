@@ -3,13 +3,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
-#include <iterator>
 #include <optional>
 #include <utility>
 
 #include "sim/core/error.h"
 #include "sim/core/process/check_readable.h"
+#include "sim/core/process/interrupted.h"
 #include "tools/base/dataset/dataset_file.h"
 #include "tools/base/dataset/dataset_target.h"
 #include "tools/base/dataset/reader.h"
@@ -31,23 +33,31 @@ std::string difference_of(const std::string& name, const DatasetHeader& header) 
     check_readable(FileKind::dataset_file, name);
     const std::optional<FileAbout> about = file_about(name);
     return about ? header_difference(about->header, header) : "it is no dataset";
+  } catch (const NotChecked&) {
+    throw;
   } catch (const InputError&) {
     return "";
   }
 }
 
-// The trials of a batch; hands what is read of each to `use`. Throws InputError where a trial does not hold its digest.
-std::vector<StoredTrial> read_batch(const std::string& name, const std::function<void(const TrialRecord& record)>& use) {
-  check_readable(FileKind::batch, name);
-  const DatasetReader reader = DatasetReader::of_file(name);
-  std::vector<StoredTrial> trials = stored_trials(name);
-  for (const StoredTrial& trial : trials) {
-    const TrialRecord record = reader.read_trial(trial.number);
-    if (reader.stored_digest(trial.number, &record) != trial.digest)
-      reject("{}: trial {} does not hold its digest", name, trial.number);
-    use(record);
+// Whether a batch holds what was written. Throws InputError where that cannot be told.
+bool is_whole(const std::string& name) {
+  if (::access(name.c_str(), R_OK) != 0) reject("cannot resume: cannot read {}: {}", name, std::strerror(errno));
+  try {
+    check_readable(FileKind::batch, name);
+    return true;
+  } catch (const NotChecked& error) {
+    reject("cannot resume: {}", error.what());
+  } catch (const InputError&) {
+    return false;
   }
-  return trials;
+}
+
+// Leaves a damaged batch to the user. Returns its new name.
+std::string set_aside(const std::string& name) {
+  std::string damaged = name + ".damaged";
+  rename_file(name, damaged);
+  return damaged;
 }
 
 }  // namespace
@@ -60,26 +70,33 @@ SweepWriter::SweepWriter(const std::string& path, DatasetHeader header, std::uin
 SweepWriter::~SweepWriter() = default;
 
 std::map<std::size_t, std::string> SweepWriter::resume(const Summarise& summarise) {
-  const std::vector<std::string> batches = folder_.batches();
-  std::vector<std::string> written = batches;
+  std::vector<std::string> whole, damaged;
+  for (const std::string& name : folder_.batches()) {
+    end_if_interrupted();
+    (is_whole(name) ? whole : damaged).push_back(name);
+  }
+  std::vector<std::string> written = whole;
   if (written.empty() && std::filesystem::exists(folder_.target())) written.push_back(folder_.target());
   for (const std::string& name : written) {
     if (const std::string difference = difference_of(name, header_); !difference.empty())
       refuse_other_run(folder_.target(), name, difference);
   }
   std::map<std::size_t, std::string> summaries;
-  for (const std::string& name : batches) {
-    try {
-      std::map<std::size_t, std::string> held;
-      std::vector<StoredTrial> trials =
-          read_batch(name, [&](const TrialRecord& record) { held[record.trial] = summarise(record); });
-      std::ranges::move(trials, std::back_inserter(trials_));
-      summaries.merge(held);
-    } catch (const InputError&) {
-      ::unlink(name.c_str());
-      damaged_.push_back(name);
+  std::map<std::size_t, StoredTrial> held;
+  for (const std::string& name : whole) {
+    const DatasetReader reader = DatasetReader::of_file(name);
+    for (StoredTrial& trial : stored_trials(name)) {
+      const auto [twin, is_new] = held.try_emplace(trial.number, trial);
+      if (is_new) {
+        summaries[trial.number] = summarise(reader.read_trial(trial.number));
+        trials_.push_back(std::move(trial));
+      } else if (twin->second.digest != trial.digest) {
+        reject("cannot resume {}: trial {} is in {} and, with other content, in {}; allowed: one of them moved away",
+               folder_.target(), trial.number, twin->second.file, name);
+      }
     }
   }
+  for (const std::string& name : damaged) damaged_.push_back(set_aside(name));
   return summaries;
 }
 
@@ -89,7 +106,12 @@ void SweepWriter::append(const EncodedTrial& trial) {
     while (std::filesystem::exists(folder_.batch(batch_number_))) ++batch_number_;
     batch_ = std::make_unique<DatasetFile>(temporary_path(folder_.batch(batch_number_)), header_, batch_number_);
   }
-  batch_->append(trial);
+  try {
+    batch_->append(trial);
+  } catch (...) {
+    batch_.reset();  // the file is gone, and takes nothing more
+    throw;
+  }
 }
 
 std::optional<std::chrono::steady_clock::time_point> SweepWriter::due() const {

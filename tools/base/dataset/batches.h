@@ -46,10 +46,11 @@ class SweepWriter {
   // Bytes that the caller makes of a trial.
   using Summarise = std::function<std::string(const TrialRecord& record)>;
   // Goes on with the batches that an earlier run of the same sweep has left. Returns what `summarise` makes of each of their trials.
-  // A batch that cannot be read, or that does not hold its digests, is removed and named in damaged(). Throws
-  // InputError where a batch, or without one the dataset that is there, was written by another run.
+  // A batch that is damaged, or does not hold its digests, gets ".damaged" behind its name and is named in damaged(). Throws InputError where a
+  // batch, or without one the dataset that is there, was written by another run, where two batches hold the same trial with other content, and
+  // where a batch cannot be read for reasons outside of it: all batches stay then.
   std::map<std::size_t, std::string> resume(const Summarise& summarise);
-  // Names of the batches that resume() has removed.
+  // Names, as they are now, of the batches that resume() found damaged.
   [[nodiscard]] const std::vector<std::string>& damaged() const { return damaged_; }
 
   // Adds a trial. Trials come in ascending order, without those that resume() has returned. Finishes the batch before it would become too
@@ -69,6 +70,8 @@ class SweepWriter {
 
   // Writes the dataset and returns the names of its files. Where it fails all batches stay.
   std::vector<std::string> commit();
+  // Removes the batches: a dataset that is there already holds their trials.
+  void drop_batches() { folder_.remove_batches(); }
   // Ends a run that did not come to its end: finishes the batch. Returns the names of all batches; without any the folder is removed.
   std::vector<std::string> keep();
 

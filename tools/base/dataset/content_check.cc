@@ -34,12 +34,10 @@ void ContentCheck::finish() const {
   for (std::size_t file = 0; file < digests_.size(); ++file) finish(file);
 }
 
-void check_content(const DatasetReader& reader, std::size_t file) {
+void check_content(const DatasetReader& reader) {
   ContentCheck check(reader);
-  for (const std::size_t trial : reader.trials()) {
-    if (reader.file_of(trial) == file) check.add(trial);
-  }
-  check.finish(file);
+  for (const std::size_t trial : reader.trials()) check.add(trial);
+  check.finish();
 }
 
 std::string trial_identity(const DatasetReader& reader, std::size_t trial) {

@@ -29,8 +29,8 @@ class ContentCheck {
   std::vector<std::vector<std::pair<std::size_t, Digest>>> digests_;  // by file
 };
 
-// Reads all trials of a file for that.
-void check_content(const DatasetReader& reader, std::size_t file);
+// Reads all trials for that.
+void check_content(const DatasetReader& reader);
 
 // What tells a trial from others in whatever file it stands, 64 hexadecimal digits: its attribute `sha256`, or in a file of schema 1,
 // which has none, the digest of its arrays.

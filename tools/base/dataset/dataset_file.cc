@@ -232,9 +232,16 @@ void DatasetFile::pause() {
   });
 }
 
+void DatasetFile::write_digest() {
+  std::vector<std::pair<std::size_t, Digest>> digests;
+  for (const StoredTrial& trial : trials_) digests.emplace_back(trial.number, trial.digest);
+  write_attribute(file_.get(), file_sha256_name, hexadecimal(stored_file_digest({file_.get(), path_, "/"}, digests)));
+}
+
 void DatasetFile::finish_batch() {
   write([&] {
     write_groups(file_.get(), batch_groups_name, trials_);
+    write_digest();
     close();
   });
 }
@@ -243,11 +250,7 @@ void DatasetFile::finish(const Masks& masks, const std::vector<FailedTrial>& fai
   write([&] {
     if (!file_) file_ = Handle(H5Fopen(path_.c_str(), H5F_ACC_RDWR, file_access().get()), &H5Fclose);
     std::vector<std::size_t> numbers;
-    std::vector<std::pair<std::size_t, Digest>> digests;
-    for (const StoredTrial& trial : trials_) {
-      numbers.push_back(trial.number);
-      digests.emplace_back(trial.number, trial.digest);
-    }
+    for (const StoredTrial& trial : trials_) numbers.push_back(trial.number);
     Handle mask = write_masks(file_.get(), masks, numbers);
     if (of_sweep_shard_) write_groups(file_.get(), shard_groups_name, trials_);
     if (of_sweep_shard_ && split_)
@@ -256,7 +259,7 @@ void DatasetFile::finish(const Masks& masks, const std::vector<FailedTrial>& fai
     if (!failed.empty()) write_attribute(file_.get(), "failed", failures_json(failed));
     write_attribute(file_.get(), "shards", static_cast<std::uint64_t>(files));
     write_attribute(file_.get(), "complete", std::uint64_t{1});
-    write_attribute(file_.get(), file_sha256_name, hexadecimal(stored_file_digest({file_.get(), path_, "/"}, digests)));
+    write_digest();
     close();
   });
 }

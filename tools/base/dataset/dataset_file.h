@@ -36,7 +36,7 @@ class DatasetFile {
 
   // Closes a file that gets no further trial, so that it takes no memory until finish().
   void pause();
-  // Ends a batch: adds the trials' groups, closes and syncs.
+  // Ends a batch: adds the trials' groups and the digest, closes and syncs.
   void finish_batch();
   // Ends a file of a dataset: adds masks, what has failed and the digest, closes and syncs. `files`: of the whole dataset.
   void finish(const Masks& masks, const std::vector<FailedTrial>& failed, std::size_t files);
@@ -45,6 +45,7 @@ class DatasetFile {
   // Runs `action`; what it throws is a failure of this file.
   template <class Action>
   void write(const Action& action);
+  void write_digest();
   void close();
   void remove();
 

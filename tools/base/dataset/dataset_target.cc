@@ -69,6 +69,8 @@ Found found_at(const std::string& path) {
   if (beginning != hdf5) return {Found::Kind::other};
   try {
     return found_dataset(path);
+  } catch (const NotChecked&) {
+    throw;
   } catch (const InputError&) {
     return {Found::Kind::damaged};
   }

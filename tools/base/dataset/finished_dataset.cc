@@ -1,6 +1,7 @@
 #include "tools/base/dataset/finished_dataset.h"
 
 #include "sim/core/error.h"
+#include "sim/core/process/check_readable.h"
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 
@@ -11,6 +12,8 @@ std::optional<FinishedDataset> finished_dataset(const std::string& path, const D
     const DatasetReader reader = dataset_header_at(path);
     if (!reader.complete() || !header_difference(reader.header(), header).empty()) return std::nullopt;
     return FinishedDataset{reader.trials().size(), reader.failed(), reader.files()};
+  } catch (const NotChecked&) {
+    throw;
   } catch (const InputError&) {
     return std::nullopt;
   }

@@ -17,7 +17,7 @@ struct FinishedDataset {
 };
 
 // The dataset at `path`, where it says `header` of itself. Empty where there is none, where its run did not come to its end, and
-// where it cannot be read.
+// where it is damaged. Throws NotChecked (check_readable.h).
 std::optional<FinishedDataset> finished_dataset(const std::string& path, const DatasetHeader& header);
 
 }  // namespace slipbench

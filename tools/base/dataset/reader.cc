@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/base/dataset/run_folder.h"
 #include "tools/base/dataset/stored_trials.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/hdf5/hdf5_place.h"
@@ -246,7 +247,9 @@ struct DatasetReader::State {
       if (!file_of.emplace(trial, index).second)
         place.fail(fmt::format("holds trial {}, as does another file of the dataset", trial));
     }
-    digests.push_back(about.shards ? hdf5::text_of(place, open_object(place), file_sha256_name) : "");
+    const Handle root = open_object(place);
+    const bool has_digest = about.shards || H5Aexists(root.get(), file_sha256_name) > 0;
+    digests.push_back(has_digest ? hdf5::text_of(place, root, file_sha256_name) : "");
     // Batches do not know how many there are.
     if (!about.shards) return index + (std::filesystem::exists(shard_path(files.front(), index + 1)) ? 2 : 1);
     complete = about.complete && (index == 0 || complete);
@@ -337,6 +340,10 @@ std::optional<FileAbout> file_about(const std::string& path) {
 }
 
 DatasetReader::DatasetReader(const std::string& path) : state_(std::make_unique<State>()) {
+  if (!std::filesystem::exists(path) && std::filesystem::exists(first_batch_path(path))) {
+    reject("{}: no such file; {} holds finished trials of its sweep, which goes on with --resume and can be read until then",
+           path, first_batch_path(path));
+  }
   read_safely(path, [&] {
     std::size_t shards = state_->add_file(path);
     for (std::size_t k = 1; k < shards; ++k) shards = state_->add_file(shard_path(path, k));

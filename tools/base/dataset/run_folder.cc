@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <regex>
 #include <system_error>
 #include <utility>
 
@@ -31,15 +32,21 @@ std::vector<fs::path> files_in(const std::string& folder) {
   return files;
 }
 
-bool is_batch(const fs::path& file) { return file.filename().string().starts_with("batch") && file.extension() == ".h5"; }
+bool is_batch(const fs::path& file) {
+  static const std::regex name(R"(batch(-\d+)?\.h5)");
+  return std::regex_match(file.filename().string(), name);
+}
 
-bool is_unfinished(const fs::path& file) { return file.extension() == ".partial"; }
+bool is_damaged(const fs::path& file) { return file.extension() == ".damaged" && is_batch(file.stem()); }
+
+bool is_unfinished(const fs::path& file) { return file.filename().string().ends_with(".h5.partial"); }
 
 // Throws unless `folder` is one that a run has made, or is empty.
 void check_own(const std::string& target, const std::string& folder, const std::string& lock) {
   std::error_code error;
   const bool is_folder = fs::symlink_status(folder, error).type() == fs::file_type::directory;
-  if (is_folder && (fs::exists(lock, error) || fs::is_empty(folder, error))) return;
+  const bool is_lock = fs::symlink_status(lock, error).type() == fs::file_type::regular && fs::file_size(lock, error) == 0;
+  if (is_folder && (is_lock || fs::is_empty(folder, error))) return;
   reject(
       "cannot write {}: {}, the folder for unfinished work, exists and was not made by a run; allowed: a new name, or {} moved away",
       target, folder, folder);
@@ -65,6 +72,7 @@ RunFolder::RunFolder(const std::string& path) : target_(path), path_(run_folder_
     if (made) ::rmdir(path_.c_str());
     throw;
   }
+  if (made) sync_folder_of(path_);
   for (const fs::path& file : files_in(path_)) {
     if (is_unfinished(file)) ::unlink(file.c_str());
   }
@@ -75,8 +83,9 @@ RunFolder::~RunFolder() { close(); }
 void RunFolder::close() {
   if (lock_.get() < 0) return;
   const Descriptor lock = std::exchange(lock_, Descriptor());
-  if (!batches().empty()) return;
-  for (const fs::path& file : files_in(path_)) {
+  const std::vector<fs::path> files = files_in(path_);
+  if (std::ranges::any_of(files, [](const fs::path& file) { return is_batch(file) || is_damaged(file); })) return;
+  for (const fs::path& file : files) {
     if (is_unfinished(file)) ::unlink(file.c_str());
   }
   ::unlink(run_lock_path(target_).c_str());
@@ -109,7 +118,9 @@ void RunFolder::refuse_batches() const {
 }
 
 void RunFolder::remove_batches() const {
-  for (const std::string& name : batches()) ::unlink(name.c_str());
+  for (const fs::path& file : files_in(path_)) {
+    if (is_batch(file) || is_damaged(file)) ::unlink(file.c_str());
+  }
 }
 
 }  // namespace slipbench

@@ -13,9 +13,10 @@ namespace slipbench {
 //
 // | name | what it is |
 // |---|---|
-// | lock | held by the run (flock); a second run is refused |
+// | lock | empty, held by the run (flock); a second run is refused |
 // | batch.h5, batch-0001.h5, ... | finished batches of a sweep, see batches.h |
-// | *.partial | a file that is being written; what a killed run has left of it is worthless |
+// | batch.h5.damaged, ... | batches that a resumed sweep could not read |
+// | *.h5.partial | a file that is being written; what a killed run has left of it is worthless |
 class RunFolder {
  public:
   // Makes and locks the folder, and removes what a killed run has left of unfinished files. `path`: the dataset's first file. Throws
@@ -39,9 +40,9 @@ class RunFolder {
   [[nodiscard]] std::vector<std::string> batches() const;
   // Throws InputError where there are any: finished work is not thrown away.
   void refuse_batches() const;
-  // Removes all finished batches: the dataset holds their trials.
+  // Removes all finished batches, damaged ones, too: the dataset holds their trials.
   void remove_batches() const;
-  // Ends the run: removes the folder, unless it holds finished batches, and lets other runs have it. Repeating it does nothing.
+  // Ends the run: removes the folder, unless it holds batches, and lets other runs have it. Repeating it does nothing.
   void close();
 
  private:

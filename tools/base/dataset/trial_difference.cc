@@ -100,6 +100,7 @@ bool attributes_agree(const EncodedAttribute& one, const EncodedAttribute& other
 
 bool agree(double one, double other, double scale, double last_place) {
   if (one == other || (std::isnan(one) && std::isnan(other))) return true;
+  if (!std::isfinite(one) || !std::isfinite(other)) return false;
   const double larger = std::max(std::abs(one), std::abs(other));
   return std::abs(one - other) <= library_rounding * std::max(larger, scale) + last_place * larger;
 }

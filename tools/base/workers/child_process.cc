@@ -31,8 +31,11 @@ using Kind = ChildEnd::Kind;
 // How often an interrupt and the limit are looked for.
 constexpr std::chrono::milliseconds between_looks{50};
 
-// What a child sends begins with one of these.
-constexpr char result_mark = 'r', bad_input_mark = 'i', failure_mark = 'f';
+// The status of a child for which another part of this process has waited, or whose end nobody asks for (SIGCHLD ignored).
+constexpr int no_status = -1;
+
+// What a child sends begins with one of the first three, and ends with the last.
+constexpr char result_mark = 'r', bad_input_mark = 'i', failure_mark = 'f', end_mark = '.';
 
 std::string message_of(const std::function<std::string()>& action) {
   try {
@@ -52,7 +55,7 @@ std::string message_of(const std::function<std::string()>& action) {
   // In a group of its own a child that reads from the terminal, or sets it, would be stopped.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
   const pid_t self = ::getpid();
-  const std::string message = message_of(action);
+  const std::string message = message_of(action) + end_mark;
   if (::getpid() != self) ::_exit(0);  // the action has forked, and this is the copy
   std::fflush(nullptr);                // what a library has printed
   for (std::size_t sent = 0; sent < message.size();) {
@@ -72,6 +75,7 @@ void end_group(pid_t process) {
 
 std::string ChildEnd::loss(double limit) const {
   if (late) return fmt::format("was still running after {:g} s, the limit", limit);
+  if (status == no_status) return "ended before its work was done";
   if (!WIFSIGNALED(status)) return fmt::format("ended with status {} before its work was done", WEXITSTATUS(status));
   const char* const name = ::sigabbrev_np(WTERMSIG(status));
   return fmt::format("was ended by SIG{} ({})", name == nullptr ? "?" : name, ::strsignal(WTERMSIG(status)));
@@ -127,16 +131,17 @@ void ChildProcesses::read(Child& child) {
 // Call it when the process has ended, or has been killed.
 ChildEnd ChildProcesses::end_of(Child& child) {
   ChildEnd end;
-  end.status = -1;  // neither an exit nor a signal, where others wait for the children of this process
+  end.status = no_status;
   while (child.process > 0 && ::waitpid(child.process, &end.status, 0) < 0 && errno == EINTR) continue;
   read(child);
   if (child.channel >= 0) ::close(child.channel);  // what the action has started may hold the other end open
   if (child.end >= 0) ::close(child.end);
   if (child.process > 0) ::kill(-child.process, SIGKILL);
-  if (!WIFEXITED(end.status) || WEXITSTATUS(end.status) != 0 || child.sent.empty()) return end;
+  const bool whole = child.sent.size() >= 2 && child.sent.back() == end_mark;
+  if (!whole || (end.status != no_status && end.status != 0)) return end;
   const char mark = child.sent.front();
   end.kind = mark == result_mark ? Kind::result : mark == bad_input_mark ? Kind::bad_input : Kind::failure;
-  end.text = child.sent.substr(1);
+  end.text = child.sent.substr(1, child.sent.size() - 2);
   return end;
 }
 

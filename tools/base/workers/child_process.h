@@ -29,7 +29,7 @@ struct ChildEnd {
   };
   Kind kind = Kind::lost;
   std::string text;   // what it returned, or the exception's message
-  int status = 0;     // as waitpid() reports it
+  int status = 0;     // as waitpid() reports it; -1: not known
   bool late = false;  // it was ended because its time was over
 
   // "was ended by SIGSEGV (Segmentation fault)", "ended with status 0 before its work was done", "was still running after 2 s, the limit". `limit` [s].

@@ -64,8 +64,8 @@ int run_to_status(const Commands& commands, const std::vector<std::string>& word
     // A full disk behind stdout shows here, unless the output is longer than the buffer.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw std::system_error(errno, std::generic_category());
     return status;
-  } catch (const Interrupted&) {
-    say(stderr, "slipbench: interrupted; nothing is kept\n");
+  } catch (const Interrupted& interrupted) {
+    say(stderr, fmt::format("slipbench: {}\n", interrupted.what()));
     return exit_interrupted;
   } catch (const InputError& error) {
     print_error(error.what());

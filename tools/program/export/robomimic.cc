@@ -167,6 +167,8 @@ Found found_at(const std::string& path) {
   try {
     check_readable(FileKind::dataset_file, path);
     return has_mark(path) ? Found::own : Found::other;
+  } catch (const NotChecked&) {
+    throw;
   } catch (const InputError&) {
     return Found::damaged;
   }

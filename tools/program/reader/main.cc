@@ -1,11 +1,12 @@
-// slipbench-reader KIND PATH: reads a file through and ends. Status 0: it can be read, and the names of a dataset's files are on stdout; 2: it is refused, for the reason on stdout. Damage may end it in
-// any other way. check_readable.h starts it.
+// slipbench-reader KIND PATH: reads a file through. On stdout stand the names of a dataset's files, or the reason why the file is refused,
+// and then a ReaderVerdict. Damage may end the program before it writes one. check_readable.h starts it.
 #include <algorithm>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <new>
 #include <string>
 #include <system_error>
 
@@ -24,8 +25,6 @@
 
 namespace slipbench {
 namespace {
-
-constexpr int good = 0, refused = 2;
 
 // Damage can make HDF5 run for ever: 8 s of the processor, and 2 s for each MB of a dataset's files.
 void limit_time(const std::string& path) {
@@ -70,7 +69,9 @@ void read_dataset(const std::string& path) {
 
 void read_batch(const std::string& path) {
   const DatasetReader reader = DatasetReader::of_file(path);
+  if (reader.content_sha256().front().empty()) throw InputError(path + ": is damaged: it has no content_sha256");
   for (const std::size_t trial : reader.trials()) static_cast<void>(reader.read_trial(trial));
+  check_content(reader);
 }
 
 void read(const std::string& kind, const std::string& path) {
@@ -93,21 +94,32 @@ void read(const std::string& kind, const std::string& path) {
   }
 }
 
-int run(int count, char** words) {
-  constexpr int wanted = 3;
-  if (count != wanted) {
-    std::fputs("usage: slipbench-reader KIND PATH; slipbench starts it\n", stdout);
-    return refused;
-  }
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+ReaderVerdict judge(const std::string& kind, const std::string& path) {
   try {
-    limit_time(words[2]);
-    read(words[1], words[2]);
-    return good;
+    limit_time(path);
+    read(kind, path);
+    return ReaderVerdict::readable;
+  } catch (const NotChecked& error) {
+    std::fputs(error.what(), stdout);
+    return ReaderVerdict::not_checked;
+  } catch (const std::bad_alloc&) {
+    std::fputs("out of memory", stdout);
+    return ReaderVerdict::not_checked;
   } catch (const std::exception& error) {
     std::fputs(error.what(), stdout);
-    return refused;
+    return ReaderVerdict::refused;
   }
+}
+
+int run(int count, char** words) {
+  constexpr int wanted = 3, wrong_usage = 2;
+  if (count != wanted) {
+    std::fputs("usage: slipbench-reader KIND PATH; slipbench starts it\n", stdout);
+    return wrong_usage;
+  }
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  std::fputc(static_cast<char>(judge(words[1], words[2])), stdout);
+  return std::fflush(stdout) == 0 ? 0 : wrong_usage;
 }
 
 }  // namespace

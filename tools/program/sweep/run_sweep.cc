@@ -442,20 +442,25 @@ void RunningSweep::check(const Catalogues& catalogues) {
 
 bool RunningSweep::open() {
   writer_ = std::make_unique<SweepWriter>(options_.output, header_, options_.shard_limit);
-  if (options_.resume) {
-    resumed_ = writer_->resume(&summary_of_stored);
-    summary_.damaged = writer_->damaged();
-  } else {
+  if (!options_.resume) {
     writer_->refuse_left();
+    return true;
   }
-  if (!options_.resume || !resumed_.empty()) return true;
-  std::optional<FinishedDataset> whole = finished_dataset(options_.output, header_);
-  if (!whole) return true;
-  summary_.was_complete = true;
-  summary_.resumed = whole->trials;
-  summary_.failed = std::move(whole->failed);
-  summary_.files = std::move(whole->files);
-  return false;
+  if (std::optional<FinishedDataset> whole = finished_dataset(options_.output, header_)) {
+    writer_->drop_batches();  // of a run that was killed when its dataset was finished
+    summary_.was_complete = true;
+    summary_.resumed = whole->trials;
+    summary_.failed = std::move(whole->failed);
+    summary_.files = std::move(whole->files);
+    return false;
+  }
+  try {
+    resumed_ = writer_->resume(&summary_of_stored);
+  } catch (const Interrupted&) {
+    throw Interrupted("all batches in " + writer_->folder() + " are kept");
+  }
+  summary_.damaged = writer_->damaged();
+  return true;
 }
 
 void RunningSweep::run() {

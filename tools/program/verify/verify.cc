@@ -152,7 +152,7 @@ class DatasetCheck {
       if (reader_.header().part) {
         verification_.leave_out(
             Check::order, "missing trials: the dataset is a shard of a sweep, which is held against the others that are named");
-      } else if (trials[i] > next && reader_.content_sha256().front().empty()) {
+      } else if (trials[i] > next && !reader_.complete()) {
         verification_.leave_out(Check::order, "missing trials: the run was killed before it wrote which failed");
       } else if (trials[i] > next) {
         verification_.fail(Check::order, {trials[i]},

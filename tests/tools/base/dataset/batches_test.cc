@@ -233,7 +233,7 @@ TEST_F(BatchesTest, DamagedBatchIsSimulatedAgain) {
     {
       SweepWriter writer(path("out.h5"), header, several);
       const auto held = writer.resume(&params_of);
-      EXPECT_THAT(writer.damaged(), ElementsAre(batch(1)));
+      EXPECT_THAT(writer.damaged(), ElementsAre(batch(1) + ".damaged"));
       EXPECT_EQ(held.size(), 4U);
       EXPECT_EQ(held.at(5), make_grasp_record(5, rows).params);
     }
@@ -241,6 +241,59 @@ TEST_F(BatchesTest, DamagedBatchIsSimulatedAgain) {
     EXPECT_EQ(digests(), expected);
     for (const std::string& name : names()) std::filesystem::remove(path(name));
   }
+}
+
+// One bit of what stands beside the trials: the text of a group.
+TEST_F(BatchesTest, DamageBesideTheTrialsIsFound) {
+  const std::vector<std::string> expected = undisturbed();
+  run(6, &keep);
+  const hid_t file = H5Fopen(batch(0).c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t groups = H5Dopen(file, "/group", H5P_DEFAULT);
+  const hid_t type = H5Dget_type(groups);
+  std::vector<char> texts(H5Tget_size(type) * 2);
+  ASSERT_GE(H5Dread(groups, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()), 0);
+  texts.front() = static_cast<char>(texts.front() ^ 1);
+  ASSERT_GE(H5Dwrite(groups, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()), 0);
+  H5Tclose(type);
+  H5Dclose(groups);
+  H5Fclose(file);
+  EXPECT_EQ(run(trials, &commit), 4U);
+  EXPECT_EQ(digests(), expected);
+}
+
+// A reader that cannot run says nothing of the batches: they stay as they are.
+TEST_F(BatchesTest, ResumeWithoutAReaderLosesNothing) {
+  run(6, &keep);
+  std::ofstream(path("libstdc++.so.6"));
+  const int status = in_child([&] {
+    ::setenv("LD_LIBRARY_PATH", path("").c_str(), 1);
+    std::ofstream(path("message")) << refusal_of([&] { run(trials, &commit); });
+  });
+  EXPECT_EQ(status, 0);
+  EXPECT_THAT(bytes_of(path("message")), StartsWith("cannot resume: " + batch(0) + ": cannot be read"));
+  std::filesystem::remove(path("libstdc++.so.6"));
+  EXPECT_EQ(run(trials, &commit), 6U);
+}
+
+// A batch that was copied holds nothing new. One with other trials of the same numbers is refused.
+TEST_F(BatchesTest, TrialsThatStandTwice) {
+  const std::vector<std::string> expected = undisturbed();
+  run(6, &keep);
+  std::filesystem::copy_file(batch(0), batch(7));
+  EXPECT_EQ(run(trials, &commit), 6U);
+  EXPECT_EQ(digests(), expected);
+  std::filesystem::remove(path("out.h5"));
+  run(2, &keep);
+  std::filesystem::rename(batch(0), path("kept"));
+  {
+    SweepWriter writer(path("out.h5"), header, several);
+    TrialEncoder encoder;
+    writer.append(encoder.encode(make_grasp_record(0, rows / 2)));
+    writer.keep();
+  }
+  std::filesystem::rename(path("kept"), batch(7));
+  EXPECT_THAT(refusal_of([&] { run(trials, &commit); }),
+              AllOf(HasSubstr("trial 0 is in " + batch(0)), HasSubstr("with other content, in " + batch(7))));
 }
 
 // A limit on the file's size stands for the full disk: the write fails half-way in the same place. What is left of nine trials, in batches

@@ -1,7 +1,10 @@
 // Files of others, which slipbench-reader reads before this process does.
 #include "tools/base/dataset/checked_dataset.h"
 
+#include <sys/resource.h>
+
 #include <atomic>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -52,14 +55,33 @@ TEST_F(CheckedDataset, WhatIsNoDatasetIsRefused) {
 }
 
 // A library that is no library ends the reader while it is loaded.
-TEST_F(CheckedDataset, DeathOfTheReaderIsDamage) {
+TEST_F(CheckedDataset, ReaderThatCannotRunSaysNothingOfTheFile) {
   std::ofstream(path("libstdc++.so.6"));
   const int status = in_child([&] {
     ::setenv("LD_LIBRARY_PATH", path("").c_str(), 1);
     std::ofstream(path("message")) << refusal_of([&] { check_readable(FileKind::dataset, path("a.h5")); });
   });
   EXPECT_EQ(status, 0);
-  EXPECT_THAT(bytes_of(path("message")), StartsWith(path("a.h5") + ": is damaged: reading it crashed"));
+  EXPECT_THAT(bytes_of(path("message")), StartsWith(path("a.h5") + ": cannot be read: slipbench-reader was ended"));
+}
+
+// A crash is damage. A stack that is too small stands for the crash of a library.
+TEST_F(CheckedDataset, CrashOfTheReaderIsDamage) {
+  const int status = in_child([&] {
+    const rlimit limit{16'384, 16'384};
+    ::setrlimit(RLIMIT_STACK, &limit);
+    std::ofstream(path("message")) << refusal_of([&] { check_readable(FileKind::dataset, path("a.h5")); });
+  });
+  EXPECT_EQ(status, 0);
+  EXPECT_THAT(bytes_of(path("message")), StartsWith(path("a.h5") + ": is damaged: reading it crashed (Segmentation fault)"));
+}
+
+// A host that ignores the ends of its children leaves no status of them.
+TEST_F(CheckedDataset, NoStatusIsNeeded) {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  EXPECT_EQ(checked_dataset(path("a.h5")).trials().size(), 3U);
+  EXPECT_THAT(refusal_of([&] { checked_dataset(path("none.h5")); }), HasSubstr("no such file"));
+  std::signal(SIGCHLD, before);
 }
 
 TEST_F(CheckedDataset, AnInterruptEndsTheReader) {

@@ -59,13 +59,13 @@ struct IntegrityTest : FolderTest {
   }
   void check() const {
     const DatasetReader reader(path("a.h5"));
-    check_content(reader, 0);
+    check_content(reader);
   }
   [[nodiscard]] std::string refusal() const {
     return refusal_of([&] {
       const DatasetReader reader(path("a.h5"));
       for (const std::size_t trial : reader.trials()) static_cast<void>(reader.read_trial(trial));
-      check_content(reader, 0);
+      check_content(reader);
     });
   }
 };

@@ -53,6 +53,8 @@ TEST(TrialDifference, AllElseDiffers) {
   EXPECT_NE(found("MuJoCo", [](TrialRecord& record) { record.sensors.front().labels.k_normal.front() *= 1.0 + 1e-8; }), "");
   EXPECT_NE(found("MuJoCo", [](TrialRecord& record) { record.sensors.front().labels.slip_direction.back() -= 1e-4F; }), "");
   EXPECT_NE(found("MuJoCo", [](TrialRecord& record) { record.sensors.front().labels.state.back() ^= 1; }), "");
+  for (const double wrong : {INFINITY, -INFINITY, NAN})
+    EXPECT_NE(found("MuJoCo", [&](TrialRecord& record) { record.sensors.front().labels.k_normal.front() = wrong; }), "");
   EXPECT_NE(found("MuJoCo", [](TrialRecord& record) { record.params = R"({"motion.speed":0.5})"; }), "");
 }
 

@@ -43,6 +43,14 @@ TEST(ChildProcesses, SayHowTheyEnded) {
   EXPECT_EQ(ended([]() -> std::string { throw std::bad_alloc(); }).text, "out of memory");
 }
 
+// A host that ignores the ends of its children leaves no status of them.
+TEST(ChildProcesses, NeedNoStatus) {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  EXPECT_EQ(ended([] { return std::string("done"); }).text, "done");
+  EXPECT_EQ(ended([]() -> std::string { std::_Exit(0); }).loss(plenty), "ended before its work was done");
+  std::signal(SIGCHLD, before);
+}
+
 TEST(ChildProcesses, SayHowTheyWereLost) {
   const ChildEnd killed = ended([]() -> std::string {
     ::raise(SIGKILL);

@@ -158,6 +158,9 @@ int report_interrupted(const SweepSummary& summary) {
   return exit_interrupted;
 }
 
+// Whether a value in the scene, perhaps one of several in its sweep, is the type of a plugin.
+bool names_plugin(const YamlNode& node) { return node.text == "plugin" || std::ranges::any_of(node.children, names_plugin); }
+
 }  // namespace
 
 void IsolationOptions::declare(Arguments& arguments) {
@@ -173,10 +176,8 @@ void IsolationOptions::declare(Arguments& arguments) {
 }
 
 Isolation IsolationOptions::chosen(const ReadSweep& read, const SweepOptions& sweep) const {
-  const auto names_plugin = [](const std::string& text) { return text.find("plugin") != std::string::npos; };
   const bool several = !sweep.only && read.planned.asked > 1;
-  const bool plugins = names_plugin(read.file.text()) || std::ranges::any_of(sweep.overrides, names_plugin, &Override::value);
-  return {.on = isolate || (!together && several && plugins), .limit = limit};
+  return {.on = isolate || (!together && several && names_plugin(read.file.root())), .limit = limit};
 }
 
 void SimulationCommand::declare_both(Arguments& arguments, std::size_t& trials, const std::string& trials_help) {
