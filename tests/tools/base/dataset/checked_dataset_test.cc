@@ -1,8 +1,6 @@
 // Files of others, which slipbench-reader reads before this process does.
 #include "tools/base/dataset/checked_dataset.h"
 
-#include <sys/resource.h>
-
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
@@ -65,11 +63,10 @@ TEST_F(CheckedDataset, ReaderThatCannotRunSaysNothingOfTheFile) {
   EXPECT_THAT(bytes_of(path("message")), StartsWith(path("a.h5") + ": cannot be read: slipbench-reader was ended"));
 }
 
-// A crash is damage. A stack that is too small stands for the crash of a library.
+// A crash is damage.
 TEST_F(CheckedDataset, CrashOfTheReaderIsDamage) {
   const int status = in_child([&] {
-    const rlimit limit{16'384, 16'384};
-    ::setrlimit(RLIMIT_STACK, &limit);
+    ::setenv("LD_PRELOAD", SLIPBENCH_TEST_PLUGINS "/crash.so", 1);
     std::ofstream(path("message")) << refusal_of([&] { check_readable(FileKind::dataset, path("a.h5")); });
   });
   EXPECT_EQ(status, 0);
