@@ -20,8 +20,8 @@ import reference  # noqa: E402
 
 
 def words(text):
-    """Letters and digits alone: what Markdown and HTML leave as it is."""
-    return re.sub(r"[\W_]+", "", text)
+    """Letters and digits alone: what Markdown and HTML leave as it is. The page writes the section "Args" as "Arguments"."""
+    return re.sub(r"[\W_]+", "", re.sub(r"^ *Args:$", "Arguments:", text, flags=re.MULTILINE))
 
 
 def attributes(documented):

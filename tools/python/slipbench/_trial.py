@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -104,6 +105,24 @@ class Sensor:
 
 
 @dataclass(frozen=True)
+class Contact:
+    """What the units of one pad feel, in the pad frame P, at T samples of its sensor: N units. Recorded with `record="contact"` alone.
+
+    P has x and y in the plane of the pad and +z into the sensor, so that compression is positive. A sensor reads these two; `Labels.force` is the same
+    force in the contact plane.
+
+    Attributes:
+        time: [T] s, of the samples
+        force: [T, N, 3] N, what the object does to the unit, with what shakes the bench
+        displacement: [T, N, 3] m, deformed tip minus undeformed tip, mean of the unit's elements
+    """
+
+    time: Doubles
+    force: Floats
+    displacement: Floats
+
+
+@dataclass(frozen=True)
 class Control:
     """What the loop saw and did, at T samples of the sensor that it reads. In an open recording the last four are empty.
 
@@ -143,9 +162,10 @@ class Trial:
         sensors: what each sensor emitted, by name; empty where outcomes alone were recorded
         bodies: by name {"time": [T] s, "pose": [T, 7] m and quaternion w x y z, "velocity": [T, 6] m/s and rad/s}, in the world
         control: what the loop saw and did; None: the scene has neither detector nor controller
+        contacts: what the units of each sensor's pad feel, by the sensor's name; empty but for `record="contact"`
     """
 
-    def __init__(self, record: _core.Record) -> None:
+    def __init__(self, record: _core.Record, contacts: Mapping[str, tuple[Floats, Floats]] | None = None) -> None:
         self._record = record
         self.trial: int = record.trial
         self.seed: int = record.seed
@@ -157,6 +177,7 @@ class Trial:
         self.bodies: dict[str, dict[str, NDArray[Any]]] = record.bodies(record)
         control = record.control(record)
         self.control: Control | None = None if control is None else Control(**control)
+        self.contacts: dict[str, Contact] = {name: Contact(self.sensors[name].time, *felt) for name, felt in (contacts or {}).items()}
 
     @property
     def sha256(self) -> str:
