@@ -165,9 +165,9 @@ class Contacts(unittest.TestCase):
         scene = slipbench.Scene.load("papillarray/stage.yaml")
         trial = next(scene.sweep(record="contact"))
         contact, sensor = trial.contacts["pad"], trial.sensors["pad"]
-        labels = sensor.labels
-        self.assertEqual(contact.force.shape, (len(sensor.time), len(labels.k_normal), 3))
-        np.testing.assert_array_equal(contact.time, sensor.time)
+        labels = trial.labels["pad"]
+        self.assertEqual(contact.force.shape, (len(sensor.t), len(labels.k_normal), 3))
+        np.testing.assert_array_equal(contact.t, sensor.t)
         np.testing.assert_allclose(contact.force, labels.force, atol=1e-6)  # a flat pad on a flat surface: both frames are one
         # Springs: f = k u, along the plane and along the normal, where pressing in is positive as the force is.
         stiffness = np.stack([labels.k_tangential, labels.k_tangential, labels.k_normal], axis=-1)

@@ -101,7 +101,8 @@ class Sweep(Iterator[Trial]):
         except BaseException:
             self.close()
             raise
-        self._converters.add(trial._record)
+        if trial._record:
+            self._converters.add(trial._record)
         self.done += 1
         return trial
 
@@ -223,7 +224,8 @@ class Scene:
         self._warn()
         made = self._simulate(trial, 0, trial + 1, chosen, record, None)
         converters = _core.Converters()
-        converters.add(made._record)
+        if made._record:
+            converters.add(made._record)
         warn(text for _, text in converters.warnings())
         return made
 

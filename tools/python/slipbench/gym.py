@@ -261,12 +261,12 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         if self._sensor not in trial.sensors and (self._sensor or len(trial.sensors) != 1):
             raise _core.InputError(f"sensor {self._sensor!r}; allowed: {', '.join(map(repr, trial.sensors))}")
         sensor = trial.sensors[self._sensor or next(iter(trial.sensors))]
-        samples = len(sensor.time)
+        samples = len(sensor.t)
         slower = [name for name, values in sensor.channels.items() if len(values) != samples]
         if slower:
             raise _core.InputError(f"sensor {sensor.type!r}: channels {slower} have a rate of their own; allowed: a sensor whose channels share one rate")
         self._values = np.concatenate([values.reshape(samples, -1) for values in sensor.channels.values()], axis=1)
-        self._time, self._states, self._params = sensor.time, sensor.labels.state_micro, trial.params
+        self._time, self._states, self._params = sensor.t, trial.labels[sensor.name].state_micro, trial.params
         self._at = 0
 
     def _info(self) -> dict[str, Any]:
