@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+import multiprocessing
 import os
+import re
 import sys
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -34,6 +37,19 @@ def overrides_of(values: Mapping[str, Any] | None) -> list[tuple[str, str]]:
         if not isinstance(path, str):
             raise _core.InputError(f"expected dotted paths as keys, such as 'motion.speed', found {path!r}")
     return [(path, yaml(value, path)) for path, value in (values or {}).items()]
+
+
+@contextmanager
+def naming_unknown_classes() -> Iterator[None]:
+    """Adds to the program's message, in a worker process, that Python classes are registered in each process."""
+    try:
+        yield
+    except _core.InputError as error:
+        unknown = re.search(r"unknown (?:sensor|detector|controller|type) '(\w+)'", str(error))
+        if unknown is None or multiprocessing.parent_process() is None:
+            raise
+        raise _core.InputError(f"{error}. If {unknown[1]!r} is a Python class, this worker process does not know it: register it in a module that the "
+                               "worker imports, not in a script below `if __name__ == '__main__'`") from None
 
 
 def warn(texts: Iterable[str]) -> None:
@@ -119,6 +135,8 @@ class Sweep(Iterator[Trial]):
 class Scene:
     """A scene, with what was set beside it. Immutable. `Scene.load()`, `Scene.from_text()` and `Scene.from_dict()` make one.
 
+    Scenes can be pickled and deep-copied. A copy in a process that cannot read the scene's file has its text.
+
     What `slipbench run` warns of is a Python warning (UserWarning) here, with the same text: `load()` and `set()` warn of values, such as a speed of
     more than 1 m/s without a unit, `run()`, `sweep()`, `write()` and `check()` of all else.
 
@@ -132,7 +150,8 @@ class Scene:
         self.path = path
         self.overrides = overrides
         self._text = text
-        self._core = _core.Scene(path, overrides, text)
+        with naming_unknown_classes():
+            self._core = _core.Scene(path, overrides, text)
         self._told: dict[str, str] = {}
         # Classes of one's own are not made before trials run, which may be in processes of their own.
         if not self._has_own_parts():
@@ -291,6 +310,9 @@ class Scene:
         warn(text for _, text in result.pop("warnings"))
         return Check(**result)
 
+    def __reduce__(self) -> Any:
+        return _restored, (self.path, self.overrides, self._told, self.text)
+
     def _has_own_parts(self) -> bool:
         """Whether the scene may name a Python class of one's own, or a plugin."""
         return any(name in text for name in ("plugin", *own_names) for text in [self.text, *(value for _, value in self.overrides)])
@@ -310,6 +332,15 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"<slipbench.Scene {self.path}{''.join(f' {path}={value}' for path, value in self.overrides)}>"
+
+
+def _restored(path: str, overrides: list[tuple[str, str]], told: dict[str, str], text: str) -> Scene:
+    """The scene that was pickled. Its file is read again where it is still the same, else the pickled text stands for it."""
+    try:
+        same = Path(path).read_text(encoding="utf-8") == text
+    except (OSError, ValueError):
+        same = False
+    return Scene(path, overrides, told, None if same else text)
 
 
 def _check_counts(**counts: int | None) -> None:
