@@ -70,7 +70,7 @@ class FrameReader {
 
   FrameReader(const std::string& description, const std::string& type, double rate, const Channels& channels)
       : frames_(make(input_of(description), type, rate, channels)) {
-    for (const auto& [name, shape] : channels) values_ += Channel{.name = name, .shape = shape}.size();
+    for (const auto& [name, shape] : channels) values_ += Channel{name, "", shape, {}}.size();
   }
 
   [[nodiscard]] std::size_t size() const { return frames_.size(); }
@@ -100,7 +100,7 @@ class FrameReader {
  private:
   static network::Frames make(const network::Input& input, const std::string& type, double rate, const Channels& channels) {
     std::vector<Channel> all;
-    for (const auto& [name, shape] : channels) all.push_back({.name = name, .shape = shape});
+    for (const auto& [name, shape] : channels) all.push_back({name, "", shape, {}});
     return {input, type, rate, all};
   }
   void check(std::size_t values) const {
