@@ -11,7 +11,7 @@ from slipbench.learning import _torch as _torch  # first: it reports a missing P
 from slipbench.learning._export import check_engine, write_detector
 from slipbench.learning._fit import MASKED, Checkpoint, Clips, Fitted, Report, Training, answers, balanced_accuracy, fit
 from slipbench.learning._input import Engine, Example, Examples, Frames, Input, describe_file, read_examples
-from slipbench.learning._train import Trained, scale_of, train
+from slipbench.learning._training import Trained, scale_of, train
 from slipbench.learning.recipes import RECIPES, Recipe, find_recipe
 
 __all__ = [
