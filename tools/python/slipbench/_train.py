@@ -41,7 +41,6 @@ class Request:
         output: path of the ONNX file
         resume: whether to go on with what a killed training has left
         json: whether stdout is to have one JSON object
-        quiet: whether stderr is to have no progress
     """
 
     datasets: list[str]
@@ -59,7 +58,6 @@ class Request:
     output: str
     resume: bool
     json: bool
-    quiet: bool
 
 
 def styled(stream: TextIO, code: str, text: str) -> str:
@@ -85,7 +83,7 @@ class Told:
     """What a training says on stderr as it goes on."""
 
     def __init__(self, request: Request, interrupt: Interrupt, members: int) -> None:
-        self._interrupt, self._quiet, self._members = interrupt, request.quiet or request.json, members
+        self._interrupt, self._quiet, self._members = interrupt, request.json, members
         self._bar = sys.stderr.isatty() and os.environ.get("TERM") != "dumb" and not self._quiet
         self._drawn = 0.0
         self.say(f"reading {', '.join(request.datasets)}")

@@ -210,8 +210,8 @@ int TrainCommand::train_network() {
                      {"by_score", training->by_score},
                      {"output", training->output},
                      {"resume", training->resume},
-                     {"json", json},
-                     {"quiet", quiet}};
+                     {"json", json}};
+  take_stdout_back();
   module.start(request.dump());
 }
 

@@ -360,8 +360,10 @@ def _step_seed(seed: int, step: int) -> int:
 def _save(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Optimizer, done: Fitted, best: dict[str, Any], worse: int) -> None:
     """The file begins with the SHA-256 of what follows: PyTorch notices no changed bit."""
     whole = io.BytesIO()
-    torch.save({"identity": checkpoint.identity, "network": network.state_dict(), "best": best, "optimiser": optimiser.state_dict(), "losses": done.losses,
-                "best_step": done.best_step, "validation": done.validation, "worse": worse}, whole)
+    # PyTorch 1.13 reads no plain float without running code of the file: numbers are tensors, and the optimiser's settings are set anew at each step.
+    figures = torch.tensor([*done.losses, done.validation], dtype=torch.float64)
+    torch.save({"identity": checkpoint.identity, "network": network.state_dict(), "best": best, "optimiser": optimiser.state_dict()["state"],
+                "figures": figures, "best_step": done.best_step, "worse": worse}, whole)
     partial = Path(checkpoint.path + ".partial")
     with partial.open("wb") as file:
         file.write(hashlib.sha256(whole.getvalue()).digest() + whole.getvalue())
@@ -382,6 +384,7 @@ def _load(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Opt
     if left["identity"] != checkpoint.identity:
         raise _core.InputError(f"{path}: is of another training (data, recipe or options); allowed: the same command, or none of --resume")
     network.load_state_dict(left["network"])
-    optimiser.load_state_dict(left["optimiser"])
-    done.losses, done.best_step, done.validation = left["losses"], left["best_step"], left["validation"]
+    optimiser.load_state_dict({"state": left["optimiser"], "param_groups": optimiser.state_dict()["param_groups"]})
+    *done.losses, done.validation = left["figures"].tolist()
+    done.best_step = left["best_step"]
     return left["best"], left["worse"]
