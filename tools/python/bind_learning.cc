@@ -182,10 +182,12 @@ inline constexpr std::array class_words{hd::Word<train::ClassRule>{"slip", train
                                         hd::Word<train::ClassRule>{"kind", train::ClassRule::kind},
                                         hd::Word<train::ClassRule>{"direction", train::ClassRule::direction}};
 
+using Told = nb::typed<nb::callable, nb::any(std::size_t, std::size_t)>;
+
 Described read_examples(const std::vector<std::string>& paths, const std::string& description, const std::string& labels,
                         const std::string& classes, const std::string& sensor, std::size_t turned, std::size_t at_most,
                         std::uint64_t seed, const std::string& split, double held_out, bool divide_anew,
-                        const std::optional<nb::callable>& progress) {
+                        const std::optional<Told>& progress) {
   if (paths.empty()) throw InputError("dataset: an empty list; allowed: one path at least");
   train::ExampleOptions options{.input = input_of(description),
                                 .labels = value_of(train::label_words, labels, "labels"),

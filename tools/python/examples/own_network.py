@@ -1,6 +1,7 @@
 """A network of one's own: trained on simulated grasps, written as a detector, and run in a grasp's loop."""
 
 import argparse
+import os
 
 import numpy as np
 import slipbench
@@ -36,7 +37,7 @@ trained = learning.train(grasps, recipe="grasp_gru", network=Memory, steps=30 if
 print(trained.judged)
 
 # The same file in the loop of a grasp.
-lift = slipbench.Scene.load("grasp/lift.yaml").set({"detector": {"type": "network", "model": "memory.onnx"}, "friction.static": 0.2, "friction.kinetic": 0.19})
+lift = slipbench.Scene.load("grasp/lift.yaml").set({"detector": {"type": "network", "model": os.path.abspath("memory.onnx")}, "friction.static": 0.2, "friction.kinetic": 0.19})
 trial = lift.run()
 print(trial.outcome["detection"])
 
@@ -47,7 +48,7 @@ engine = learning.Engine("memory.onnx")
 frames = learning.Frames(engine.description, pad.type, pad.rate, channels)
 seen, samples = frames.all(pad.channels)
 logits = engine.run(seen)
-print(frames.size, len(samples), logits.argmax(axis=1))
+print(f"{len(samples)} frames of {frames.size} values, {logits.argmax(axis=1).mean():.0%} of them slip")
 
 # Sample by sample and step by step it is the same.
 frames.reset()

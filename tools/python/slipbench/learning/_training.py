@@ -1,5 +1,8 @@
 """A recipe trained on datasets, and written as the file of a detector that a scene can name."""
 
+# PyTorch's layers and operators come with types in part, and in other parts from release to release.
+# mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"
+
 from __future__ import annotations
 
 import json
@@ -240,7 +243,7 @@ def _log_writer(log: str | os.PathLike[str] | None) -> Any:
         from torch.utils.tensorboard import SummaryWriter
     except ImportError as error:
         raise _core.InputError(f"log: needs the Python package {error.name or 'tensorboard'}; install it: pip install tensorboard") from error
-    return SummaryWriter(os.fspath(log))  # type: ignore[no-untyped-call]
+    return SummaryWriter(os.fspath(log))
 
 
 def _check_classes(paths: Sequence[str], part: str, examples: Sequence[Example], classes: Sequence[tuple[str, str]], history: int) -> None:
@@ -281,7 +284,7 @@ def _probabilities(members: Sequence[nn.Module], features: Floats) -> Floats:
     if len(members) > 1:
         return said  # type: ignore[return-value]
     said = np.exp(said - said.max(1, keepdims=True))
-    return said / said.sum(1, keepdims=True)  # type: ignore[no-any-return]
+    return said / said.sum(1, keepdims=True)
 
 
 def _series(probabilities: Floats, labels: Labels, slip: Any) -> tuple[Any, Labels]:

@@ -5,6 +5,9 @@ an answer is made of, 1 unless the class says otherwise. A network that carries 
 start of a sequence, and returns (logits, state): so the same module is trained on clips and runs frame by frame in a loop.
 """
 
+# PyTorch's layers and operators come with types in part, and in other parts from release to release.
+# mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"
+
 from __future__ import annotations
 
 import torch
