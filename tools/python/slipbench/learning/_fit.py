@@ -251,7 +251,7 @@ class Clips:
     def draw(self, seed: int, step: int) -> tuple[Tensor, Tensor]:
         """The clips of a step, whatever was drawn before: features [B, T, inputs] and classes [B, T - history + 1].
 
-        A sequence that is shorter than a clip has its last frame repeated behind it, which trains nothing.
+        A sequence that is shorter than a clip has its last frame repeated behind it, which trains nothing. The same `seed` and `step` give the same.
         """
         random = np.random.default_rng((seed, step))
         if self._training.balance == "drawing":

@@ -186,12 +186,12 @@ class Engine:
 
 @dataclass(frozen=True)
 class Example:
-    """One sensor in one trial: F frames.
+    """One sensor in one trial: T frames of N values.
 
     Attributes:
-        features: [F, inputs], not scaled
-        labels: [F] class of each frame, or 255: neither trains nor judges
-        time: [F] s, of each frame's last sample
+        features: [T, N], not scaled
+        labels: [T] class of each frame, or 255: neither trains nor judges
+        time: [T] s, of each frame's last sample
         part: "learns", "validates", "judges" or "left_out"
         own_part: of the dataset's own split: "train", "valid", "test" or "none"; empty: it has none
         trial: number; those of a second dataset follow on the first's
@@ -206,7 +206,7 @@ class Example:
         touches: whether there is contact at some time
         onset: s, true first slip; NaN: there is none
         turn: its images are turned by so many times 30 degrees
-        truth: [F] code of the pad's state; empty: not known
+        truth: [T] code of the pad's state; empty: not known
     """
 
     features: Floats = field(repr=False)
@@ -248,7 +248,7 @@ class Examples:
     sha256: list[str]
 
     def part(self, name: str) -> list[Example]:
-        """Those of a part: "learns", "validates" or "judges"."""
+        """Those whose part is `name`: "learns", "validates" or "judges"."""
         return [example for example in self.all if example.part == name]
 
 
