@@ -67,6 +67,12 @@ install_debian() {
 stamp_of() { printf '%s/%s.stamp' "$venv" "$(basename "$1" .txt)"; }
 has_installed() { [[ -x $venv/bin/python && -f $(stamp_of "$1") && $(<"$(stamp_of "$1")") == "$(sha256sum <"$1")" ]]; }
 
+# PyTorch is Debian's. Its folder comes last on the path of build/venv, so that all else is the environment's own.
+see_debian() {
+  local folder
+  for folder in "$venv"/lib/python3*/site-packages; do printf '/usr/lib/python3/dist-packages\n' >"$folder/debian.pth"; done
+}
+
 # install_python FILE
 install_python() {
   ! has_installed "$1" || return 0
@@ -120,7 +126,10 @@ for set in "$@"; do
   case $set in
     build | test | all) install_debian "$set" ;;
     python) install_python "$here/requirements.txt" ;;
-    test-python) install_python "$here/requirements-test.txt" ;;
+    test-python)
+      install_python "$here/requirements-test.txt"
+      see_debian
+      ;;
     wheel) install_wheel_tools ;;
     mujoco) install_mujoco ;;
     *)

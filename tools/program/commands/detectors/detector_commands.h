@@ -34,8 +34,6 @@ struct TrainCommand final : Command {
   void read_network();
   int train_hd();
   int train_network();
-  // What `eval` is to be told to judge the network by what it was taught: one of the sensors that it learnt from, and the labels.
-  [[nodiscard]] std::string eval_options(const std::vector<std::string>& sensors) const;
 
   // As given; empty: was not.
   std::string recipe_;

@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 #include <span>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/core/process/interrupted.h"
 #include "tools/base/files/reject.h"
-#include "tools/base/workers/interrupt_guard.h"
+#include "tools/base/python/python_package.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
 #include "tools/program/sweep/run_sweep.h"
@@ -22,10 +18,6 @@
 
 namespace slipbench {
 namespace {
-
-std::string one_decimal(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f} %", 100.0 * share); }
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // False alarms a minute, of a text as 1/min.
 double alarms_a_minute(const std::string& text) {
@@ -44,28 +36,6 @@ std::string checked_labels(const std::string& given, const std::string& recipe, 
   if (std::ranges::find(names, given) != names.end()) return given;
   reject("train: --labels is {} with the recipe {}{}", quote(given), recipe, allowed_names(given, names));
 }
-
-// What a training says as it goes on. A step's time is that since the report before.
-class StepReport {
- public:
-  std::string operator()(const train::MemberProgress& progress) {
-    const train::TrainingProgress& training = progress.training;
-    std::string text = progress.members == 1 ? "" : fmt::format("network {}/{}, ", progress.member + 1, progress.members);
-    text += fmt::format("step {}/{}, loss {:.4f}", training.step, training.steps, training.loss);
-    if (training.validation)
-      text += fmt::format(", validation {}{}", one_decimal(*training.validation), training.best ? " (best)" : "");
-    if (time_ && training.step > step_ && training.step < training.steps)
-      text += fmt::format(", ETA {}", clock_text((now() - *time_) / static_cast<double>(training.step - step_) *
-                                                 static_cast<double>(training.steps - training.step)));
-    time_ = now();
-    step_ = training.step;
-    return text;
-  }
-
- private:
-  std::optional<double> time_;
-  std::size_t step_ = 0;
-};
 
 // The command that judges what was trained, on data that it has not seen. `unseen`: a dataset with
 // such trials; empty: there is none. `part`: of the dataset's own split, which they are; empty: it
@@ -223,63 +193,26 @@ void TrainCommand::read_network() {
 
 int TrainCommand::run() { return training ? train_network() : train_hd(); }
 
-std::string TrainCommand::eval_options(const std::vector<std::string>& sensors) const {
-  const train::LabelRule learnt = training->recipe.labels;
-  const train::LabelRule judged = learnt == train::LabelRule::tightened ? train::LabelRule::masked : learnt;
-  return " --sensor " + shell_word(sensors.front()) + " --labels " + std::string(hd::name_of(train::label_words, judged));
-}
-
 int TrainCommand::train_network() {
-  tell(fmt::format("reading {}", fmt::join(training->datasets, ", ")));
-  // Each dataset has a bar of its own, in the process that reads it.
-  training->read = [this, bar = std::shared_ptr<Progress>()](std::size_t done, std::size_t trials) mutable {
-    if (!bar) bar.reset(new Progress(Progress::for_stream(stderr, silent())));
-    bar->update(done, trials, {});
-  };
-  StepReport report;
-  train::NetworkSummary summary;
-  try {
-    const InterruptGuard guard("stopping; the last validation's state is kept");
-    const InterruptScope scope(&InterruptGuard::flag());
-    summary = train::train_network(*training, [&](const train::MemberProgress& progress) {
-      tell(report(progress));
-      end_if_interrupted();
-    });
-  } catch (const Interrupted&) {
-    const bool left = std::filesystem::exists(training->output + ".checkpoint-0");
-    say(stderr, left ? fmt::format("slipbench: interrupted: kept in {}.checkpoint-0; the same command with --resume goes on\n",
-                                   training->output)
-                     : "slipbench: interrupted; nothing is kept\n");
-    return exit_interrupted;
-  }
-  const network::Alarm& alarm = summary.point.alarm;
-  if (json) {
-    Json all = Json::parse(summary.description);
-    all["output"] = training->output;
-    all["threshold"] = summary.point.threshold;
-    all["alarm"] = {{"on", alarm.on}, {"off", alarm.off}, {"least", alarm.least}};
-    return print_json(all);
-  }
-  const Style style = style_for(stdout);
-  Table table({"", summary.judged > 0 ? "held-out trials" : "validation"});
-  if (summary.judged > 0) {
-    table.add({"balanced accuracy, all classes", one_decimal(summary.held_out_accuracy)});
-    table.add({"balanced accuracy, slip or not", one_decimal(balanced_slip_accuracy(summary.held_out.frames))});
-    table.add({"F1 of slip", one_decimal(f1_of_slip(summary.held_out.frames))});
-    table.add({"false alarms a minute of hold", fmt::format("{:.1f}", summary.held_out_alarms)});
-  } else {
-    table.add({"balanced accuracy, all classes", one_decimal(summary.validation)});
-  }
-  fmt::print(
-      "{}\n{}  {} trials learnt, {} validated ({}), {} held out{}; {} frames, {} parameters, state of step {}\nslip from {} frames in a row at {:.3f} on, for {} "
-      "frames and until {} are below: {:.1f} false alarms a minute of hold in validation\n{} {}\n{}\n",
-      style.heading(
-          fmt::format("{}, labels {}", training->recipe.name, hd::name_of(train::label_words, training->recipe.labels))),
-      table.text(style), summary.learnt, summary.validated, one_decimal(summary.validation), summary.judged,
-      summary.own_split ? ", by the dataset's own split" : "", summary.frames, summary.parameters, summary.steps, alarm.on,
-      summary.point.threshold, alarm.least, alarm.off, summary.point.alarms_per_minute, style.good("written:"), training->output,
-      next_text(style, training->output, summary.judged_from, summary.judged_part, eval_options(summary.sensors)));
-  return exit_good;
+  const train::Recipe& recipe = training->recipe;
+  const PythonModule module("slipbench._train", "train --recipe " + recipe.name, "");
+  const Json request{{"datasets", training->datasets},
+                     {"recipe", recipe.name},
+                     {"labels", hd::name_of(train::label_words, recipe.labels)},
+                     {"split", split_ ? Json(hd::name_of(train::split_words, *split_)) : Json()},
+                     {"held_out", held_out_ ? Json(training->held_out) : Json()},
+                     {"sensor", training->sensor},
+                     {"all", training->all},
+                     {"seed", training->seed},
+                     {"steps", or_null(steps_)},
+                     {"turned", recipe.turned},
+                     {"alarms", alarms_.empty() ? Json() : or_null(training->alarms)},
+                     {"by_score", training->by_score},
+                     {"output", training->output},
+                     {"resume", training->resume},
+                     {"json", json}};
+  take_stdout_back();
+  module.start(request.dump());
 }
 
 int TrainCommand::train_hd() {

@@ -1,0 +1,323 @@
+"""Training in PyTorch: recipes, networks of one's own, files that a loop accepts, going on after a kill. Argument: the program."""
+
+import dataclasses
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import nn
+
+import slipbench
+from slipbench import InputError, learning
+from slipbench.learning import networks
+from slipbench.learning.biotac import drawn_graph
+
+PROGRAM = str(Path(sys.argv.pop(1)).resolve())
+# 24 trials of 0.4 s: pressed 0.6 mm until 0.2 s, then slid at two speeds, twelve draws of direction and friction each.
+SMALL = """slipbench: 1
+duration: 0.4 s
+time_step: 1 ms
+seed: 5
+surface: {material: acrylic}
+friction: {static: 0.5, kinetic: 0.5}
+motion: {kind: stage, gap: 0 mm, compression: 0.6 mm, approach_speed: 10 mm/s, start: 0.2 s, speed: 8 mm/s, acceleration: 1 m/s2}
+sensors:
+  pad: {type: papillarray, rate: 1 kHz, electronics: typical, bristles: 3, profile: hexapod}
+sweep:
+  motion.speed: [4 mm/s, 16 mm/s]
+  motion.direction: {draw: uniform, min: 0 deg, max: 360 deg}
+  friction.scale: {draw: lognormal, median: 1, sd: 0.1}
+  trials: 12
+"""
+# Values a frame of each recipe's input, with the published sensors.
+INPUTS = {
+    "piezo_mlp": 12, "piezo_mlp_128": 12, "piezo_tcn": 12, "piezo_fft_gru": 12, "piezo_raw_gru": 1, "piezo_slip": 31, "piezo_grasp": 5,
+    "papillarray_gru": 640, "papillarray_gru5": 640, "grasp_gru": 54, "slip_gru": 153, "myrmex_net1": 4608, "myrmex_net2": 4608, "myrmex_net3": 4608,
+    "nib_slip": 160, "biotac_cnn": 132, "biotac_gcn": 24, "biotac_lstm": 24, "biotac_convlstm": 132, "biotac_gru": 120, "biotac_slip": 1536,
+    "biotac_grasp": 225}
+
+
+class Own(nn.Module):
+    """Answers by the latest three frames."""
+
+    history = 3
+
+    def __init__(self, inputs, classes):
+        super().__init__()
+        self.layer = nn.Conv1d(inputs, classes, 3)
+
+    def forward(self, frames):
+        return self.layer(frames.transpose(1, 2)).transpose(1, 2)
+
+
+def short(recipe="papillarray_gru", **more):
+    """A recipe of four steps."""
+    found = learning.find_recipe(recipe)
+    return dataclasses.replace(found, training=dataclasses.replace(found.training, steps=4, validate_every=2, batch=4), **more)
+
+
+class TrainingTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
+        cls.data = cls.write("data.h5")
+
+    @classmethod
+    def write(cls, name, **values):
+        (cls.folder / "scene.yaml").write_text(SMALL)
+        slipbench.Scene.load(cls.folder / "scene.yaml").set(values).write(str(cls.folder / name))
+        return str(cls.folder / name)
+
+    def train(self, recipe=None, **more):
+        return learning.train(more.pop("dataset", self.data), recipe=recipe or short(), output=more.pop("output", str(self.folder / "detector.onnx")),
+                              every_trial=more.pop("every_trial", True), **more)
+
+
+class Training(TrainingTest):
+    # 24 trials: 5 judge, 4 of the other 19 validate (a fifth, rounded up). 0.4 s are ten stacks of 40 rows, so 15 trials are 150 frames.
+    def test_the_file_says_what_it_has_seen(self):
+        steps = []
+        trained = self.train(progress=lambda member, report: steps.append(report.step))
+        self.assertEqual(steps, [2, 4])
+        self.assertEqual(trained.parts, {"learns": 15, "validates": 4, "judges": 5})
+        described = learning.Engine(trained.path).description
+        self.assertEqual((described["input"]["sensor"], described["input"]["window"]), ("papillarray", 40))
+        self.assertEqual(described["states"], [{"input": "state_0", "output": "state_0_next"}])
+        facts = described["trained"]
+        self.assertEqual((facts["recipe"], facts["labels"], facts["seed"], facts["frames"]), ("papillarray_gru", "latched", 1, 150))
+        self.assertEqual((len(facts["sha256_seen"]), len(facts["trials_judged"])), (19, 5))
+        with slipbench.open(self.data) as data:
+            seen = {data[trial].sha256 for trial in facts["trials_judged"]} & set(facts["sha256_seen"])
+        self.assertEqual(seen, set())
+        self.assertEqual([path.name for path in self.folder.glob("detector*")], ["detector.onnx"])
+
+    def test_the_same_seed_gives_the_same_bytes_also_after_a_kill(self):
+        class Killed(Exception):
+            pass
+
+        def kill(member, report):
+            if member == 1:
+                raise Killed
+
+        five = short("papillarray_gru5", members=2)
+        whole = Path(self.train(five).path).read_bytes()
+        again = str(self.folder / "again.onnx")
+        with self.assertRaises(Killed):
+            self.train(five, output=again, progress=kill)
+        self.assertFalse(Path(again).exists())
+        with self.assertRaisesRegex(InputError, "again.onnx.checkpoint-0.*--resume"):
+            self.train(five, output=again)
+        with self.assertRaisesRegex(InputError, "of another training"):
+            self.train(five, output=again, resume=True, seed=2)
+        self.train(five, output=again, resume=True)
+        self.assertEqual(Path(again).read_bytes(), whole)
+        with self.assertRaisesRegex(InputError, "checkpoint-0: is not there"):
+            self.train(five, output=again, resume=True)
+        self.assertNotEqual(Path(self.train(five, output=again, seed=2).path).read_bytes(), whole)
+
+    def test_a_damaged_checkpoint_is_refused(self):
+        output = str(self.folder / "damaged.onnx")
+        Path(output + ".checkpoint-0").write_bytes(b"x" * 100)
+        with self.assertRaisesRegex(InputError, "is damaged"):
+            self.train(output=output, resume=True)
+
+    # Shares of 1/2, 1/4 and 1/4 of 24 trials.
+    def test_a_datasets_own_split_counts(self):
+        data = self.write("split.h5", split={"by": "trial", "shares": [0.5, 0.25, 0.25]})
+        trained = self.train(dataset=data, every_trial=False)
+        self.assertEqual((trained.own_split, trained.judged_from), (True, (data, "test")))
+        with slipbench.open(data) as stored:
+            for part, key in (("train", "trials_learnt"), ("valid", "trials_validated"), ("test", "trials_judged")):
+                self.assertEqual(trained.description["trained"][key], list(stored.mask(part)))
+        self.assertEqual(trained.parts, {"learns": 12, "validates": 6, "judges": 6})
+        with self.assertRaisesRegex(InputError, "split.h5.*--all"):
+            self.train(dataset=data, every_trial=False, split="trial")
+
+    # Twice 24 trials: 10 judge, a fifth of the other 38, rounded up, validates.
+    def test_several_datasets(self):
+        trained = self.train(dataset=[self.data, self.write("more.h5", seed=6)])
+        self.assertEqual(trained.parts, {"learns": 30, "validates": 8, "judges": 10})
+
+    def test_what_does_not_fit_is_refused(self):
+        for more, message in (({"recipe": short("piezo_fft_gru")}, "papillarray.*1000 Hz.*piezo_skin at 10000"), ({"sensor": "thumb"}, "thumb"),
+                              ({"split": "material"}, "no material"), ({"recipe": "papillarray_gr"}, "did you mean 'papillarray_gru'"),
+                              ({"turned": 2}, "myrmex"), ({"alarms": "often"}, "1/min"), ({"output": "m"}, ".onnx"), ({"labels": "felt"}, "labels.*felt"),
+                              ({"network": nn.Linear(640, 3)}, r"Linear makes logits \[2, 3, 3\].*\[2, 3, 2\]")):
+            with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
+                self.train(**more)
+        still = self.write("still.h5", **{"sweep.motion.speed": ["0.001 mm/s", "0.002 mm/s"]})  # at most 0.4 um: nothing slips
+        with self.assertRaisesRegex(InputError, "150 hold, 0 slip"):
+            self.train(dataset=still)
+        mine = self.folder / "mine.onnx"
+        mine.write_text("mine")
+        with self.assertRaisesRegex(InputError, "exists and is no detector"):
+            self.train(output=str(mine))
+        self.assertEqual(mine.read_text(), "mine")
+
+    # A constant answer has 1/2. The small scene slips within some 30 ms of its start, so nearly all of its frames can be told.
+    def test_slip_gru_learns_from_a_few_trials(self):
+        found = learning.find_recipe("slip_gru")
+        few = dataclasses.replace(found, training=dataclasses.replace(found.training, steps=60, validate_every=10, batch=8))
+        self.assertGreater(self.train(few).judged["all_classes_balanced_accuracy"], 0.8)
+
+    # Six taxels at 500 Hz, so that 10 ms are five samples.
+    def test_slip_gru_learns_from_any_sensor_of_units(self):
+        data = self.write("taxels.h5", **{"sensors.pad": {"type": "taxels", "rate": "500 Hz", "rows": 2, "columns": 3, "pitch": "4 mm"}})
+        frames = self.train(short("slip_gru"), dataset=data).description["input"]
+        self.assertEqual((frames["sensor"], frames["rate"], frames["window"], frames["stride"]), ("taxels", 500, 5, 5))
+        self.assertEqual((frames["spans"], len(frames["scale"])), ([5, 10, 20, 40, 80], 1))
+
+    def test_a_module_of_ones_own(self):
+        trained = self.train(network=Own)
+        described = learning.Engine(trained.path).description
+        self.assertEqual((described["input"]["history"], described["states"]), (3, []))
+        self.assertIs(self.train(network=trained.networks[0]).networks[0], trained.networks[0])
+
+    def test_augmentation_is_repeated(self):
+        def noise(clips, random):
+            return clips + 0.1 * torch.randn(clips.shape, generator=random)
+
+        base = short()
+        noisy = dataclasses.replace(base, training=dataclasses.replace(base.training, augment=noise))
+        plain, first, second = (Path(self.train(one).path).read_bytes() for one in (base, noisy, noisy))
+        self.assertEqual(first, second)
+        self.assertNotEqual(first, plain)
+
+
+class Command(TrainingTest):
+    def run_program(self, *words, **environment):
+        return subprocess.run([PROGRAM, "train", self.data, "--all", "--recipe", "papillarray_gru", "--steps", "4", *words], capture_output=True, text=True,
+                              check=False, env=os.environ | environment)
+
+    def test_the_command_is_the_function(self):
+        output = str(self.folder / "command.onnx")
+        done = self.run_program("-o", output, "--json")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        told = json.loads(done.stdout)
+        every = learning.train(self.data, recipe="papillarray_gru", steps=4, every_trial=True, output=str(self.folder / "function.onnx"))
+        self.assertEqual(Path(output).read_bytes(), Path(every.path).read_bytes())
+        self.assertEqual(told["output"], output)
+        self.assertEqual(told["validation"]["balanced_accuracy"], every.validation)
+        self.assertEqual(set(told["alarm"]), {"on", "off", "least"})
+        text = self.run_program("-o", output)
+        self.assertIn("papillarray_gru, labels latched", text.stdout)
+        self.assertIn("15 trials learnt, 4 validated", text.stdout)
+        self.assertIn(f"next: slipbench eval {output} {self.data} --sensor pad --labels latched", text.stdout)
+        self.assertIn("step 4/4, loss", text.stderr)
+
+    def test_without_torch_it_says_so_before_it_reads(self):
+        without = self.folder / "without/torch"
+        without.mkdir(parents=True)
+        (without / "__init__.py").write_text("raise ModuleNotFoundError(\"No module named 'torch'\", name='torch')\n")
+        done = self.run_program("-o", "x.onnx", PYTHONPATH=str(without.parent))
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, "needs PyTorch.*pip install torch.*apt install python3-torch")
+        self.assertNotIn("reading", done.stderr)
+
+
+class Recipes(unittest.TestCase):
+    def test_every_network_runs_in_the_engine(self):
+        self.assertEqual(set(INPUTS), set(learning.RECIPES))
+        with tempfile.TemporaryDirectory() as folder:
+            for name, recipe in learning.RECIPES.items():
+                with self.subTest(name=name):
+                    classes = {"slip": 2, "kind": 3, "direction": 7}[recipe.classes]
+                    torch.manual_seed(1)
+                    members = [recipe.network(INPUTS[name], classes) for _ in range(recipe.members)]
+                    frames = np.random.default_rng(1).normal(size=(40, INPUTS[name])).astype(np.float32)
+                    described = learning.describe_file(recipe.input, [(f"class {i}", "gross" if i else "non_slip") for i in range(classes)])
+                    path = f"{folder}/{name}.onnx"
+                    learning.write_detector(path, members, INPUTS[name], described)
+                    self.assertLess(learning.check_engine(path, members, frames), 1e-5)
+
+    # Weights and biases. A GRU of u units has 3 u (inputs + u + 2), in PyTorch two biases; Table I prints 3.6k, 51k and 23k.
+    def test_networks_have_the_papers_parameters(self):
+        counts = {name: sum(one.numel() for one in learning.RECIPES[name].network(INPUTS[name], 2).parameters())
+                  for name in ("piezo_mlp", "piezo_mlp_128", "piezo_fft_gru", "papillarray_gru")}
+        self.assertEqual(counts["piezo_mlp"], (12 + 1) * 32 + 3 * (32 + 1) * 32 + (32 + 1) * 2)
+        self.assertEqual(counts["piezo_mlp_128"], (12 + 1) * 128 + 3 * (128 + 1) * 128 + (128 + 1) * 2)
+        self.assertEqual(counts["piezo_fft_gru"], 96 * (12 + 34) + 3 * 96 * (32 + 34) + (32 + 1) * 2)
+        dense = sum((before + 1 + 2) * after for before, after in ((640, 1024), (1024, 128), (128, 256), (256, 128)))
+        self.assertEqual(counts["papillarray_gru"], dense + 384 * (128 + 130) + (128 + 1) * 2)
+
+    def test_slip_gru_does_not_care_which_unit_is_which(self):
+        torch.manual_seed(1)
+        network = networks.SlipGru(9 * 17, 2, 17).eval()
+        some = torch.randn(1, 4, 9, 17)
+        said = network(some.flatten(2))[0]
+        self.assertTrue(torch.allclose(network(some.flip(2).flatten(2))[0], said, atol=1e-6))
+        some[0, 0, 0, 0] += 1.0
+        self.assertFalse(torch.allclose(network(some.flatten(2))[0], said, atol=1e-6))
+
+    # Rows of the adjacency of a node with d neighbours: 1/sqrt((d + 1)(d_j + 1)). E1 has one neighbour, E2, which has two.
+    def test_the_graph_is_normalised(self):
+        graph = drawn_graph()
+        self.assertEqual(tuple(graph.shape), (24, 24))
+        self.assertAlmostEqual(float(graph[0, 0]), 1 / 2, 6)
+        self.assertAlmostEqual(float(graph[0, 1]), 1 / math.sqrt(2 * 3), 6)
+
+
+class Pieces(unittest.TestCase):
+    def test_balanced_accuracy_leaves_masked_frames_out(self):
+        called, labels = [np.array([0, 0, 1, 1], np.uint8)], [np.array([0, 1, 1, 255], np.uint8)]
+        self.assertEqual(learning.balanced_accuracy(called, labels), (1.0 + 0.5) / 2)
+        self.assertTrue(math.isnan(learning.balanced_accuracy([], [])))
+
+    def test_scales(self):
+        frames = [np.array([[0.0, 5.0], [2.0, 5.0]], np.float32)]  # means 1 and 5, deviations 1 and 0
+        for scaling, offset, scale in (("standard", [1, 5], [1, 1]), ("range", [0, 5], [0.5, 1]), ("common", [3], [1 / math.sqrt(4.5)])):
+            found = learning.scale_of(frames, scaling)
+            np.testing.assert_allclose(found[0], offset)
+            np.testing.assert_allclose(found[1], scale, rtol=1e-6)
+        with self.assertRaisesRegex(InputError, "scaling: 'none'"):
+            learning.scale_of(frames, "none")
+
+    # One sequence of five frames, whose last three are slip: clips of two answers begin at frame 0 to 3; a class is drawn in each.
+    def test_clips_are_drawn_around_a_class(self):
+        frames = np.arange(5, dtype=np.float32)[:, None]
+        clips = learning.Clips([(frames, np.array([0, 0, 1, 1, 1], np.uint8))], learning.Training(batch=200, clip=2, balance="drawing"), 1, 2)
+        features, classes = clips.draw(1, 0)
+        first = sorted({int(one) for one in features[:, 0, 0]})
+        self.assertEqual(first, [0, 1, 2, 3])
+        self.assertTrue(torch.equal(features[:, 1, 0], features[:, 0, 0] + 1))
+        self.assertTrue(torch.equal(classes, (features[:, :, 0] >= 2).long()))
+        self.assertTrue(torch.equal(clips.weights(), torch.ones(2)))
+        uniform = learning.Clips([(frames, np.array([0, 0, 1, 1, 1], np.uint8))], learning.Training(), 1, 2)
+        np.testing.assert_allclose([float(one) for one in uniform.weights()], [5 / 4, 5 / 6], rtol=1e-6)  # all/(classes x count)
+
+    # A short sequence is a clip as a whole; its last frame is repeated and trains nothing (-100).
+    def test_a_short_sequence_fills_its_clip(self):
+        sequences = [(np.array([[1.0], [2.0]], np.float32), np.array([0, 1], np.uint8)), (np.zeros((4, 1), np.float32), np.array([0, 0, 1, 1], np.uint8))]
+        features, classes = learning.Clips(sequences, learning.Training(batch=50, clip=9), 1, 2).draw(1, 0)
+        shorter = [row for row in range(50) if float(features[row, 0, 0]) == 1.0]
+        self.assertGreater(len(shorter), 0)
+        self.assertEqual(features[shorter[0], :, 0].tolist(), [1, 2, 2, 2])
+        self.assertEqual(classes[shorter[0]].tolist(), [0, 1, -100, -100])
+
+    # Of a run of 25 frames of slip the first three train, then the 10th and 20th.
+    def test_the_onset_of_a_slip_trains(self):
+        labels = np.array([0] * 5 + [1] * 25, np.uint8)
+        clips = learning.Clips([(np.zeros((30, 1), np.float32), labels)], learning.Training(batch=1, clip=30, onset_frames=3), 1, 2)
+        _, classes = clips.draw(1, 0)
+        self.assertEqual([t for t, one in enumerate(classes[0].tolist()) if one == 1], [5, 6, 7, 14, 24])
+
+    def test_frames_are_those_of_the_loop(self):
+        frames = learning.Frames(learning.Input("papillarray", 1000.0, {"force": [2, 5]}, window=3, stride=2), "papillarray", 1000.0, {"force": (9, 3)})
+        force = np.arange(7 * 27, dtype=np.float32).reshape(7, 9, 3)
+        found, ends = frames.all({"force": force})
+        self.assertEqual((frames.size, list(ends)), (6, [2, 4, 6]))
+        flat = force.reshape(7, 27)[:, [2, 5]]
+        np.testing.assert_array_equal(found, [flat[end - 2 : end + 1].ravel() for end in ends])
+        with self.assertRaisesRegex(InputError, "taxels"):
+            learning.Frames(learning.Input("papillarray", 1000.0, ["force"]), "taxels", 1000.0, {"force": (9, 3)})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,204 @@
+"""`python -m slipbench._train REQUEST`: the command `train --recipe NAME`, started by the program. Exit status 2 for bad input, with its message."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shlex
+import shutil
+import sys
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TextIO
+
+from slipbench import InputError
+from slipbench._program import Interrupt, Interrupted
+
+if TYPE_CHECKING:
+    from slipbench.learning import Report, Trained
+
+BAR_PERIOD = 0.1  # s, between redraws
+
+
+@dataclass(frozen=True)
+class Request:
+    """As the program hands it over, in JSON; it has checked each of these.
+
+    Attributes:
+        datasets: paths
+        recipe: its name
+        labels: rule of the labels
+        split: what trains and judges differ in; None: was not given
+        held_out: share of its groups that judge; None: was not given
+        sensor: the scene's name; empty: every one that fits
+        all: whether to ignore a dataset's own split
+        seed: of weights and draws
+        steps: of training; None: the recipe's
+        turned: copies with turned images
+        alarms: false ones a minute that are tolerated; None: was not given
+        by_score: whether the operating point is that of the greatest score
+        output: path of the ONNX file
+        resume: whether to go on with what a killed training has left
+        json: whether stdout is to have one JSON object
+    """
+
+    datasets: list[str]
+    recipe: str
+    labels: str
+    split: str | None
+    held_out: float | None
+    sensor: str
+    all: bool
+    seed: int
+    steps: int | None
+    turned: int
+    alarms: float | None
+    by_score: bool
+    output: str
+    resume: bool
+    json: bool
+
+
+def styled(stream: TextIO, code: str, text: str) -> str:
+    """Text in a colour or weight, where a person watches the stream and NO_COLOR is not set."""
+    watched = stream.isatty() and os.environ.get("TERM") != "dumb" and not os.environ.get("NO_COLOR")
+    return f"\033[{code}m{text}\033[0m" if watched else text
+
+
+def clock_text(seconds: float) -> str:
+    """"12 s", "3:05", "1:02:03"."""
+    whole = max(round(seconds), 0)
+    if whole < 60:
+        return f"{whole} s"
+    return f"{whole // 60}:{whole % 60:02}" if whole < 3600 else f"{whole // 3600}:{whole // 60 % 60:02}:{whole % 60:02}"
+
+
+def share_text(share: float | None) -> str:
+    """"98.1 %", "-" where there is none."""
+    return "-" if share is None or math.isnan(share) else f"{100 * share:.1f} %"
+
+
+class Told:
+    """What a training says on stderr as it goes on."""
+
+    def __init__(self, request: Request, interrupt: Interrupt, members: int) -> None:
+        self._interrupt, self._quiet, self._members = interrupt, request.json, members
+        self._bar = sys.stderr.isatty() and os.environ.get("TERM") != "dumb" and not self._quiet
+        self._drawn = 0.0
+        self.say(f"reading {', '.join(request.datasets)}")
+
+    def say(self, text: str) -> None:
+        """A line."""
+        if not self._quiet:
+            sys.stderr.write(f"slipbench: {text}\n")
+            sys.stderr.flush()
+
+    def read(self, done: int, trials: int) -> None:
+        """A bar on a terminal. Raises Interrupted once a signal has come."""
+        self._interrupt.check()
+        now = time.monotonic()
+        if not self._bar or (done < trials and now - self._drawn < BAR_PERIOD):
+            return
+        self._drawn, width = now, min(30, shutil.get_terminal_size().columns // 3)
+        filled = width * done // trials
+        end = "\r\033[K" if done == trials else ""
+        sys.stderr.write(f"\r\033[K[{'#' * filled}{'-' * (width - filled)}] {done}/{trials}{end}")
+        sys.stderr.flush()
+
+    def trained(self, member: int, report: Report) -> None:
+        """A line for each validation, with the time that is left."""
+        text = "" if self._members == 1 else f"network {member + 1}/{self._members}, "
+        text += f"step {report.step}/{report.steps}, loss {report.loss:.4f}"
+        if not math.isnan(report.validation):
+            text += f", validation {share_text(report.validation)}{' (best)' if report.best else ''}"
+        if report.step < report.steps:
+            text += f", ETA {clock_text(report.seconds * (report.steps - report.step))}"
+        self.say(text)
+
+
+def figures_text(trained: Trained) -> str:
+    """The table of the figures."""
+    judged = trained.judged
+    rows = [("", "held-out trials" if judged else "validation")]
+    if judged:
+        alarms = judged["alarms_per_minute"]
+        rows += [("balanced accuracy, all classes", share_text(judged["all_classes_balanced_accuracy"])),
+                 ("balanced accuracy, slip or not", share_text(judged["balanced_accuracy"])), ("F1 of slip", share_text(judged["f1"])),
+                 ("false alarms a minute of hold", "nan" if alarms is None else f"{alarms:.1f}")]
+    else:
+        rows.append(("balanced accuracy, all classes", share_text(trained.validation)))
+    widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
+    lines = [f"  {name:<{widths[0]}}  {value:>{widths[1]}}" for name, value in rows]
+    return "\n".join([styled(sys.stdout, "2", lines[0]), *lines[1:]])
+
+
+def next_text(request: Request, trained: Trained) -> str:
+    """The command that judges what was trained on data that it has not seen."""
+    learnt: str = trained.description["trained"]["labels"]
+    judged = "masked" if learnt == "tightened" else learnt
+    options = f" --sensor {shlex.quote(trained.sensors[0])} --labels {judged}"
+    command = f"{styled(sys.stdout, '2', 'next:')} slipbench eval {shlex.quote(request.output)} "
+    data, part = trained.judged_from
+    if data:
+        return command + shlex.quote(data) + options + (f" --split {part}" if part else "")
+    return f"{command}NEW.h5{options}  # NEW.h5: trials not learnt from, such as those of a sweep with another --seed"
+
+
+def print_summary(request: Request, trained: Trained) -> None:
+    """What the command says at its end."""
+    described = trained.description
+    facts, alarm, parts = described["trained"], described["alarm"], trained.parts
+    rate = facts["validation"]["alarms_per_minute"]
+    print(styled(sys.stdout, "1;36", f"{facts['recipe']}, labels {facts['labels']}"))
+    print(figures_text(trained))
+    print(f"  {parts['learns']} trials learnt, {parts['validates']} validated ({share_text(trained.validation)}), {parts['judges']} held out"
+          f"{', by the dataset' + chr(39) + 's own split' if trained.own_split else ''}; {facts['frames']} frames, {facts['parameters']} parameters, state of "
+          f"step {facts['steps'][-1]}\nslip from {alarm['on']} frames in a row at {described['threshold']:.3f} on, for {alarm['least']} frames and until "
+          f"{alarm['off']} are below: {'nan' if rate is None else f'{rate:.1f}'} false alarms a minute of hold in validation")
+    print(styled(sys.stdout, "32", "written:"), request.output)
+    print(next_text(request, trained))
+
+
+def run(request: Request) -> None:
+    """Trains, and says how good it is."""
+    from slipbench.learning import find_recipe, train  # reports a missing PyTorch before any data is read
+
+    interrupt = Interrupt("stopping; the last validation's state is kept")
+    told = Told(request, interrupt, find_recipe(request.recipe).members)
+    trained = train(request.datasets, output=request.output, recipe=request.recipe, sensor=request.sensor, labels=request.labels, split=request.split,
+                    held_out=request.held_out, every_trial=request.all, seed=request.seed, steps=request.steps, turned=request.turned, alarms=request.alarms,
+                    by_score=request.by_score, resume=request.resume, progress=told.trained, reading=told.read, before_step=interrupt.check)
+    if request.json:
+        described = trained.description
+        summary: dict[str, Any] = described["trained"] | {"output": request.output, "threshold": described["threshold"], "alarm": described["alarm"]}
+        print(json.dumps(summary, separators=(",", ":")))
+    else:
+        print_summary(request, trained)
+
+
+def main(text: str) -> int:
+    """Does what the request asks for; returns the exit status."""
+    request = Request(**json.loads(text))
+    try:
+        run(request)
+        return 0
+    except Interrupted:
+        kept = os.path.exists(f"{request.output}.checkpoint-0")
+        print(f"slipbench: interrupted: kept in {request.output}.checkpoint-0; the same command with --resume goes on" if kept
+              else "slipbench: interrupted; nothing is kept", file=sys.stderr)
+        return 130
+    except ModuleNotFoundError as error:
+        if error.name != "torch":
+            raise
+        message = f"train --recipe {request.recipe}: {error}"
+    except InputError as error:
+        message = str(error)
+    except OSError as error:
+        message = f"{error.filename or request.output}: cannot be written: {error.strerror or error}"
+    print(f"{styled(sys.stderr, '1;31', 'slipbench:')} {message}", file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))
