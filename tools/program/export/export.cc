@@ -6,9 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <csignal>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -21,9 +18,9 @@
 #include <zlib.h>
 
 #include "detectors/hd/words.h"
-#include "sim/core/process/own_library.h"
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/files/reject.h"
+#include "tools/base/python/python_package.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/program/export/formats.h"
@@ -261,29 +258,6 @@ constexpr std::size_t beginning = 1 << 16;
 Bytef* input_of(std::string_view bytes) { return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data())); }
 
 constexpr std::array python_formats{ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap};
-constexpr const char* module_file = "slipbench/_export/__main__.py";
-
-// Who runs the package, and how more is installed there.
-struct Python {
-  std::string program, folder, install;  // folder: above the package
-};
-
-Python python() {
-  if (const char* const own = std::getenv("SLIPBENCH_PYTHON"); own != nullptr) {
-    return {own, own_path("../.."), "pip install 'slipbench[export]'"};
-  }
-  return {own_path("../../venv/bin/python3"), own_path("../python"), "tools/setup/setup.sh build python test-python"};
-}
-
-bool has_package(const std::string& folder) {
-  std::error_code error;
-  const std::filesystem::path package = std::filesystem::path(folder) / "slipbench";
-  if (!std::filesystem::exists(std::filesystem::path(folder) / module_file, error)) return false;
-  std::filesystem::directory_iterator libraries(package / "bin", error);
-  return !error && std::any_of(begin(libraries), end(libraries), [](const auto& entry) {
-    return entry.path().filename().string().starts_with("_core.") && entry.path().extension() == ".so";
-  });
-}
 
 // What Python is told (tools/python/slipbench/_export/request.py).
 Json request_of(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options) {
@@ -429,33 +403,11 @@ bool is_python_format(ExportFormat format) { return std::ranges::find(python_for
 
 void start_python_export(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options, bool json) {
   check_export_options(options);
-  const Python python = slipbench::python();
-  const std::string format = export_format_name(options.format);
-  if (!has_package(python.folder)) {
-    reject(
-        "--format {} is written by Python's package slipbench, which is not in {}; build it: {}, then cmake --build --preset "
-        "release --target slipbench_python; or in an environment of your own: pip install '.[export]'",
-        format, python.folder, python.install);
-  }
+  const PythonModule module("slipbench._export", "--format " + export_format_name(options.format), "export");
   Json request = request_of(dataset_path, out_dir, options);
   request["json"] = json;
-  request["install"] = python.install;
-  const char* const others = std::getenv("PYTHONPATH");
-  ::setenv("PYTHONPATH", others == nullptr ? python.folder.c_str() : (python.folder + ":" + others).c_str(), 1);
-  std::fflush(nullptr);
-  // Signals are held back until Python, which takes a while to start, can note them (tools/python/slipbench/_export/request.py).
-  sigset_t signals, before;
-  sigemptyset(&signals);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
-  pthread_sigmask(SIG_BLOCK, &signals, &before);
-  // -P: no package of the folder where the user stands. -B: nothing is written beside the package.
-  std::array<std::string, 6> words{python.program, "-P", "-B", "-m", "slipbench._export", request.dump()};
-  std::array<char*, 7> pointers{};
-  std::ranges::transform(words, pointers.begin(), [](std::string& word) { return word.data(); });
-  ::execv(python.program.c_str(), pointers.data());
-  const int reason = errno;
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  reject("--format {}: cannot start {}: {}; install it: {}", format, python.program, std::strerror(reason), python.install);
+  request["install"] = module.install();
+  module.start(request.dump());
 }
 
 }  // namespace slipbench

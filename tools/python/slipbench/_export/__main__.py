@@ -5,7 +5,8 @@ import json
 import sys
 
 from slipbench import InputError, open as open_dataset
-from slipbench._export.request import Interrupt, Interrupted, Progress, Request, tell
+from slipbench._export.request import Progress, Request, tell
+from slipbench._program import Interrupt, Interrupted
 
 
 def repeat_nothing(_told: object) -> None:
@@ -15,7 +16,7 @@ def repeat_nothing(_told: object) -> None:
 def main(text: str) -> int:
     """Writes what the request asks for; returns the exit status."""
     request = Request(**json.loads(text))
-    progress = Progress(request, Interrupt())
+    progress = Progress(request, Interrupt("stopping after this trial"))
     try:
         writer = importlib.import_module(f"slipbench._export.{request.format}")
         with open_dataset(request.dataset) as data:

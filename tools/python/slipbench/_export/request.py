@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import json
 import os
 import shutil
-import signal
 import sys
 import time
 from collections.abc import Callable
@@ -15,12 +13,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from slipbench import Dataset, InputError
+from slipbench._program import Interrupt
 
 LINE_PERIOD = 5.0  # s, between lines where nobody watches
 BAR_PERIOD = 0.1  # s, between redraws
 MOST_NOTES = 10
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-NOTICE = "slipbench: stopping after this trial; once more to stop at once\n"
 ALLOWED = "allowed: a folder, or a new name in one that is there"
 
 
@@ -76,36 +73,6 @@ def make_folder(folder: Path) -> bool:
         return False
     except OSError as error:
         raise InputError(f"cannot make folder {folder}: {error.strerror}; {ALLOWED}") from error
-
-
-class Interrupted(Exception):
-    """A signal has asked to end."""
-
-
-class Interrupt:
-    """Catches the signals of SIGNALS that are not ignored, also those that the program has held back until now. One that asks to end is noted, and
-    heeded between two trials: an exception amid a destructor or an import would be lost there.
-    """
-
-    def __init__(self) -> None:
-        self._asked = False
-        for number in SIGNALS:
-            if signal.getsignal(number) != signal.SIG_IGN:
-                signal.signal(number, self._note)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
-
-    def check(self) -> None:
-        """Raises Interrupted once a signal has come."""
-        if self._asked:
-            raise Interrupted
-
-    def _note(self, number: int, _: object) -> None:
-        signal.signal(number, signal.SIG_DFL)
-        if self._asked:
-            signal.raise_signal(number)  # another signal came first; this one's action is the default again
-        self._asked = True
-        with contextlib.suppress(OSError):  # nothing can be done where stderr cannot be written
-            os.write(2, (("\r\033[K" if os.isatty(2) else "") + NOTICE).encode())
 
 
 class Progress:

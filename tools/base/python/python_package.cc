@@ -1,0 +1,78 @@
+#include "tools/base/python/python_package.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/process/own_library.h"
+#include "tools/base/files/reject.h"
+
+namespace slipbench {
+namespace {
+
+// "slipbench._export" is slipbench/_export/__main__.py or slipbench/_export.py.
+bool has_module(const std::string& folder, std::string name) {
+  std::ranges::replace(name, '.', '/');
+  std::error_code error;
+  const std::filesystem::path path = std::filesystem::path(folder) / name;
+  return std::filesystem::exists(path / "__main__.py", error) || std::filesystem::exists(path.string() + ".py", error);
+}
+
+bool has_extension(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::directory_iterator libraries(std::filesystem::path(folder) / "slipbench/bin", error);
+  return !error && std::any_of(begin(libraries), end(libraries), [](const auto& entry) {
+    return entry.path().filename().string().starts_with("_core.") && entry.path().extension() == ".so";
+  });
+}
+
+}  // namespace
+
+PythonModule::PythonModule(std::string name, std::string purpose, const std::string& extra)
+    : name_(std::move(name)), purpose_(std::move(purpose)) {
+  const std::string package = extra.empty() ? "." : fmt::format("'.[{}]'", extra);
+  if (const char* const own = std::getenv("SLIPBENCH_PYTHON"); own != nullptr) {
+    program_ = own;
+    folder_ = own_path("../..");
+    install_ = extra.empty() ? "pip install slipbench" : fmt::format("pip install 'slipbench[{}]'", extra);
+  } else {
+    program_ = own_path("../../venv/bin/python3");
+    folder_ = own_path("../python");
+    install_ = "tools/setup/setup.sh build python test-python";
+  }
+  if (has_module(folder_, name_) && has_extension(folder_)) return;
+  reject(
+      "{} needs Python's package slipbench, which is not in {}; build it: {}, then cmake --build --preset release --target "
+      "slipbench_python; or in an environment of your own: pip install {}",
+      purpose_, folder_, install_, package);
+}
+
+void PythonModule::start(std::string request) const {
+  const char* const others = std::getenv("PYTHONPATH");
+  ::setenv("PYTHONPATH", others == nullptr ? folder_.c_str() : (folder_ + ":" + others).c_str(), 1);
+  std::fflush(nullptr);
+  sigset_t signals, before;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+  pthread_sigmask(SIG_BLOCK, &signals, &before);
+  // -P: no package of the folder where the user stands. -B: no byte code is written beside the package.
+  std::array<std::string, 6> words{program_, "-P", "-B", "-m", name_, std::move(request)};
+  std::array<char*, 7> pointers{};
+  std::ranges::transform(words, pointers.begin(), [](std::string& word) { return word.data(); });
+  ::execv(program_.c_str(), pointers.data());
+  const int reason = errno;
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  reject("{}: cannot start {}: {}; install it: {}", purpose_, program_, std::strerror(reason), install_);
+}
+
+}  // namespace slipbench
