@@ -41,5 +41,4 @@ NB_MODULE(_core, module) {
   slipbench::python::bind_own_parts(module);
   slipbench::python::bind_scene(module);
   slipbench::python::bind_environments(module);
-  slipbench::python::bind_values(module);
-}
+  slipbench::python::bind_studies(module);

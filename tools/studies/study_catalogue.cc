@@ -9,6 +9,7 @@
 #include "tools/base/files/reject.h"
 #include "tools/base/page/svg.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/python/python_package.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/program/cli/arguments.h"
@@ -134,6 +135,29 @@ std::string identity_of(const ReproduceOptions& options, const Reproduction& rep
       .dump();
 }
 
+// What tools/studies/__main__.py takes.
+[[noreturn]] void start_python_study(const ReproduceCommand& command) {
+  const ReproduceOptions& options = command.options;
+  const PythonModule module("slipbench_studies", "reproduce " + command.name, "studies");
+  take_stdout_back();
+  module.start(Json{{"name", command.name},
+                    {"json", command.json},
+                    {"quiet", command.quiet},
+                    {"install", module.install()},
+                    {"data", options.data},
+                    {"real", options.real},
+                    {"seed", or_null(options.seed)},
+                    {"jobs", options.jobs},
+                    {"full", options.full},
+                    {"synthesise", options.synthesise},
+                    {"trials", options.trials},
+                    {"only", options.only},
+                    {"memories", options.memories},
+                    {"output", command.output},
+                    {"resume", command.resume}}
+                   .dump());
+}
+
 }  // namespace
 
 const std::vector<Reproduction>& reproductions() {
@@ -199,7 +223,7 @@ const std::vector<Reproduction>& reproductions() {
       {"nib-reconfigurable/slip_kinds", "no slip, linear and rotational slip told apart by FL, FR and curl", runs,
        &nib_slip_kinds},
       {"nib-reconfigurable/table3",
-       "a box turned up by rotational slip and released: weights, centres of mass, surfaces, thresholds", rows, &nib_table3},
+       "a box turned up by rotational slip and released: weights, centres of mass, surfaces, thresholds", rows, nullptr},
       {"piezo-fft-gru/table1",
        "networks on the piezoelectric skin, beside what a clock, the contact or the motors alone give away", teaches_rows,
        &piezo_table1},
@@ -280,6 +304,7 @@ int ReproduceCommand::run() {
   check_options(options, resume, reproduction);
   if (!output.empty()) page::check_page_files(output, page_kind);
   if (resume && output.empty()) throw InputError("reproduce: --resume goes on with what lies beside a page; allowed: with -o");
+  if (reproduction.run == nullptr) start_python_study(*this);
   options.say = [this](const std::string& what) { tell(what); };
   std::optional<KeptNetworks> kept;
   if (!output.empty() && std::ranges::find(reproduction.options, "--resume") != reproduction.options.end()) {

@@ -104,7 +104,7 @@ def turn_of(outcome: dict[str, Any], arm: ArrayLike, grip_force: ArrayLike, arm_
     """How a trial ended.
 
     Args:
-        outcome: `outcome["grasp"]["turn"]`: standing, tilt_rad, least_tilt_rad
+        outcome: of the trial: standing, tilt_rad, least_tilt_rad
         arm: [T, 2] m/s, speed that the controller commands: sideways, up
         grip_force: [T] N, mean of both pads
         arm_height: [T] m
@@ -133,9 +133,9 @@ def turn_of(outcome: dict[str, Any], arm: ArrayLike, grip_force: ArrayLike, arm_
         end = "lost"
     elif released == rows:
         end = "not_released"
-    elif outcome["tilt"] < UPRIGHT:
+    elif outcome["tilt_rad"] < UPRIGHT:
         end = "not_let_go"
-    elif outcome["least_tilt"] < TURNED_UP:
+    elif outcome["least_tilt_rad"] < TURNED_UP:
         end = "fell"
     else:
         end = "told_early" if height[released] - height[0] < target - LAG else "not_turned"
@@ -152,12 +152,11 @@ def run_of(trial: Trial, target: float) -> dict[str, Any]:
     Returns:
         standing, dropped, end; tilt, least_tilt, released_tilt [rad]; most_force, held_by [N]
     """
-    grasp = trial.outcome["grasp"]
-    turned, control = grasp["turn"], trial.control
-    assert control is not None
-    turn = turn_of(turned, control.arm, control.grip_force, trial.bodies["arm"]["pose"][:, 2], trial.bodies["box"]["pose"], target)
-    return {"standing": turned["standing"], "dropped": grasp["dropped"], "tilt": turned["tilt"], "least_tilt": turned["least_tilt"],
-            "most_force": grasp["max_grip_force"], "end": turn.end, "released_tilt": turn.tilt, "held_by": turn.force}
+    outcome, control = trial.outcome, trial.control
+    assert control is not None  # the scene has a controller
+    turn = turn_of(outcome, control.arm, control.grip_force, trial.bodies["arm"]["pose"][:, 2], trial.bodies["box"]["pose"], target)
+    return {"standing": outcome["standing"], "dropped": outcome["dropped"], "tilt": outcome["tilt_rad"], "least_tilt": outcome["least_tilt_rad"],
+            "most_force": outcome["max_grip_force_N"], "end": turn.end, "released_tilt": turn.tilt, "held_by": turn.force}
 
 
 def summary_of(runs: pd.DataFrame) -> dict[str, Any]:
