@@ -43,7 +43,7 @@ class Cell:
         """
         scene = Scene.load(self.scene.removeprefix("scenes/"))
         if self.change is not None:
-            scene = Scene.from_text(self.change(scene.text), os.path.dirname(scene.path))
+            scene = Scene.from_text(self.change(scene.text), folder=os.path.dirname(scene.path))
         return scene.set(dict(self.overrides)) if self.overrides else scene
 
     def command(self, seed: int) -> str:
