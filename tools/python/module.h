@@ -25,3 +25,6 @@ void bind_scene(nanobind::module_& module);
 void bind_own_parts(nanobind::module_& module);
 void bind_environments(nanobind::module_& module);
 void bind_studies(nanobind::module_& module);
+void bind_values(nanobind::module_& module);
+
+}  // namespace slipbench::python
