@@ -41,6 +41,7 @@ NB_MODULE(_core, module) {
   slipbench::python::bind_own_parts(module);
   slipbench::python::bind_scene(module);
   slipbench::python::bind_environments(module);
+  slipbench::python::bind_studies(module);
   slipbench::python::bind_values(module);
   slipbench::python::bind_learning(module);
 }

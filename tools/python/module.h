@@ -24,6 +24,7 @@ void bind_trial(nanobind::module_& module);
 void bind_scene(nanobind::module_& module);
 void bind_own_parts(nanobind::module_& module);
 void bind_environments(nanobind::module_& module);
+void bind_studies(nanobind::module_& module);
 void bind_values(nanobind::module_& module);
 void bind_learning(nanobind::module_& module);
 

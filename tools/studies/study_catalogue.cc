@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <string_view>
 
@@ -9,6 +10,7 @@
 #include "tools/base/files/reject.h"
 #include "tools/base/page/svg.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/python/python_package.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 #include "tools/program/cli/arguments.h"
@@ -134,6 +136,29 @@ std::string identity_of(const ReproduceOptions& options, const Reproduction& rep
       .dump();
 }
 
+// What tools/studies/__main__.py takes.
+[[noreturn]] void start_python_study(const ReproduceCommand& command) {
+  const ReproduceOptions& options = command.options;
+  const PythonModule module("slipbench_studies", "reproduce " + command.name, "studies");
+  take_stdout_back();
+  module.start(Json{{"name", command.name},
+                    {"json", command.json},
+                    {"quiet", command.quiet},
+                    {"install", module.install()},
+                    {"data", options.data},
+                    {"real", options.real},
+                    {"seed", or_null(options.seed)},
+                    {"jobs", options.jobs},
+                    {"full", options.full},
+                    {"synthesise", options.synthesise},
+                    {"trials", options.trials},
+                    {"only", options.only},
+                    {"memories", options.memories},
+                    {"output", command.output},
+                    {"resume", command.resume}}
+                   .dump());
+}
+
 }  // namespace
 
 const std::vector<Reproduction>& reproductions() {
@@ -192,14 +217,14 @@ const std::vector<Reproduction>& reproductions() {
       {"nib-reconfigurable/table1",
        "calibration of the nib pad: force and moment out of 36 capacitances, uniform and partial loads, and what decides it",
        {"--seed", "--jobs"},
-       &nib_table1},
+       nullptr},
       {"nib-reconfigurable/table2",
        "Algorithm 1 while the grasp is slowly let go, four surfaces; what decides its figures, and where 0 to 8 Hz comes from",
-       runs, &nib_table2},
+       runs, nullptr},
       {"nib-reconfigurable/slip_kinds", "no slip, linear and rotational slip told apart by FL, FR and curl", runs,
-       &nib_slip_kinds},
+       nullptr},
       {"nib-reconfigurable/table3",
-       "a box turned up by rotational slip and released: weights, centres of mass, surfaces, thresholds", rows, &nib_table3},
+       "a box turned up by rotational slip and released: weights, centres of mass, surfaces, thresholds", rows, nullptr},
       {"piezo-fft-gru/table1",
        "networks on the piezoelectric skin, beside what a clock, the contact or the motors alone give away", teaches_rows,
        &piezo_table1},
@@ -216,7 +241,7 @@ const std::vector<Reproduction>& reproductions() {
       {"realism",
        "published figures of real devices beside ours, from the studies that hold them",
        {"--real", "--trials", "--only", "--full", "--seed", "--jobs"},
-       &realism_table},
+       nullptr},
   };
   return all;
 }
@@ -229,8 +254,16 @@ const Reproduction& find_reproduction(const std::string& name) {
 }
 
 Json result_json(const std::string& name, const Result& result) {
-  return {{"reproduction", name},  {"title", result.title},     {"source", result.source},
-          {"setup", result.setup}, {"figures", result.figures}, {"remarks", result.remarks}};
+  Json object{{"reproduction", name},  {"title", result.title},     {"source", result.source},
+              {"setup", result.setup}, {"figures", result.figures}, {"remarks", result.remarks}};
+  if (std::getenv("SLIPBENCH_REAL_FIGURES") != nullptr) {  // for realism.py
+    object["real"] = Json::array();
+    for (const RealFigure& one : result.real) {
+      object["real"].push_back(
+          {{"what", one.what}, {"real", or_null(one.real)}, {"ours", or_null(one.ours)}, {"note", one.note}});
+    }
+  }
+  return object;
 }
 
 std::string result_page(const std::string& name, const Result& result) {
@@ -280,6 +313,7 @@ int ReproduceCommand::run() {
   check_options(options, resume, reproduction);
   if (!output.empty()) page::check_page_files(output, page_kind);
   if (resume && output.empty()) throw InputError("reproduce: --resume goes on with what lies beside a page; allowed: with -o");
+  if (reproduction.run == nullptr) start_python_study(*this);
   options.say = [this](const std::string& what) { tell(what); };
   std::optional<KeptNetworks> kept;
   if (!output.empty() && std::ranges::find(reproduction.options, "--resume") != reproduction.options.end()) {

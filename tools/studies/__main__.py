@@ -1,0 +1,84 @@
+"""`python -m slipbench_studies REQUEST`: started by `slipbench reproduce`. Exit status 2 for bad input with its message, 130 after Ctrl-C."""
+
+import importlib
+import json
+import signal
+import sys
+from typing import Any
+
+from slipbench import InputError
+from slipbench_studies.result import Options, Result, result_object
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def module_of(name: str) -> str:
+    """The module of PAPER/TABLE."""
+    return "slipbench_studies." + name.replace("-", "_").replace("/", ".")
+
+
+def run(name: str, options: Options) -> Result:
+    """Runs a study.
+
+    Args:
+        name: PAPER/TABLE
+        options: what was asked for
+
+    Returns:
+        what it found
+
+    Raises:
+        InputError: for bad input
+        KeyboardInterrupt: after Ctrl-C
+    """
+    result: Result = importlib.import_module(module_of(name)).study(options)
+    return result
+
+
+def _say(text: str) -> None:
+    print(f"slipbench: {text}", file=sys.stderr, flush=True)
+
+
+def main(request: dict[str, Any]) -> int:
+    """Runs the study that the request names, writes and prints its result.
+
+    Args:
+        request: name, json, quiet, install (the command that installs what studies need), and what `Options` has
+
+    Returns:
+        the exit status
+    """
+    name, as_json, quiet, install = (request.pop(key) for key in ("name", "json", "quiet", "install"))
+    heard = {} if as_json or quiet else {"say": _say}
+    options = Options(**{**request, "only": tuple(request["only"])}, **heard)
+    try:
+        result = run(name, options)
+        files: list[str] = []
+        if options.output:
+            from slipbench_studies import page
+            files = page.write(options.output, name, result)
+    except ModuleNotFoundError as error:
+        _say(f"reproduce: {name} needs the Python package {error.name}, which {sys.executable} does not have; install it: {install}")
+        return 2
+    except InputError as error:
+        _say(str(error))
+        return 2
+    except KeyboardInterrupt:
+        _say("interrupted; nothing is kept")
+        return 130
+    if as_json:
+        print(json.dumps(result_object(name, result), separators=(",", ":"), ensure_ascii=False))
+        return 0
+    from slipbench_studies import text
+    text.show(result)
+    for file in files:
+        print(f"written: {file}")
+    return 0
+
+
+if __name__ == "__main__":
+    for number in SIGNALS:  # the program has held them back until now
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, signal.default_int_handler)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
+    sys.exit(main(json.loads(sys.argv[1])))

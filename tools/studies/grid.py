@@ -1,0 +1,161 @@
+"""What studies simulate: scenes of the project under changes, many trials at a time."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import threading
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from slipbench import InputError, Scene, Sweep, Trial
+from slipbench_studies.result import Options
+
+Outcome = TypeVar("Outcome")
+LEAST_LINES = 50  # trials between two lines of progress
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A scene under one set of changes.
+
+    Attributes:
+        name: in progress and in errors
+        scene: from the project's root: "scenes/grasp/lift.yaml"
+        overrides: texts by dotted path, as `--set` takes them
+        draws: trials of each cell of the scene's own sweep; 0: as many as the scene says
+        change: of the scene beyond the overrides, as a change of its text; None: no change
+    """
+
+    name: str
+    scene: str
+    overrides: dict[str, str] = field(default_factory=dict)
+    draws: int = 0
+    change: Callable[[str], str] | None = None
+
+    def load(self) -> Scene:
+        """The scene with its changes.
+
+        Raises:
+            InputError: for a scene or an override that cannot be used
+        """
+        scene = Scene.load(self.scene.removeprefix("scenes/"))
+        if self.change is not None:
+            scene = Scene.from_text(self.change(scene.text), folder=os.path.dirname(scene.path))
+        return scene.set(dict(self.overrides)) if self.overrides else scene
+
+    def command(self, seed: int) -> str:
+        """The command that runs the scene with its overrides; an option that says which trials has to follow."""
+        sets = "".join(f" --set '{path}={value}'" for path, value in self.overrides.items())
+        return f"slipbench run {self.scene}{sets} --seed {seed}"
+
+
+def jobs_of(options: Options) -> int:
+    """The threads to use: options.jobs, or as many as the machine has."""
+    return options.jobs or os.cpu_count() or 1
+
+
+def run_grid(cells: Sequence[Cell], options: Options, reduce: Callable[[Cell, Trial], Outcome], record: str = "full") -> list[list[Outcome]]:
+    """Runs all trials of a grid under the options' seed, on their threads.
+
+    What a trial draws depends on the seed and its number alone, not on its cell. Where there are at least as many cells as threads a thread takes a
+    cell, else all of them share the trials of one cell after the other.
+
+    Args:
+        cells: what to simulate
+        options: seed, jobs, and who hears of progress
+        reduce: makes of a trial what the study keeps of it; called by several threads at a time
+        record: "full", "contact" or "outcome", as Scene.sweep() takes it
+
+    Returns:
+        [cell][trial] what `reduce` returned
+
+    Raises:
+        InputError: of a trial, with the cell's name, the trial's number and the command that runs it
+        KeyboardInterrupt: after Ctrl-C; the trials at hand have ended
+    """
+    seed = options.draws_seed
+    scenes = [cell.load() for cell in cells]
+    total = sum(scene.trials(cell.draws) for scene, cell in zip(scenes, cells, strict=True))
+    apart = len(cells) >= jobs_of(options) > 1
+    progress = _Progress(total, options.say)
+    running: set[Sweep] = set()
+    ended = threading.Event()
+
+    def run(k: int) -> list[Outcome]:
+        cell, kept = cells[k], list[Outcome]()
+        if ended.is_set():
+            return kept
+        sweep = scenes[k].sweep(draws=cell.draws, seed=seed, jobs=1 if apart else options.jobs, record=record)
+        running.add(sweep)
+        try:
+            for trial in sweep:
+                progress.begin(cell.name)
+                kept.append(reduce(cell, trial))
+                progress.end()
+                if ended.is_set():
+                    break
+        except InputError as error:
+            changed = "" if cell.change is None else ", but for what the name says"
+            raise InputError(f"{cell.name}, trial {len(kept)}: {error}; the same{changed}: "
+                             f"{cell.command(seed)} --trials {len(sweep)} --trial {len(kept)}") from error
+        finally:
+            sweep.close()
+            running.discard(sweep)
+        return kept
+
+    if not apart:
+        return [run(k) for k in range(len(cells))]
+    with ThreadPoolExecutor(jobs_of(options)) as pool:
+        tasks = [pool.submit(run, k) for k in range(len(cells))]
+        try:
+            return [task.result() for task in tasks]
+        except BaseException:
+            ended.set()
+            for sweep in list(running):
+                sweep.close()
+            raise
+
+
+class _Progress:
+    """Says the subject and how much is done whenever the subject changes, and at each 50th trial. For several threads."""
+
+    def __init__(self, total: int, say: Callable[[str], None]) -> None:
+        self._total, self._say = total, say
+        self._lock, self._done, self._said, self._name = threading.Lock(), 0, -LEAST_LINES, ""
+
+    def begin(self, name: str) -> None:
+        """A trial of the cell `name` is at hand."""
+        with self._lock:
+            if name != self._name or self._done - self._said >= LEAST_LINES:
+                self._name, self._said = name, self._done
+                self._say(f"{name} ({self._done} of {self._total} done)")
+
+    def end(self) -> None:
+        """A trial is done."""
+        with self._lock:
+            self._done += 1
+
+
+def check_only(only: Iterable[str], names: Sequence[str]) -> None:
+    """Refuses names of `--only`.
+
+    Args:
+        only: what was asked for
+        names: what there is
+
+    Raises:
+        InputError: for a name that is not there, with the nearest
+    """
+    for name in only:
+        if name not in names:
+            near = difflib.get_close_matches(name, names, 1, 0.7)
+            meant = f" did you mean '{near[0]}'?" if near else ""
+            raise InputError(f"reproduce: --only: unknown name '{name}';{meant} allowed: {', '.join(names)}")
+
+
+def chosen(names: Sequence[str], only: Sequence[str]) -> list[str]:
+    """The names of an axis that `only` has; all where it has none of them."""
+    return [name for name in names if name in only] or list(names)

@@ -1,0 +1,202 @@
+"""The nib pad's lever bench (scenes/nib_pad): a recorded trial as its figures are made of it, and where signal below 8 Hz comes from."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from slipbench import InputError, State, Trial
+from slipbench.bin import _core
+
+Doubles = NDArray[np.float64]
+
+WINDOW, HOP = 150, 30  # samples at 300 Hz: 0.5 s and 0.1 s, as in the paper
+SLOW = 8.0  # Hz, the paper's effective response
+SLIP_BEGINS, SLIP_ENDS = 0.3e-3, 10e-3  # m, of the lever
+
+
+class Trace:
+    """A trial of the bench.
+
+    Attributes:
+        time: [T] s
+        normal: [T] N, true, of all nibs
+        lever: [T] m, where the lever is, along the pull
+        linear: [T] counts, difference of the two electrodes of the fast linear mode
+        rate: Hz
+    """
+
+    def __init__(self, trial: Trial) -> None:
+        """Raises InputError for a trial without the lever or with several sensors."""
+        if len(trial.sensors) != 1 or "lever" not in trial.bodies:
+            raise InputError(f"trial {trial.trial}: expected one sensor and the body 'lever', found {', '.join([*trial.sensors, *trial.bodies])}")
+        self._trial = trial
+        [(self._name, sensor)] = trial.sensors.items()
+        self.time: Doubles = np.asarray(sensor.time)
+        self.rate = sensor.rate
+        self.normal: Doubles = sensor.labels.force[:, :, 2].sum(axis=1, dtype=float)
+        self.lever: Doubles = trial.bodies["lever"]["pose"][:, 1].astype(float)
+        self.linear: Doubles = sensor.channels["fl"][:, 0].astype(float) - sensor.channels["fl"][:, 1]
+
+    def at(self, time: float) -> int:
+        """The first sample at or after `time` [s]; the number of samples where there is none."""
+        return int(np.searchsorted(self.time, time))
+
+    def moved(self, begun: int, way: float) -> int | None:
+        """The first sample from `begun` on at which the lever has gone by `way` [m] since; None: it never has."""
+        if begun >= len(self.lever):
+            return None
+        there = np.flatnonzero(self.lever[begun:] - self.lever[begun] >= way)
+        return begun + int(there[0]) if there.size else None
+
+    def estimates(self, detector: str, parameters: dict[str, str]) -> tuple[NDArray[np.uint8], dict[str, Doubles]]:
+        """What a detector says of the recorded samples.
+
+        Args:
+            detector: its type
+            parameters: as a scene writes them, by name
+
+        Returns:
+            [T] code of State, and [T] of each value that it hands on, by name
+
+        Raises:
+            InputError: for a parameter that the detector does not have
+        """
+        states, values, names = _core.estimates(self._trial._record, self._name, detector, list(parameters.items()))
+        return states, dict(zip(names, values.T, strict=True))
+
+    def detection(self, detector: str, parameters: dict[str, str]) -> int | None:
+        """The first sample in which a detector says gross; None: in none. Arguments and errors as estimates()."""
+        found = np.flatnonzero(self.estimates(detector, parameters)[0] == State.GROSS)
+        return int(found[0]) if found.size else None
+
+
+def spectra(signal: ArrayLike, window: int = WINDOW, hop: int = HOP) -> Doubles:
+    """Magnitudes of the spectra of windows of a signal, as the nib pad's slip detection takes them (detectors/nib/features.h).
+
+    Each window less its straight line of least squares, times Hamming's window of that period; nothing is divided by.
+
+    Args:
+        signal: [T] samples
+        window: samples of a window
+        hop: samples from one window to the next
+
+    Returns:
+        [windows, window/2 + 1] in the signal's unit
+    """
+    values = np.asarray(signal, dtype=float)
+    if len(values) < window:
+        return np.empty((0, window // 2 + 1))
+    parts = np.lib.stride_tricks.sliding_window_view(values, window)[::hop]
+    n = np.arange(window)
+    about = n - n.mean()
+    mean = parts.mean(axis=1, keepdims=True)
+    slope = ((parts - mean) @ about / (about @ about))[:, None]
+    hamming = 0.54 - 0.46 * np.cos(2.0 * np.pi * n / window)
+    return np.abs(np.fft.rfft(hamming * (parts - mean - slope * about)))
+
+
+@dataclass(frozen=True)
+class Signature:
+    """Energy of the difference of FL in the windows that lie within one slip.
+
+    Attributes:
+        wavy: whether the plate has waves
+        share: of the energy above 0 Hz that is below 8 Hz
+        time: s, that the slip takes
+        below: counts rms below 8 Hz
+        above: counts rms above 8 Hz
+    """
+
+    wavy: bool
+    share: float
+    time: float
+    below: float
+    above: float
+
+
+def signature_of(trace: Trace, start: float, wavy: bool) -> Signature | None:
+    """The energy from when the lever has gone 0.3 mm beyond where it was when the detector began to count, to 10 mm.
+
+    White noise of variance v has v sum w^2 in every bin, sum w^2 = (0.54^2 + 0.46^2/2) N; there are N/2 bins.
+
+    Args:
+        trace: of the trial
+        start: s, when the detector begins to count
+        wavy: whether the plate has waves
+
+    Returns:
+        None where the slip is shorter than a window, or the pad does not slip
+    """
+    begun = trace.at(start)
+    first = trace.moved(begun, SLIP_BEGINS)
+    if first is None:
+        return None
+    ended = trace.moved(begun, SLIP_ENDS)
+    last = len(trace.time) if ended is None else ended
+    if last - first < WINDOW:
+        return None
+    energy = spectra(trace.linear[first:last])[:, 1:] ** 2
+    slow = np.arange(1, energy.shape[1] + 1) * trace.rate / WINDOW <= SLOW
+    below, above = float(energy[:, slow].sum()), float(energy[:, ~slow].sum())
+    scale = 2.0 / (0.3974 * WINDOW**2 * len(energy))
+    return Signature(wavy, below / (below + above), (last - first) / trace.rate, float(np.sqrt(scale * below)), float(np.sqrt(scale * above)))
+
+
+def has_waves(params: dict[str, Any]) -> bool:
+    """Whether the plate of a trial with these swept parameters has waves: the effect `texture`."""
+    return any("texture" in effect for effect in params["effects"])
+
+
+PATCHES, RATE = r"\{patchy_friction: \{[^}]*\}\},?\s*", r",?\s*\{viscous_friction: \{[^}]*\}\}"
+
+
+def _patches(sd: str) -> Callable[[str], str]:
+    return lambda text: re.sub(r"(patchy_friction: \{sd: )[\d.]+", rf"\g<1>{sd}", text)
+
+
+def _no_patches(text: str) -> str:
+    return re.sub(PATCHES, "", text)
+
+
+def _no_rate(text: str) -> str:
+    return re.sub(RATE, "", text)
+
+
+def _lean(text: str) -> str:
+    return re.sub(r"(\{viscous_friction: \{[^}]*\}\})\]", r"\1, lean]", text)
+
+
+def _kinetic(text: str) -> str:
+    """Coulomb's law, mu_k 0.9 mu_s."""
+    return re.sub(r"static: ([\d.]+), kinetic: [\d.]+", lambda found: f"static: {found[1]}, kinetic: {0.9 * float(found[1])!r}", text)
+
+
+@dataclass(frozen=True)
+class Law:
+    """A change of the scene's friction, of which everything else stays.
+
+    Attributes:
+        text: in tables
+        change: of the scene's text; None: none
+    """
+
+    text: str
+    change: Callable[[str], str] | None
+
+
+LAWS = {  # by the names of the figures; the scene's own law first
+    "scene": Law("as in the scene: rate law, patches 0.3", None),
+    "lean": Law("as in the scene, nibs that lean", _lean),
+    "patches_0.2": Law("patches 0.2", _patches("0.2")),
+    "patches_0.1": Law("patches 0.1", _patches("0.1")),
+    "no_patches": Law("no patches", _no_patches),
+    "no_rate": Law("no rate law", _no_rate),
+    "coulomb": Law("Coulomb, mu_k 0.9 mu_s, no patches", lambda text: _kinetic(_no_rate(_no_patches(text)))),
+    "coulomb_patches": Law("Coulomb, mu_k 0.9 mu_s, patches 0.3", lambda text: _kinetic(_no_rate(text))),
+}

@@ -1,0 +1,358 @@
+"""Table I of the nib pad's paper: forces and moments out of the 36 capacitances, under uniform and under partial loads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import linalg
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import PolynomialFeatures, StandardScaler
+
+from slipbench import RandomStream, Trial, describe, parse_quantity
+from slipbench_studies.grid import Cell, run_grid
+from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
+
+Doubles = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+FIT, CHOOSE, TEST = 3000, 1000, 1000  # rows; the paper: 4000 train, 1000 test
+SCENES = {"uniform": "scenes/nib_pad/calibrate_uniform.yaml", "end face": "scenes/nib_pad/calibrate_end_face.yaml",
+          "lying": "scenes/nib_pad/calibrate_lying.yaml"}
+CASES = {"uniform": ["uniform"], "uniform + end face": ["uniform", "end face"], "uniform + lying": ["uniform", "lying"],
+         "uniform + both": ["uniform", "end face", "lying"]}  # which loads are learnt and tested, in equal parts
+AVERAGED = 5  # images that si is averaged over, and the reference with it
+RIDGES = [10.0**k for k in range(-8, 1)]
+COMPONENTS = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
+HEAD = ["", "Fx, N", "Fy, N", "Fz, N", "Mx, mNm", "My, mNm", "Mz, mNm"]
+UNITS = np.array([1.0, 1.0, 1.0, 1e3, 1e3, 1e3])  # of the tables: N and mN m
+DIGITS = [2, 2, 2, 1, 1, 1]
+PUBLISHED = {"paper: uniform": [0.12, 0.11, 0.56, 3.0, 3.1, 1.3], "paper: uniform + partial": [0.15, 0.12, 1.2, 5.1, 6.7, 1.5]}
+
+
+@dataclass(frozen=True)
+class Variant:
+    """What is changed of the recordings, one thing at a time.
+
+    Attributes:
+        overrides: of the scenes
+        averaged: whether the reference is averaged as si is
+        apart: so many times as many recordings, of which every so manieth image is kept
+    """
+
+    overrides: dict[str, str] = field(default_factory=dict)
+    averaged: bool = True
+    apart: int = 1
+
+
+LINEAR, LEAN = {"sensors.pad.capacitor": "linear"}, {"effects": "[lean]"}
+VARIANTS = {  # the scenes as they are first
+    "as it is": Variant(),
+    "linear capacitor": Variant(LINEAR),
+    "no noise": Variant({"sensors.pad.electronics": "ideal"}),
+    "nibs of one height": Variant({"sensors.pad.height_sd": "0 mm"}),
+    "all read at one instant": Variant({"sensors.pad.scan": "simultaneous"}),
+    "k_tangential 0.4 N/mm": Variant({"sensors.pad.k_tangential": "0.4 N/mm"}),
+    "reference not averaged": Variant(averaged=False),
+    "nibs that lean (P-delta)": Variant(LEAN),
+    "as it is, images 0.3 s apart": Variant(apart=10),
+    "linear capacitor, images 0.3 s apart": Variant(LINEAR, apart=10),
+    "nibs that lean (P-delta), images 0.3 s apart": Variant(LEAN, apart=10),
+}
+# How the rows of the main table are split: variant, and whether rows are drawn in order of time.
+SPLITS = {"random split": ("as it is", False), "chronological split": ("as it is", True), "images 0.3 s apart": ("as it is, images 0.3 s apart", False)}
+
+
+def wrench_on_pad(tips: ArrayLike, force: ArrayLike, displacement: ArrayLike) -> Doubles:
+    """What the object does to the pad, in its frame P and about its origin; compression is positive.
+
+    Args:
+        tips: [N, 3] m, of the units without load
+        force: [..., N, 3] N
+        displacement: [..., N, 3] m
+
+    Returns:
+        [..., 6] Fx, Fy, Fz [N], Mx, My, Mz [N m]
+    """
+    forces = np.asarray(force, dtype=float)
+    places = np.asarray(tips, dtype=float) + np.asarray(displacement, dtype=float)
+    return np.concatenate([forces.sum(axis=-2), np.cross(places, forces).sum(axis=-2)], axis=-1)
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A calibration: n images from the motion's start on.
+
+    Attributes:
+        si: [n, 36] counts above the mean of the images before
+        wrench: [n, 6] at the instant at which the image is complete
+        averaged: [n, 6] mean over the last AVERAGED images of these
+    """
+
+    si: Doubles
+    wrench: Doubles
+    averaged: Doubles
+
+
+def joined(recordings: Iterable[Recording]) -> Recording:
+    """Recordings one after the other."""
+    parts = list(recordings)
+    return Recording(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("si", "wrench", "averaged")))
+
+
+def running_mean(rows: Doubles, count: int) -> Doubles:
+    """The mean of each row [n, ...] and of those before it, `count` in all, or as many as there are."""
+    sums = np.cumsum(np.concatenate([np.zeros((1, *rows.shape[1:])), rows]), axis=0)
+    n = np.arange(1, len(rows) + 1)
+    first = np.maximum(n - count, 0)
+    return np.asarray((sums[n] - sums[first]) / (n - first)[:, None])
+
+
+def recording_of(trial: Trial, start: float, every: int = 1) -> Recording:
+    """A trial of a calibration scene as a recording.
+
+    Args:
+        trial: recorded with record="contact"
+        start: s, when the motion starts
+        every: keeps every so manieth image
+
+    Returns:
+        its images from `start` on
+    """
+    sensor, contact = trial.sensors["pad"], trial.contacts["pad"]
+    si = sensor.channels["si"].reshape(-1, 36).astype(float)
+    complete = np.arange(1, len(si) + 1) * (len(sensor.time) // len(si)) - 1  # samples with which an image is complete
+    tips = np.column_stack([sensor.labels.unit_positions, sensor.labels.unit_heights])
+    wrench = wrench_on_pad(tips, contact.force[complete], contact.displacement[complete])
+    untouched = int(np.searchsorted(sensor.time[complete], start))
+    kept = slice(untouched, None, every)
+    return Recording((si - si[:untouched].mean(axis=0))[kept], wrench[kept], running_mean(wrench, AVERAGED)[kept])
+
+
+@dataclass(frozen=True)
+class Split:
+    """Numbers of the rows of a recording that are learnt from, that choose the ridge, and that judge."""
+
+    fit: Rows
+    choose: Rows
+    test: Rows
+
+
+def _draw(rows: Rows, count: int, stream: RandomStream) -> Rows:
+    """The first `count` of the rows, shuffled."""
+    if len(rows) < count:
+        raise ValueError(f"split_rows: {len(rows)} rows; needed: {count}")
+    left = rows.tolist()
+    for i in range(count):
+        j = i + stream.integer(len(left) - i)
+        left[i], left[j] = left[j], left[i]
+    return np.array(left[:count], dtype=np.int64)
+
+
+def split_rows(rows: int, fit: int, choose: int, test: int, in_time: bool, stream: RandomStream) -> Split:
+    """Draws rows of a recording, none twice.
+
+    Args:
+        rows: how many there are
+        fit: how many are learnt from
+        choose: how many choose the ridge
+        test: how many judge
+        in_time: the last fifth judges, of the rest the last quarter chooses; else all are drawn from among all, so that neighbours of a test row may
+            be learnt from
+        stream: of the draws
+
+    Returns:
+        the three parts
+
+    Raises:
+        ValueError: for too few rows
+    """
+    everything = np.arange(rows)
+    if in_time:
+        judged = rows - rows // 5
+        chosen = judged - judged // 4
+        return Split(_draw(everything[:chosen], fit, stream), _draw(everything[chosen:judged], choose, stream), _draw(everything[judged:], test, stream))
+    return Split(*np.split(_draw(everything, fit + choose + test, stream), [fit, fit + choose]))
+
+
+def split_of(sizes: Sequence[int], in_time: bool, stream: RandomStream) -> Split:
+    """The rows of several loads, in equal parts, as those of one recording.
+
+    Args:
+        sizes: rows of each load
+        in_time: as split_rows()
+        stream: of the draws
+
+    Returns:
+        numbers of rows of the loads one after the other
+
+    Raises:
+        ValueError: for too few rows of a load
+    """
+    parts = len(sizes)
+    splits = [split_rows(rows, FIT // parts, CHOOSE // parts, TEST // parts, in_time, stream) for rows in sizes]
+    firsts = np.concatenate([[0], np.cumsum(sizes)])
+    return Split(*(np.concatenate([first + getattr(one, name) for first, one in zip(firsts, splits, strict=False)]) for name in ("fit", "choose", "test")))
+
+
+class QuadraticFit:
+    """y = b + sum a_i x_i + sum_{i<=j} a_ij x_i x_j of every component, by least squares with a ridge.
+
+    Columns are scaled to mean 0 and standard deviation 1 first, b is not held back. With 36 inputs it has 703 coefficients a component, which 3,000
+    rows hardly fix: the ridge is the one of RIDGES that is best on rows that were not learnt from; then all are.
+
+    Args:
+        x: [n, inputs]
+        y: [n, components]
+        fit: numbers of the rows to learn from
+        choose: numbers of those that choose the ridge
+
+    Attributes:
+        ridge: [components] the chosen one of each, over the number of rows
+    """
+
+    def __init__(self, x: Doubles, y: Doubles, fit: Rows, choose: Rows) -> None:
+        errors = []
+        solved = self._learn(x[fit], y[fit])
+        terms = self._columns.transform(x[choose])
+        for ridge in RIDGES:
+            errors.append((((terms @ solved(ridge) + self._mean) - y[choose]) ** 2).sum(axis=0))
+        best = np.argmin(errors, axis=0)
+        self.ridge = [RIDGES[k] for k in best]
+        both = np.concatenate([fit, choose])
+        solved = self._learn(x[both], y[both])
+        self._coefficients = np.empty((len(solved(1.0)), y.shape[1]))
+        for k in np.unique(best):
+            self._coefficients[:, best == k] = solved(RIDGES[k])[:, best == k]
+
+    def _learn(self, x: Doubles, y: Doubles) -> Any:
+        """Scales the columns of these rows; returns the function from a ridge to the coefficients [columns, components]."""
+        self._columns = make_pipeline(StandardScaler(), PolynomialFeatures(2, include_bias=False), StandardScaler())
+        terms = self._columns.fit_transform(x)
+        self._mean = y.mean(axis=0)
+        gram, right = terms.T @ terms / len(x), terms.T @ (y - self._mean) / len(x)
+        return lambda ridge: linalg.solve(gram + ridge * np.eye(len(gram)), right, assume_a="pos")
+
+    def predict(self, x: Doubles) -> Doubles:
+        """[n, components] of the inputs [n, inputs]."""
+        return np.asarray(self._columns.transform(x) @ self._coefficients + self._mean)
+
+
+def rms(error: Doubles) -> Doubles:
+    """Root mean square over the rows."""
+    return np.asarray(np.sqrt((error**2).mean(axis=0)))
+
+
+def error_of(loads: Sequence[Recording], in_time: bool, seed: int) -> Doubles:
+    """RMS error [6] of a fit to loads, in equal parts, on its test rows."""
+    data = joined(loads)
+    split = split_of([len(load.si) for load in loads], in_time, RandomStream(seed, 0, "nib_table1.split"))
+    fit = QuadraticFit(data.si, data.averaged, split.fit, split.choose)
+    return rms(fit.predict(data.si[split.test]) - data.averaged[split.test])
+
+
+def transfer(recordings: dict[str, Recording], seed: int) -> dict[str, tuple[Doubles, Doubles]]:
+    """A fit of uniform loads, asked about each kind of load: RMS error and mean error, [6] each."""
+    uniform = recordings["uniform"]
+    split = split_of([len(uniform.si)], False, RandomStream(seed, 0, "nib_table1.split"))
+    fit = QuadraticFit(uniform.si, uniform.averaged, split.fit, split.choose)
+    found = {}
+    for name, asked in recordings.items():
+        rows = split.test if name == "uniform" else slice(None)
+        error = fit.predict(asked.si[rows]) - asked.averaged[rows]
+        found[name] = (rms(error), error.mean(axis=0))
+    return found
+
+
+def _row(name: str, values: Iterable[float]) -> list[str]:
+    """Of values in the table's units."""
+    return [name, *(f"{value:.{digits}f}" for value, digits in zip(values, DIGITS, strict=True))]
+
+
+def _figures(values: Iterable[float]) -> dict[str, Any]:
+    return dict(zip(COMPONENTS, values, strict=True))
+
+
+def record_loads(options: Options) -> dict[str, dict[str, Recording]]:
+    """The recordings of each variant and load. Raises InputError and KeyboardInterrupt as run_grid()."""
+    start = next(parse_quantity(one["default"]) for one in describe("wander")[0]["parameters"] if one["name"] == "start")
+    places, cells = [], []
+    for variant, changes in VARIANTS.items():
+        for load, scene in SCENES.items():
+            cell = Cell(variant, scene, changes.overrides)
+            cells.append(replace(cell, draws=changes.apart * cell.load().trials()))
+            places.append((variant, load))
+    found = run_grid(cells, options, lambda cell, trial: recording_of(trial, start, VARIANTS[cell.name].apart), record="contact")
+    recordings: dict[str, dict[str, Recording]] = {variant: {} for variant in VARIANTS}
+    for (variant, load), parts in zip(places, found, strict=True):
+        recording = joined(parts)
+        recordings[variant][load] = recording if VARIANTS[variant].averaged else replace(recording, averaged=recording.wrench)
+    return recordings
+
+
+def study(options: Options) -> Result:
+    """nib-reconfigurable/table1.
+
+    Args:
+        options: seed, jobs
+
+    Returns:
+        errors of the fits, of a fit of uniform loads asked about others, and what decides them
+    """
+    seed = options.draws_seed
+    recordings = record_loads(options)
+    options.say("fits")
+    figures: dict[str, Any] = {"rms": {}, "of_uniform": {}, "loads": {}, "causes": {}}
+
+    main = Table("RMS error of a second-order polynomial of the 36 capacitances", HEAD, [_row(name, values) for name, values in PUBLISHED.items()],
+                 "Random: test rows are drawn from among the others, so that their neighbours, 30 ms away and sharing four of the five images of the mean, "
+                 "may have taught. Chronological: the last fifth of each load tests, for a cylinder the last two of its ten places. 0.3 s apart: ten times as "
+                 "long a calibration of which every tenth image is kept, so that no test row has such a neighbour; random split.")
+    for how, (variant, in_time) in SPLITS.items():
+        figures["rms"][how] = {}
+        for case, loads in CASES.items():
+            error = UNITS * error_of([recordings[variant][load] for load in loads], in_time, seed)
+            main.rows.append(_row(f"{case}, {how}", error))
+            figures["rms"][how][case] = _figures(error)
+
+    asked = Table("A fit of uniform loads alone, asked about others: RMS error, and mean error of Fz", [*HEAD, "Fz too high by, N"])
+    for load, (error, bias) in transfer(recordings["as it is"], seed).items():
+        asked.rows.append([*_row(load, UNITS * error), f"{bias[2]:.2f}"])
+        figures["of_uniform"][load] = {**_figures(UNITS * error), "Fz_bias": bias[2]}
+
+    ranges = Table("Loads of the recordings: 1st and 99th percentile", HEAD, [["paper, range", "+-3.5", "+-3.5", "0 to 15", "+-50", "+-50", "+-50"]])
+    for load, recording in recordings["as it is"].items():
+        ends = np.quantile(UNITS * recording.wrench, [0.01, 0.99], axis=0).T
+        ranges.rows.append([load, *(f"{low:.{digits}f} to {high:.{digits}f}" for (low, high), digits in zip(ends, [1, 1, 1, 0, 0, 0], strict=True))])
+        figures["loads"][load] = _figures(ends.tolist())
+
+    causes = Table("What decides it: one thing changed at a time, random split, RMS error of Fz in N and of Mx and My in mNm",
+                   ["", "Fz: uniform", "+ end face", "+ lying", "Mx: uniform", "+ end face", "+ lying", "My: uniform", "+ end face", "+ lying"])
+    for variant, of_variant in recordings.items():
+        errors = {case: UNITS * error_of([of_variant[load] for load in CASES[case]], False, seed) for case in list(CASES)[:3]}
+        causes.rows.append([variant, *(f"{error[k]:.{DIGITS[k]}f}" for k in (2, 3, 4) for error in errors.values())])
+        figures["causes"][variant] = {case: _figures(error) for case, error in errors.items()}
+
+    first = figures["rms"]["random split"]["uniform"]
+    fz = [(value, value, value) for value in (of["uniform"]["Fz"] for of in figures["causes"].values())]
+    lying = [(value, value, value) for value in (of["uniform + lying"]["Fz"] for of in figures["causes"].values())]
+    return Result(
+        title="Calibration of the nib pad",
+        source='Table I and section IV-A of "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation", IEEE RA-L 2020',
+        figures=figures,
+        setup=[
+            f"Data: {SCENES['uniform']}, {SCENES['end face']} and {SCENES['lying']} afresh, seed {seed}: 5,000 images of si or more each, electronics typical.",
+            f"Fit: 703 coefficients a component on {FIT} rows, ridge chosen on {CHOOSE} others of the training part out of nine powers of ten, then both "
+            f"teach; {TEST} rows test. Several loads share these numbers in equal parts. The paper has 4000 and 1000, and does not say how it kept 703 "
+            "coefficients in check.",
+            "Reference: the true forces on all nibs and their moments about the pad's origin, through the same mean of five images as si.",
+        ],
+        charts=[Chart("What decides the error of Fz", "", "RMS error of Fz, N", list(VARIANTS),
+                      [Curve("uniform", fz), Curve("uniform + lying", lying)], joined=False)],
+        tables=[main, asked, ranges, causes],
+        real=[RealFigure(f"calibrated {name}, rms error, {'N' if k < 3 else 'N mm'}", PUBLISHED["paper: uniform"][k], first[name],
+                         "electronics assumed; random split of one recording") for k, name in enumerate(COMPONENTS)],
+    )

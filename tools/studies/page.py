@@ -1,0 +1,149 @@
+"""A result as an HTML page that needs no other file, and its charts as PNG and SVG."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from slipbench import InputError
+from slipbench.bin import _core
+from slipbench_studies.result import Chart, Result, Table, result_object
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+GENERATOR = "slipbench reproduce"
+COLOURS = ("#1f66ad", "#c2450f", "#0a7d66", "#8a4fa3", "#a87400", "#59636e", "#2396b8", "#b0396b")  # of theme.css, light
+SIZE = (7.6, 3.3)  # inches
+FORMATS = {"svg": {"Creator": GENERATOR, "Date": None}, "png": {"Software": GENERATOR}}  # metadata, by which a chart is known again
+
+
+def draw(chart: Chart) -> Figure:
+    """The chart as a figure of matplotlib.
+
+    Args:
+        chart: what to draw
+
+    Returns:
+        a figure; no window shows it
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(SIZE, layout="constrained")
+    axes = figure.subplots()
+    apart = 0.0 if chart.joined else 0.12  # so that intervals of several curves do not hide each other
+    for k, curve in enumerate(chart.curves):
+        value, low, high = np.array(curve.points, dtype=float).T
+        place = np.arange(len(value)) + apart * (k - 0.5 * (len(chart.curves) - 1))
+        axes.errorbar(place, value, np.abs([value - low, high - value]), fmt="o-" if chart.joined else "o", capsize=2, markersize=4, linewidth=1.4,
+                      color=COLOURS[k % len(COLOURS)], label=curve.name)
+    if chart.bar is not None:
+        axes.axhline(chart.bar, color="#8b949e", linestyle="--", linewidth=1, label=chart.bar_name)
+    crowded = sum(map(len, chart.places)) > 60
+    axes.set_xticks(range(len(chart.places)), chart.places, rotation=30 if crowded else 0, ha="right" if crowded else "center")
+    axes.set_xlabel(chart.across)
+    axes.set_ylabel(chart.up)
+    axes.grid(axis="y", color="#e9ecef")
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    return figure
+
+
+def drawn(chart: Chart, format_name: str) -> bytes:
+    """The chart as a file, the same bytes each time.
+
+    Args:
+        chart: what to draw
+        format_name: "png" or "svg"
+
+    Returns:
+        what the file holds
+    """
+    import matplotlib
+
+    file = io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": GENERATOR, "svg.fonttype": "none"}):
+        draw(chart).savefig(file, format=format_name, dpi=150, metadata=FORMATS[format_name])
+    return file.getvalue()
+
+
+def _row(cells: Iterable[str], tag: str) -> str:
+    return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>\n"
+
+
+def _section(title: str, note: str, content: str) -> str:
+    said = f'<p class="note">{html.escape(note)}</p>\n' if note else ""
+    return f"<section><h2>{html.escape(title)}</h2>\n{said}{content}</section>\n"
+
+
+def _table(table: Table) -> str:
+    return (f'<div class="scroll"><table class="plain">\n<thead>{_row(table.head, "th")}</thead>\n<tbody>\n'
+            + "".join(_row(row, "td") for row in table.rows) + "</tbody></table></div>\n")
+
+
+def _list(items: Iterable[str]) -> str:
+    return '<ul class="plain">\n' + "".join(f"<li>{html.escape(item)}</li>\n" for item in items) + "</ul>\n"
+
+
+def result_page(name: str, result: Result) -> str:
+    """One HTML page that loads nothing.
+
+    Args:
+        name: PAPER/TABLE
+        result: of that study
+
+    Returns:
+        the page
+    """
+    body = (f'<header class="plain"><p class="eyebrow">{GENERATOR} {html.escape(name)}</p>\n<h1>{html.escape(result.title)}</h1>\n'
+            f'<p class="note">{html.escape(result.source)}</p>\n</header>\n')
+    for chart in result.charts:
+        picture = base64.b64encode(drawn(chart, "svg")).decode()
+        body += _section(chart.title, "", f'<div class="scroll"><img alt="{html.escape(chart.title)}" src="data:image/svg+xml;base64,{picture}"></div>\n')
+    body += "".join(_section(table.title, table.note, _table(table)) for table in result.tables)
+    if result.remarks:
+        body += _section("What differs, and why", "", _list(result.remarks))
+    if result.setup:
+        body += _section("How it was measured", "", _list(result.setup))
+    return _core.compose_page(GENERATOR, f"{name} · {GENERATOR}", body)
+
+
+def chart_paths(output: str, count: int) -> list[Path]:
+    """The files of the charts of FILE.html: FILE-1.svg, FILE-1.png, FILE-2.svg, ..."""
+    page = Path(output)
+    return [page.with_name(f"{page.stem}-{k + 1}.{name}") for k in range(count) for name in FORMATS]
+
+
+def write(output: str, name: str, result: Result) -> list[str]:
+    """Writes the page, the object of result_object() beside it and each chart as SVG and PNG. Earlier files of this command are replaced.
+
+    Args:
+        output: FILE.html
+        name: PAPER/TABLE
+        result: of that study
+
+    Returns:
+        the names of the files
+
+    Raises:
+        InputError: where a file cannot be written, or holds something else
+    """
+    paths = chart_paths(output, len(result.charts))
+    for path in paths:
+        if path.exists() and GENERATOR.encode() not in path.read_bytes()[:4096]:
+            raise InputError(f"{path}: holds something else than a chart of {GENERATOR}; allowed: another -o")
+    files: list[str] = _core.write_result(output, result_page(name, result), json.dumps(result_object(name, result)))
+    for path in paths:
+        try:
+            path.write_bytes(drawn(result.charts[int(path.stem.rsplit("-", 1)[1]) - 1], path.suffix[1:]))
+        except OSError as error:
+            raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+        files.append(str(path))
+    return files

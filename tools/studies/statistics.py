@@ -1,0 +1,164 @@
+"""Intervals and areas, with numpy and scipy. Quantiles and medians are numpy's own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import stats
+
+NORMAL_975 = 1.959963984540054  # quantile of the normal distribution
+
+
+def clopper_pearson(k: int, n: int, confidence: float = 0.95) -> tuple[float, float]:
+    """The exact two-sided interval of a share (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934).
+
+    Args:
+        k: successes
+        n: trials
+        confidence: of the interval, between 0 and 1
+
+    Returns:
+        low and high; (0, 1) where n is 0
+
+    Raises:
+        ValueError: for k > n or a confidence outside (0, 1)
+    """
+    if not 0 <= k <= n or not 0.0 < confidence < 1.0:
+        raise ValueError(f"no binomial interval of {k} of {n} with confidence {confidence}")
+    outside = 0.5 * (1.0 - confidence)
+    low = 0.0 if k == 0 else float(stats.beta.ppf(outside, k, n - k + 1))
+    high = 1.0 if k == n else float(stats.beta.ppf(1.0 - outside, k + 1, n - k))
+    return low, high
+
+
+def quantile(values: ArrayLike, p: float) -> float:
+    """The p-quantile, interpolated between the sorted values (numpy's default); NaN of no values."""
+    array = np.asarray(values, dtype=float)
+    return float(np.quantile(array, p)) if array.size else math.nan
+
+
+def median(values: ArrayLike) -> float:
+    """quantile(values, 0.5) of the values that are no NaN; NaN of none."""
+    array = np.asarray(values, dtype=float)
+    return quantile(array[~np.isnan(array)], 0.5)
+
+
+def mean_sd(values: ArrayLike) -> tuple[float, float]:
+    """Mean and standard deviation of the sample (n - 1); NaN where there are too few values."""
+    array = np.asarray(values, dtype=float)
+    return (float(array.mean()) if array.size else math.nan), (float(array.std(ddof=1)) if array.size > 1 else math.nan)
+
+
+@dataclass(frozen=True)
+class Auc:
+    """Area under the receiver operating curve.
+
+    Attributes:
+        value: share of pairs in which the positive has the larger value, ties counting half
+        interval: low and high, 95 %
+        positives: values of that class
+        negatives: values of the other
+    """
+
+    value: float
+    interval: tuple[float, float]
+    positives: int
+    negatives: int
+
+
+def _shares_below(values: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
+    """For each value the share of `others` below it, equal ones counting half."""
+    ordered = np.sort(others)
+    first, last = np.searchsorted(ordered, values, "left"), np.searchsorted(ordered, values, "right")
+    return np.asarray((first + 0.5 * (last - first)) / len(ordered))
+
+
+def _unbiased(groups: int) -> float:
+    """n/(n - 1) for the bias of a variance about its own mean; 0 of one group, which adds nothing."""
+    return 0.0 if groups < 2 else groups / (groups - 1)
+
+
+def auc(positives: ArrayLike, negatives: ArrayLike, positive_group: ArrayLike | None = None, negative_group: ArrayLike | None = None) -> Auc:
+    """The area, exact by ranks, with DeLong's interval (Biometrics 44, 1988), or Obuchowski's (Biometrics 53, 1997) of values in groups.
+
+    At 0 and at 1, where that variance vanishes, the interval is clopper_pearson's of the groups of the class that has fewer.
+
+    Args:
+        positives: [m] values of one class
+        negatives: [n] values of the other
+        positive_group: [m] number of each value's group; None: each value is a group of its own
+        negative_group: [n] the same
+
+    Returns:
+        the area with its interval
+
+    Raises:
+        ValueError: for a class without values, a NaN, or groups of another length
+    """
+    above_values, below_values = np.asarray(positives, dtype=float), np.asarray(negatives, dtype=float)
+    m, n = len(above_values), len(below_values)
+    if m == 0 or n == 0 or np.isnan(above_values).any() or np.isnan(below_values).any():
+        raise ValueError("auc: a class without values, or with a NaN")
+    group_p = np.arange(m) if positive_group is None else np.asarray(positive_group)
+    group_n = m + np.arange(n) if negative_group is None else np.asarray(negative_group)
+    if len(group_p) != m or len(group_n) != n:
+        raise ValueError("auc: as many groups as values are needed")
+    above, below = _shares_below(above_values, below_values), _shares_below(below_values, above_values)
+    value = float(above.mean())
+    groups = np.unique(np.concatenate([group_p, group_n]))
+    of_p = np.bincount(np.searchsorted(groups, group_p), above - value, len(groups))
+    of_n = np.bincount(np.searchsorted(groups, group_n), 1.0 - below - value, len(groups))
+    with_p, with_n = len(np.unique(group_p)), len(np.unique(group_n))
+    if value in (0.0, 1.0):
+        pairs = min(with_p, with_n)
+        return Auc(value, clopper_pearson(pairs if value == 1.0 else 0, pairs), m, n)
+    variance = (_unbiased(with_p) * float(of_p @ of_p) / m**2 + _unbiased(with_n) * float(of_n @ of_n) / n**2
+                + 2.0 * _unbiased(len(groups)) * float(of_p @ of_n) / (m * n))
+    reach = NORMAL_975 * math.sqrt(max(0.0, variance))
+    return Auc(value, (max(0.0, value - reach), min(1.0, value + reach)), m, n)
+
+
+def median_interval(values: ArrayLike) -> tuple[float, float]:
+    """The interval of 95 % of a median, whatever the distribution: between two order statistics; NaN of fewer than six values."""
+    ordered = np.sort(np.asarray(values, dtype=float))
+    r = 0
+    while r < len(ordered) and clopper_pearson(r, len(ordered))[1] <= 0.5:
+        r += 1
+    return (math.nan, math.nan) if r == 0 else (float(ordered[r - 1]), float(ordered[-r]))
+
+
+def bootstrap_intervals(groups: int, draws: int, seed: int,
+                        figures: Callable[[NDArray[np.int64]], Sequence[float]]) -> list[tuple[float, float]]:
+    """Intervals of 95 % by the percentile bootstrap over groups (B. Efron, Ann. Stat. 7, 1979).
+
+    Draw number d takes its groups from RandomStream(seed, d, "intervals").
+
+    Args:
+        groups: how many there are
+        draws: at least 1
+        seed: of the draws
+        figures: makes figures of the numbers [groups] of drawn groups, as many each time; NaN leaves a draw out of that figure
+
+    Returns:
+        low and high of each figure; NaN for fewer than two groups, and for a figure that is NaN in every draw
+
+    Raises:
+        ValueError: for no draws
+    """
+    from slipbench import RandomStream
+
+    if draws < 1:
+        raise ValueError("a bootstrap needs a draw")
+    rows = []
+    for draw in range(draws):
+        stream = RandomStream(seed, draw, "intervals")
+        rows.append(figures(np.array([stream.integer(groups) for _ in range(groups)], dtype=np.int64)))
+    values = np.asarray(rows, dtype=float)
+    if groups < 2:
+        return [(math.nan, math.nan)] * values.shape[1]
+    columns = [column[~np.isnan(column)] for column in values.T]
+    return [(quantile(column, 0.025), quantile(column, 0.975)) for column in columns]

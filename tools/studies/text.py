@@ -1,0 +1,66 @@
+"""A result as a person at a terminal reads it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import textwrap
+
+from slipbench_studies.result import Result, Table
+
+WIDTH = 100  # columns, where there is no terminal
+BOLD, DIM, HEADING = "1", "2", "1;36"
+
+
+def wrapped(text: str, width: int) -> str:
+    """The text broken at spaces, indented by two."""
+    return textwrap.fill(text, width, initial_indent="  ", subsequent_indent="  ", break_long_words=False, break_on_hyphens=False) + "\n"
+
+
+def table_text(table: Table, dim: str = "{}") -> str:
+    """The lines of a table, right-aligned columns but for the first.
+
+    Args:
+        table: what to show
+        dim: format of the head
+
+    Returns:
+        lines, indented by two spaces
+    """
+    rows = [table.head, *table.rows]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(table.head))]
+    lines = ["  " + "  ".join(cell.rjust(width) if column else cell.ljust(width) for column, (cell, width) in enumerate(zip(row, widths, strict=True)))
+             for row in rows]
+    return "\n".join([dim.format(lines[0].rstrip()), *(line.rstrip() for line in lines[1:])]) + "\n"
+
+
+def result_text(result: Result, colour: bool, width: int) -> str:
+    """All of a result as text.
+
+    Args:
+        result: what to show
+        colour: whether to mark it up for a terminal
+        width: columns
+
+    Returns:
+        the text, which ends in a line end
+    """
+    def marked(text: str, code: str) -> str:
+        return f"\033[{code}m{text}\033[0m" if colour else text
+
+    text = marked(result.title, BOLD) + "\n" + wrapped(result.source, width)
+    for table in result.tables:
+        text += f"\n{marked(table.title, HEADING)}\n" + table_text(table, marked("{}", DIM))
+        text += wrapped(table.note, width) if table.note else ""
+    for title, lines in (("What differs, and why", result.remarks), ("How it was measured", result.setup)):
+        if lines:
+            text += f"\n{marked(title, HEADING)}\n" + "".join(wrapped(line, width) for line in lines)
+    return text
+
+
+def show(result: Result) -> None:
+    """Prints a result on stdout, in colour where a person watches (no-color.org)."""
+    watched = sys.stdout.isatty() and os.environ.get("TERM") != "dumb"
+    width = shutil.get_terminal_size((WIDTH, 1)).columns if watched else WIDTH
+    sys.stdout.write(result_text(result, watched and not os.environ.get("NO_COLOR"), width))
