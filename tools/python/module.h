@@ -26,5 +26,6 @@ void bind_own_parts(nanobind::module_& module);
 void bind_environments(nanobind::module_& module);
 void bind_studies(nanobind::module_& module);
 void bind_values(nanobind::module_& module);
+void bind_learning(nanobind::module_& module);
 
 }  // namespace slipbench::python

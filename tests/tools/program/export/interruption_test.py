@@ -24,9 +24,10 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 AFTER_THE_LAST = """
 import importlib, json, signal, sys
 from slipbench import open
-from slipbench._export.request import Interrupt, Interrupted, Progress, Request
+from slipbench._export.request import Progress, Request
+from slipbench._program import Interrupt, Interrupted
 request = Request(**json.loads(sys.argv[2]))
-progress = Progress(request, Interrupt())
+progress = Progress(request, Interrupt("stopping after this trial"))
 progress.update = lambda done, written: signal.raise_signal(signal.SIGINT) if done == len(request.trials) else None
 try:
     with open(request.dataset) as data:

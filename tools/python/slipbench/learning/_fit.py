@@ -1,0 +1,387 @@
+"""Gradient descent on the cross entropy of clips drawn from labelled sequences of frames."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import io
+import math
+import os
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from slipbench.bin import _core
+
+MASKED = 255  # label of a frame that neither trains nor judges
+_IGNORED = -100  # the same for PyTorch's loss
+_ANSWERS_AT_ONCE = 256  # of a network without state: what is convolved over many windows at once takes much memory
+_FRAMES_AT_ONCE = 4096
+
+Floats = NDArray[np.float32]
+Labels = NDArray[np.uint8]
+Sequences = Sequence[tuple[Floats, Labels]]
+Augment = Callable[[Tensor, torch.Generator], Tensor]
+
+
+@dataclass(frozen=True)
+class Training:
+    """How a network is trained.
+
+    Attributes:
+        steps: of gradient descent
+        batch: clips a step
+        clip: answers a clip, which has history - 1 frames more; a shorter sequence is a clip as a whole
+        learning_rate: at the first step
+        final_rate: share of the learning rate at the last step; it falls in a straight line
+        optimiser: "adam" or "rmsprop" (decay 0.99)
+        balance: "weights" (clips are drawn uniformly, and the loss of a class is weighted by the inverse of its share) or "drawing" (a class is
+            drawn, then one of its frames, then the clip's place around it)
+        label_smoothing: share of the target that all classes share alike
+        validate_every: steps; the last state is judged, too
+        patience: ends after so many validations without a better one; 0: never
+        onset_frames: of a run of frames of a class other than 0, as a slip, so many from its first on train, then each tenth; 0: all
+        augment: changes the clips [B, T, inputs] of each step, scaled; its random numbers come from the generator, so that a training can be repeated
+    """
+
+    steps: int = 1000
+    batch: int = 32
+    clip: int = 128
+    learning_rate: float = 1e-3
+    final_rate: float = 0.1
+    optimiser: Literal["adam", "rmsprop"] = "adam"
+    balance: Literal["weights", "drawing"] = "weights"
+    label_smoothing: float = 0.0
+    validate_every: int = 50
+    patience: int = 0
+    onset_frames: int = 0
+    augment: Augment | None = None
+
+
+@dataclass(frozen=True)
+class Report:
+    """A training in progress, after a validation.
+
+    Attributes:
+        step: steps done
+        steps: at most
+        loss: mean since the last report
+        validation: balanced accuracy of the state; NaN: there is nothing to validate on
+        best: whether it is the best so far
+        seconds: a step's mean time since the last report
+    """
+
+    step: int
+    steps: int
+    loss: float
+    validation: float
+    best: bool
+    seconds: float
+
+
+@dataclass
+class Fitted:
+    """What fit() has done.
+
+    Attributes:
+        losses: of every step
+        best_step: steps that made the state which is kept
+        validation: its balanced accuracy; NaN: there was nothing to validate on
+    """
+
+    losses: list[float] = field(default_factory=list)
+    best_step: int = 0
+    validation: float = math.nan
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Where a training that may be killed leaves its state, at each validation.
+
+    Attributes:
+        path: of the file
+        identity: of the data and of all that decides what is learnt
+        resume: go on from the file, if it is there; False: it must not be there
+    """
+
+    path: str
+    identity: str
+    resume: bool = False
+
+
+def tensor_of(array: NDArray[Any]) -> Tensor:
+    """A numpy array as a tensor, without a copy where it can be written to. Unlike torch.from_numpy it takes any pair of versions."""
+    if not array.flags.writeable or not array.flags.c_contiguous:
+        array = np.array(array)
+    tensor: Tensor = torch.from_dlpack(array)  # type: ignore[attr-defined]
+    return tensor
+
+
+def array_of(tensor: Tensor) -> NDArray[Any]:
+    """A tensor as a numpy array. Unlike Tensor.numpy() it takes any pair of versions."""
+    return np.from_dlpack(tensor.detach().contiguous())  # type: ignore[arg-type]
+
+
+def history_of(network: nn.Module) -> int:
+    """Frames that an answer of a network is made of: its attribute `history`, else 1."""
+    return int(getattr(network, "history", 1))
+
+
+@contextmanager
+def reproducible(seed: int) -> Iterator[None]:
+    """One thread and PyTorch's generator at `seed`, as it was before afterwards: the order of sums, and so the weights, are then the same everywhere."""
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(seed)
+            yield
+    finally:
+        torch.set_num_threads(threads)
+
+
+def answers(network: nn.Module, features: Floats) -> Floats:
+    """Logits of a sequence.
+
+    Args:
+        network: left in evaluation mode
+        features: [T, inputs], scaled
+
+    Returns:
+        [T - history + 1, classes]
+    """
+    network.eval()
+    with torch.no_grad():
+        logits: Floats = array_of(_answers(network, tensor_of(features)[None])[0])
+    return logits
+
+
+def _answers(network: nn.Module, frames: Tensor) -> Tensor:
+    """[N, T, inputs] to [N, T - history + 1, classes]; windows of a network without state go through in parts."""
+    before = history_of(network) - 1
+    if before == 0:
+        return logits_of(network(frames))
+    count = frames.shape[1] - before
+    parts = [logits_of(network(frames[:, first : min(first + _ANSWERS_AT_ONCE, count) + before])) for first in range(0, count, _ANSWERS_AT_ONCE)]
+    return torch.cat(parts, 1)
+
+
+def logits_of(answer: Any) -> Tensor:
+    """What a network returns, without its state."""
+    logits: Tensor = answer[0] if isinstance(answer, tuple) else answer
+    return logits
+
+
+def balanced_accuracy(called: Sequence[Labels], labels: Sequence[Labels]) -> float:
+    """Mean of the recalls of the classes that occur.
+
+    Args:
+        called: class that each frame is called, a sequence each
+        labels: true class of each frame, or MASKED
+
+    Returns:
+        0 to 1; NaN without a frame.
+    """
+    truth = np.concatenate(list(labels)) if len(labels) else np.zeros(0, np.uint8)
+    said = np.concatenate(list(called)) if len(called) else truth
+    recalls = [float(np.mean(said[truth == one] == one)) for one in np.unique(truth[truth != MASKED])]
+    return float(np.mean(recalls)) if recalls else math.nan
+
+
+def _validate(network: nn.Module, sequences: Sequences) -> float:
+    """Balanced accuracy. Sequences of one length go through together."""
+    before = history_of(network) - 1
+    network.eval()
+    called: list[Labels] = []
+    first = 0
+    while first < len(sequences):
+        length = len(sequences[first][1])
+        last = first
+        while last < len(sequences) and len(sequences[last][1]) == length and (last - first + 1) * length <= max(_FRAMES_AT_ONCE, length):
+            last += 1
+        with torch.no_grad():
+            frames = tensor_of(np.stack([features for features, _ in sequences[first:last]]))
+            called += list(array_of(_answers(network, frames).argmax(2)).astype(np.uint8))
+        first = last
+    return balanced_accuracy(called, [labels[before:] for _, labels in sequences])
+
+
+class Clips:
+    """What clips are drawn from.
+
+    Raises:
+        InputError: a sequence is shorter than an answer's history, or a class has no frame to train on
+    """
+
+    def __init__(self, sequences: Sequences, training: Training, history: int, classes: int) -> None:
+        self._training, self._before = training, history - 1
+        lengths = np.array([len(labels) for _, labels in sequences])
+        if len(lengths) == 0 or lengths.min() <= self._before:
+            raise _core.InputError(f"a sequence of {lengths.min() if len(lengths) else 0} frames; allowed: {history} or more, of which an answer is made")
+        self._features = np.concatenate([features for features, _ in sequences])
+        trained = [_thinned(labels, training.onset_frames) for _, labels in sequences]
+        self._labels = np.concatenate(trained).astype(np.int64)
+        self._labels[self._labels == MASKED] = _IGNORED
+        self._start = np.concatenate(([0], np.cumsum(lengths)))
+        self._answers = min(training.clip, int(lengths.max()) - self._before)
+        # The frames that have an answer, by class.
+        place = np.concatenate([np.arange(length) for length in lengths])
+        self._of_class = [np.flatnonzero((self._labels == one) & (place >= self._before)) for one in range(classes)]
+        if any(len(frames) == 0 for frames in self._of_class):
+            raise _core.InputError(f"a class has no frame to train on: {[len(frames) for frames in self._of_class]}; allowed: frames of every class")
+
+    def weights(self) -> Tensor:
+        """Of each class the inverse of its share; all alike where classes are drawn."""
+        counts = np.array([len(frames) for frames in self._of_class], float)
+        if self._training.balance == "drawing":
+            return torch.ones(len(counts))
+        return tensor_of((counts.sum() / (len(counts) * counts)).astype(np.float32))
+
+    def draw(self, seed: int, step: int) -> tuple[Tensor, Tensor]:
+        """The clips of a step, whatever was drawn before: features [B, T, inputs] and classes [B, T - history + 1].
+
+        A sequence that is shorter than a clip has its last frame repeated behind it, which trains nothing.
+        """
+        random = np.random.default_rng((seed, step))
+        if self._training.balance == "drawing":
+            which = random.integers(len(self._of_class), size=self._training.batch)
+            wanted = np.array([self._of_class[one][random.integers(len(self._of_class[one]))] for one in which])
+            sequence = np.searchsorted(self._start, wanted, side="right") - 1
+            answer, latest = wanted - self._start[sequence] - self._before, self._latest(sequence)
+            end = np.minimum(answer, latest)
+            first = random.integers(np.minimum(np.maximum(answer + 1 - self._answers, 0), end), end, endpoint=True)
+        else:
+            sequence = random.integers(len(self._start) - 1, size=self._training.batch)
+            first = random.integers(self._latest(sequence), endpoint=True)
+        frames = self._start[sequence][:, None] + first[:, None] + np.arange(self._answers + self._before)
+        last = self._start[sequence + 1][:, None] - 1
+        classes = np.where(frames <= last, self._labels[np.minimum(frames, last)], _IGNORED)[:, self._before :]
+        return tensor_of(self._features[np.minimum(frames, last)]), tensor_of(classes)
+
+    def _latest(self, sequence: NDArray[np.intp]) -> NDArray[np.intp]:
+        """The last frame that a clip of each sequence can begin with."""
+        latest: NDArray[np.intp] = np.maximum(self._start[sequence + 1] - self._start[sequence] - self._before - self._answers, 0)
+        return latest
+
+
+def _thinned(labels: Labels, onset_frames: int) -> Labels:
+    """Labels of which a long run of a class other than 0 keeps its beginning and then each tenth frame."""
+    if onset_frames == 0:
+        return labels
+    begins = np.flatnonzero(np.concatenate(([True], labels[1:] != labels[:-1])))
+    run = np.arange(len(labels)) - np.repeat(begins, np.diff(np.concatenate((begins, [len(labels)])))) + 1
+    return np.where((labels > 0) & (run > onset_frames) & (run % 10 != 0), MASKED, labels).astype(np.uint8)
+
+
+def fit(network: nn.Module, train: Sequences, validate: Sequences, training: Training, *, classes: int, seed: int = 1,
+        checkpoint: Checkpoint | None = None, before_step: Callable[[], None] | None = None, report: Callable[[Report], None] | None = None) -> Fitted:
+    """Trains a network in place.
+
+    Of the states that were validated the one with the greatest balanced accuracy is kept, the earliest of equals; the last where `validate` is empty.
+    The same seed, data and machine give the same weights, also through a checkpoint.
+
+    Args:
+        network: takes clips [N, T, inputs] to logits [N, T - history + 1, classes], or returns (logits, state)
+        train: features [T, inputs], scaled, and labels [T] of each sequence
+        validate: likewise
+        training: how
+        classes: how many
+        seed: of the draws of clips; the weights are the caller's
+        checkpoint: None: nothing is left of a training that is killed
+        before_step: may raise, which ends the training with what the last validation has saved
+        report: called after every validation
+
+    Raises:
+        InputError: sequences that do not fit, a checkpoint of another training or a damaged one, and one that is not to be gone on with
+    """
+    with reproducible(seed):
+        return _fit(network, Clips(train, training, history_of(network), classes), validate, training, seed, checkpoint, before_step, report)
+
+
+def _fit(network: nn.Module, clips: Clips, validate: Sequences, training: Training, seed: int, checkpoint: Checkpoint | None,
+         before_step: Callable[[], None] | None, report: Callable[[Report], None] | None) -> Fitted:
+    done = Fitted()
+    loss_of = nn.CrossEntropyLoss(weight=clips.weights(), ignore_index=_IGNORED, label_smoothing=training.label_smoothing)
+    optimiser = (torch.optim.Adam if training.optimiser == "adam" else torch.optim.RMSprop)(network.parameters(), lr=training.learning_rate)
+    best, worse = copy.deepcopy(network.state_dict()), 0
+    if checkpoint is not None and os.path.exists(checkpoint.path):
+        best, worse = _load(checkpoint, network, optimiser, done)
+    reported, since = len(done.losses), time.monotonic()
+    while len(done.losses) < training.steps and not (0 < training.patience <= worse):
+        if before_step is not None:
+            before_step()
+        step = len(done.losses)
+        for group in optimiser.param_groups:
+            group["lr"] = training.learning_rate * (1 - (1 - training.final_rate) * step / training.steps)
+        features, labels = clips.draw(seed, step)
+        torch.manual_seed(_step_seed(seed, step))  # of layers such as dropout, so that a training goes on as it would have
+        if training.augment is not None:
+            features = training.augment(features, torch.Generator().manual_seed(_step_seed(seed, step)))
+        network.train()
+        loss = loss_of(logits_of(network(features)).flatten(0, 1), labels.flatten())
+        optimiser.zero_grad()
+        loss.backward()
+        optimiser.step()
+        done.losses.append(loss.item())
+        step += 1
+        if step % max(training.validate_every, 1) and step != training.steps:
+            continue
+        validation = _validate(network, validate) if len(validate) else math.nan
+        if not len(validate) or math.isnan(done.validation) or validation > done.validation:
+            best, worse = copy.deepcopy(network.state_dict()), 0
+            done.best_step, done.validation = step, validation
+        else:
+            worse += 1
+        if checkpoint is not None:
+            _save(checkpoint, network, optimiser, done, best, worse)
+        if report is not None:
+            ended = 0 < training.patience <= worse
+            now = time.monotonic()
+            report(Report(step, step if ended else training.steps, float(np.mean(done.losses[reported:])), validation, worse == 0,
+                          (now - since) / (step - reported)))
+            reported, since = step, now
+    network.load_state_dict(best)
+    network.eval()
+    return done
+
+
+def _step_seed(seed: int, step: int) -> int:
+    return int(np.random.SeedSequence((seed, step, 1)).generate_state(1)[0])
+
+
+def _save(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Optimizer, done: Fitted, best: dict[str, Any], worse: int) -> None:
+    """The file begins with the SHA-256 of what follows: PyTorch notices no changed bit."""
+    whole = io.BytesIO()
+    torch.save({"identity": checkpoint.identity, "network": network.state_dict(), "best": best, "optimiser": optimiser.state_dict(), "losses": done.losses,
+                "best_step": done.best_step, "validation": done.validation, "worse": worse}, whole)
+    partial = Path(checkpoint.path + ".partial")
+    with partial.open("wb") as file:
+        file.write(hashlib.sha256(whole.getvalue()).digest() + whole.getvalue())
+        file.flush()
+        os.fsync(file.fileno())
+    partial.replace(checkpoint.path)
+
+
+def _load(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Optimizer, done: Fitted) -> tuple[dict[str, Any], int]:
+    path = checkpoint.path
+    if not checkpoint.resume:
+        raise _core.InputError(f"{path}: is what a training that did not end has left; allowed: --resume, which goes on with it, or none of that file")
+    data = Path(path).read_bytes()
+    if hashlib.sha256(data[32:]).digest() != data[:32]:
+        raise _core.InputError(f"{path}: is damaged, or no checkpoint of a training; allowed: what a killed `slipbench train` left, or none of that file "
+                               "and of --resume")
+    left = torch.load(io.BytesIO(data[32:]), weights_only=True)
+    if left["identity"] != checkpoint.identity:
+        raise _core.InputError(f"{path}: is of another training (data, recipe or options); allowed: the same command, or none of --resume")
+    network.load_state_dict(left["network"])
+    optimiser.load_state_dict(left["optimiser"])
+    done.losses, done.best_step, done.validation = left["losses"], left["best_step"], left["validation"]
+    return left["best"], left["worse"]

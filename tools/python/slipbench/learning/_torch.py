@@ -1,0 +1,20 @@
+"""Imports PyTorch, or says how to get it."""
+
+import contextlib
+import io
+import sys
+import warnings
+
+try:
+    # Debian 12's PyTorch does not take numpy 2 and says so at length, once. Nothing here needs it to: arrays go in and out by DLPack.
+    with warnings.catch_warnings(), contextlib.redirect_stderr(io.StringIO()):
+        warnings.filterwarnings("ignore", message="Failed to initialize NumPy")
+        import torch as torch
+
+        torch.tensor([0.0])  # looks for numpy
+except ModuleNotFoundError as error:
+    if error.name != "torch":
+        raise
+    raise ModuleNotFoundError(
+        f"training of networks needs PyTorch, which {sys.executable} does not have; install it: pip install torch, or on Debian: apt install python3-torch "
+        "libopenblas0-serial, for a Python that sees /usr/lib/python3/dist-packages, such as build/venv of ./slipbench test", name="torch") from None

@@ -1,0 +1,298 @@
+"""A recipe trained on datasets, and written as the file of a detector that a scene can name."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import nn
+
+from slipbench.bin import _core
+from slipbench.learning._export import check_output, mean_answers, write_detector
+from slipbench.learning._fit import MASKED, Checkpoint, Floats, Labels, Report, balanced_accuracy, fit, history_of, reproducible
+from slipbench.learning._input import Example, Examples, describe_file, fit_units, read_examples
+from slipbench.learning.recipes import Recipe, find_recipe
+
+SLIPPING = ("incipient", "gross")
+
+
+@dataclass(frozen=True)
+class Trained:
+    """A trained detector.
+
+    Attributes:
+        path: of its ONNX file
+        networks: the members, in evaluation mode
+        description: what the file says of itself: input, classes, threshold, alarm, and under "trained" what it has seen and how good it is
+        validation: balanced accuracy over all classes of the trials that chose the state, 0 to 1
+        judged: figures of the trials that judge; None: none do
+        parts: numbers of trials that "learns", "validates" and "judges"
+        sensors: the scene's names of those that it was trained on
+        own_split: whether a dataset's own split says which trials judge
+        judged_from: the first dataset with trials that judge, and the part of its own split; empty: none
+    """
+
+    path: str
+    networks: list[nn.Module] = field(repr=False)
+    description: dict[str, Any] = field(repr=False)
+    validation: float
+    judged: dict[str, Any] | None
+    parts: dict[str, int]
+    sensors: list[str]
+    own_split: bool
+    judged_from: tuple[str, str]
+
+
+def scale_of(features: Sequence[Floats], scaling: str) -> tuple[Floats, Floats]:
+    """Offset and scale of frames: a feature x becomes (x - offset) scale.
+
+    Args:
+        features: [T, inputs] of each sequence
+        scaling: "standard", "common" or "range" (`Recipe`)
+
+    Returns:
+        Two arrays, [1] or [inputs]. What never changes is only shifted.
+
+    Raises:
+        InputError: another word
+    """
+    whole = np.concatenate(features).astype(np.float64)
+    if scaling == "common":
+        whole = whole.reshape(-1, 1)
+    elif scaling not in ("standard", "range"):
+        raise _core.InputError(f"scaling: {scaling!r}; allowed: standard, common, range")
+    least, greatest = whole.min(0), whole.max(0)
+    offset, spread = (least, greatest - least) if scaling == "range" else (whole.mean(0), whole.std(0))
+    return offset.astype(np.float32), np.where(greatest > least, 1 / np.where(greatest > least, spread, 1.0), 1.0).astype(np.float32)
+
+
+def alarms_per_minute(alarms: str | float) -> float:
+    """False alarms a minute, of a number or a text such as "1/min" or "10/h".
+
+    Raises:
+        InputError: another text, or a negative number
+    """
+    number, _, unit = alarms.partition("/") if isinstance(alarms, str) else (str(float(alarms)), "", "min")
+    try:
+        rate = float(number) / {"min": 1.0, "h": 60.0}[unit]
+    except (ValueError, KeyError):
+        rate = -1.0
+    if not 0 <= rate < math.inf:
+        raise _core.InputError(f"alarms: {alarms!r}; allowed: a number from 0 on and its unit, as 1/min or 10/h")
+    return rate
+
+
+def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *, output: str | os.PathLike[str], recipe: str | Recipe = "slip_gru",
+          network: nn.Module | Callable[[int, int], nn.Module] | None = None, sensor: str = "", labels: str | None = None, split: str | None = None,
+          held_out: float | None = None, every_trial: bool = False, seed: int = 1, steps: int | None = None, turned: int | None = None,
+          alarms: str | float | None = None, by_score: bool = False, resume: bool = False, log: str | os.PathLike[str] | None = None,
+          progress: Callable[[int, Report], object] | None = None, reading: Callable[[int, int], object] | None = None,
+          before_step: Callable[[], None] | None = None) -> Trained:
+    """Trains a slip detector on datasets and writes its ONNX file, which a scene, `eval` and `replay` take as it is.
+
+    A dataset's own split says which trials train, validate and judge. The state with the greatest balanced accuracy on the trials that validate is
+    kept. There the operating point is chosen, too: threshold, frames in a row that begin and end an alarm, and the least length of an alarm.
+
+    Args:
+        dataset: path of a dataset, or several
+        output: path of the file, which ends with .onnx
+        recipe: name of a recipe (`RECIPES`), or one of your own
+        network: a module of your own in place of the recipe's, or a function that makes it from the number of values a frame and of classes. It takes
+            frames [N, T, inputs] to logits [N, T - history + 1, classes], where `history` is an attribute of it, 1 if there is none. A network with
+            a state takes it as a second argument, None at first, and returns (logits, state), a tensor or a tuple of tensors.
+        sensor: the scene's name of the sensor; empty: every one that fits
+        labels: rule of the labels; None: the recipe's
+        split: "trial", "material", "object" or "speed", of data without a split of its own; None: the recipe's
+        held_out: share of these groups that judge, 0 to 0.5; None: 0.2
+        every_trial: divide all trials anew, whatever a dataset's own split says
+        seed: of weights and draws
+        steps: of training; None: the recipe's
+        turned: copies of each trial of a myrmex whose images are turned; None: the recipe's
+        alarms: false alarms that are tolerated in the trials that validate, as "1/min"; None: 1/min
+        by_score: in place of `alarms`, the operating point of the greatest score of open recordings
+        resume: go on where a killed training left OUTPUT.checkpoint-0
+        log: folder of TensorBoard logs, which needs the package tensorboard; None: none are written
+        progress: called with the number of the network and a Report, after every validation
+        reading: called with the numbers of trials read and of all
+        before_step: called before every step; may raise, which ends the training
+
+    Raises:
+        InputError: data that do not fit the recipe, a class without a frame, an output that exists and is no detector
+    """
+    paths = [os.fspath(one) for one in ([dataset] if isinstance(dataset, (str, os.PathLike)) else dataset)]
+    path = os.fspath(output)
+    if not path.endswith(".onnx"):
+        raise _core.InputError(f"output: {path}: a network is an ONNX file; allowed: a name that ends with .onnx")
+    check_output(path)
+    chosen = _recipe(recipe, network, labels, split, steps, turned)
+    if (by_score or alarms is not None) and chosen.at_most > 0:
+        raise _core.InputError(f"{'by_score' if by_score else 'alarms'}: counts what whole recordings say, and {chosen.name} draws frames of them; "
+                               "allowed: none of it")
+    tolerated = None if by_score or chosen.at_most > 0 else alarms_per_minute("1/min" if alarms is None else alarms)
+    if resume and not os.path.exists(f"{path}.checkpoint-0"):
+        raise _core.InputError(f"{path}.checkpoint-0: is not there to go on with: the training has ended, or never came to a validation; allowed: none of --resume")
+    writer = _log_writer(log)
+    if chosen.input.transform == "units":
+        chosen = replace(chosen, input=fit_units(chosen.input, paths[0], sensor))
+    share = 0.2 if held_out is None else held_out
+    examples = read_examples(paths, chosen.input, labels=chosen.labels, classes=chosen.classes, sensor=sensor, turned=chosen.turned, at_most=chosen.at_most,
+                             seed=seed, split=chosen.split, held_out=share, divide_anew=every_trial, progress=reading)
+    if not every_trial and (split is not None or held_out is not None) and any(one.own_part for one in examples.all):
+        named = paths[next(one.dataset for one in examples.all if one.own_part)]
+        raise _core.InputError(f"{named}: its own split says which trials learn and which judge; allowed: --all beside --split and --held-out, which divides "
+                               "all trials anew, or neither of them")
+    learns, validates, judges = (examples.part(part) for part in ("learns", "validates", "judges"))
+    if not learns:
+        raise _core.InputError(f"{', '.join(paths)}: the part train of its own split holds no trial; allowed: --all, which divides all trials anew")
+    offset, scale = scale_of([one.features for one in learns], chosen.scaling)
+    scaled = [[((one.features - offset) * scale, one.labels) for one in part] for part in (learns, validates, judges)]
+
+    members, fitted_steps = [], []
+    for member in range(chosen.members):
+        with reproducible(seed + member):
+            module = chosen.network(examples.inputs, len(examples.classes))
+        if member == 0:
+            for part, name in ((learns, "to learn from"), (validates, "that choose the state")):
+                _check_classes(paths, name, part, examples.classes, history_of(module))
+            _check_module(module, examples.inputs, len(examples.classes))
+        checkpoint = Checkpoint(f"{path}.checkpoint-{member}", _identity(chosen, module, examples, sensor, every_trial, share, seed, member), resume)
+
+        def report(now: Report, member: int = member) -> None:
+            if writer is not None:
+                writer.add_scalar(f"loss/{member}", now.loss, now.step)
+                writer.add_scalar(f"validation/{member}", now.validation, now.step)
+            if progress is not None:
+                progress(member, now)
+
+        done = fit(module, scaled[0], scaled[1], chosen.training, classes=len(examples.classes), seed=seed + member, checkpoint=checkpoint,
+                   before_step=before_step, report=report)
+        members.append(module)
+        fitted_steps.append(done.best_step)
+    if writer is not None:
+        writer.close()
+
+    before = history_of(members[0]) - 1
+    said = [[_probabilities(members, features) for features, _ in part] for part in scaled[1:]]
+    truth = [[labels[before:] for _, labels in part] for part in scaled[1:]]
+    accuracy = [balanced_accuracy([one.argmax(1).astype(np.uint8) for one in part], of) for part, of in zip(said, truth)]
+    slip = np.array([state in SLIPPING for _, state in examples.classes])
+    series = [[_series(one, labels, slip) for one, labels in zip(part, of)] for part, of in zip(said, truth)]
+    choice = "accuracy" if chosen.at_most > 0 else "score" if by_score else "alarms"
+    point = _core.best_point(series[0], chosen.input.period, choice, tolerated or 0.0)
+    alarm = {key: point[key] for key in ("on", "off", "least")}
+    counts = _core.counts_at(series[1], chosen.input.period, point["threshold"], **alarm) if judges else None
+
+    trained = {
+        "recipe": chosen.name, "labels": chosen.labels, "command": examples.command, "data_sha256": examples.sha256, "sensor": sensor, "split": chosen.split,
+        "held_out": share, "seed": seed, "alarms_asked_per_minute": tolerated, "by_score": by_score, "trials_learnt": _trials(learns),
+        "trials_validated": _trials(validates), "trials_judged": _trials(judges),
+        "sha256_seen": sorted({one.sha256 for one in learns + validates} - {""}), "frames": sum(len(one.labels) for one in learns),
+        "parameters": sum(one.numel() for one in members[0].parameters()), "steps": fitted_steps,
+        "validation": {"balanced_accuracy": accuracy[0], "alarms_per_minute": _or_none(point["alarms_per_minute"])},
+        "libraries": f"torch {torch.__version__}"}
+    own_split = any(one.own_part for one in examples.all) and not every_trial
+    if own_split:
+        trained["dataset_split"] = True
+    if counts is not None:
+        trained["judged"] = {
+            "balanced_accuracy": _or_none(counts["balanced_accuracy"]), "f1": _or_none(counts["f1"]),
+            **{key: counts[key] for key in ("slip_called_slip", "slip_called_hold", "hold_called_slip", "hold_called_hold")},
+            "alarms_per_minute": _or_none(counts["alarms_per_minute"]), "all_classes_balanced_accuracy": _or_none(accuracy[1])}
+    description = describe_file(chosen.input, examples.classes, threshold=point["threshold"], alarm=alarm, trained=trained)
+    description["input"] |= {"offset": offset.tolist(), "scale": scale.tolist()}
+    write_detector(path, members, examples.inputs, description, scaled[1][0][0])
+    for member in range(chosen.members):
+        Path(f"{path}.checkpoint-{member}").unlink(missing_ok=True)
+    judged_from = (paths[judges[0].dataset], judges[0].own_part if own_split else "") if judges else ("", "")
+    return Trained(path, members, description, accuracy[0], trained.get("judged"),
+                   {"learns": len(_trials(learns)), "validates": len(_trials(validates)), "judges": len(_trials(judges))},
+                   list(dict.fromkeys(one.sensor for one in examples.all)), own_split, judged_from)
+
+
+def _recipe(recipe: str | Recipe, network: nn.Module | Callable[[int, int], nn.Module] | None, labels: str | None, split: str | None, steps: int | None,
+            turned: int | None) -> Recipe:
+    """The recipe with what was asked for beside it."""
+    chosen = find_recipe(recipe) if isinstance(recipe, str) else recipe
+    if isinstance(network, nn.Module):
+        module = network
+        chosen = replace(chosen, network=lambda inputs, classes: module, members=1)
+    elif network is not None:
+        chosen = replace(chosen, network=network)
+    if steps is not None:
+        every = max(1, chosen.training.validate_every * steps // chosen.training.steps)
+        chosen = replace(chosen, training=replace(chosen.training, steps=steps, validate_every=every))
+    if turned and chosen.input.sensor != "myrmex":
+        raise _core.InputError(f"turned: is for images of a myrmex, and {chosen.name} reads a {chosen.input.sensor}; allowed: 0")
+    return replace(chosen, labels=labels or chosen.labels, split=split or chosen.split, turned=chosen.turned if turned is None else turned)
+
+
+def _log_writer(log: str | os.PathLike[str] | None) -> Any:
+    if log is None:
+        return None
+    try:
+        from torch.utils.tensorboard import SummaryWriter
+    except ImportError as error:
+        raise _core.InputError(f"log: needs the Python package {error.name or 'tensorboard'}; install it: pip install tensorboard") from error
+    return SummaryWriter(os.fspath(log))  # type: ignore[no-untyped-call]
+
+
+def _check_classes(paths: Sequence[str], part: str, examples: Sequence[Example], classes: Sequence[tuple[str, str]], history: int) -> None:
+    for one in examples:
+        if len(one.labels) < history:
+            raise _core.InputError(f"{', '.join(paths)}: trial {one.trial}: {len(one.labels)} frames are less than the {history} that an answer is made of")
+    labels = np.concatenate([one.labels[history - 1 :] for one in examples])
+    counts = [int(np.sum(labels == one)) for one in range(len(classes))]
+    if 0 in counts:
+        text = ", ".join(f"{count} {name}" for count, (name, _) in zip(counts, classes))
+        raise _core.InputError(f"{', '.join(paths)}: the trials {part} have a class without a frame: {text}; allowed: frames of every class, in more trials "
+                               "or with another --seed or --split")
+
+
+def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
+    """Refuses a module whose logits are not [N, T - history + 1, classes]."""
+    history = history_of(module)
+    module.eval()
+    with torch.no_grad():
+        answer = module(torch.zeros(2, history + 2, inputs))
+    found = tuple((answer[0] if isinstance(answer, tuple) else answer).shape)
+    if found != (2, 3, classes):
+        raise _core.InputError(f"network: {type(module).__name__} makes logits {list(found)} of frames [2, {history + 2}, {inputs}]; allowed: "
+                               f"[2, 3, {classes}], an answer a frame but for the first history - 1, where `history` is the module's attribute, here {history}")
+
+
+def _identity(recipe: Recipe, module: nn.Module, examples: Examples, sensor: str, every_trial: bool, held_out: float, seed: int, member: int) -> str:
+    """All that decides what is learnt, for --resume."""
+    training = {key: value for key, value in vars(recipe.training).items() if key != "augment"}
+    return json.dumps({"recipe": recipe.name, "network": str(module), "data": examples.sha256, "sensor": sensor, "labels": recipe.labels,
+                       "split": recipe.split, "all": every_trial, "held_out": held_out, "seed": seed, "member": member, "turned": recipe.turned,
+                       "training": training, "torch": torch.__version__})
+
+
+def _probabilities(members: Sequence[nn.Module], features: Floats) -> Floats:
+    """Mean probability of each class, [T', classes]."""
+    said = mean_answers(members, features).astype(np.float64)
+    if len(members) > 1:
+        return said  # type: ignore[return-value]
+    said = np.exp(said - said.max(1, keepdims=True))
+    return said / said.sum(1, keepdims=True)  # type: ignore[no-any-return]
+
+
+def _series(probabilities: Floats, labels: Labels, slip: Any) -> tuple[Any, Labels]:
+    """Probability of slip, and truth 1, 0 or MASKED, of each frame."""
+    truth = np.where(labels == MASKED, MASKED, slip[np.minimum(labels, len(slip) - 1)]).astype(np.uint8)
+    return np.ascontiguousarray(probabilities[:, slip].sum(1), np.float64), truth
+
+
+def _trials(examples: Sequence[Example]) -> list[int]:
+    return list(dict.fromkeys(one.trial for one in examples))
+
+
+def _or_none(value: float) -> float | None:
+    return None if math.isnan(value) else value

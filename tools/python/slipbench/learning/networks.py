@@ -1,0 +1,455 @@
+"""The published networks, and those of scenes/learn, as torch.nn.Module.
+
+Each takes clips [N, T, inputs] of N sequences of T frames and returns logits [N, T - history + 1, classes]. `history` is the number of frames that
+an answer is made of, 1 unless the class says otherwise. A network that carries state from frame to frame takes it as a second argument, None at the
+start of a sequence, and returns (logits, state): so the same module is trained on clips and runs frame by frame in a loop.
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor, nn
+
+State = tuple[Tensor, ...] | None
+
+
+def each_frame(layer: nn.Module, frames: Tensor) -> Tensor:
+    """Applies a layer to every frame by itself.
+
+    Args:
+        layer: takes [M, ...]
+        frames: [N, T, ...]
+
+    Returns:
+        [N, T, ...]
+    """
+    answers: Tensor = layer(frames.flatten(0, 1))
+    return answers.reshape(*frames.shape[:2], *answers.shape[1:])
+
+
+def windows(frames: Tensor, length: int) -> Tensor:
+    """All windows of `length` frames that follow each other.
+
+    Args:
+        frames: [N, T, F], T >= length
+        length: frames a window
+
+    Returns:
+        [N, T - length + 1, length, F]
+    """
+    if frames.shape[1] == length:  # a step in the loop, which the exporter can follow
+        return frames.unsqueeze(1)
+    return frames.unfold(1, length, 1).transpose(2, 3)
+
+
+def dense(*widths: int) -> nn.Sequential:
+    """Linear layers from width to width, each but the first input followed by ReLU."""
+    layers: list[nn.Module] = []
+    for inputs, outputs in zip(widths, widths[1:]):
+        layers += [nn.Linear(inputs, outputs), nn.ReLU()]
+    return nn.Sequential(*layers)
+
+
+class GruStack(nn.Module):
+    """GRUs one above the other, each with a state of its own."""
+
+    def __init__(self, inputs: int, units: int, layers: int) -> None:
+        super().__init__()
+        self.layers = nn.ModuleList(nn.GRU(inputs if i == 0 else units, units, batch_first=True) for i in range(layers))
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """[N, T, inputs] and one [1, N, units] a layer to [N, T, units] and the next states."""
+        after = []
+        for i, layer in enumerate(self.layers):
+            frames, one = layer(frames, None if state is None else state[i])
+            after.append(one)
+        return frames, tuple(after)
+
+
+class FrameGru(nn.Module):
+    """Linear layer, GRUs, linear layer: piezo_slip, piezo_grasp, nib_slip, grasp_gru, biotac_gru. No paper's.
+
+    | layer | output |
+    |---|---|
+    | frame | inputs |
+    | linear, ReLU | width |
+    | GRU, `layers` times | width |
+    | linear | classes |
+    """
+
+    def __init__(self, inputs: int, classes: int, width: int = 48, layers: int = 1) -> None:
+        super().__init__()
+        self.first = dense(inputs, width)
+        self.memory = GruStack(width, width, layers)
+        self.last = nn.Linear(width, classes)
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """See the module."""
+        hidden, state = self.memory(self.first(frames), state)
+        return self.last(hidden), state
+
+
+class PiezoMlp(nn.Module):
+    """MLP of the piezoelectric skin (papers/piezo-fft-gru, sections IV.A, IV.B, Table I), each spectrum by itself.
+
+    Four layers and a linear one to two classes give the numbers of parameters that Table I prints.
+
+    | layer | MLP 32 | MLP 128 |
+    |---|---|---|
+    | spectrum of 20 ms, 50 to 600 Hz | 12 | 12 |
+    | linear, ReLU, four times | 32 | 128 |
+    | linear | 2 | 2 |
+    """
+
+    def __init__(self, inputs: int, classes: int, width: int) -> None:
+        super().__init__()
+        self.layers = nn.Sequential(dense(inputs, width, width, width, width), nn.Linear(width, classes))
+
+    def forward(self, frames: Tensor) -> Tensor:
+        """See the module."""
+        logits: Tensor = self.layers(frames)
+        return logits
+
+
+class PiezoTcn(nn.Module):
+    """Causal convolutions of the piezoelectric skin (papers/piezo-fft-gru, Table I: TCN 128, kernel 8).
+
+    Not padded: the first answer comes after all the frames that it is made of, in training as in the loop.
+
+    | layer | output |
+    |---|---|
+    | 29 spectra | 29 x 12 |
+    | convolution over 8 frames, ReLU, four times | 22, 15, 8, 1 x 128 |
+    | linear | 2 |
+    """
+
+    def __init__(self, inputs: int, classes: int, channels: int = 128, kernel: int = 8, layers: int = 4) -> None:
+        super().__init__()
+        self.history = 1 + layers * (kernel - 1)
+        convolutions: list[nn.Module] = []
+        for i in range(layers):
+            convolutions += [nn.Conv1d(inputs if i == 0 else channels, channels, kernel), nn.ReLU()]
+        self.convolutions = nn.Sequential(*convolutions)
+        self.last = nn.Linear(channels, classes)
+
+    def forward(self, frames: Tensor) -> Tensor:
+        """See the module."""
+        logits: Tensor = self.last(self.convolutions(frames.transpose(1, 2)).transpose(1, 2))
+        return logits
+
+
+class PiezoGru(nn.Module):
+    """GRUs of the piezoelectric skin (papers/piezo-fft-gru, Table I: FFT GRU 32, raw GRU 32).
+
+    | layer | FFT GRU 32 | raw GRU 32 |
+    |---|---|---|
+    | frame at 100 Hz | spectrum, 12 | signal, 1 |
+    | GRU, four times | 32 | 32 |
+    | linear | 2 | 2 |
+    """
+
+    def __init__(self, inputs: int, classes: int, units: int = 32, layers: int = 4) -> None:
+        super().__init__()
+        self.memory = GruStack(inputs, units, layers)
+        self.last = nn.Linear(units, classes)
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """See the module."""
+        hidden, state = self.memory(frames, state)
+        return self.last(hidden), state
+
+
+class PapillarrayGru(nn.Module):
+    """The network of RedmondLabUCD/Incipient-Slip-Detection-PapillArray.
+
+    | layer | output |
+    |---|---|
+    | 40 rows of the tangential forces of eight pillars | 640 |
+    | linear, batch norm, ReLU | 1024 |
+    | linear, batch norm, ReLU | 128 |
+    | GRU | 128 |
+    | linear, batch norm, ReLU | 256 |
+    | linear, batch norm, ReLU | 128 |
+    | linear | 2 |
+    """
+
+    def __init__(self, inputs: int, classes: int) -> None:
+        super().__init__()
+
+        def block(before: int, after: int) -> list[nn.Module]:
+            return [nn.Linear(before, after), nn.BatchNorm1d(after), nn.ReLU()]
+
+        self.encoder = nn.Sequential(*block(inputs, 1024), *block(1024, 128))
+        self.memory = nn.GRU(128, 128, batch_first=True)
+        self.decoder = nn.Sequential(*block(128, 256), *block(256, 128), nn.Linear(128, classes))
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """See the module."""
+        hidden, after = self.memory(each_frame(self.encoder, frames), None if state is None else state[0])
+        return each_frame(self.decoder, hidden), (after,)
+
+
+class UnitsEncoder(nn.Module):
+    """Units by the same weights, pooled: any number of units, in any order, to 48 values.
+
+    | layer | output |
+    |---|---|
+    | features of each unit (transform `units`) | units x features |
+    | batch norm of each feature | units x features |
+    | linear, ReLU | units x 32 |
+    | beside it mean and maximum of all units | units x 96 |
+    | linear, ReLU | units x 48 |
+    | mean and maximum of all units | 96 |
+    | linear, ReLU | 48 |
+    """
+
+    def __init__(self, features: int) -> None:
+        super().__init__()
+        self.features = features
+        self.norm = nn.BatchNorm1d(features)
+        self.unit = dense(features, 32)
+        self.beside = dense(96, 48)
+        self.pooled = dense(96, 48)
+
+    def forward(self, frames: Tensor) -> Tensor:
+        """[N, T, units x features] to [N, T, 48]."""
+        units = frames.reshape(*frames.shape[:2], -1, self.features)
+        units = self.norm(units.reshape(-1, self.features)).reshape(units.shape)
+        own = self.unit(units)
+        both = torch.cat((own.mean(2, keepdim=True), own.amax(2, keepdim=True)), 3)
+        own = self.beside(torch.cat((own, both.expand(-1, -1, own.shape[2], -1)), 3))
+        pooled: Tensor = self.pooled(torch.cat((own.mean(2), own.amax(2)), 2))
+        return pooled
+
+
+class SlipGru(nn.Module):
+    """slip_gru: forces of units, their ratio and rates, each unit by the same weights, through a GRU. No paper's.
+
+    | layer | output |
+    |---|---|
+    | `UnitsEncoder` | 48 |
+    | GRU | 48 |
+    | linear | 2 |
+    """
+
+    def __init__(self, inputs: int, classes: int, features: int) -> None:
+        super().__init__()
+        self.encoder = UnitsEncoder(features)
+        self.memory = nn.GRU(48, 48, batch_first=True)
+        self.last = nn.Linear(48, classes)
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """See the module."""
+        hidden, after = self.memory(self.encoder(frames), None if state is None else state[0])
+        return self.last(hidden), (after,)
+
+
+class MyrmexCnn(nn.Module):
+    """Networks of the Myrmex (papers/myrmex-tactile-cnn, section 4, Table 2). 32 channels and padding by 1 are assumed.
+
+    | layer | net 1 | net 2 | net 3 |
+    |---|---|---|---|
+    | spectra of 12 x 12 taxels, 32 bins as channels | 32 x 12 x 12 | 32 x 12 x 12 | 32 x 12 x 12 |
+    | convolution 3 x 3, tanh, max pool 2 x 2 | 32 x 6 x 6 | 32 x 6 x 6 | 32 x 6 x 6 |
+    | convolution 3 x 3, tanh, max pool 2 x 2 | | 32 x 3 x 3 | 32 x 3 x 3 |
+    | linear, tanh | 512 | 512 | 1024 |
+    | linear | 3 | 3 | 3 |
+    """
+
+    def __init__(self, inputs: int, classes: int, convolutions: int, hidden: int, side: int = 12) -> None:
+        super().__init__()
+        self.side = side
+        bins = inputs // side**2
+        layers: list[nn.Module] = []
+        for i in range(convolutions):
+            layers += [nn.Conv2d(bins if i == 0 else 32, 32, 3, padding=1), nn.Tanh(), nn.MaxPool2d(2)]
+            side //= 2
+        layers += [nn.Flatten(), nn.Linear(32 * side**2, hidden), nn.Tanh(), nn.Linear(hidden, classes)]
+        self.layers = nn.Sequential(*layers)
+
+    def forward(self, frames: Tensor) -> Tensor:
+        """See the module."""
+        images = frames.reshape(*frames.shape[:2], self.side, self.side, -1).permute(0, 1, 4, 2, 3)
+        return each_frame(self.layers, images)
+
+
+class BiotacCnn(nn.Module):
+    """Grasp stability by tactile images (papers/biotac-stability-slip, section 5.1, Table 2).
+
+    | layer | output |
+    |---|---|
+    | images of all fingers | fingers x rows x columns |
+    | convolution 3 x 3, batch norm, ReLU | 32 x (rows - 2) x (columns - 2) |
+    | linear, ReLU | units, 1024 |
+    | linear | 2 |
+    """
+
+    def __init__(self, inputs: int, classes: int, rows: int = 12, columns: int = 11, units: int = 1024) -> None:
+        super().__init__()
+        self.image = (inputs // (rows * columns), rows, columns)
+        self.layers = nn.Sequential(nn.Conv2d(self.image[0], 32, 3), nn.BatchNorm2d(32), nn.ReLU(), nn.Flatten(),
+                                    nn.Linear(32 * (rows - 2) * (columns - 2), units), nn.ReLU(), nn.Linear(units, classes))
+
+    def forward(self, frames: Tensor) -> Tensor:
+        """See the module."""
+        return each_frame(self.layers, frames.reshape(*frames.shape[:2], *self.image))
+
+
+class BiotacGcn(nn.Module):
+    """Grasp stability by a tactile graph (papers/biotac-stability-slip, section 5.1, Table 2 and Fig. 12).
+
+    A graph convolution is y = A x W + b with A = D^-1/2 (A' + 1) D^-1/2 (Kipf and Welling, ICLR 2017).
+
+    | layer | output |
+    |---|---|
+    | electrodes of all fingers | 24 x fingers |
+    | graph convolution, batch norm, ReLU, five times | 24 x 8, 8, 16, 16, 32 |
+    | linear, ReLU | 128 |
+    | linear | 2 |
+    """
+
+    def __init__(self, inputs: int, classes: int, adjacency: Tensor) -> None:
+        super().__init__()
+        nodes = len(adjacency)
+        widths = [inputs // nodes, 8, 8, 16, 16, 32]
+        self.register_buffer("adjacency", adjacency)
+        self.weights = nn.ModuleList(nn.Linear(before, after) for before, after in zip(widths, widths[1:]))
+        self.norms = nn.ModuleList(nn.BatchNorm1d(after) for after in widths[1:])
+        self.head = nn.Sequential(nn.Linear(32 * nodes, 128), nn.ReLU(), nn.Linear(128, classes))
+
+    def forward(self, frames: Tensor) -> Tensor:
+        """See the module."""
+        adjacency = self.get_buffer("adjacency")
+        nodes = frames.reshape(*frames.shape[:2], len(adjacency), -1)
+        for weight, norm in zip(self.weights, self.norms):
+            nodes = torch.matmul(adjacency, torch.matmul(nodes, weight.weight.t())) + weight.bias
+            nodes = torch.relu(norm(nodes.reshape(-1, nodes.shape[3])).reshape(nodes.shape))
+        logits: Tensor = self.head(nodes.flatten(2))
+        return logits
+
+
+class BiotacLstm(nn.Module):
+    """Direction of slip by LSTMs (papers/biotac-stability-slip, section 5.2, Table 3). Begins afresh with each window.
+
+    | layer | output |
+    |---|---|
+    | five rows at 100 Hz | 5 x 24 |
+    | LSTM, five times | 5 x 32 |
+    | the last row | 32 |
+    | linear, ReLU, twice | 32 |
+    | linear | 7 |
+    """
+
+    def __init__(self, inputs: int, classes: int, layers: int = 5, rows: int = 5) -> None:
+        super().__init__()
+        self.history = rows
+        self.memory = nn.LSTM(inputs, 32, layers, batch_first=True)
+        self.head = nn.Sequential(dense(32, 32, 32), nn.Linear(32, classes))
+
+    def forward(self, frames: Tensor) -> Tensor:
+        """See the module."""
+        clips = windows(frames, self.history)
+        last = self.memory(clips.flatten(0, 1))[0][:, -1]
+        logits: Tensor = self.head(last)
+        return logits.reshape(*clips.shape[:2], -1)
+
+
+class ConvLstm(nn.Module):
+    """An LSTM whose gates are convolutions 3 x 3 (Shi et al., NIPS 2015, without peepholes). [M, T, C, H, W] to [M, T, channels, H, W]."""
+
+    def __init__(self, inputs: int, channels: int) -> None:
+        super().__init__()
+        self.channels = channels
+        self.gates = nn.Conv2d(inputs + channels, 4 * channels, 3, padding=1)
+
+    def forward(self, frames: Tensor) -> Tensor:
+        """State is zero before the first frame."""
+        hidden = frames.new_zeros((frames.shape[0], self.channels, frames.shape[3], frames.shape[4]))
+        cell, all_hidden = hidden, []
+        for t in range(frames.shape[1]):
+            enter, forget, update, leave = self.gates(torch.cat((frames[:, t], hidden), 1)).chunk(4, 1)
+            cell = torch.sigmoid(forget) * cell + torch.sigmoid(enter) * torch.tanh(update)
+            hidden = torch.sigmoid(leave) * torch.tanh(cell)
+            all_hidden.append(hidden)
+        return torch.stack(all_hidden, 1)
+
+
+class BiotacConvLstm(nn.Module):
+    """Direction of slip by convolutional LSTMs (papers/biotac-stability-slip, section 5.2, Table 3). Begins afresh with each window.
+
+    The paper has five layers of 32 filters, which take 30 times as long to train as two of 8.
+
+    | layer | output |
+    |---|---|
+    | five images at 100 Hz | 5 x rows x columns |
+    | ConvLSTM 3 x 3, `layers` times | 5 x filters x rows x columns |
+    | the last image, global average | filters |
+    | linear, ReLU, twice | 32 |
+    | linear | 7 |
+    """
+
+    def __init__(self, inputs: int, classes: int, rows: int = 12, columns: int = 11, layers: int = 2, filters: int = 8, frames: int = 5) -> None:
+        super().__init__()
+        self.history = frames
+        self.image = (rows, columns)
+        self.memory = nn.Sequential(*(ConvLstm(1 if i == 0 else filters, filters) for i in range(layers)))
+        self.head = nn.Sequential(dense(filters, 32, 32), nn.Linear(32, classes))
+
+    def forward(self, frames: Tensor) -> Tensor:
+        """See the module."""
+        clips = windows(frames, self.history)
+        images = clips.reshape(-1, self.history, 1, *self.image)
+        last = self.memory(images)[:, -1].mean((2, 3))
+        logits: Tensor = self.head(last)
+        return logits.reshape(clips.shape[0], clips.shape[1], -1)
+
+
+class BiotacSlip(nn.Module):
+    """biotac_slip: each electrode against its mean of 0.64 s, through filters across electrodes and in time and a GRU. No paper's.
+
+    | layer | output |
+    |---|---|
+    | 64 rows of 24 electrodes | 64 x 24 |
+    | linear across electrodes | 64 x 12 |
+    | linear in time, ReLU | 12 x 8 |
+    | linear, ReLU | 48 |
+    | GRU | 48 |
+    | linear | 2 |
+    """
+
+    def __init__(self, inputs: int, classes: int, electrodes: int = 24) -> None:
+        super().__init__()
+        self.electrodes = electrodes
+        self.across = nn.Linear(electrodes, 12)
+        self.in_time = dense(inputs // electrodes, 8)
+        self.rest = FrameGru(12 * 8, classes)
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """See the module."""
+        filtered = self.across(frames.reshape(*frames.shape[:2], -1, self.electrodes)).transpose(2, 3)
+        after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(self.in_time(filtered).flatten(2), state)
+        return after
+
+
+class BiotacGrasp(nn.Module):
+    """biotac_grasp: how each electrode and the pressure change, the same filters across them for each time span, through two GRUs. No paper's.
+
+    | layer | output |
+    |---|---|
+    | level and changes in four spans of 24 electrodes and 21 values of pressure | 5 x 45 |
+    | linear across values | 5 x 16 |
+    | linear, ReLU | 48 |
+    | GRU, twice | 48 |
+    | linear | 2 |
+    """
+
+    def __init__(self, inputs: int, classes: int, spans: int = 5) -> None:
+        super().__init__()
+        self.spans = spans
+        self.across = nn.Linear(inputs // spans, 16)
+        self.rest = FrameGru(spans * 16, classes, layers=2)
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """See the module."""
+        after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(self.across(frames.reshape(*frames.shape[:2], self.spans, -1)).flatten(2), state)
+        return after
