@@ -235,9 +235,10 @@ Described read_examples(const std::vector<std::string>& paths, const std::string
 // One sensor of a trial that is not in a dataset, as read_examples() has it.
 Described example_of(const TrialRecord& record, const std::string& sensor, const std::string& description, const std::string& labels,
                      const std::string& classes, std::size_t turn) {
-  const train::ExampleOptions options{.input = input_of(description),
-                                      .labels = value_of(train::label_words, labels, "labels"),
-                                      .classes = value_of(class_words, classes, "classes")};
+  train::ExampleOptions options;
+  options.input = input_of(description);
+  options.labels = value_of(train::label_words, labels, "labels");
+  options.classes = value_of(class_words, classes, "classes");
   const auto found = std::ranges::find(record.sensors, sensor, &SensorRecord::name);
   if (found == record.sensors.end()) reject("trial {}: has no sensor {}", record.trial, quote(sensor));
   train::Example example;
