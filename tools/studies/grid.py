@@ -99,8 +99,8 @@ def run_grid(cells: Sequence[Cell], options: Options, reduce: Callable[[Cell, Tr
                     break
         except InputError as error:
             changed = "" if cell.change is None else ", but for what the name says"
-            raise InputError(f"{cell.name}, trial {sweep.done}: {error}; the same{changed}: "
-                             f"{cell.command(seed)} --trials {len(sweep)} --trial {sweep.done}") from error
+            raise InputError(f"{cell.name}, trial {len(kept)}: {error}; the same{changed}: "
+                             f"{cell.command(seed)} --trials {len(sweep)} --trial {len(kept)}") from error
         finally:
             sweep.close()
             running.discard(sweep)

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <string_view>
 
@@ -216,12 +217,12 @@ const std::vector<Reproduction>& reproductions() {
       {"nib-reconfigurable/table1",
        "calibration of the nib pad: force and moment out of 36 capacitances, uniform and partial loads, and what decides it",
        {"--seed", "--jobs"},
-       &nib_table1},
+       nullptr},
       {"nib-reconfigurable/table2",
        "Algorithm 1 while the grasp is slowly let go, four surfaces; what decides its figures, and where 0 to 8 Hz comes from",
-       runs, &nib_table2},
+       runs, nullptr},
       {"nib-reconfigurable/slip_kinds", "no slip, linear and rotational slip told apart by FL, FR and curl", runs,
-       &nib_slip_kinds},
+       nullptr},
       {"nib-reconfigurable/table3",
        "a box turned up by rotational slip and released: weights, centres of mass, surfaces, thresholds", rows, nullptr},
       {"piezo-fft-gru/table1",
@@ -240,7 +241,7 @@ const std::vector<Reproduction>& reproductions() {
       {"realism",
        "published figures of real devices beside ours, from the studies that hold them",
        {"--real", "--trials", "--only", "--full", "--seed", "--jobs"},
-       &realism_table},
+       nullptr},
   };
   return all;
 }
@@ -253,8 +254,16 @@ const Reproduction& find_reproduction(const std::string& name) {
 }
 
 Json result_json(const std::string& name, const Result& result) {
-  return {{"reproduction", name},  {"title", result.title},     {"source", result.source},
-          {"setup", result.setup}, {"figures", result.figures}, {"remarks", result.remarks}};
+  Json object{{"reproduction", name},  {"title", result.title},     {"source", result.source},
+              {"setup", result.setup}, {"figures", result.figures}, {"remarks", result.remarks}};
+  if (std::getenv("SLIPBENCH_REAL_FIGURES") != nullptr) {  // for realism.py
+    object["real"] = Json::array();
+    for (const RealFigure& one : result.real) {
+      object["real"].push_back(
+          {{"what", one.what}, {"real", or_null(one.real)}, {"ours", or_null(one.ours)}, {"note", one.note}});
+    }
+  }
+  return object;
 }
 
 std::string result_page(const std::string& name, const Result& result) {

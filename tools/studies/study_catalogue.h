@@ -39,7 +39,7 @@ struct ResultChart {
   std::string bar_name;             // what it says beside it
 };
 
-// A figure that others measured on a real device, and ours. `reproduce realism` gathers them from all studies.
+// A figure that others measured on a real device, and ours. `reproduce realism` (realism.py) gathers them from all studies.
 struct RealFigure {
   std::string what;               // with its unit
   double real = 0.0, ours = 0.0;  // NaN: not published
@@ -110,17 +110,12 @@ Result learned_scaling(const ReproduceOptions& options);
 Result myrmex_onset_label(const ReproduceOptions& options);
 Result myrmex_table2(const ReproduceOptions& options);
 Result myrmex_table3(const ReproduceOptions& options);
-Result nib_table1(const ReproduceOptions& options);
-Result nib_table2(const ReproduceOptions& options);
-Result nib_slip_kinds(const ReproduceOptions& options);
-Result nib_table3(const ReproduceOptions& options);
 Result piezo_table1(const ReproduceOptions& options);
 Result piezo_table2(const ReproduceOptions& options);
 Result piezo_table3(const ReproduceOptions& options);
 Result piezo_table4(const ReproduceOptions& options);
 Result piezo_delay(const ReproduceOptions& options);
 Result piezo_slip_against_hold(const ReproduceOptions& options);
-Result realism_table(const ReproduceOptions& options);
 
 // `reproduce`: a paper's table beside ours.
 struct ReproduceCommand final : Command {

@@ -288,10 +288,6 @@ TEST_F(ImportedTouches, AreByTheirOwnLabelsAndNoSyntheticOnes) {
   EXPECT_THAT(touches[0].label, ElementsAre(1, 1, 1));
   EXPECT_THAT(touches[1].label, ElementsAre(0, 0, 0));
   EXPECT_THAT(refusal_of([&] { check_simulated(path("out.h5")); }), mentions({"out.h5", "--data", "biotacsp-dos", "--real"}));
-  ReproduceOptions options;
-  options.real = path("out.h5");
-  options.only = {"biotac-stability-slip/table2"};
-  EXPECT_THAT(refusal_of([&] { realism_table(options); }), mentions({"no study"}));
 }
 
 }  // namespace
