@@ -1,4 +1,5 @@
 // What training in Python takes from the program: frames, examples with their split, operating points, and the engine of the loop.
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -25,6 +26,7 @@
 #include "detectors/network/engine.h"
 #include "detectors/network/frames.h"
 #include "tools/base/files/reject.h"
+#include "tools/base/record/trial_record.h"
 #include "tools/base/statistics/confusion.h"
 #include "tools/program/train/network/examples.h"
 #include "tools/program/train/network/validation.h"
@@ -232,6 +234,24 @@ Described read_examples(const std::vector<std::string>& paths, const std::string
   return Described(all);
 }
 
+// One sensor of a trial that is not in a dataset, as read_examples() has it.
+Described example_of(const TrialRecord& record, const std::string& sensor, const std::string& description, const std::string& labels,
+                     const std::string& classes, std::size_t turn) {
+  train::ExampleOptions options;
+  options.input = input_of(description);
+  options.labels = value_of(train::label_words, labels, "labels");
+  options.classes = value_of(class_words, classes, "classes");
+  const auto found = std::ranges::find(record.sensors, sensor, &SensorRecord::name);
+  if (found == record.sensors.end()) reject("trial {}: has no sensor {}", record.trial, quote(sensor));
+  train::Example example;
+  {
+    const nb::gil_scoped_release released;
+    example = train::example_of(record, *found, options, turn);
+  }
+  const std::size_t inputs = example.frames.features.size() / example.frames.label.size();
+  return Described(dict_of(example, inputs));
+}
+
 using Series = std::vector<std::tuple<nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>,
                                       nb::ndarray<const std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>>>;
 
@@ -311,6 +331,8 @@ void bind_learning(nb::module_& module) {
   module.def("read_examples", &read_examples, nb::arg("paths"), nb::arg("description"), nb::arg("labels"), nb::arg("classes"),
              nb::arg("sensor"), nb::arg("turned"), nb::arg("at_most"), nb::arg("seed"), nb::arg("split"), nb::arg("held_out"),
              nb::arg("divide_anew"), nb::arg("progress").none());
+  module.def("example_of", &example_of, nb::arg("record"), nb::arg("sensor"), nb::arg("description"), nb::arg("labels"),
+             nb::arg("classes"), nb::arg("turn"));
   module.def("best_point", &best_point, nb::arg("series"), nb::arg("period"), nb::arg("choice"), nb::arg("alarms"));
   module.def("counts_at", &counts_at, nb::arg("series"), nb::arg("period"), nb::arg("threshold"), nb::arg("on"), nb::arg("off"),
              nb::arg("least"));

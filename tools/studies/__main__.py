@@ -7,6 +7,7 @@ import sys
 from typing import Any
 
 from slipbench import InputError
+from slipbench_studies.kept import remove_kept
 from slipbench_studies.result import Options, Result, result_object
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -57,14 +58,15 @@ def main(request: dict[str, Any]) -> int:
         if options.output:
             from slipbench_studies import page
             files = page.write(options.output, name, result)
+            remove_kept(options.output)
     except ModuleNotFoundError as error:
         _say(f"reproduce: {name} needs the Python package {error.name}, which {sys.executable} does not have; install it: {install}")
         return 2
     except InputError as error:
         _say(str(error))
         return 2
-    except KeyboardInterrupt:
-        _say("interrupted; nothing is kept")
+    except KeyboardInterrupt as interrupt:
+        _say(str(interrupt) or "interrupted; nothing is kept")
         return 130
     if as_json:
         print(json.dumps(result_object(name, result), separators=(",", ":"), ensure_ascii=False))

@@ -1,0 +1,137 @@
+"""What the networks of a study have said, on the disk as soon as each is done."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+from pathlib import Path
+from typing import Any
+
+import slipbench
+import slipbench_studies
+from slipbench import InputError
+from slipbench.bin import _core
+from slipbench_studies.result import Options
+
+BEGINNING = "slipbench networks of a study, "
+IDENTITY = "identity.txt"
+
+
+def kept_path(output: str) -> Path:
+    """The folder beside a page in which networks are kept until it is written: FILE.networks."""
+    return Path(output).with_suffix(".networks")
+
+
+class KeptNetworks:
+    """What the networks of a study have said, a file each: a study that is killed or interrupted need not teach them again.
+
+    The folder's identity says whose they are. A file is written under another name and renamed, so that none is there by half.
+
+    Args:
+        options: their output, FILE.html, names the folder FILE.networks
+        name: PAPER/TABLE
+
+    Raises:
+        InputError: where the folder cannot be written, is not of the same command, data, scenes and program, or has networks without options.resume
+    """
+
+    def __init__(self, options: Options, name: str) -> None:
+        self.path = kept_path(options.output)
+        told = self.path / IDENTITY
+        line = BEGINNING + identity_of(options, name) + "\n"
+        try:
+            if self.path.exists():
+                there = told.read_text() if told.is_file() else ""
+                if not there.startswith(BEGINNING):
+                    raise InputError(f"{self.path} is there and holds no networks of a study; allowed: another name of -o")
+                if options.resume and there != line:
+                    raise InputError(f"{self.path} is of other options, data, scenes or another build of the program; allowed: with --resume the same "
+                                     "command again, or delete the folder")
+                if not options.resume and self.size:
+                    raise InputError(f"{self.path} holds {self.size} networks of a run that did not come to its end; allowed: --resume, or delete the "
+                                     "folder")
+            self.path.mkdir(exist_ok=True)
+            told.write_text(line)
+        except OSError as error:
+            raise InputError(f"cannot write {self.path}: {error.strerror}") from error
+        if self.size:
+            options.say(f"{self.size} networks of an earlier run are there")
+        elif options.resume:
+            options.say(f"no network of an earlier run is in {self.path}: beginning anew")
+
+    @property
+    def size(self) -> int:
+        """How many there are."""
+        return len(list(self.path.glob("*.json")))
+
+    def find(self, index: int) -> Any:
+        """What network `index` has said; None: it has to be taught.
+
+        Raises:
+            InputError: where its file is damaged
+        """
+        file = self.path / f"{index}.json"
+        if not file.exists():
+            return None
+        digest, _, said = file.read_text().partition("\n")
+        if digest != hashlib.sha256(said.encode()).hexdigest():
+            raise InputError(f"{file}: is damaged; allowed: delete it, and its network is taught again")
+        return json.loads(said)
+
+    def keep(self, index: int, said: Any) -> None:
+        """Keeps what network `index` has said: once this returns it is on the disk.
+
+        Raises:
+            InputError: with the system's reason
+        """
+        text = json.dumps(said)
+        partial = self.path / f"{index}.partial"
+        try:
+            with partial.open("w") as file:
+                file.write(hashlib.sha256(text.encode()).hexdigest() + "\n" + text)
+                file.flush()
+                os.fsync(file.fileno())
+            partial.replace(self.path / f"{index}.json")
+        except OSError as error:
+            raise InputError(f"cannot write {partial}: {error.strerror}") from error
+
+    def remove_if_empty(self) -> None:
+        """A folder without a network goes."""
+        if not self.size:
+            remove_kept(str(self.path))
+
+
+def remove_kept(output: str) -> None:
+    """The study is done: the networks that were kept for its page go.
+
+    Args:
+        output: FILE.html
+    """
+    if (kept_path(output) / IDENTITY).is_file():
+        shutil.rmtree(kept_path(output))
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def identity_of(options: Options, name: str) -> str:
+    """The digest of all that decides what a study's networks say: the command, the data, the scenes, the program and the Python that runs it.
+
+    Args:
+        options: data, real, seed, full, trials, only
+        name: PAPER/TABLE
+
+    Returns:
+        64 hexadecimal digits
+    """
+    files = {str(path): _digest(path) for path in (Path(options.data), Path(options.real)) if path.is_file()}
+    for package in (slipbench, slipbench_studies):
+        root = Path(str(package.__file__)).parent
+        files |= {str(path.relative_to(root)): _digest(path) for path in sorted(root.rglob("*.py"))}
+    scenes = slipbench.scenes()
+    files |= {str(path.relative_to(scenes)): _digest(path) for path in sorted(scenes.rglob("*")) if path.is_file()}
+    files["program"] = _digest(Path(_core.__file__))
+    return hashlib.sha256(json.dumps([name, options.draws_seed, options.full, options.trials, options.only, files]).encode()).hexdigest()

@@ -1,0 +1,1 @@
+"""The tables of "Tactile Convolutional Networks for Online Slip and Rotation Detection"."""

@@ -1,0 +1,525 @@
+"""Networks that learn from windows of the Myrmex bench, and how well they tell others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipbench import InputError, RandomStream, Trial
+from slipbench.bin import _core
+from slipbench.learning import MASKED, Training, find_recipe
+from slipbench_studies.grid import Cell, run_grid
+from slipbench_studies.myrmex_tactile_cnn.bench import (APART, SCENE, SETTLED, SINKS, SlipSpan, contact_end, decrease_onset, pad_of, placed_of, sum_end,
+                                                        sum_of_contacts, true_slip)
+from slipbench_studies.result import Options
+from slipbench_studies.statistics import mean_sd
+from slipbench_studies.teaching import Floats, Labels, folds, learn_and_answer, teach_all
+from torch import nn
+
+KINDS = ("stable", "translation", "rotation")
+# Whose word it is that the object slips, and how.
+WORDS = (
+    "true",  # from the true onset to the end of contact; class by how the object was placed
+    "bench",  # the paper's: from the onset by the third sensor to the end of contact by the arrays; class likewise
+    "motion",  # as true, but the class is that of the slipping taxels' motion
+)
+LAST_SECONDS = 0.5  # before the true onset: the windows that are hard to tell
+OBJECTS = ("cylinder", "remote", "glass")
+TAXELS, BINS = 144, 32
+CUT_BINS = 4  # of 15.625 Hz: 0 to 46.9 Hz, below the paper's 60 Hz
+ROTATIONS = 12  # of an image, by 30 degrees each
+AT_MOST = 60  # windows drawn of each class, array and word
+USUAL_DRAWS = 8  # 64 trials, the paper's
+PUBLISHED_STEPS = 700000  # "converges after around 700000 iterations" of 64 windows
+PUBLISHED = {1: (91.01, 92.65), 2: (96.12, 96.5), 3: (97.45, 97.89)}  # accuracy of the nets, %, without and with the high pass
+TRIAL_FOLDS = 5
+RECIPE = "myrmex_net3"  # whose input and training all have
+
+
+@dataclass
+class Windows:
+    """Windows of 64 ms of both arrays of one trial; class and time are those of their last sample.
+
+    Attributes:
+        object: one of OBJECTS
+        rotational: whether its centre of mass lies to the side of the grip
+        slips: whether it slips by the truth
+        time: [W] s
+        to_onset: [W] s, from here to the true onset; NaN: the trial holds
+        label: [W, words] class by each of WORDS, or MASKED after the end
+        drawn: [W, words] whether it is one of those that are learnt from and judged
+        turn: [W] its images are turned by so many times 30 degrees; such a copy only learns
+        spectra: [W, taxels, bins] amplitudes
+    """
+
+    object: str
+    rotational: bool
+    slips: bool
+    time: NDArray[np.float64]
+    to_onset: NDArray[np.float64]
+    label: Labels
+    drawn: NDArray[np.bool_]
+    turn: NDArray[np.uint8]
+    spectra: Floats
+
+    @property
+    def late(self) -> NDArray[np.bool_]:
+        """[W] whether it lies within the last half second before the true onset."""
+        return (self.to_onset > 0.0) & (self.to_onset <= LAST_SECONDS)
+
+
+def kinds_at(time: NDArray[np.float64], span: SlipSpan, kind: Labels | int) -> Labels:
+    """The class at some times of a trial.
+
+    Args:
+        time: [W] s
+        span: how it slips
+        kind: class of a slip, or [W] at each time
+
+    Returns:
+        [W] 0 before the onset, then the kind; MASKED after the end
+    """
+    begun = time >= span.onset  # of NaN never
+    return np.where(time > span.end, MASKED, np.where(begun, kind, 0)).astype(np.uint8)
+
+
+def draw_windows(label: Labels, at_most: int, random: RandomStream) -> NDArray[np.bool_]:
+    """Draws windows of one array.
+
+    Args:
+        label: [W] class or MASKED
+        at_most: of each class
+        random: what to draw by
+
+    Returns:
+        [W] which are drawn
+    """
+    drawn = np.zeros(len(label), dtype=bool)
+    for one in np.unique(label[label != MASKED]):
+        drawn[_first_drawn(np.flatnonzero(label == one).tolist(), at_most, random)] = True
+    return drawn
+
+
+def _first_drawn(items: list[Any], count: int, random: RandomStream) -> list[Any]:
+    """At most so many items, drawn one after the other."""
+    for i in range(min(count, len(items))):
+        other = i + random.integer(len(items) - i)
+        items[i], items[other] = items[other], items[i]
+    return items[:count]
+
+
+def windows_of(trial: Trial, turned: int, seed: int) -> Windows:
+    """The windows of both arrays: those drawn, and all that are late.
+
+    Args:
+        trial: a full record of SCENE
+        turned: copies of each window with its image turned, 0 to 11; the angles are drawn by trial
+        seed: of RandomStream(seed, trial, "windows")
+
+    Returns:
+        the trial's windows
+    """
+    left, right, top = (pad_of(trial, name) for name in ("left", "right", "top"))
+    real = true_slip(left, right)
+    end = contact_end(left, right, sum_end())
+    # A trial that holds is known to: its third sensor may still drift below a threshold.
+    onset = math.nan if math.isnan(real.onset) else decrease_onset(top.time, sum_of_contacts(top.counts), SINKS, SETTLED, APART, end)
+    labelled = SlipSpan(onset, end)
+    placed = placed_of(trial.params)
+    placed_kind = 2 if placed.rotational else 1
+    text = find_recipe(RECIPE).input.text()
+    random = RandomStream(seed, trial.trial, "windows")
+    parts: list[dict[str, NDArray[Any]]] = []
+    for name in ("left", "right"):
+        def example(turn: int, name: str = name) -> dict[str, Any]:
+            return _core.example_of(trial._record, name, text, "micro", "kind", turn)
+
+        plain = example(0)
+        time = plain["time"]
+        # While half of the load slips something moves, but for a single sample whose motion is that of no unit.
+        moves = np.where(plain["labels"] == 0, MASKED, plain["labels"])
+        label = np.stack([kinds_at(time, real, placed_kind), kinds_at(time, labelled, placed_kind), kinds_at(time, real, moves)], axis=1)
+        drawn = np.stack([draw_windows(label[:, word], AT_MOST, random) for word in range(len(WORDS))], axis=1)
+        to_onset = real.onset - time
+        kept = drawn.any(axis=1) | ((to_onset > 0.0) & (to_onset <= LAST_SECONDS))
+        turns = [0, *_first_drawn(list(range(1, ROTATIONS)), turned, random)]
+        for turn in turns:
+            features = plain["features"] if turn == 0 else example(turn)["features"]
+            parts.append({"time": time[kept], "to_onset": to_onset[kept], "label": label[kept], "drawn": drawn[kept],
+                          "turn": np.full(int(kept.sum()), turn, np.uint8), "spectra": features[kept].reshape(-1, TAXELS, BINS)})
+    return Windows(placed.name, placed.rotational, not math.isnan(real.onset), **{key: np.concatenate([part[key] for part in parts]) for key in parts[0]})
+
+
+class Place(NamedTuple):
+    """Where a window is: numbers of its trial, and of itself in it."""
+
+    trial: int
+    window: int
+
+
+def balanced_windows(trials: Sequence[Windows], word: str, late: bool, seed: int) -> list[Place]:
+    """As many windows of each class, of those that are not turned: of the drawn ones all of the rarest class, the others are drawn.
+
+    Args:
+        trials: with their windows
+        word: one of WORDS
+        late: whether the stable ones are those of the last half second
+        seed: of RandomStream(seed, 0, "balance")
+
+    Returns:
+        the places, in order
+    """
+    by = WORDS.index(word)
+    of_class: list[list[Place]] = [[] for _ in KINDS]
+    for number, trial in enumerate(trials):
+        label = trial.label[:, by]
+        taken = (trial.turn == 0) & np.where((label == 0) & late, trial.late, trial.drawn[:, by])
+        for kind in range(len(KINDS)):
+            of_class[kind] += [Place(number, int(window)) for window in np.flatnonzero(taken & (label == kind))]
+    least = min(map(len, of_class))
+    random = RandomStream(seed, 0, "balance")
+    return sorted(place for places in of_class for place in _first_drawn(places, least, random))
+
+
+def window_folds(trials: Sequence[Windows], places: Sequence[Place], word: str, split: str, count: int, seed: int) -> list[int]:
+    """Who judges.
+
+    Args:
+        trials: with their windows
+        places: the windows that learn and judge
+        word: one of WORDS
+        split: "window" (the paper's: of each class every `count`-th window in turn, whose neighbours, which share 56 of its 64 ms, are learnt from),
+            "trial" (dealt out by object, placement and whether they slip) or "object"
+        count: folds; of objects there are as many as there are
+        seed: as folds() takes it
+
+    Returns:
+        the fold of each place
+    """
+    if split == "window":
+        seen = dict.fromkeys(range(len(KINDS)), -1)
+        fold_of = []
+        for place in places:
+            kind = int(trials[place.trial].label[place.window, WORDS.index(word)])
+            seen[kind] += 1
+            fold_of.append(seen[kind] % count)
+        return fold_of
+    groups = [trial.object if split == "object" else (trial.object, trial.rotational, trial.slips) for trial in trials]
+    numbers = {group: number for number, group in enumerate(dict.fromkeys(groups))}
+    of_trial = np.array([numbers[group] for group in groups])
+    if split == "trial":
+        of_trial = folds(of_trial, count, seed)
+    return [int(of_trial[place.trial]) for place in places]
+
+
+BINS_OF = {"spectra": (0, BINS), "high_pass": (CUT_BINS, BINS), "static_image": (0, 1)}
+
+
+def told(trial: Windows, chosen: NDArray[Any], what: str) -> Floats:
+    """What a network is told of windows.
+
+    Args:
+        trial: whose windows they are
+        chosen: their numbers, or which of them
+        what: "spectra" (32 bins of each taxel, 0 to 484 Hz), "high_pass" (those from 62.5 Hz on), "static_image" (bin 0 alone: the sum of each taxel's
+            counts), "load" (the mean of that over the taxels), "clock", "placement" (how the object was placed, and which it is) or "clock_placement"
+
+    Returns:
+        [windows, values]
+    """
+    spectra = trial.spectra[chosen]
+    count = len(spectra)
+    if what in BINS_OF:
+        first, end = BINS_OF[what]
+        return np.ascontiguousarray(spectra[:, :, first:end]).reshape(count, TAXELS * (end - first))
+    if what == "load":
+        return spectra[:, :, 0].astype(float).mean(axis=1, keepdims=True).astype(np.float32)
+    clock = trial.time[chosen, None].astype(np.float32)
+    placement = np.tile(np.array([trial.rotational, *(trial.object == one for one in OBJECTS)], np.float32), (count, 1))
+    return {"clock": clock, "placement": placement, "clock_placement": np.concatenate([clock, placement], axis=1)}[what]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of the tables.
+
+    Attributes:
+        name: in --only and in the figures
+        text: in the tables
+        net: number of the paper's network, whose recipe is myrmex_net1 to 3; 0: 32 units, tanh
+        told: what told() takes
+        word: one of WORDS
+        late: whether the stable windows that it learns and is judged on are of the last half second before the onset
+        longer: times the usual steps
+        published: accuracy, %; NaN: not published
+    """
+
+    name: str
+    text: str
+    net: int = 0
+    told: str = "spectra"
+    word: str = "true"
+    late: bool = False
+    longer: int = 1
+    published: float = math.nan
+
+    def network(self, inputs: int) -> nn.Module:
+        """The row's network, from so many inputs to three logits."""
+        if self.net == 0:
+            return nn.Sequential(nn.Linear(inputs, 32), nn.Tanh(), nn.Linear(32, len(KINDS)))
+        return find_recipe(f"myrmex_net{self.net}").network(inputs, len(KINDS))
+
+
+def network_row(net: int, what: str = "spectra", word: str = "true") -> Row:
+    """The paper's net 1, 2 or 3, with what it prints of it."""
+    passed = what == "high_pass"
+    return Row(f"net_{net}{'_high_pass' if passed else ''}{'' if word == 'true' else '_' + word}", f"net {net}{', from 62.5 Hz' if passed else ''}", net, what,
+               word, published=PUBLISHED[net][passed])
+
+
+def share(counts: NDArray[np.int64], label: int, called: int) -> float:
+    """The share of windows of a class that are called so.
+
+    Args:
+        counts: [true, called] windows
+        label: true class
+        called: class
+
+    Returns:
+        0 to 1; NaN of none
+    """
+    whole = counts[label].sum()
+    return float(counts[label, called] / whole) if whole else math.nan
+
+
+def accuracy(counts: NDArray[np.int64]) -> float:
+    """The mean share of the classes that occur which are called so; NaN where none does. `counts`: [true, called] windows."""
+    recalls = np.array([share(counts, kind, kind) for kind in range(len(KINDS))])
+    return mean_sd(recalls[~np.isnan(recalls)])[0]
+
+
+STABLE = ("late", "earlier", "holds")  # stable windows: of the last half second before the onset, all of them; of those drawn: earlier, of trials that hold
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What the networks of a validation have said.
+
+    Attributes:
+        folds: [folds, true, called] windows
+        stable: {one of STABLE: (called slip, all)}
+    """
+
+    folds: NDArray[np.int64]
+    stable: dict[str, tuple[int, int]]
+
+    @property
+    def all(self) -> NDArray[np.int64]:
+        """[true, called] windows of all folds together."""
+        return np.asarray(self.folds.sum(axis=0))
+
+    def called_slip(self, which: str) -> float:
+        """The share of stable windows that are called slip; NaN of none. `which`: one of STABLE."""
+        wrong, whole = self.stable[which]
+        return wrong / whole if whole else math.nan
+
+
+@dataclass(frozen=True)
+class Size:
+    """The size of a study.
+
+    Attributes:
+        draws: trials of each of the scene's eight cells
+        steps: of a row's usual training
+        turned: copies of each window that are turned
+    """
+
+    draws: int
+    steps: int
+    turned: int
+
+
+def size_of(options: Options) -> Size:
+    """The size that was asked for.
+
+    Args:
+        options: trials, full
+
+    Returns:
+        the size
+
+    Raises:
+        InputError: for too few trials
+    """
+    size = Size(options.trials or USUAL_DRAWS, PUBLISHED_STEPS if options.full else find_recipe(RECIPE).training.steps, ROTATIONS - 1 if options.full else 0)
+    if size.draws < 2:
+        raise InputError("reproduce: --trials 1: one trial of each object and placement leaves nothing to judge by; allowed: 2 or more")
+    return size
+
+
+def run_trials(options: Options, size: Size) -> list[Windows]:
+    """The windows of SCENE's trials.
+
+    Args:
+        options: seed, jobs
+        size: of the study
+
+    Returns:
+        a trial each
+
+    Raises:
+        InputError: of a trial, and where a class has no window
+    """
+    seed = options.draws_seed
+    trials = run_grid([Cell("trials", SCENE, draws=size.draws)], options, lambda _, trial: windows_of(trial, size.turned, seed))[0]
+    if not all(balanced_windows(trials, word, False, seed) for word in WORDS):
+        raise InputError(f"reproduce: {len(trials)} trials have no window of one of stable, translation and rotation; allowed: more --trials")
+    return trials
+
+
+class Validations:
+    """Rows judged by splits: queued first, then taught together.
+
+    Args:
+        options: seed, jobs, output, resume
+        size: of the study
+        trials: with their windows
+    """
+
+    def __init__(self, options: Options, size: Size, trials: Sequence[Windows]) -> None:
+        self._options, self._size, self._trials = options, size, trials
+        self._plans: list[tuple[Row, str, list[Place], list[int]]] = []
+        self._tasks: list[tuple[int, int]] = []  # validation and fold
+        self._said: list[dict[str, Any]] = []
+
+    def queue(self, row: Row, split: str, count: int, last: int) -> int:
+        """Folds 0 to `last` - 1 judge, one network each.
+
+        Args:
+            row: what learns
+            split: as window_folds() takes it
+            count: folds, as window_folds() takes them
+            last: the first fold that does not judge
+
+        Returns:
+            a number to ask with
+        """
+        places = balanced_windows(self._trials, row.word, row.late, self._options.draws_seed)
+        fold_of = window_folds(self._trials, places, row.word, split, count, self._options.draws_seed)
+        self._plans.append((row, split, places, fold_of))
+        # A small set of trials may leave a fold empty.
+        self._tasks += [(len(self._plans) - 1, fold) for fold in sorted(set(fold_of)) if fold < last]
+        return len(self._plans) - 1
+
+    def run(self, name: str) -> None:
+        """Teaches all that is queued.
+
+        Args:
+            name: PAPER/TABLE
+
+        Raises:
+            InputError: as teach_all()
+        """
+        self._said = teach_all(name, [self._plans[plan][0].text for plan, _ in self._tasks], self._options, lambda index: self._judged(*self._tasks[index]))
+
+    def figures(self, validation: int) -> Judged:
+        """What a validation has found, after run()."""
+        of_it = [said for (plan, _), said in zip(self._tasks, self._said, strict=True) if plan == validation]
+        counts = np.array([said["counts"] for said in of_it], dtype=np.int64).reshape(-1, len(KINDS), len(KINDS))
+        return Judged(counts, {which: (sum(said[which][0] for said in of_it), sum(said[which][1] for said in of_it)) for which in STABLE})
+
+    def _judged(self, plan: int, fold: int) -> dict[str, Any]:
+        row, split, places, fold_of = self._plans[plan]
+        by = WORDS.index(row.word)
+        learn: dict[int, list[int]] = {}
+        judge: dict[int, list[int]] = {}
+        for place, of_place in zip(places, fold_of, strict=True):
+            (judge if of_place == fold else learn).setdefault(place.trial, []).append(place.window)
+        if row.told in BINS_OF:
+            for number, trial in enumerate(self._trials):
+                copies = (trial.turn != 0) & (trial.label[:, by] != MASKED) & np.isin(trial.time, trial.time[learn.get(number, [])])
+                if copies.any():
+                    learn.setdefault(number, []).extend(np.flatnonzero(copies).tolist())
+        drawn = _gathered(self._trials, judge, row)
+        late = {number: np.flatnonzero((self._trials[number].turn == 0) & self._trials[number].late & (self._trials[number].label[:, by] == 0)).tolist()
+                for number in sorted(judge)} if split != "window" else {}
+        asked = [drawn, _gathered(self._trials, late, row)]
+        learnt = _gathered(self._trials, learn, row)
+        inputs = learnt.features.shape[1]
+        training: Training = replace(find_recipe(RECIPE).training, steps=self._size.steps * row.longer)
+        # Each window is a sequence of one frame to a network that has no state.
+        logits = learn_and_answer(partial(row.network, inputs), [(learnt.features, learnt.label)], [one.features for one in asked if len(one.label)], training,
+                                  classes=len(KINDS), seed=self._options.draws_seed)
+        called = [one.argmax(axis=1) for one in logits] + [np.zeros(0, np.int64)] * 2
+        counts = np.zeros((len(KINDS), len(KINDS)), dtype=np.int64)
+        np.add.at(counts, (drawn.label, called[0]), 1)
+        stable = drawn.label == 0
+        return {"counts": counts, "late": _wrong(called[1]), "earlier": _wrong(called[0][stable & (drawn.to_onset > LAST_SECONDS)]),
+                "holds": _wrong(called[0][stable & np.isnan(drawn.to_onset)])}
+
+
+class _Gathered(NamedTuple):
+    features: Floats
+    label: Labels
+    to_onset: NDArray[np.float64]
+
+
+def _gathered(trials: Sequence[Windows], chosen: dict[int, list[int]], row: Row) -> _Gathered:
+    """Windows of some trials one after the other."""
+    by = WORDS.index(row.word)
+    some = [(trials[number], np.array(windows, dtype=np.intp)) for number, windows in chosen.items()] or [(trials[0], np.zeros(0, np.intp))]
+    return _Gathered(np.concatenate([told(trial, windows, row.told) for trial, windows in some]),
+                     np.concatenate([trial.label[windows, by] for trial, windows in some]),
+                     np.concatenate([trial.to_onset[windows] for trial, windows in some]))
+
+
+def _wrong(called: NDArray[np.int64]) -> tuple[int, int]:
+    return int((called != 0).sum()), len(called)
+
+
+def percent(value: float) -> str:
+    """A share as "96.4"; "-" of NaN."""
+    return "-" if math.isnan(value) else f"{100.0 * value:.1f}"
+
+
+def setup_of(options: Options, size: Size, trials: Sequence[Windows]) -> list[str]:
+    """How it was measured, of both tables.
+
+    Args:
+        options: seed
+        size: of the study
+        trials: with their windows
+
+    Returns:
+        a sentence each
+    """
+    seed = options.draws_seed
+    true, bench, motion = (len(balanced_windows(trials, word, False, seed)) for word in WORDS)
+    turned = f"; {size.turned} copies of each, turned, are learnt from as well" if size.turned else "; images as recorded"
+    return [
+        f"{SCENE}, seed {seed}: {len(trials)} trials (paper: 64), {sum(not trial.slips for trial in trials)} of them hold to the end; both arrays.",
+        "Windows of 64 ms at 1 kHz every 8 ms, amplitudes of 12 x 12 x 32, at most 60 of a class, trial and array, then as many of each class: "
+        f"{true} by the true label, {bench} by the bench's, {motion} by the motion{turned}.",
+        f"{size.steps} steps of 64 windows by Adam (paper: about {PUBLISHED_STEPS}); the last state is judged.",
+        "Label true: from when slipping taxels carry half of the load on both pads until one has lost contact; class by how the object was placed.",
+        "Label bench, the paper's: from when the sum of the third sensor falls (mean of 100 ms, 3 sd) until the arrays' sums are at rest; class likewise.",
+        "Label motion: as true, with the class of the rigid motion that fits the slip of the taxels, the part with more energy.",
+        f"The motion names the class of the placement in {percent(_as_placed(trials))} % of the true slip.",
+        "Accuracy: mean of the shares of stable, translation and rotation that are called so, of all folds together. High pass: the bins from 62.5 Hz on.",
+    ]
+
+
+def _as_placed(trials: Iterable[Windows]) -> float:
+    """The share of windows that slip by the motion whose class is that of the placement."""
+    right = []
+    for trial in trials:
+        label = trial.label[(trial.turn == 0), WORDS.index("motion")]
+        slips = label[(label != 0) & (label != MASKED)]
+        right.append((slips == 2) == trial.rotational)
+    return mean_sd(np.concatenate(right))[0]
