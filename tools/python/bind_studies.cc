@@ -38,7 +38,8 @@ nb::ndarray<nb::numpy, T> array_of(std::vector<T> values, std::vector<std::size_
 }
 
 // What a detector says of each sample of a recorded sensor: states, the values that it hands on, and their names.
-using Estimates = nb::typed<nb::tuple, nb::ndarray<nb::numpy, std::uint8_t>, nb::ndarray<nb::numpy, double>, std::vector<std::string>>;
+using Estimates =
+    nb::typed<nb::tuple, nb::ndarray<nb::numpy, std::uint8_t>, nb::ndarray<nb::numpy, double>, std::vector<std::string>>;
 Estimates estimates(const TrialRecord& record, const std::string& name, const std::string& type, const Pairs& parameters) {
   std::vector<std::uint8_t> states;
   std::vector<double> values;
@@ -49,9 +50,14 @@ Estimates estimates(const TrialRecord& record, const std::string& name, const st
     if (sensor == record.sensors.end()) throw InputError("trial " + std::to_string(record.trial) + ": no sensor '" + name + "'");
     RecordedSamples samples(*sensor);
     const std::unique_ptr<Detector> detector =
-        make_detector(eval::chosen_detector(type, overrides_of(parameters)),
-                      {sensor->name, sensor->type, sensor->rate, samples.channels(), record.trial, sensor->time.back(), record.seed,
-                       {samples.source()}});
+        make_detector(eval::chosen_detector(type, overrides_of(parameters)), {sensor->name,
+                                                                              sensor->type,
+                                                                              sensor->rate,
+                                                                              samples.channels(),
+                                                                              record.trial,
+                                                                              sensor->time.back(),
+                                                                              record.seed,
+                                                                              {samples.source()}});
     if (detector->listener() != nullptr) throw InputError("detector '" + type + "' reads other sensors, too");
     while (!samples.ended()) {
       const SlipEstimate& now = detector->update(samples.take());

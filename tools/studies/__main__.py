@@ -8,7 +8,7 @@ from typing import Any
 
 from slipbench import InputError
 from slipbench_studies.kept import remove_kept
-from slipbench_studies.result import Options, Result, result_object
+from slipbench_studies.result import Options, Result, result_object, say_nothing
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -50,8 +50,7 @@ def main(request: dict[str, Any]) -> int:
         the exit status
     """
     name, as_json, quiet, install = (request.pop(key) for key in ("name", "json", "quiet", "install"))
-    heard = {} if as_json or quiet else {"say": _say}
-    options = Options(**{**request, "only": tuple(request["only"])}, **heard)
+    options = Options(**{**request, "only": tuple(request["only"]), "say": say_nothing if as_json or quiet else _say})
     try:
         result = run(name, options)
         files: list[str] = []

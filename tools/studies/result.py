@@ -108,7 +108,7 @@ class Result:
     real: list[RealFigure] = field(default_factory=list)
 
 
-def _say_nothing(_: str) -> None:
+def say_nothing(_: str) -> None:
     """For options without a listener."""
 
 
@@ -142,7 +142,7 @@ class Options:
     memories: str = ""
     output: str = ""
     resume: bool = False
-    say: Callable[[str], None] = _say_nothing
+    say: Callable[[str], None] = say_nothing
 
     @property
     def draws_seed(self) -> int:

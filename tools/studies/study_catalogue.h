@@ -84,9 +84,9 @@ struct ReproduceOptions {
 };
 
 struct Reproduction {
-  std::string name;                  // PAPER/TABLE: "hd-papillarray/table1"
-  std::string summary;               // a line
-  std::vector<std::string> options;  // "--data", "--seed": those that it takes
+  std::string name;                                // PAPER/TABLE: "hd-papillarray/table1"
+  std::string summary;                             // a line
+  std::vector<std::string> options;                // "--data", "--seed": those that it takes
   Result (*run)(const ReproduceOptions& options);  // null: the Python package slipbench_studies has it
 };
 

@@ -1,4 +1,4 @@
-"""The package's own files, its extension's types and its examples pass mypy --strict. Arguments: the project's root, the package."""
+"""The package's own files, the studies', its extension's types and its examples pass mypy --strict. Arguments: the project's root, the package."""
 
 import re
 import subprocess
@@ -20,7 +20,9 @@ with tempfile.TemporaryDirectory() as name:
     print([path.name for path in examples])
     ends = [subprocess.run([*strict, *own, *map(str, examples)], cwd=folder, check=False).returncode]
     # By name: the package of a build has links to the folders of all that it is built from.
-    files = [*sorted(package.glob("*.py")), *sorted((package / "_export").glob("*.py")), package / "bin/_core.pyi", package / "py.typed"]
+    folders = sorted(init.parent for init in package.parent.glob("slipbench_studies/**/__init__.py"))
+    studies = [file for folder in folders for file in sorted(folder.glob("*.py"))]
+    files = [*sorted(package.glob("*.py")), *studies, *sorted((package / "_export").glob("*.py")), package / "bin/_core.pyi", package / "py.typed"]
     print([path.name for path in files])
     ends.append(0 if files[-1].is_file() else "the package has no py.typed")
     ends.append(subprocess.run([*strict, "--explicit-package-bases", *map(str, files[:-1])], cwd=package.parent, check=False).returncode)

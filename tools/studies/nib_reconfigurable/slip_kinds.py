@@ -110,7 +110,7 @@ def study(options: Options) -> Result:
     runs = pd.DataFrame(found[0] + found[1])
 
     told = Table("Told apart", ["question", "bar", "AUC", "95 %", "n"], note="Exact, by ranks; intervals after DeLong.")
-    figures = []
+    figures: list[dict[str, Any]] = []
     for text, bar, score, positive, negative in QUESTIONS:
         above, below = (score(runs[runs["kind"].isin(kinds)]) for kinds in (positive, negative))
         if above.empty or below.empty:
