@@ -239,7 +239,7 @@ def told(trial: Windows, chosen: NDArray[Any], what: str) -> Floats:
         first, end = BINS_OF[what]
         return np.ascontiguousarray(spectra[:, :, first:end]).reshape(count, TAXELS * (end - first))
     if what == "load":
-        return spectra[:, :, 0].astype(float).mean(axis=1, keepdims=True).astype(np.float32)
+        return np.asarray(spectra[:, :, 0].astype(float).mean(axis=1, keepdims=True), dtype=np.float32)
     clock = trial.time[chosen, None].astype(np.float32)
     placement = np.tile(np.array([trial.rotational, *(trial.object == one for one in OBJECTS)], np.float32), (count, 1))
     return {"clock": clock, "placement": placement, "clock_placement": np.concatenate([clock, placement], axis=1)}[what]
