@@ -68,55 +68,55 @@ def mark(axes, time, words):
 def trial_picture(title, scene, sensor, draw_reading, *, draw_pad=None, trial=0):
     record = slipbench.Scene.load(SCENES / scene).run(trial=trial)
     pad = record.sensors[sensor]
-    states = pad.labels.unit_state
+    states = record.labels[pad.name].unit_state
     at = mixed(states)
     picture, left, reading, shares = figure(f"{title} ({scene})")
     if draw_pad:
-        draw_pad(left, pad, at)
+        draw_pad(left, record, pad, at)
     else:
-        draw_units(left, pad.labels.unit_positions, states[at], 3000 / len(states[at]))
-        left.set_title(f"pad at {pad.time[at]:.2f} s", fontsize=9)
+        draw_units(left, record.labels[pad.name].unit_positions, states[at], 3000 / len(states[at]))
+        left.set_title(f"pad at {pad.t[at]:.2f} s", fontsize=9)
     draw_reading(reading, record, pad)
     mark(reading, record.outcome.get("judged_slip_time_s") or record.outcome["first_slip_time_s"], "slip begins")
-    draw_shares(shares, pad.time, states)
+    draw_shares(shares, pad.t, states)
     return picture
 
 
-def tangential(axes, _, pad):
-    axes.plot(pad.time, np.linalg.norm(pad.labels.force[:, :, :2], axis=2), linewidth=1)
+def tangential(axes, record, pad):
+    axes.plot(pad.t, np.linalg.norm(record.labels[pad.name].force[:, :, :2], axis=2), linewidth=1)
     axes.set_ylabel("tangential force\nof a pillar (N)")
 
 
-def whole(axes, _, pad):
-    axes.plot(pad.time, np.linalg.norm(pad.labels.force[:, :, :2].sum(axis=1), axis=1))
+def whole(axes, record, pad):
+    axes.plot(pad.t, np.linalg.norm(record.labels[pad.name].force[:, :, :2].sum(axis=1), axis=1))
     axes.set_ylabel("tangential\nforce (N)")
 
 
 def counts(channel, words):
     def draw(axes, _, pad):
-        time = pad.channel_time.get(channel, pad.time)
+        time = pad.channel_time.get(channel, pad.t)
         values = pad.channels[channel].reshape(len(time), -1)
         axes.plot(time, values[:, np.argsort(-np.ptp(values, axis=0))[:6]], linewidth=0.8)
         axes.set_ylabel(f"{words}\n(counts)")
     return draw
 
 
-def image(axes, pad, at):
+def image(axes, _, pad, at):
     shown = axes.imshow(pad.channels["taxels"][at], cmap="viridis", origin="lower")
-    axes.set_title(f"taxels at {pad.time[at]:.2f} s", fontsize=9)
+    axes.set_title(f"taxels at {pad.t[at]:.2f} s", fontsize=9)
     axes.figure.colorbar(shown, ax=axes, shrink=0.6, label="counts")
 
 
-def closer(axes, pad, _):
-    onset = pad.labels.onset_time[0]
-    chosen = abs(pad.time - onset) < 0.03
-    axes.plot(1000 * (pad.time[chosen] - onset), pad.channels["signal"][chosen, 0], linewidth=0.8)
+def closer(axes, record, pad, _):
+    onset = record.labels[pad.name].onset_time[0]
+    chosen = abs(pad.t - onset) < 0.03
+    axes.plot(1000 * (pad.t[chosen] - onset), pad.channels["signal"][chosen, 0], linewidth=0.8)
     axes.axvline(0, color="#d1495b", linewidth=1.2)
     axes.set(xlabel="time after slip (ms)", ylabel="signal (counts)")
 
 
-def markers(axes, pad, at):
-    draw_units(axes, pad.labels.unit_positions, pad.labels.unit_state[at], 30)
+def markers(axes, record, pad, at):
+    draw_units(axes, record.labels[pad.name].unit_positions, record.labels[pad.name].unit_state[at], 30)
     places, moved = pad.channels["pixel"][0], 1000 * pad.channels["displacement"][at]
     scale = 16.0 / np.ptp(places[:, 0])  # mm a pixel: nine markers span 16 mm
     axes.quiver(scale * (places[:, 0] - 160), scale * (120 - places[:, 1]), *moved.T[:2], angles="xy", scale_units="xy", scale=0.2, width=0.012, zorder=3)
@@ -125,15 +125,15 @@ def markers(axes, pad, at):
 
 
 def grip(axes, record, _):
-    axes.plot(record.control.time, record.control.grip_force, label="grip force (N)")
+    axes.plot(record.control.t, record.control.grip_force, label="grip force (N)")
     box = record.bodies["box"]
-    axes.plot(box["time"], 100 * (box["pose"][:, 2] - box["pose"][0, 2]), label="height (cm)")
+    axes.plot(box.t, 100 * (box.pose[:, 2] - box.pose[0, 2]), label="height (cm)")
     axes.legend(fontsize=8, loc="center right")
 
 
 def speed(axes, record, pad):
     body = record.bodies[pad.name]
-    axes.plot(body["time"], np.linalg.norm(body["velocity"][:, :2], axis=1))
+    axes.plot(body.t, np.linalg.norm(body.velocity[:, :2], axis=1))
     axes.set_ylabel("speed (m/s)")
 
 
@@ -147,18 +147,18 @@ def soft_skin():
     load = 16 / 3 * modulus * np.sqrt(radius) * depth**1.5
     slides = 9 * friction * load / (32 * modulus * reach)  # mm, where all of it does
     body = record.bodies["pad"]
-    way = 1000 * np.interp(pad.time, body["time"], body["pose"][:, 0])
+    way = 1000 * np.interp(pad.t, body.t, body.pose[:, 0])
     there = slice(np.argmax(way > 0), np.argmax(way))
     picture, left, reading, shares = figure("A sphere is pushed along a soft skin (soft_skin/sphere.yaml)")
     at = there.start + np.argmax(way[there] > 0.6 * slides)
-    draw_units(left, pad.labels.unit_positions, pad.labels.unit_state[at], 3000 / 256)
+    draw_units(left, record.labels[pad.name].unit_positions, record.labels[pad.name].unit_state[at], 3000 / 256)
     angle, stuck = np.linspace(0, 2 * np.pi, 100), reach * np.sqrt(0.4)
     left.plot(stuck * np.cos(angle), stuck * np.sin(angle), color="black", linewidth=1)
     left.set_title("at 0.6 of the way; line: theory", fontsize=9)
-    reading.plot(pad.time[there], np.linalg.norm(pad.labels.force[there, :, :2].sum(axis=1), axis=1), label="tangential force (N)")
-    reading.plot(pad.time[there], friction * load * (1 - np.clip(1 - way[there] / slides, 0, 1) ** 1.5), "k--", linewidth=1, label="theory")
+    reading.plot(pad.t[there], np.linalg.norm(record.labels[pad.name].force[there, :, :2].sum(axis=1), axis=1), label="tangential force (N)")
+    reading.plot(pad.t[there], friction * load * (1 - np.clip(1 - way[there] / slides, 0, 1) ** 1.5), "k--", linewidth=1, label="theory")
     reading.legend(fontsize=8, loc="lower right")
-    draw_shares(shares, pad.time[there], pad.labels.unit_state[there])
+    draw_shares(shares, pad.t[there], record.labels[pad.name].unit_state[there])
     return picture
 
 
@@ -167,9 +167,10 @@ def benchmark():
     picture, axes = plt.subplots(5, figsize=(7, 3), dpi=100, layout="constrained")
     picture.suptitle("What slip detectors are judged by: the truth of one recording a sensor (benchmark/slip-1)", fontsize=10)
     for axis, (name, trial) in zip(axes, {"papillarray": 4, "nib_pad": 5, "piezo_skin": 6, "myrmex": 1, "biotac_sp": 5}.items(), strict=True):
-        pad = next(iter(slipbench.Scene.load(SCENES / f"benchmark/slip-1/open_{name}.yaml").run(trial=trial).sensors.values()))
-        axis.imshow(pad.labels.state[None], aspect="auto", cmap=ListedColormap(PAD_COLOURS), vmin=0, vmax=3, interpolation="nearest",
-                    extent=(pad.time[0], pad.time[-1], 0, 1))
+        record = slipbench.Scene.load(SCENES / f"benchmark/slip-1/open_{name}.yaml").run(trial=trial)
+        pad = next(iter(record.sensors.values()))
+        axis.imshow(record.labels[pad.name].state[None], aspect="auto", cmap=ListedColormap(PAD_COLOURS), vmin=0, vmax=3, interpolation="nearest",
+                    extent=(pad.t[0], pad.t[-1], 0, 1))
         axis.set_yticks([])
         axis.set_ylabel(name, rotation=0, ha="right", va="center", fontsize=9)
         axis.tick_params(labelsize=7)

@@ -129,6 +129,11 @@ class Grasps {
     }
     return results();
   }
+  // Takes the steps `actions` in environment `i` alone, from where its episode stands.
+  void replay(std::size_t i, const std::vector<double>& actions) {
+    const nb::gil_scoped_release release;
+    for (const double action : actions) environments_.environment(i).step(action);
+  }
   [[nodiscard]] const std::vector<std::string>& names() { return environments_.environment(0).observation_names(); }
   [[nodiscard]] Texts warnings() { return texts_of(environments_.environment(0).warnings()); }
 
@@ -182,6 +187,7 @@ void bind_environments(nb::module_& module) {
       .def(nb::init<const std::string&, const Pairs&, const std::string&, std::size_t, std::size_t>())
       .def("reset", &Grasps::reset)
       .def("step", &Grasps::step)
+      .def("replay", &Grasps::replay)
       .def("warnings", &Grasps::warnings)
       .def_prop_ro("names", &Grasps::names);
 }

@@ -31,6 +31,7 @@
 #include "tools/program/cost/kept_setting.h"
 #include "tools/program/eval/evaluate.h"
 #include "tools/program/eval/replay.h"
+#include "tools/program/run/trial_run.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/sweep/warnings.h"
 #include "tools/program/text/describe.h"
@@ -87,17 +88,43 @@ struct Stop {
   std::atomic<bool> now = false;
 };
 
+// What the units of one pad feel at each sample of its sensor, in the pad frame: [T, N, 3] each.
+struct PadContact {
+  std::size_t units = 0;
+  std::vector<float> force;         // N
+  std::vector<float> displacement;  // m
+};
+
+// A numpy array that owns `values`, of the shape [T, N, 3].
+nb::object vectors_of(std::vector<float> values, std::size_t units) {
+  auto* const held = new std::vector<float>(std::move(values));
+  const nb::capsule owner(held, [](void* all) noexcept { delete static_cast<std::vector<float>*>(all); });
+  const std::array<std::size_t, 3> shape{units == 0 ? 0 : held->size() / (3 * units), units, 3};
+  return nb::cast(nb::ndarray<nb::numpy, float>(held->data(), shape.size(), shape.data(), owner));
+}
+
+// name of a sensor: force and displacement.
+using Contacts = nb::typed<nb::dict, nb::str, nb::typed<nb::tuple, nb::ndarray<nb::numpy, float>, nb::ndarray<nb::numpy, float>>>;
+
 // A scene file with what was set, checked.
 class Scene {
  public:
-  Scene(std::string path, const Pairs& overrides) : catalogues_(std::make_shared<const Catalogues>(program_catalogues())) {
+  // `text`: the scene, if it is not read from the file at `path`, whose folder is then where the scene's own paths begin.
+  Scene(std::string path, const Pairs& overrides, std::optional<std::string> text)
+      : catalogues_(std::make_shared<const Catalogues>(program_catalogues())) {
     options_.scene_path = std::move(path);
     options_.overrides = overrides_of(overrides);
     nb::gil_scoped_release release;
-    if (const std::optional<KeptSetting> setting = setting_for(options_, *catalogues_))
-      options_.overrides.insert(options_.overrides.end(), setting->overrides.begin(), setting->overrides.end());
-    file_ = SceneFile::load(options_.scene_path);
+    if (text) {
+      file_ = SceneFile::from_text(std::move(*text), options_.scene_path);
+    } else {
+      if (const std::optional<KeptSetting> setting = setting_for(options_, *catalogues_))
+        options_.overrides.insert(options_.overrides.end(), setting->overrides.begin(), setting->overrides.end());
+      file_ = SceneFile::load(options_.scene_path);
+    }
     for (const Override& change : options_.overrides) file_.apply(change);
+    if (text && file_.root().find("accuracy") != nullptr)
+      throw InputError(options_.scene_path + ": accuracy needs a scene that is a file, beside which its setting is kept; use Scene.load()");
     seed_ = parse_scene(file_, *catalogues_).seed;
   }
 
@@ -131,18 +158,48 @@ class Scene {
     if (stop == nullptr) guard.emplace();
     const std::atomic<bool>* const interrupt = stop == nullptr ? &InterruptGuard::flag() : &stop->now;
     const nb::gil_scoped_release release;
-    const std::shared_ptr<const PlannedTrials> planned = plan(trial, draws, limit, seed);
-    TrialPlan::Trial chosen = planned->plan.trial(trial);
-    chosen.scene.seed = seed;
-    try {
+    return simulate(trial, draws, limit, seed, [&](const TrialPlan::Trial& chosen) {
       TrialResult result =
           run_trial(chosen.scene, trial, full ? Recording::full : Recording::outcome, max_record_bytes, interrupt);
-      result.record.params = params_json(chosen.drawn);
       if (!full) keep_outcome(result.record);
-      return std::make_shared<TrialRecord>(std::move(result.record));
-    } catch (const SceneValueError& error) {
-      throw InputError(planned->plan.where(trial, error.path()) + ": " + error.what());
+      return std::move(result.record);
+    });
+  }
+
+  // The same, fully recorded, with what the units of each pad feel.
+  [[nodiscard]] nb::typed<nb::tuple, TrialRecord, Contacts> run_with_contact(std::size_t trial, std::size_t draws, std::size_t limit,
+                                                                             std::uint64_t seed, const Stop* stop) const {
+    std::optional<SharedInterrupt> guard;
+    if (stop == nullptr) guard.emplace();
+    const std::atomic<bool>* const interrupt = stop == nullptr ? &InterruptGuard::flag() : &stop->now;
+    std::shared_ptr<TrialRecord> record;
+    std::vector<PadContact> contacts;
+    {
+      const nb::gil_scoped_release release;
+      record = simulate(trial, draws, limit, seed, [&](const TrialPlan::Trial& chosen) {
+        const InterruptScope scope(interrupt);
+        TrialRun run(chosen.scene, trial, Recording::full, max_record_bytes, interrupt);
+        contacts.resize(run.sensors().size());
+        while (!run.finished()) {
+          for (const Tick& tick : run.step()) {
+            if (tick.sample == nullptr) continue;
+            const ContactFrame& felt = run.simulation().contact_part(tick.pad, FramePart::felt);
+            PadContact& contact = contacts[tick.pad];
+            contact.units = static_cast<std::size_t>(felt.force.cols());
+            for (const double value : felt.force.reshaped()) contact.force.push_back(static_cast<float>(value));
+            for (const double value : felt.displacement.reshaped()) contact.displacement.push_back(static_cast<float>(value));
+          }
+        }
+        return run.finish().record;
+      });
     }
+    Contacts all;
+    for (std::size_t pad = 0; pad < contacts.size(); ++pad) {
+      PadContact& contact = contacts[pad];
+      all[nb::str(record->sensors[pad].name.c_str())] =
+          nb::make_tuple(vectors_of(std::move(contact.force), contact.units), vectors_of(std::move(contact.displacement), contact.units));
+    }
+    return nb::make_tuple(record, all);
   }
 
   // Runs the sweep into a dataset; returns run_sweep()'s summary as JSON.
@@ -168,7 +225,9 @@ class Scene {
     };
     const nb::gil_scoped_release release;
     const std::lock_guard alone(hdf5_in_use);
-    const SweepSummary summary = run_sweep(options, *catalogues_, told);
+    const std::uint64_t chosen = seed.value_or(seed_);
+    const ReadSweep read{file_, chosen, plan_trials(file_, *catalogues_, options, chosen)};
+    const SweepSummary summary = run_sweep(read, options, *catalogues_, told);
     Json json = Json::parse(summary_json(summary));
     json["warnings"] = warnings_json(converter_warnings(summary.trials));
     return json.dump();
@@ -216,6 +275,22 @@ class Scene {
   }
 
  private:
+  // The record that `simulated` makes of trial `trial`, with what was drawn for it. Without Python's lock.
+  template <class Simulated>
+  std::shared_ptr<TrialRecord> simulate(std::size_t trial, std::size_t draws, std::size_t limit, std::uint64_t seed,
+                                        const Simulated& simulated) const {
+    const std::shared_ptr<const PlannedTrials> planned = plan(trial, draws, limit, seed);
+    TrialPlan::Trial chosen = planned->plan.trial(trial);
+    chosen.scene.seed = seed;
+    try {
+      auto record = std::make_shared<TrialRecord>(simulated(chosen));
+      record->params = params_json(chosen.drawn);
+      return record;
+    } catch (const SceneValueError& error) {
+      throw InputError(planned->plan.where(trial, error.path()) + ": " + error.what());
+    }
+  }
+
   // The plan that has the trial. The last one is kept: a sweep asks for it once a trial.
   [[nodiscard]] std::shared_ptr<const PlannedTrials> plan(std::size_t trial, std::size_t draws, std::size_t limit,
                                                           std::uint64_t seed) const {
@@ -303,13 +378,16 @@ void bind_scene(nb::module_& module) {
       .def("add", &Converters::add)
       .def("warnings", &Converters::warnings);
   nb::class_<Scene>(module, "Scene")
-      .def(nb::init<std::string, const Pairs&>())
+      .def(nb::init<std::string, const Pairs&, std::optional<std::string>>(), nb::arg("path"), nb::arg("overrides"),
+           nb::arg("text").none())
       .def_prop_ro("text", &Scene::text)
       .def_prop_ro("seed", &Scene::seed)
       .def("trials", &Scene::trials)
       .def("warnings", &Scene::warnings, nb::arg("draws"), nb::arg("limit"), nb::arg("seed").none(), nb::arg("build"),
            nb::arg("output"), nb::arg("isolate"), nb::arg("limit_s"))
       .def("run", &Scene::run, nb::arg("trial"), nb::arg("draws"), nb::arg("limit"), nb::arg("seed"), nb::arg("full"),
+           nb::arg("stop").none())
+      .def("run_with_contact", &Scene::run_with_contact, nb::arg("trial"), nb::arg("draws"), nb::arg("limit"), nb::arg("seed"),
            nb::arg("stop").none())
       .def("write", &Scene::write, nb::arg("output"), nb::arg("draws"), nb::arg("limit"), nb::arg("seed").none(), nb::arg("jobs"),
            nb::arg("full"), nb::arg("resume"), nb::arg("progress").none(), nb::arg("isolate"), nb::arg("limit_s"))

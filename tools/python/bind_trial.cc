@@ -61,7 +61,7 @@ nb::dict sensor_of(const Held& record, SensorRecord& sensor) {
   all["rate"] = sensor.rate;
   all["frame"] = sensor.frame;
   all["follows"] = sensor.follows;
-  all["time"] = view(record, sensor.time);
+  all["t"] = view(record, sensor.time);
   all["channels"] = channels;
   all["units"] = units;
   all["channel_time"] = times;
@@ -77,7 +77,7 @@ nb::typed<nb::object, std::optional<Described>> control_of(const Held& record) {
   all["controller"] = control.controller;
   all["sensor"] = control.sensor;
   all["rate"] = control.rate;
-  all["time"] = view(record, control.time);
+  all["t"] = view(record, control.time);
   all["detector_class"] = view(record, control.detector_class);
   all["command"] = view(record, control.grip.command, {3});
   all["measured_position"] = view(record, control.grip.measured_position);
@@ -90,7 +90,7 @@ ByName bodies_of(const Held& record) {
   ByName all;
   for (BodyRecord& body : record->bodies) {
     nb::dict one;
-    one["time"] = view(record, record->body_time);
+    one["t"] = view(record, record->body_time);
     one["pose"] = view(record, body.pose, {7});
     one["velocity"] = view(record, body.velocity, {6});
     all[nb::str(body.name.c_str())] = one;

@@ -42,4 +42,5 @@ NB_MODULE(_core, module) {
   slipbench::python::bind_scene(module);
   slipbench::python::bind_environments(module);
   slipbench::python::bind_learning(module);
+  slipbench::python::bind_values(module);
 }

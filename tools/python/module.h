@@ -25,5 +25,6 @@ void bind_scene(nanobind::module_& module);
 void bind_own_parts(nanobind::module_& module);
 void bind_environments(nanobind::module_& module);
 void bind_learning(nanobind::module_& module);
+void bind_values(nanobind::module_& module);
 
 }  // namespace slipbench::python

@@ -70,7 +70,7 @@ class Trials(unittest.TestCase):
 
     def test_arrays_are_views_that_outlive_the_trial(self):
         trial = slipbench.Scene.load("papillarray/stage.yaml").run()
-        force = trial.sensors["pad"].channels["force"]
+        force = trial.sensors["pad"].force
         again = trial._record.sensors(trial._record)["pad"]["channels"]["force"]
         self.assertEqual(force.__array_interface__["data"][0], again.__array_interface__["data"][0])
         self.assertFalse(force.flags.writeable)
@@ -85,7 +85,7 @@ class Trials(unittest.TestCase):
 
     def test_bodies_and_control_stand_beside_the_sensors(self):
         trial = slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2 s", "motion.distance": "10 mm"}).run()
-        samples = len(trial.control.time)
+        samples = len(trial.control.t)
         self.assertEqual(trial.control.command.shape, (samples, 3))
         self.assertEqual((trial.control.detector, trial.control.controller), ("gst_hd", "step_on_slip"))
         self.assertEqual(trial.bodies["box"]["pose"].shape[1], 7)

@@ -189,12 +189,11 @@ TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double
   if (recorder_) recorder_->record(ticks, loop_);
 }
 
-void TrialRun::run() {
-  while (!finished()) {
-    const std::span<const Tick> ticks = advance();
-    loop_.act(ticks);
-    observe(ticks);
-  }
+std::span<const Tick> TrialRun::step() {
+  const std::span<const Tick> ticks = advance();
+  loop_.act(ticks);
+  observe(ticks);
+  return ticks;
 }
 
 bool TrialRun::step_or_wait() {

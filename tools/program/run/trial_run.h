@@ -349,8 +349,13 @@ class TrialRun {
   TrialRun& operator=(const TrialRun&) = delete;
 
   [[nodiscard]] bool finished() const { return sampler_.finished(); }
+  // Goes to the next instant at which a pad has a tick, lets the loop act and records. Returns the ticks at that instant, in the order of
+  // pads, which stay until the next call. Throws as run_trial().
+  std::span<const Tick> step();
   // All of it. Throws as run_trial().
-  void run();
+  void run() {
+    while (!finished()) step();
+  }
   // For a grasp whose commands come from outside: to the next instant at which a pad has a tick; true where loop().awaiting() asks for a command
   // at that instant. Then loop().command() is to be called, and this again, which goes on at the same instant. Throws as run_trial().
   bool step_or_wait();

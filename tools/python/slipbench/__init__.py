@@ -7,14 +7,17 @@ Units are SI throughout. Bad input raises `InputError` with the program's own me
 """
 
 from slipbench.bin._core import InputError, version as __version__
-from slipbench._data import Arrays, Dataset, StoredTrial, Windows, open
+from slipbench._data import Arrays, Dataset, StoredBody, StoredControl, StoredLabels, StoredSensor, StoredTrial, Windows, open
 from slipbench._own import (Command, Controller, Detector, Estimate, Frame, Layout, OwnSensor, SensorSource, Slip, Source, State, controller, detector,
                             sensor)
 from slipbench._scene import Check, Scene, Sweep, describe, evaluate, list_names, scenes
-from slipbench._trial import Control, Labels, Sensor, Trial
+from slipbench._trial import Body, Contact, Control, Labels, Sensor, Trial
+from slipbench._values import RandomStream, parse_quantity
 
 __all__ = [
-    "Arrays", "Check", "Command", "Control", "Controller", "Dataset", "Detector", "Estimate", "Frame", "InputError", "Labels", "Layout", "OwnSensor",
-    "Scene", "Sensor", "SensorSource", "Slip", "Source", "State", "StoredTrial", "Sweep", "Trial", "Windows", "__version__", "controller",
-    "describe", "detector", "evaluate", "list_names", "open", "scenes", "sensor",
+    "Arrays", "Body", "Check", "Command", "Contact", "Control", "Controller", "Dataset", "Detector", "Estimate",
+    "Frame", "InputError", "Labels", "Layout", "OwnSensor", "RandomStream", "Scene", "Sensor", "SensorSource", "Slip",
+    "Source", "State", "StoredBody", "StoredControl", "StoredLabels", "StoredSensor", "StoredTrial", "Sweep", "Trial",
+    "Windows", "__version__", "controller", "describe", "detector", "evaluate", "list_names", "open",
+    "parse_quantity", "scenes", "sensor",
 ]

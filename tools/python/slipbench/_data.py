@@ -5,19 +5,22 @@ from __future__ import annotations
 import json
 import os
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from slipbench._trial import Body, Contact, Control, Labels, Row, Sensor, trial_table, trial_text
+from slipbench._values import index as whole_number
 from slipbench.bin import _core
 
 if TYPE_CHECKING:
     import h5py
     import pandas
 
+_MOST_BYTES = 8e9  # of Windows.arrays()
 # How a dataset's labels say of a sample whether the pad slips: by all of a unit, a part of it, the sensor's paper.
 RULES = {"strict": "state", "micro": "state_micro", "paper": "state_paper"}
 
@@ -79,6 +82,143 @@ class Arrays(Mapping[str, "h5py.Dataset"]):
     def __len__(self) -> int:
         return len(self._names)
 
+    def __reduce__(self) -> Any:
+        return _reopened, (type(self), self._group.file.filename, self._group.name)
+
+    def _array(self, name: str) -> Any:
+        """The whole array `name`, read now; an AttributeError where there is none."""
+        if name.split("/")[0] not in self:
+            raise AttributeError(f"{self._group.file.filename}: {self._group.name} has no {name!r}; it has {', '.join([*self, *self.attrs])}")
+        return self[name][:]
+
+    def _arrays(self, names: Sequence[str]) -> Iterator[Row]:
+        for name in names:
+            yield name, self[name].shape, str(self[name].attrs["unit"])
+
+
+Opened = TypeVar("Opened")
+
+
+def _reopened(kind: Callable[..., Opened], file: str, name: str, *arguments: Any) -> Opened:
+    """What was pickled by the place where it is stored."""
+    import h5py
+
+    try:
+        return kind(h5py.File(file, "r")[name], *arguments)
+    except OSError as error:
+        raise _core.InputError(f"{file}: cannot be read: {error}") from error
+
+
+class _Read:
+    """Base of what a stored trial holds: an attribute of the class beside it is read from the file when it is first asked for, and kept."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or "_group" not in self.__dict__:
+            raise AttributeError(name)
+        self.__dict__[name] = value = self._read(name)
+        return value
+
+    def _read(self, name: str) -> Any:
+        raise NotImplementedError
+
+
+class _Channels(Mapping[str, Any]):
+    """Arrays of a sensor that are read when they are indexed, under the names that the sensor has for them."""
+
+    def __init__(self, sensor: Arrays, names: Mapping[str, str]) -> None:
+        self._sensor, self._names = sensor, names
+
+    def __getitem__(self, name: str) -> Any:
+        return self._sensor._array(self._names[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+
+class StoredSensor(_Read, Arrays, Sensor):
+    """A sensor of a stored trial, with the attributes of `Sensor`. Arrays are read from the file when an attribute is first asked for, and kept.
+
+    Indexing gives the array in the file instead, of which a part can be read: `sensor["force"][:100]`; `attrs` holds what the file says beside it. An
+    imported recording has the attributes mean_rate_hz, median_rate_hz, largest_gap_s, largest_gap_at_s and time_resolution_s there.
+    """
+
+    def _read(self, name: str) -> Any:
+        channels = [str(channel) for channel in self.attrs["channels"]]
+        match name:
+            case "name":
+                return self._group.name.rsplit("/", 1)[-1]
+            case "rate":
+                return float(self.attrs["rate_hz"])
+            case "type" | "frame" | "follows":
+                return str(self.attrs.get(name, ""))
+            case "channels":
+                return _Channels(self, {channel: channel for channel in channels})
+            case "channel_time":
+                return _Channels(self, {channel: f"{channel}_t" for channel in channels if f"{channel}_t" in self})
+            case "units":
+                return {channel: str(self[channel].attrs["unit"]) for channel in channels}
+        if name != "t" and name not in channels:
+            raise AttributeError(f"sensor {self.name!r} has no channel or attribute {name!r}; channels: {', '.join(channels)}")
+        return self._array(name)
+
+    def _title(self) -> str:
+        return f"Sensor {self.name!r} {self.type}, {len(self['t'])} samples at {self.rate:g} Hz"
+
+    def _rows(self) -> Iterator[Row]:
+        return self._arrays([str(channel) for channel in self.attrs["channels"]])
+
+
+class StoredLabels(_Read, Arrays, Labels):
+    """The truth about a pad of a stored trial, with the attributes of `Labels`, which are read from the file when they are first asked for.
+
+    Indexing gives the array in the file: `labels["state"][:100]`; events are "events/t", "events/unit" and "events/kind".
+    """
+
+    def _read(self, name: str) -> Any:
+        if name.startswith("event_"):
+            return self._array("events/" + {"event_time": "t"}.get(name, name.removeprefix("event_")))
+        for key in (name, f"{name}_s"):
+            if key in self.attrs and name not in ("frame", "rule"):
+                return np.asarray(self.attrs[key])
+        return self._array(name)
+
+    def _rows(self) -> Iterator[Row]:
+        return self._arrays([name for name in self if name != "events"])
+
+
+class StoredBody(_Read, Arrays, Body):
+    """Motion of a body in a stored trial, with the attributes of `Body`, which are read from the file when they are first asked for."""
+
+    def _read(self, name: str) -> Any:
+        return self._array(name)
+
+    def _rows(self) -> Iterator[Row]:
+        return self._arrays(list(self))
+
+
+class StoredControl(_Read, Arrays, Control):
+    """What the loop of a stored trial saw and did, with the attributes of `Control`, which are read from the file when they are first asked for."""
+
+    def _read(self, name: str) -> Any:
+        if name == "rate":
+            return float(self.attrs["rate_hz"])
+        if name in ("detector", "controller", "sensor"):
+            return str(self.attrs.get(name, ""))
+        if name in ("command", "measured_position", "grip_force", "arm") and self._place(name) not in self:
+            kind = np.float32 if name in ("grip_force", "arm") else np.uint8
+            return np.empty({"command": (0, 3), "arm": (0, 2)}.get(name, (0,)), kind)  # as a simulated trial has it: an open recording
+        return self._array(self._place(name))
+
+    @staticmethod
+    def _place(name: str) -> str:
+        return "arm_speed" if name == "arm" else name
+
+    def _rows(self) -> Iterator[Row]:
+        return self._arrays(list(self))
+
 
 def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
     """Raises InputError, which begins with `place`, where the samples of a recorded `sensor` cannot be counted in place of time."""
@@ -88,7 +228,9 @@ def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
 
 
 class StoredTrial:
-    """One trial of a dataset. Arrays stay in the file until they are indexed.
+    """One trial of a dataset, with the attributes of a simulated `Trial`. Arrays stay in the file until they are asked for.
+
+    It can be pickled and deep-copied: a copy opens the file again.
 
     Attributes:
         trial: number in the sweep
@@ -107,39 +249,53 @@ class StoredTrial:
             self.outcome: dict[str, Any] = json.loads(group.attrs["outcome"])
             self.sha256 = str(group.attrs.get("sha256", ""))
 
-    def _groups(self, of: str) -> dict[str, Arrays]:
-        with reading(self._group):
-            if of not in self._group:
-                return {}
-            parent = _member(self._group, of)
-            return {name: Arrays(_member(parent, name)) for name in parent}
+        self._made: dict[str, Any] = {}  # so that an array is read once, whoever asks
+
+    def _groups(self, of: str, kind: Callable[[h5py.Group], Opened]) -> dict[str, Opened]:
+        if of not in self._made:
+            with reading(self._group):
+                parent = _member(self._group, of) if of in self._group else {}
+                self._made[of] = {name: kind(_member(parent, name)) for name in parent}
+        made: dict[str, Opened] = self._made[of]
+        return made
 
     @property
-    def sensors(self) -> dict[str, Arrays]:
-        """The channels of each sensor by name, [T, ...], and "t" [T] s; attributes type, rate_hz, frame. Empty where outcomes alone were recorded.
-
-        An imported recording has mean_rate_hz, median_rate_hz, largest_gap_s, largest_gap_at_s and time_resolution_s, too.
-        """
-        return self._groups("sensors")
+    def sensors(self) -> dict[str, StoredSensor]:
+        """What each sensor emitted, by name. Empty where outcomes alone were recorded."""
+        return self._groups("sensors", StoredSensor)
 
     @property
-    def labels(self) -> dict[str, Arrays]:
-        """The truth about each sensor's pad: the arrays of `Labels`, with the same shapes and units; events are "events/t", "events/unit", "events/kind"."""
-        return self._groups("labels")
+    def labels(self) -> dict[str, StoredLabels]:
+        """The truth about each sensor's pad, by the sensor's name."""
+        return self._groups("labels", StoredLabels)
 
     @property
-    def bodies(self) -> dict[str, Arrays]:
-        """Motion of each body in the world: "t" [T] s, "pose" [T, 7] m and quaternion w x y z, "velocity" [T, 6] m/s and rad/s."""
-        return self._groups("truth")
+    def bodies(self) -> dict[str, StoredBody]:
+        """Motion of each body in the world, by name."""
+        return self._groups("truth", StoredBody)
 
     @property
-    def control(self) -> Arrays | None:
-        """What the loop saw and did: "t" [T] s, "detector_class" [T]; in a grasp "command" [T, 3] and "measured_position" [T] counts, "grip_force" [T] N.
+    def control(self) -> StoredControl | None:
+        """What the loop saw and did. None: the scene has neither detector nor controller."""
+        if "control" not in self._made:
+            with reading(self._group):
+                self._made["control"] = StoredControl(_member(self._group, "control")) if "control" in self._group else None
+        found: StoredControl | None = self._made["control"]
+        return found
 
-        None: the scene has neither detector nor controller.
-        """
-        with reading(self._group):
-            return Arrays(_member(self._group, "control")) if "control" in self._group else None
+    @property
+    def contacts(self) -> dict[str, Contact]:
+        """Empty: a dataset does not hold what units feel (`Trial.contacts`)."""
+        return {}
+
+    def __reduce__(self) -> Any:
+        return _reopened, (StoredTrial, self._group.file.filename, self._group.name, self.trial)
+
+    def __repr__(self) -> str:
+        return trial_text(self.trial, self.seed, self.sensors)
+
+    def _repr_html_(self) -> str:
+        return trial_table(repr(self), self.sensors)
 
 
 class Dataset(Mapping[int, StoredTrial]):
@@ -158,6 +314,7 @@ class Dataset(Mapping[int, StoredTrial]):
     def __init__(self, path: str | os.PathLike[str], check: bool = True) -> None:
         import h5py
 
+        self._path = os.fspath(path)
         self._files: list[h5py.File] = []
         for name in _core.dataset_files(os.fspath(path), check):
             try:
@@ -209,21 +366,41 @@ class Dataset(Mapping[int, StoredTrial]):
         rows = [{**self[trial].params, **self[trial].outcome} for trial in self.trials]
         return pandas.DataFrame(rows, index=pandas.Index(self.trials, name="trial"))
 
-    def windows(self, *, length: int, stride: int = 1, sensor: str = "", channels: Sequence[str] = (), labels: str = "micro",
+    def windows(self, *, length: int, stride: int = 1, sensor: str = "", channels: Sequence[str] = (), labels: str = "strict",
                 part: str = "") -> Windows:
-        """Windows of a sensor's samples with a label each, for a trainer.
+        """Makes windows of a sensor's samples with a label each, for a trainer.
 
-        `length` and `stride` count samples. `sensor`: which; empty: the only one. `channels`: their columns side by side; empty: all. `labels`: when a
-        sample is slip, "strict" (all of a unit slips), "micro" (a part of it does) or "paper" (the rule of the sensor's paper). Labels are taken sample by
-        sample: the channels must be sampled at the labels' rate. `part`: of the masks; empty: every trial. A recording whose samples are not evenly
-        spaced is refused, since a window counts samples.
+        Args:
+            length: samples in a window
+            stride: samples from the first of a window to the first of the next one
+            sensor: which one; empty: the only one
+            channels: whose columns stand side by side; empty: all. They must be sampled at the labels' rate
+            labels: when a sample is slip: "strict", all of a unit slips, which is what `evaluate()` judges by; "micro", a part of it does; "paper", the rule
+                of the sensor's paper. LABELS.md says which to use
+            part: of the masks, "train", "valid" or "test"; empty: every trial
+
+        Returns:
+            The windows.
+
+        Raises:
+            InputError: one of the above cannot be used, or a recording's samples are not evenly spaced: a window counts samples.
         """
-        return Windows(self, length, stride, sensor, channels, labels, self.mask(part) if part else self.trials)
+        return Windows(self, whole_number(length, "length"), whole_number(stride, "stride"), sensor, channels, labels, part)
 
     def close(self) -> None:
         """Closes the files."""
         for file in self._files:
             file.close()
+
+    def __reduce__(self) -> Any:
+        return Dataset, (self._path, False)
+
+    def __repr__(self) -> str:
+        if not self._files[0]:
+            return f"<slipbench.Dataset {self._path}: closed>"
+        first = self[self.trials[0]].sensors if self.trials else {}
+        sensors = "; ".join(f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in first.items())
+        return f"<slipbench.Dataset {self._path}: {len(self)} trials; {sensors or 'outcomes alone'}>"
 
     def __enter__(self) -> Dataset:
         return self
@@ -236,18 +413,19 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
     """What `torch.utils.data.DataLoader` takes as a map-style dataset: windows [length, values] float32 and their labels, 0 hold, 1 slip.
 
     A window's label is that of its last sample. Samples in which nothing touches are hold. No trial's window reaches into another's. A trial is
-    read once and kept: a sensor's chosen channels of all trials must fit into memory.
+    read once and kept: a sensor's chosen channels of all trials must fit into memory. Windows can be pickled: a copy opens the dataset again, by its path.
     """
 
-    def __init__(self, dataset: Dataset, length: int, stride: int, sensor: str, channels: Sequence[str], labels: str, trials: Sequence[int]) -> None:
+    def __init__(self, dataset: Dataset, length: int, stride: int, sensor: str, channels: Sequence[str], labels: str, part: str) -> None:
         if length < 1 or stride < 1:
             raise _core.InputError(f"length {length}, stride {stride}; allowed: 1 or more")
         if labels not in RULES:
             raise _core.InputError(f"labels {labels!r}; allowed: {', '.join(map(repr, RULES))}")
         self._dataset, self._length, self._stride, self._rule = dataset, length, stride, RULES[labels]
-        self._sensor, self._channels = sensor, list(channels)
-        self._trials = list(trials)
-        self._kept: dict[int, tuple[NDArray[np.float32], NDArray[np.uint8]]] = {}
+        self._sensor, self._channels = sensor, [channels] if isinstance(channels, str) else list(channels)
+        self._arguments = (dataset, length, stride, sensor, self._channels, labels, part)
+        self._trials = dataset.mask(part) if part else list(dataset.trials)
+        self._kept: dict[int, tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64]]] = {}
         self._ends = np.cumsum([0] + [self._count(trial) for trial in self._trials]).tolist()
 
     def _name(self, trial: StoredTrial) -> str:
@@ -263,7 +441,13 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         samples = len(trial.labels[self._name(trial)][self._rule])
         return max(0, (samples - self._length) // self._stride + 1)
 
-    def _read(self, number: int) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    def __reduce__(self) -> Any:
+        return Windows, self._arguments
+
+    def __repr__(self) -> str:
+        return f"<slipbench.Windows {len(self)} of {self._length} samples every {self._stride}, {len(self._trials)} trials, labels {self._arguments[5]}>"
+
+    def _read(self, number: int) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64]]:
         if number not in self._kept:
             trial = self._dataset[number]
             name = self._name(trial)
@@ -278,7 +462,7 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
                                            f"allowed: channels={[str(one) for one in at_rate]}")
             values = np.concatenate([np.asarray(sensor[channel][:], np.float32).reshape(samples, -1) for channel in channels], axis=1)
             slips = (np.asarray(trial.labels[name][self._rule][:]) >= 2).astype(np.uint8)
-            self._kept[number] = values, slips
+            self._kept[number] = values, slips, np.asarray(sensor["t"][:], np.float64)
         return self._kept[number]
 
     def __len__(self) -> int:
@@ -287,13 +471,53 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
+        values, slips, _, first = self._found(index)
+        return values[first : first + self._length], int(slips[first + self._length - 1])
+
+    def _found(self, index: int) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64], int]:
+        """Values, labels and times of the trial that has window `index`, and the window's first sample."""
+        place = self._place(index)
+        return *self._read(self._trials[place]), (index % len(self) - self._ends[place]) * self._stride
+
+    def _place(self, index: int) -> int:
         if not -len(self) <= index < len(self):
             raise IndexError(index)
-        index %= len(self)
-        place = bisect_right(self._ends, index) - 1
-        values, slips = self._read(self._trials[place])
-        first = (index - self._ends[place]) * self._stride
-        return values[first : first + self._length], int(slips[first + self._length - 1])
+        return bisect_right(self._ends, index % len(self)) - 1
+
+    def trial(self, index: int) -> int:
+        """The number of the trial from which window `index` is."""
+        return self._trials[self._place(index)]
+
+    def time(self, index: int) -> float:
+        """When the last sample of window `index` was taken, whose label the window has [s]."""
+        _, _, times, first = self._found(index)
+        return float(times[first + self._length - 1])
+
+    def arrays(self) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.int64]]:
+        """Copies all windows into arrays, as scikit-learn and PyTorch take them: `X, y, groups = data.windows(length=40, part="train").arrays()`.
+
+        Returns:
+            The windows [N, length, values], their labels [N], 0 hold, 1 slip, and the trial of each [N], for `GroupKFold`.
+
+        Raises:
+            InputError: the windows take more than 8 GB; a greater stride, a shorter length or fewer channels take less.
+        """
+        counts = np.diff(self._ends)
+        columns = self._read(self.trial(0))[0].shape[1] if len(self) else 0
+        size = 4 * len(self) * self._length * columns
+        if size > _MOST_BYTES:
+            raise _core.InputError(f"{len(self)} windows of {self._length} samples of {columns} values take {size / 1e9:.3g} GB; allowed: "
+                                   f"{_MOST_BYTES / 1e9:g} GB, so a greater stride, a shorter length or fewer channels")
+        X, y = np.empty((len(self), self._length, columns), np.float32), np.empty(len(self), np.uint8)
+        at = 0
+        for trial, count in zip(self._trials, counts, strict=True):
+            if not count:
+                continue
+            values, slips, _ = self._read(trial)
+            X[at : at + count] = np.lib.stride_tricks.sliding_window_view(values, self._length, axis=0)[:: self._stride][:count].swapaxes(1, 2)
+            y[at : at + count] = slips[self._length - 1 :: self._stride][:count]
+            at += count
+        return X, y, np.repeat(np.asarray(self._trials, np.int64), counts)
 
 
 def open(path: str | os.PathLike[str], *, check: bool = True) -> Dataset:

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import json
 import math
+import multiprocessing
 import os
+import re
 import sys
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from slipbench._own import own_names
 from slipbench._trial import Trial
+from slipbench._values import index, plain, yaml
 from slipbench.bin import _core
-
-
-def _yaml(value: Any) -> str:
-    """A Python value as YAML, of which JSON is a part; a text stays as it is: "4 mm/s"."""
-    return value if isinstance(value, str) else json.dumps(value)
 
 
 def located(path: str | os.PathLike[str]) -> str:
@@ -32,9 +31,25 @@ def located(path: str | os.PathLike[str]) -> str:
     return name
 
 
-def overrides_of(values: dict[str, Any] | None) -> list[tuple[str, str]]:
+def overrides_of(values: Mapping[str, Any] | None) -> list[tuple[str, str]]:
     """Pairs of dotted path and YAML text, as `--set` takes them."""
-    return [(path, _yaml(value)) for path, value in (values or {}).items()]
+    for path in values or {}:
+        if not isinstance(path, str):
+            raise _core.InputError(f"expected dotted paths as keys, such as 'motion.speed', found {path!r}")
+    return [(path, yaml(value, path)) for path, value in (values or {}).items()]
+
+
+@contextmanager
+def naming_unknown_classes() -> Iterator[None]:
+    """Adds to the program's message, in a worker process, that Python classes are registered in each process."""
+    try:
+        yield
+    except _core.InputError as error:
+        unknown = re.search(r"unknown (?:sensor|detector|controller|type) '(\w+)'", str(error))
+        if unknown is None or multiprocessing.parent_process() is None:
+            raise
+        raise _core.InputError(f"{error}. If {unknown[1]!r} is a Python class, this worker process does not know it: register it in a module that the "
+                               "worker imports, not in a script below `if __name__ == '__main__'`") from None
 
 
 def warn(texts: Iterable[str]) -> None:
@@ -102,7 +117,8 @@ class Sweep(Iterator[Trial]):
         except BaseException:
             self.close()
             raise
-        self._converters.add(trial._record)
+        if trial._record:
+            self._converters.add(trial._record)
         self.done += 1
         return trial
 
@@ -117,21 +133,25 @@ class Sweep(Iterator[Trial]):
 
 
 class Scene:
-    """A scene file, with what was set beside it. Immutable. `Scene.load()` makes one.
+    """A scene, with what was set beside it. Immutable. `Scene.load()`, `Scene.from_text()` and `Scene.from_dict()` make one.
+
+    Scenes can be pickled and deep-copied. A copy in a process that cannot read the scene's file has its text.
 
     What `slipbench run` warns of is a Python warning (UserWarning) here, with the same text: `load()` and `set()` warn of values, such as a speed of
     more than 1 m/s without a unit, `run()`, `sweep()`, `write()` and `check()` of all else.
 
     Attributes:
-        path: of the file
+        path: of the file; "<text>" in its folder for a scene that is not a file
         overrides: pairs of dotted path and YAML text, as `--set` takes them
     """
 
-    def __init__(self, path: str, overrides: list[tuple[str, str]], told: dict[str, str] | None = None) -> None:
-        """`told`: warnings that have been given, by what they are about."""
+    def __init__(self, path: str, overrides: list[tuple[str, str]], told: dict[str, str] | None = None, text: str | None = None) -> None:
+        """`told`: warnings that have been given, by what they are about. `text`: of a scene that is not read from the file at `path`."""
         self.path = path
         self.overrides = overrides
-        self._core = _core.Scene(path, overrides)
+        self._text = text
+        with naming_unknown_classes():
+            self._core = _core.Scene(path, overrides, text)
         self._told: dict[str, str] = {}
         # Classes of one's own are not made before trials run, which may be in processes of their own.
         if not self._has_own_parts():
@@ -154,13 +174,45 @@ class Scene:
         """
         return cls(located(path), [])
 
-    def set(self, values: dict[str, Any] | None = None, /, **more: Any) -> Scene:
+    @classmethod
+    def from_text(cls, text: str, *, folder: str | os.PathLike[str] = "") -> Scene:
+        """Reads a scene from YAML in a string.
+
+        Args:
+            text: what a scene file would hold
+            folder: where relative paths in the scene begin; empty: the current folder
+
+        Returns:
+            The scene. It does everything that one of a file does, except for `check()` and the key `accuracy`, which need a file.
+
+        Raises:
+            InputError: as `load()`, with "<text>" as the file's name.
+        """
+        return cls(os.path.join(os.fspath(folder), "<text>"), [], text=text)
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any], *, folder: str | os.PathLike[str] = "") -> Scene:
+        """Makes a scene of a dict that has the scene's keys: `Scene.from_dict({"slipbench": 1, "motion": {"speed": 0.004}, ...})`.
+
+        Args:
+            values: keys of a scene file; a text such as "4 mm/s" has a unit, other numbers are SI; numpy values and arrays are taken, too
+            folder: as `from_text()` takes it
+
+        Returns:
+            The scene, whose `text` is the dict as JSON.
+
+        Raises:
+            InputError: a value that a scene cannot say, with its key.
+        """
+        return cls.from_text(json.dumps(plain(values, "scene"), indent=2) + "\n", folder=folder)
+
+    def set(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
         """The same scene with other values, by dotted path: `set({"motion.speed": "8 mm/s"}, seed=3)`. Text is YAML, other values are SI.
 
-        `values` takes any path, `more` those that are a word. What is set is not swept, nor is what lies below it. Raises InputError for what the
-        scene may not say.
+        Numbers, arrays and ranges may be numpy's, paths Path objects. `values` takes any path, `more` those that are a word. What is set is not swept,
+        nor is what lies below it. Raises InputError, which names the key, for what the scene may not say.
         """
-        return Scene(self.path, self.overrides + overrides_of({**(values or {}), **more}), self._told)
+        return Scene(self.path, self.overrides + overrides_of({**(values or {}), **more}), self._told, self._text)
 
     @property
     def text(self) -> str:
@@ -179,20 +231,28 @@ class Scene:
     def run(self, trial: int = 0, *, seed: int | None = None, record: str = "full") -> Trial:
         """Simulates trial number `trial`: what `slipbench run SCENE --trials N` writes as that trial, N the least that has it.
 
-        `seed`: instead of the scene's. `record="outcome"` leaves the arrays out, else it is "full". The interpreter's other threads run meanwhile;
-        Ctrl-C ends it.
+        `seed`: instead of the scene's. `record`: "full"; "outcome" leaves the arrays out; "contact" adds `Trial.contacts`, what the units feel in the
+        pad frame. The interpreter's other threads run meanwhile; Ctrl-C ends it.
         """
+        trial = index(trial, "trial")
         if trial < 0:
             raise _core.InputError(f"trial {trial}; allowed: 0 or more")
         _check_counts(seed=seed)
-        chosen = self.seed if seed is None else seed
-        full = _full(record)
+        chosen = self.seed if seed is None else index(seed, "seed")
+        _check_record(record)
         self._warn()
-        made = self._core.run(trial, 0, trial + 1, chosen, full, None)
+        made = self._simulate(trial, 0, trial + 1, chosen, record, None)
         converters = _core.Converters()
-        converters.add(made)
+        if made._record:
+            converters.add(made._record)
         warn(text for _, text in converters.warnings())
-        return Trial(made)
+        return made
+
+    def _simulate(self, trial: int, draws: int, limit: int, seed: int, record: str, stop: _core.Stop | None) -> Trial:
+        if record == "contact":
+            made, contacts = self._core.run_with_contact(trial, draws, limit, seed, stop)
+            return Trial(made, contacts)
+        return Trial(self._core.run(trial, draws, limit, seed, record == "full", stop))
 
     def sweep(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full") -> Sweep:
         """All trials of the scene's sweep, in order: `for trial in scene.sweep()`.
@@ -200,18 +260,18 @@ class Scene:
         `draws`: of each cell of the grid; 0: as the scene says. `seed`, `record`: as `run()` takes them. `jobs`: threads; 0: one a core.
         """
         _check_counts(draws=draws, seed=seed, jobs=jobs)
-        chosen = self.seed if seed is None else seed
-        full = _full(record)
+        chosen = self.seed if seed is None else index(seed, "seed")
+        _check_record(record)
         count = self.trials(draws)
         self._warn(draws, seed=seed)
-        return Sweep(lambda trial, stop: Trial(self._core.run(trial, draws, 0, chosen, full, stop)), count, jobs or os.cpu_count() or 1)
+        return Sweep(lambda trial, stop: self._simulate(trial, draws, 0, chosen, record, stop), count, jobs or os.cpu_count() or 1)
 
     def write(self, path: str | os.PathLike[str], *, draws: int = 0, trials: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full",
               resume: bool = False, progress: Callable[[int, int], None] | None = None, isolate: bool | None = None,
               trial_limit: float | None = None) -> dict[str, Any]:
         """Runs the sweep into the dataset at `path`, byte for byte what `slipbench sweep` writes; with `trials` what `slipbench run --trials` writes.
 
-        `draws`, `seed`, `jobs`, `record`: as `sweep()` takes them. `resume`: goes on with a file that an interrupted call has left. Returns the
+        `draws`, `seed`, `jobs`: as `sweep()` takes them. `record`: "full" or "outcome". `resume`: goes on with a file that an interrupted call has left. Returns the
         summary that `--json` prints. `progress(done, total)` is called now and then, and at the end. Raises KeyboardInterrupt after Ctrl-C, when the
         finished trials are kept for `resume=True`.
 
@@ -223,9 +283,10 @@ class Scene:
         _check_counts(draws=draws, trials=trials, seed=seed, jobs=jobs)
         if draws and trials:
             raise _core.InputError(f"draws={draws} and trials={trials}; allowed: one of them")
-        full, apart = _full(record), self._apart(isolate, trial_limit, trials or self.trials(draws))
+        _check_record(record, ("full", "outcome"))
+        apart = self._apart(isolate, trial_limit, trials or self.trials(draws))
         self._warn(draws, trials, seed, os.fspath(path), apart)
-        summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, full, resume, progress, *apart))
+        summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, record == "full", resume, progress, *apart))
         warn(one["text"] for one in summary["warnings"])
         if summary.get("interrupted"):
             raise KeyboardInterrupt
@@ -238,14 +299,19 @@ class Scene:
         """Holds the scene's `expect` against its trials, as `slipbench check`.
 
         `draws`, `seed`, `jobs`: as `sweep()` takes them, `isolate`, `trial_limit` as `write()` does. `folder`: for what a failed check
-        leaves; empty: nothing.
+        leaves; empty: nothing. A scene that is not a file is refused.
         """
+        if self._text is not None:
+            raise _core.InputError(f"{self.path}: check() needs a scene that is a file, which its replay command names; use Scene.load()")
         _check_counts(draws=draws, seed=seed, jobs=jobs)
         apart = self._apart(isolate, trial_limit, self.trials(draws))
         self._warn(draws, seed=seed, apart=apart)
         result = self._core.check(draws, seed, jobs, folder, *apart)
         warn(text for _, text in result.pop("warnings"))
         return Check(**result)
+
+    def __reduce__(self) -> Any:
+        return _restored, (self.path, self.overrides, self._told, self.text)
 
     def _has_own_parts(self) -> bool:
         """Whether the scene may name a Python class of one's own, or a plugin."""
@@ -268,16 +334,24 @@ class Scene:
         return f"<slipbench.Scene {self.path}{''.join(f' {path}={value}' for path, value in self.overrides)}>"
 
 
+def _restored(path: str, overrides: list[tuple[str, str]], told: dict[str, str], text: str) -> Scene:
+    """The scene that was pickled. Its file is read again where it is still the same, else the pickled text stands for it."""
+    try:
+        same = Path(path).read_text(encoding="utf-8") == text
+    except (OSError, ValueError):
+        same = False
+    return Scene(path, overrides, told, None if same else text)
+
+
 def _check_counts(**counts: int | None) -> None:
     for name, value in counts.items():
-        if value is not None and not 0 <= value < 2**64:
+        if value is not None and not 0 <= index(value, name) < 2**64:
             raise _core.InputError(f"{name}={value}; allowed: 0 or more")
 
 
-def _full(record: str) -> bool:
-    if record not in ("full", "outcome"):
-        raise _core.InputError(f"record={record!r}; allowed: 'full', 'outcome'")
-    return record == "full"
+def _check_record(record: str, allowed: tuple[str, ...] = ("full", "outcome", "contact")) -> None:
+    if record not in allowed:
+        raise _core.InputError(f"record={record!r}; allowed: {', '.join(map(repr, allowed))}")
 
 
 def scenes() -> Path:
@@ -297,7 +371,7 @@ def list_names() -> dict[str, Any]:
     return listed
 
 
-def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: dict[str, Any] | None = None, labels: str = "", sensor: str = "",
+def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: Mapping[str, Any] | None = None, labels: str = "", sensor: str = "",
              split: str = "", all_trials: bool = False) -> dict[str, Any]:
     """Judges a detector on the trials of the file `dataset`: what `slipbench eval DETECTOR DATASET --json` prints.
 
@@ -306,6 +380,6 @@ def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: dict
     "train", "valid" or "test" of the dataset's masks; empty: all of them. `all_trials`: also those that the detector was trained on. The recording is
     read, and the detector run, in a child process.
     """
-    pairs = [(name, _yaml(value)) for name, value in (parameters or {}).items()]
+    pairs = overrides_of(parameters)
     result: dict[str, Any] = json.loads(_core.evaluate(detector, pairs, os.fspath(dataset), labels, sensor, split, all_trials))
     return result

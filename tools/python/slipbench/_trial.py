@@ -1,9 +1,11 @@
-"""A simulated trial as numpy arrays."""
+"""What a trial holds, as numpy arrays: the same for simulated and stored trials; and the simulated trial."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,14 +18,70 @@ Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 
+Row = tuple[str, tuple[int, ...], str]  # of a representation: name, shape and unit of an array
 
-@dataclass(frozen=True)
-class Labels:
+
+def shape_text(shape: tuple[int, ...], unit: str) -> str:
+    """"[4000, 9, 3] N"; a number without a unit has none."""
+    return f"[{', '.join(map(str, shape))}]" + (f" {unit}" if unit not in ("", "1") else "")
+
+
+def table(title: str, rows: Iterable[Row]) -> str:
+    """An HTML table of arrays, for notebooks."""
+    lines = "".join(f"<tr><td><code>{escape(name)}</code></td><td>[{', '.join(map(str, shape))}]</td><td>{escape(unit)}</td></tr>" for name, shape, unit in rows)
+    return f"<p>{escape(title)}</p><table><thead><tr><th>array</th><th>shape</th><th>unit</th></tr></thead><tbody>{lines}</tbody></table>"
+
+
+class Described:
+    """Base of what holds arrays: short representations with shapes and units."""
+
+    def _title(self) -> str:
+        return type(self).__name__.removeprefix("Stored")
+
+    def _rows(self) -> Iterator[Row]:
+        """Name, shape and unit of each array."""
+        for name, unit in UNITS[self._title().split()[0]].items():
+            if hasattr(self, name):
+                yield name, getattr(self, name).shape, unit
+
+    def __getitem__(self, name: str) -> Any:
+        try:
+            return getattr(self, name)
+        except AttributeError:
+            raise KeyError(name) from None
+
+    def _arrays_text(self) -> str:
+        return ", ".join(f"{name} {shape_text(shape, unit)}" for name, shape, unit in self._rows())
+
+    def __repr__(self) -> str:
+        return f"<slipbench.{self._title()}: {self._arrays_text()}>"
+
+    def _repr_html_(self) -> str:
+        return table(self._title(), self._rows())
+
+
+# Units of the arrays, by class; the docstrings say the same.
+UNITS: dict[str, dict[str, str]] = {
+    "Labels": {"t": "s", "unit_state": "code", "slip_velocity": "m/s", "slip_distance": "m", "margin": "1", "force": "N", "state": "code",
+               "state_micro": "code", "state_paper": "code", "stuck_fraction": "1", "slip_direction": "rad", "slip_centre": "m", "slip_angle": "rad",
+               "event_time": "s", "event_unit": "index", "event_kind": "code", "unit_positions": "m", "unit_heights": "m", "k_normal": "N/m",
+               "k_tangential": "N/m", "mu_static": "1", "mu_kinetic": "1", "onset_time": "s", "micro_onset_time": "s"},
+    "Contact": {"t": "s", "force": "N", "displacement": "m"},
+    "Body": {"t": "s", "pose": "m, quaternion wxyz", "velocity": "m/s, rad/s"},
+    "Control": {"t": "s", "detector_class": "code", "command": "counts", "measured_position": "counts", "grip_force": "N", "arm": "m/s"},
+}
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Labels(Described):
     """The truth about one pad: T samples of N units, E events. It lies in the contact plane.
 
     Codes of a pad are those of `State`; of a unit 0 detached, 1 stick, 2 slip (all of it), 3 partial (a part of it slips).
 
+    LABELS.md compares the three states. Labels of an imported recording have `t` and, at most, `state_paper`: other attributes raise AttributeError.
+
     Attributes:
+        t: [T] s, of the samples
         unit_state: [T, N] code of each unit
         slip_velocity: [T, N, 2] m/s of the slipping tip; 0 while it sticks
         slip_distance: [T, N] m, path slipped since the trial's start
@@ -49,6 +107,7 @@ class Labels:
         micro_onset_time: [N] s, first slip of a part of it; NaN: never
     """
 
+    t: Doubles
     unit_state: Bytes
     slip_velocity: Floats
     slip_distance: Floats
@@ -74,9 +133,9 @@ class Labels:
     micro_onset_time: Doubles
 
 
-@dataclass(frozen=True)
-class Sensor:
-    """What one sensor emitted: T samples.
+@dataclass(frozen=True, repr=False, eq=False)
+class Sensor(Described):
+    """What one sensor emitted: T samples. Each channel is an attribute, too: `sensor.force` is `sensor.channels["force"]`, [T, 9, 3] N of a papillarray.
 
     Attributes:
         name: the scene's name for it
@@ -84,11 +143,10 @@ class Sensor:
         rate: Hz, of the samples
         frame: what the axes are, as a sentence
         follows: the sensor whose pad it reads; empty: it has its own
-        time: [T] s, when each sample was taken
+        t: [T] s, when each sample was taken
         channels: [T, ...] by name, in the unit that `units` says: "force" [T, 9, 3] N
         units: SI unit of each channel
         channel_time: [T] s, of channels that are read at another time or rate
-        labels: the truth about its pad
     """
 
     name: str
@@ -96,15 +154,67 @@ class Sensor:
     rate: float
     frame: str
     follows: str
-    time: Doubles
-    channels: dict[str, Floats]
-    units: dict[str, str]
-    channel_time: dict[str, Doubles]
-    labels: Labels
+    t: Doubles
+    channels: Mapping[str, Floats]
+    units: Mapping[str, str]
+    channel_time: Mapping[str, Doubles]
+
+    def __getattr__(self, name: str) -> Floats:
+        channels = self.__dict__.get("channels", {})
+        if name not in channels:
+            raise AttributeError(f"sensor {self.__dict__.get('name')!r} has no channel or attribute {name!r}; channels: {', '.join(channels)}")
+        found: Floats = channels[name]
+        return found
+
+    def __getitem__(self, name: str) -> Any:
+        return self.channels[name]
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.channels]
+
+    def _title(self) -> str:
+        return f"Sensor {self.name!r} {self.type}, {len(self.t)} samples at {self.rate:g} Hz"
+
+    def _rows(self) -> Iterator[Row]:
+        for name, values in self.channels.items():
+            yield name, values.shape, self.units[name]
 
 
-@dataclass(frozen=True)
-class Control:
+@dataclass(frozen=True, repr=False, eq=False)
+class Contact(Described):
+    """What the units of one pad feel, in the pad frame P, at T samples of its sensor: N units. Recorded with `record="contact"` alone.
+
+    P has x and y in the plane of the pad and +z into the sensor, so that compression is positive. A sensor reads these two; `Labels.force` is the same
+    force in the contact plane.
+
+    Attributes:
+        t: [T] s, of the samples
+        force: [T, N, 3] N, what the object does to the unit, with what shakes the bench
+        displacement: [T, N, 3] m, deformed tip minus undeformed tip, mean of the unit's elements
+    """
+
+    t: Doubles
+    force: Floats
+    displacement: Floats
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Body(Described):
+    """Motion of a body in the world, at T samples.
+
+    Attributes:
+        t: [T] s, of the samples
+        pose: [T, 7] position of the body's origin [m], then its quaternion w x y z
+        velocity: [T, 6] velocity of the origin [m/s], then angular velocity [rad/s]
+    """
+
+    t: Doubles
+    pose: Floats
+    velocity: Floats
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Control(Described):
     """What the loop saw and did, at T samples of the sensor that it reads. In an open recording the last four are empty.
 
     Attributes:
@@ -112,7 +222,7 @@ class Control:
         controller: its type; empty: none
         sensor: the one that the loop reads
         rate: Hz, of the samples
-        time: [T] s
+        t: [T] s, of the samples
         detector_class: [T] code of `State` that the loop sees; 0 is also "nothing seen yet"
         command: [T, 3] counts, registers written last: position, speed, force
         measured_position: [T] counts, 0 open to 255, register read last
@@ -124,7 +234,7 @@ class Control:
     controller: str
     sensor: str
     rate: float
-    time: Doubles
+    t: Doubles
     detector_class: Bytes
     command: Bytes
     measured_position: Bytes
@@ -133,7 +243,9 @@ class Control:
 
 
 class Trial:
-    """One simulated trial. Its arrays are read-only views of the simulation's own record, without a copy.
+    """One simulated trial. Its arrays are read-only views of the simulation's own record, without a copy. A `StoredTrial` has the same attributes.
+
+    Trials can be pickled and deep-copied; a copy has arrays of its own.
 
     Attributes:
         trial: number in the sweep
@@ -141,27 +253,47 @@ class Trial:
         params: what was swept, by dotted path, SI
         outcome: how it ended; the keys of a dataset's attribute `outcome`
         sensors: what each sensor emitted, by name; empty where outcomes alone were recorded
-        bodies: by name {"time": [T] s, "pose": [T, 7] m and quaternion w x y z, "velocity": [T, 6] m/s and rad/s}, in the world
+        labels: the truth about each sensor's pad, by the sensor's name
+        bodies: motion of each body in the world, by name
         control: what the loop saw and did; None: the scene has neither detector nor controller
+        contacts: what the units of each sensor's pad feel, by the sensor's name; empty but for `record="contact"`
     """
 
-    def __init__(self, record: _core.Record) -> None:
-        self._record = record
+    def __init__(self, record: _core.Record, contacts: Mapping[str, tuple[Floats, Floats]] | None = None) -> None:
+        self._record: _core.Record | None = record
         self.trial: int = record.trial
         self.seed: int = record.seed
         self.params: dict[str, Any] = json.loads(record.params_json)
         self.outcome: dict[str, Any] = json.loads(record.outcome_json)
-        self.sensors: dict[str, Sensor] = {
-            name: Sensor(**{**told, "labels": Labels(**told["labels"])}) for name, told in record.sensors(record).items()
-        }
-        self.bodies: dict[str, dict[str, NDArray[Any]]] = record.bodies(record)
+        told = record.sensors(record)
+        self.labels: dict[str, Labels] = {name: Labels(t=one["t"], **one.pop("labels")) for name, one in told.items()}
+        self.sensors: dict[str, Sensor] = {name: Sensor(**one) for name, one in told.items()}
+        self.bodies: dict[str, Body] = {name: Body(**one) for name, one in record.bodies(record).items()}
         control = record.control(record)
         self.control: Control | None = None if control is None else Control(**control)
+        self.contacts: dict[str, Contact] = {name: Contact(self.sensors[name].t, *felt) for name, felt in (contacts or {}).items()}
 
     @property
     def sha256(self) -> str:
         """The digest of all that the trial holds: equal to the attribute `sha256` of the same trial in a dataset."""
-        return self._record.sha256()
+        return self._record.sha256() if self._record else str(self.__dict__["_sha256"])
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_record": None, "_sha256": self.sha256}
 
     def __repr__(self) -> str:
-        return f"<slipbench.Trial {self.trial} of seed {self.seed}: {', '.join(self.sensors) or 'outcome alone'}>"
+        return trial_text(self.trial, self.seed, self.sensors)
+
+    def _repr_html_(self) -> str:
+        return trial_table(repr(self), self.sensors)
+
+
+def trial_text(number: int, seed: int, sensors: Mapping[str, Sensor]) -> str:
+    """The short representation of a trial."""
+    told = "; ".join(f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in sensors.items())
+    return f"<slipbench.Trial {number} of seed {seed}: {told or 'outcome alone'}>"
+
+
+def trial_table(title: str, sensors: Mapping[str, Sensor]) -> str:
+    """The arrays of a trial's sensors, for notebooks."""
+    return table(title.strip("<>"), [(f"{name}.{channel}", shape, unit) for name, one in sensors.items() for channel, shape, unit in one._rows()])

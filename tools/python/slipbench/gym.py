@@ -28,7 +28,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from slipbench._render import Renderer
-from slipbench._scene import Scene, located, overrides_of, warn
+from slipbench._scene import Scene, located, naming_unknown_classes, overrides_of, warn
 from slipbench.bin import _core
 
 __all__ = ["GraspEnv", "GraspVectorEnv", "StageSlipEnv"]
@@ -88,7 +88,8 @@ def _info(truth: dict[str, Any], params: str) -> dict[str, Any]:
 class GraspEnv(gymnasium.Env[Observation, Observation]):
     """A grasp whose gripper the policy commands, from one read of the gripper to the next (20 ms unless the scene says other).
 
-    Truth is in `info` only. Each episode of a seed is another draw of the scene's sweep and scatter.
+    Truth is in `info` only. Each episode of a seed is another draw of the scene's sweep and scatter. It can be pickled and deep-copied at any step: the
+    copy replays the episode's actions, and its next steps are bit-identical.
 
     Attributes:
         observation_names: of each value of an observation: "gripper.position", "pad.P0_FX", ...
@@ -107,13 +108,31 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
             _refuse_pictures(render_mode, "None, 'rgb_array'")
         self.render_mode = render_mode
         self._path, self._overrides = located(scene), overrides_of(values)
-        self._grasp = _core.Grasp(self._path, self._overrides, command)
+        self._command = command
+        self._grasp = self._make()
         warn(text for _, text in self._grasp.warnings())
         self._seed: int | None = None
         self._episode, self._over = -1, False
+        self._actions: list[float] = []  # of the episode
         self.observation_names: list[str] = self._grasp.names
         self.observation_space, self.action_space = _spaces(self.observation_names)
         self._renderer = Renderer(self._grasp.bodies()) if render_mode else None
+
+    def _make(self) -> _core.Grasp:
+        with naming_unknown_classes():
+            return _core.Grasp(self._path, self._overrides, self._command)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name not in ("_grasp", "_renderer")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._grasp = self._make()
+        if self._seed is not None and self._episode >= 0:
+            self._grasp.reset(self._seed, self._episode)
+            for action in self._actions:
+                self._grasp.step(action)
+        self._renderer = Renderer(self._grasp.bodies()) if self.render_mode else None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
         """Begins the next episode of the seed, and runs it to its first read of the gripper.
@@ -125,6 +144,7 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         """
         super().reset(seed=_seed(seed))
         self._seed, self._episode = _next_episode(self, self._seed, self._episode, seed)
+        self._actions = []
         observation, _, failed, ended, truth = self._grasp.reset(self._seed, self._episode)
         self._over = failed or ended
         return observation, _info(truth, self._grasp.params)
@@ -138,7 +158,9 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         _begun(self._episode)
         if self._over:
             raise _ResetNeeded("the episode is over: reset() comes first")
-        observation, reward, failed, ended, truth = self._grasp.step(float(np.asarray(action).reshape(())))
+        command = float(np.asarray(action).reshape(()))
+        observation, reward, failed, ended, truth = self._grasp.step(command)
+        self._actions.append(command)
         self._over = failed or ended
         return observation, reward, failed, ended, _info(truth, self._grasp.params)
 
@@ -162,6 +184,8 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
 class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
     """Several such grasps, stepped by threads. Equal, step by step, to `SyncVectorEnv` of GraspEnv. `gymnasium.make_vec()` makes one.
 
+    It can be pickled and deep-copied like a GraspEnv.
+
     Attributes:
         observation_names: of each value of an environment's observation
     """
@@ -179,8 +203,10 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
             raise _core.InputError(f"num_envs {num_envs}, jobs {jobs}; allowed: 1 or more, 0 or more")
         self.render_mode = render_mode
         self.num_envs = num_envs
-        self._grasps = _core.Grasps(located(scene), overrides_of(values), command, num_envs, jobs or os.cpu_count() or 1)
+        self._path, self._overrides, self._command, self._jobs = located(scene), overrides_of(values), command, jobs
+        self._grasps = self._make()
         warn(text for _, text in self._grasps.warnings())
+        self._actions: list[list[float]] = [[] for _ in range(num_envs)]  # of each environment's episode
         self._seeds: list[int | None] = [None] * num_envs
         self._episodes = [-1] * num_envs
         self._drawn: list[str] = []
@@ -189,6 +215,21 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         self.single_observation_space, self.single_action_space = _spaces(self.observation_names)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def _make(self) -> _core.Grasps:
+        with naming_unknown_classes():
+            return _core.Grasps(self._path, self._overrides, self._command, self.num_envs, self._jobs or os.cpu_count() or 1)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_grasps"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._grasps = self._make()
+        if min(self._episodes) >= 0:
+            self._grasps.reset([seed for seed in self._seeds if seed is not None], self._episodes)
+            for i, actions in enumerate(self._actions):
+                self._grasps.replay(i, actions)
 
     def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
         """Begins an episode in each, as GraspEnv does: environment i with `seed` + i, or with the seed that a list has for it. Without a seed now or before,
@@ -207,6 +248,7 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         asked = [_seed(one) for one in seeds]
         begun = [_next_episode(self, before, episode, one) for before, episode, one in zip(self._seeds, self._episodes, asked, strict=True)]
         self._seeds = [one for one, _ in begun]
+        self._actions = [[] for _ in begun]
         observations, _, _, _, infos = self._batch(self._grasps.reset([one for one, _ in begun], [episode for _, episode in begun]))
         return observations, infos
 
@@ -214,7 +256,15 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         """Commands each with its row of `actions` [num_envs, 1], but where its episode has ended: there the next one begins, and the action counts for
         nothing. Raises gymnasium.error.ResetNeeded before the first reset()."""
         _begun(min(self._episodes))
-        return self._batch(self._grasps.step(np.asarray(actions, np.float64).reshape(self.num_envs).tolist()))
+        commands: list[float] = np.asarray(actions, np.float64).reshape(self.num_envs).tolist()
+        before = self._episodes
+        result = self._batch(self._grasps.step(commands))
+        for i, command in enumerate(commands):
+            if self._episodes[i] == before[i]:
+                self._actions[i].append(command)
+            else:
+                self._actions[i] = []
+        return result
 
     def _batch(self, told: Any) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         observations, numbers, flags, self._episodes, drawn, outcomes = told
@@ -261,12 +311,12 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         if self._sensor not in trial.sensors and (self._sensor or len(trial.sensors) != 1):
             raise _core.InputError(f"sensor {self._sensor!r}; allowed: {', '.join(map(repr, trial.sensors))}")
         sensor = trial.sensors[self._sensor or next(iter(trial.sensors))]
-        samples = len(sensor.time)
+        samples = len(sensor.t)
         slower = [name for name, values in sensor.channels.items() if len(values) != samples]
         if slower:
             raise _core.InputError(f"sensor {sensor.type!r}: channels {slower} have a rate of their own; allowed: a sensor whose channels share one rate")
         self._values = np.concatenate([values.reshape(samples, -1) for values in sensor.channels.values()], axis=1)
-        self._time, self._states, self._params = sensor.time, sensor.labels.state_micro, trial.params
+        self._time, self._states, self._params = sensor.t, trial.labels[sensor.name].state_micro, trial.params
         self._at = 0
 
     def _info(self) -> dict[str, Any]:

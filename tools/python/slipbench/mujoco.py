@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from slipbench import _own
+from slipbench._values import plain
 from slipbench.bin import _core
 from slipbench.bin._core import InputError
 
@@ -246,17 +247,17 @@ def attach_pad(spec: Any, site: Any, touch: Any, *,
     elif isinstance(pad, str):
         config["sensor"] = json.dumps({"type": pad})
     elif isinstance(pad, Mapping):
-        config["sensor"] = json.dumps(dict(pad))
+        config["sensor"] = json.dumps(plain(pad, "pad"))
     else:
         config["elements"] = json.dumps(np.asarray(pad, float).tolist())
     if friction is not None:
-        config["friction"] = json.dumps(dict(friction) if isinstance(friction, Mapping) else {"static": float(friction)})
+        config["friction"] = json.dumps(plain(friction if isinstance(friction, Mapping) else {"static": friction}, "friction"))
     if material is not None:
         config["material"] = material
     if damping is not None:
         config["damping"] = repr(float(damping))
     if effects:
-        config["effects"] = json.dumps(list(effects))
+        config["effects"] = json.dumps(plain(list(effects), "effects"))
     if not any(plugin.plugin_name == _PLUGIN for plugin in spec.plugins):
         spec.activate_plugin(_PLUGIN)
     instance = spec.add_plugin(name=own, plugin_name=_PLUGIN, active=True)
