@@ -34,6 +34,7 @@
 #include "tools/program/run/trial_run.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/sweep/warnings.h"
+#include "tools/program/text/check_text.h"
 #include "tools/program/text/describe.h"
 #include "tools/python/module.h"
 
@@ -124,7 +125,8 @@ class Scene {
     }
     for (const Override& change : options_.overrides) file_.apply(change);
     if (text && file_.root().find("accuracy") != nullptr)
-      throw InputError(options_.scene_path + ": accuracy needs a scene that is a file, beside which its setting is kept; use Scene.load()");
+      throw InputError(options_.scene_path +
+                       ": accuracy needs a scene that is a file, beside which its setting is kept; use Scene.load()");
     seed_ = parse_scene(file_, *catalogues_).seed;
   }
 
@@ -167,8 +169,9 @@ class Scene {
   }
 
   // The same, fully recorded, with what the units of each pad feel.
-  [[nodiscard]] nb::typed<nb::tuple, TrialRecord, Contacts> run_with_contact(std::size_t trial, std::size_t draws, std::size_t limit,
-                                                                             std::uint64_t seed, const Stop* stop) const {
+  [[nodiscard]] nb::typed<nb::tuple, TrialRecord, Contacts> run_with_contact(std::size_t trial, std::size_t draws,
+                                                                             std::size_t limit, std::uint64_t seed,
+                                                                             const Stop* stop) const {
     std::optional<SharedInterrupt> guard;
     if (stop == nullptr) guard.emplace();
     const std::atomic<bool>* const interrupt = stop == nullptr ? &InterruptGuard::flag() : &stop->now;
@@ -196,8 +199,8 @@ class Scene {
     Contacts all;
     for (std::size_t pad = 0; pad < contacts.size(); ++pad) {
       PadContact& contact = contacts[pad];
-      all[nb::str(record->sensors[pad].name.c_str())] =
-          nb::make_tuple(vectors_of(std::move(contact.force), contact.units), vectors_of(std::move(contact.displacement), contact.units));
+      all[nb::str(record->sensors[pad].name.c_str())] = nb::make_tuple(
+          vectors_of(std::move(contact.force), contact.units), vectors_of(std::move(contact.displacement), contact.units));
     }
     return nb::make_tuple(record, all);
   }
@@ -268,6 +271,7 @@ class Scene {
       expectations.append(entry);
     }
     all["expectations"] = expectations;
+    all["table"] = check_text(result, Style(false));
     all["failures"] = nb::cast(result.failures);
     all["files"] = nb::cast(result.files);
     all["warnings"] = nb::cast(texts_of(result.warnings));

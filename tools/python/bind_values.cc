@@ -44,11 +44,11 @@ nb::ndarray<nb::numpy, std::int64_t> permutation(RandomStream& stream, std::size
   return array_of(std::move(numbers));
 }
 
-constexpr std::array quantities{Quantity::none,         Quantity::length,        Quantity::time,
-                                Quantity::speed,        Quantity::acceleration,  Quantity::angle,
-                                Quantity::angular_speed, Quantity::angular_acceleration, Quantity::frequency,
-                                Quantity::force,        Quantity::mass,          Quantity::stiffness,
-                                Quantity::damping,      Quantity::pressure};
+constexpr std::array quantities{
+    Quantity::none,         Quantity::length,  Quantity::time,          Quantity::speed,
+    Quantity::acceleration, Quantity::angle,   Quantity::angular_speed, Quantity::angular_acceleration,
+    Quantity::frequency,    Quantity::force,   Quantity::mass,          Quantity::stiffness,
+    Quantity::damping,      Quantity::pressure};
 
 Quantity quantity_in(const std::string& unit) {
   std::string allowed;

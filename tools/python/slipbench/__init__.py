@@ -7,6 +7,7 @@ Units are SI throughout. Bad input raises `InputError` with the program's own me
 """
 
 from slipbench.bin._core import InputError, version as __version__
+from slipbench._commands import export, import_recordings, merge, report, verify
 from slipbench._data import Arrays, Dataset, StoredBody, StoredControl, StoredLabels, StoredSensor, StoredTrial, Windows, open
 from slipbench._own import (Command, Controller, Detector, Estimate, Frame, Layout, OwnSensor, SensorSource, Slip, Source, State, controller, detector,
                             sensor)
@@ -18,6 +19,6 @@ __all__ = [
     "Arrays", "Body", "Check", "Command", "Contact", "Control", "Controller", "Dataset", "Detector", "Estimate",
     "Frame", "InputError", "Labels", "Layout", "OwnSensor", "RandomStream", "Scene", "Sensor", "SensorSource", "Slip",
     "Source", "State", "StoredBody", "StoredControl", "StoredLabels", "StoredSensor", "StoredTrial", "Sweep", "Trial",
-    "Windows", "__version__", "controller", "describe", "detector", "evaluate", "list_names", "open",
-    "parse_quantity", "scenes", "sensor",
+    "Windows", "__version__", "controller", "describe", "detector", "evaluate", "export", "import_recordings",
+    "list_names", "merge", "open", "parse_quantity", "report", "scenes", "sensor", "verify",
 ]

@@ -69,12 +69,14 @@ class Check:
     Attributes:
         verdict: "passed", "failed", "tests nothing", "not checked"
         expectations: of each a dict of name, limit, kept, trials, needed, passed, worst, worst_trial, replay
+        table: what `slipbench check` prints, without colours
         failures: why trials failed to run
         files: what a failed check left
     """
 
     verdict: str
     expectations: list[dict[str, Any]]
+    table: str
     failures: list[str]
     files: list[str]
 

@@ -1,0 +1,133 @@
+"""The commands on dataset files as functions, and the pytest plugin. Argument: the program."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import slipbench
+
+PROGRAM = str(Path(sys.argv.pop(1)).resolve())
+
+
+def told(*words):
+    """What the program prints with --json."""
+    return json.loads(subprocess.run([PROGRAM, *words, "--json"], check=False, capture_output=True, text=True).stdout)
+
+
+class Commands(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.place = Path(cls.folder.name)
+        cls.path = cls.place / "speeds.h5"
+        cls.sets = {"sweep": {"motion.speed": ["2 mm/s", "4 mm/s"], "trials": 2}, "split": {"by": "trial", "shares": [0.5, 0.25, 0.25]}}
+        slipbench.Scene.load("papillarray/stage.yaml").set(cls.sets).write(cls.path)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_a_report_is_the_programs(self):
+        self.assertEqual(slipbench.report(self.path, self.place / "a.html", trial=np.int64(1)), {"report": str(self.place / "a.html")})
+        told("report", str(self.path), "--trial", "1", "-o", str(self.place / "b.html"))
+        self.assertEqual((self.place / "a.html").read_bytes(), (self.place / "b.html").read_bytes())
+
+    def test_an_export_is_the_programs(self):
+        ours = slipbench.export(self.path, self.place / "ours", format="csv", labels="strict", sensors=["pad"], rate=100, trial=1, compress=True)
+        theirs = told("export", str(self.path), "--format", "csv", "--labels", "strict", "--rate", "100", "--trial", "1", "--compress", "-o", str(self.place / "theirs"))
+        self.assertEqual([Path(file).name for file in ours["files"]], [Path(file).name for file in theirs["files"]])
+        for one, other in zip(ours["files"], theirs["files"], strict=True):
+            self.assertEqual(Path(one).read_bytes(), Path(other).read_bytes())
+
+    def test_recordings_are_imported(self):
+        slipbench.export(self.path, self.place / "logs", format="vendor-csv")
+        ours = self.place / "ours.h5"
+        slipbench.import_recordings(self.place / "logs", ours, format="papillarray-csv", seed=3)
+        told("import", str(self.place / "logs"), "--format", "papillarray-csv", "--seed", "3", "-o", str(self.place / "theirs.h5"))
+        with slipbench.open(ours) as one, slipbench.open(self.place / "theirs.h5") as other:
+            self.assertEqual([trial.sha256 for trial in one.values()], [trial.sha256 for trial in other.values()])
+            self.assertGreater(len(one), 0)
+            pad = one[0].sensors[next(iter(one[0].sensors))]
+            self.assertEqual(len(pad.force), len(pad.t))  # an imported sensor has the attributes of any other
+            self.assertFalse(hasattr(one[0].labels.get(pad.name), "margin"))
+
+    def test_shards_are_merged_and_verified(self):
+        scene, words = str(slipbench.scenes() / "papillarray/stage.yaml"), [word for path, value in self.sets.items() for word in ("--set", f"{path}={json.dumps(value)}")]
+        shards = [self.place / f"shard-{k}.h5" for k in (1, 2)]
+        for k, shard in enumerate(shards, 1):
+            told("sweep", scene, *words, "--shard", f"{k}/2", "-o", str(shard))
+        merged = self.place / "merged.h5"
+        slipbench.merge(shards, merged)
+        with slipbench.open(merged) as one, slipbench.open(self.path) as other:
+            self.assertEqual([trial.sha256 for trial in one.values()], [trial.sha256 for trial in other.values()])
+        self.assertTrue(slipbench.verify(merged)["holds"])
+        self.assertEqual(slipbench.verify([merged]), told("verify", str(merged)))
+
+    def test_wrong_input_is_the_programs_message(self):
+        for call, words in ((lambda: slipbench.merge([self.path], self.place / "m.h5"), "is no shard of a sweep"), (lambda: slipbench.verify("/nope.h5"), "^/nope.h5: no such file"),
+                            (lambda: slipbench.export(self.path, self.place / "x", format="cvs"), "unknown format 'cvs'; allowed: csv"),
+                            (lambda: slipbench.report(self.path, trial=1j), "^trial: expected a number"), (lambda: slipbench.report(self.path, trial=7), "7")):
+            with self.assertRaisesRegex(slipbench.InputError, words):
+                call()
+
+
+class Pytest(unittest.TestCase):
+    def pytest(self, files, *words):
+        """Exit status and output of pytest in a folder of these files."""
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in files.items():
+                (Path(folder) / name).write_text(text, encoding="utf-8")
+            done = subprocess.run([sys.executable, "-m", "pytest", "-p", "slipbench._pytest_plugin", "-p", "no:cacheprovider", *words], cwd=folder, check=False,
+                                  capture_output=True, text=True)
+            return done.returncode, done.stdout + done.stderr
+
+    def test_scenes_with_expectations_are_collected(self):
+        lift = (slipbench.scenes() / "grasp/lift.yaml").read_text(encoding="utf-8")
+        brief = lift + "\nexpect: {dropped: false, control: none}\n"
+        status, output = self.pytest({"good.yaml": brief, "without.yaml": lift, "other.txt": brief}, "-v")
+        self.assertEqual(status, 0, output)
+        self.assertIn("good.yaml::check PASSED", output)
+        self.assertIn("1 passed", output)
+
+    def test_a_failure_prints_the_table_of_check(self):
+        lift = (slipbench.scenes() / "grasp/lift.yaml").read_text(encoding="utf-8")
+        status, output = self.pytest({"bad.yaml": lift + "\nexpect: {max_slip: 1 um}\n", "wrong.yaml": lift + "\nexpect: {max_slop: 1 um}\n"},
+                                     "--slipbench-draws", "2")
+        self.assertEqual(status, 1, output)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "bad.yaml"
+            path.write_text(lift + "\nexpect: {max_slip: 1 um}\n", encoding="utf-8")
+            table = subprocess.run([PROGRAM, "check", "bad.yaml", "--trials", "2"], cwd=folder, check=False, capture_output=True, text=True).stdout
+        rows = [line.strip() for line in table.splitlines() if line.startswith("  max_slip")]
+        self.assertEqual(len(rows), 1, table)
+        self.assertIn(rows[0], output)
+        self.assertRegex(output, "replay: slipbench run .*bad.yaml")
+        self.assertRegex(output, r"wrong.yaml:\d+: .*max_slop")
+        self.assertNotIn("Traceback", output)
+
+    def test_the_fixture_checks_a_scene(self):
+        test = """
+import pytest, slipbench
+def scene(**expect):
+    return slipbench.Scene.load("grasp/lift.yaml").set(expect=expect)
+def test_good(slipbench_check):
+    assert slipbench_check(scene(dropped=False, control="none"), draws=1).passed
+def test_bad(slipbench_check):
+    slipbench_check(scene(max_slip="1 um"))
+def test_nothing(slipbench_check):
+    slipbench_check("grasp/lift.yaml")
+"""
+        status, output = self.pytest({"test_grasp.py": test})
+        self.assertEqual(status, 1)
+        self.assertIn("2 failed, 1 passed", output)
+        self.assertRegex(output, r"max_slip +at most 1 um")
+        self.assertIn("the scene expects nothing", output)
+
+
+if __name__ == "__main__":
+    unittest.main()

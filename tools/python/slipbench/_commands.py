@@ -1,0 +1,132 @@
+"""The program's commands on dataset files, as functions. Each starts the program and returns what it prints with `--json`."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from slipbench._values import plain
+from slipbench.bin import _core
+
+PathLike = str | os.PathLike[str]
+
+
+def _run(command: str, files: Sequence[PathLike], options: dict[str, Any], good: tuple[int, ...] = (0,)) -> dict[str, Any]:
+    """Runs `slipbench command files --option value`, where an option of None, False or empty text is left out. `good`: exit statuses with a result."""
+    words = [command, *(os.fspath(file) for file in files), "--json"]
+    for name, value in options.items():
+        given = plain(value, name)
+        if given is True:
+            words.append(f"--{name}")
+        elif given not in (None, False, "", []):
+            words.append(f"--{name}={','.join(given) if isinstance(given, list) else given}")
+    place = os.pathsep.join(filter(None, [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")]))
+    done = subprocess.run([sys.executable, "-m", "slipbench", *words], capture_output=True, text=True, check=False, env={**os.environ, "PYTHONPATH": place})
+    if done.returncode not in good:
+        raise _core.InputError(done.stderr.strip().removeprefix("slipbench: ") or f"{command} ended with exit status {done.returncode}")
+    result: dict[str, Any] = json.loads(done.stdout)
+    return result
+
+
+def _several(files: PathLike | Sequence[PathLike]) -> list[PathLike]:
+    return [files] if isinstance(files, (str, os.PathLike)) else list(files)
+
+
+def report(dataset: PathLike, output: PathLike = "", *, trial: int | None = None) -> dict[str, Any]:
+    """Turns a dataset into an HTML page, as `slipbench report`.
+
+    Args:
+        dataset: path of the dataset's first file
+        output: page to write; empty: the dataset's name with .html
+        trial: number of the trial to show in full; None: the first
+
+    Returns:
+        What `--json` prints.
+
+    Raises:
+        InputError: the program's own message.
+    """
+    return _run("report", [dataset], {"output": output, "trial": trial})
+
+
+def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = "", label_speed: str | float = "", sensors: str | Sequence[str] = (),
+           rate: str | float = "", split: str = "", trial: int | None = None, compress: bool = False) -> dict[str, Any]:
+    """Writes a dataset in another format, as `slipbench export`.
+
+    Args:
+        dataset: path of the dataset's first file
+        output: folder to write into
+        format: csv, npz, robomimic, lerobot, parquet, mcap, or another that `slipbench export --help` names
+        labels: when a unit counts as slipping: strict, micro, paper or has_slipped; empty: every rule's state
+        label_speed: tip speed above which paper and has_slipped say slip, "0.1 mm/s" or m/s; empty: 0.1 mm/s
+        sensors: names of the sensors to export; empty: all
+        rate: of the rows, "100 Hz" or Hz: the latest values, held; empty: each sensor's own
+        split: only the trials of train, valid or test; empty: all
+        trial: number of the only trial to export; None: all
+        compress: write .csv.gz instead of .csv, and the arrays of robomimic compressed
+
+    Returns:
+        What `--json` prints.
+
+    Raises:
+        InputError: the program's own message.
+    """
+    return _run("export", [dataset], {"output": output, "format": format, "labels": labels, "label-speed": label_speed, "sensors": _several(sensors),
+                                      "rate": rate, "split": split, "trial": trial, "compress": compress})
+
+
+def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike = "", *, format: str, map: PathLike = "", rate: str | float = "",
+                      seed: int | None = None) -> dict[str, Any]:
+    """Reads recordings of real sensors into a dataset, as `slipbench import`.
+
+    Args:
+        sources: a file, a folder whose .csv files are all meant, or several of them
+        output: dataset to write; empty: none, the sources are only checked
+        format: bts3v2, biotacsp-dos, papillarray-csv, training-csv or csv
+        map: of the format csv, a YAML file that says which column is what
+        rate: resample at this rate, "100 Hz" or Hz: straight lines between samples, no filter; empty: as recorded
+        seed: of the split into training, validation and test; None: 1
+
+    Returns:
+        What `--json` prints.
+
+    Raises:
+        InputError: the program's own message.
+    """
+    return _run("import", _several(sources), {"output": output, "format": format, "map": map, "rate": rate, "seed": seed})
+
+
+def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:
+    """Checks datasets against themselves, as `slipbench verify`: digests, order, times, events, Coulomb's law; shards also against each other.
+
+    Args:
+        datasets: path of a dataset's first file, or several of them
+
+    Returns:
+        What `--json` prints. Its "holds" is False if something does not hold.
+
+    Raises:
+        InputError: a file cannot be read.
+    """
+    return _run("verify", _several(datasets), {}, (0, 1))
+
+
+def merge(shards: Sequence[PathLike], output: PathLike) -> dict[str, Any]:
+    """Puts the shards of a sweep together, as `slipbench merge`.
+
+    Args:
+        shards: paths of the shards' first files, all of one sweep
+        output: dataset to write
+
+    Returns:
+        What `--json` prints.
+
+    Raises:
+        InputError: the program's own message.
+    """
+    return _run("merge", shards, {"output": output})

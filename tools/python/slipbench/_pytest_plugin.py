@@ -1,0 +1,74 @@
+"""The pytest plugin: scenes with the key `expect` are tests. pip registers it as an entry point; elsewhere `pytest -p slipbench._pytest_plugin`."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from slipbench import Check, Scene
+
+
+class _Failed(Exception):
+    """A scene that does not keep what it expects; its text is what `slipbench check` prints."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.getgroup("slipbench").addoption("--slipbench-draws", type=int, default=0, metavar="N",
+                                           help="Trials of each cell of a scene's sweep (default: as the scene says)")
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Collects YAML files that have the key `expect` at the beginning of a line."""
+    if file_path.suffix not in (".yaml", ".yml") or not re.search(r"^expect\s*:", file_path.read_text(encoding="utf-8", errors="replace"), re.MULTILINE):
+        return None
+    return _SceneFile.from_parent(parent, path=file_path)
+
+
+class _SceneFile(pytest.File):
+    def collect(self) -> Iterator[pytest.Item]:
+        yield _SceneItem.from_parent(self, name="check")
+
+
+class _SceneItem(pytest.Item):
+    def runtest(self) -> None:
+        result = _checked(self.path, self.config, {})
+        if not result.passed:
+            raise _Failed(result.table.rstrip())
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        from slipbench import InputError
+
+        # Messages of the program name file and line: a traceback would only hide them.
+        return str(excinfo.value) if isinstance(excinfo.value, (_Failed, InputError)) else super().repr_failure(excinfo, style)
+
+    def reportinfo(self) -> tuple[Path, int | None, str]:
+        return self.path, None, f"{self.path.name}: expect"
+
+
+def _checked(scene: Scene | str | os.PathLike[str], config: pytest.Config, options: dict[str, Any]) -> Check:
+    import slipbench  # here, so that pytest starts as fast where nothing is simulated
+
+    scene = scene if isinstance(scene, slipbench.Scene) else slipbench.Scene.load(scene)
+    return scene.check(**{"draws": config.getoption("--slipbench-draws"), **options})
+
+
+@pytest.fixture
+def slipbench_check(pytestconfig: pytest.Config) -> Callable[..., Check]:
+    """A function that checks a scene: `slipbench_check(scene, draws=4)`.
+
+    It takes a `Scene` or a path, and the options of `Scene.check()`. It returns the `Check`, and fails the test with the table of `slipbench check` where
+    an expectation is not kept, the scene expects nothing, or its negative control keeps all of it.
+    """
+    def check(scene: Scene | str | os.PathLike[str], **options: Any) -> Check:
+        result = _checked(scene, pytestconfig, options)
+        if not result.passed:
+            pytest.fail(result.table.rstrip(), pytrace=False)
+        return result
+
+    return check
