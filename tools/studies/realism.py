@@ -97,20 +97,20 @@ def sums_of(trial: Trial) -> Sums:
     Raises:
         InputError: where the pad has no forces of nine pillars
     """
-    [pad] = trial.sensors.values()
+    [(name, pad)] = trial.sensors.items()
     force = pad.channels.get("force")
     if force is None or force.shape[1:] != (PILLARS, 3):
         raise InputError("reproduce: realism: the pad of hexapod.yaml has no forces of nine pillars")
     tangential = force[:, :, :2].astype(float)
     control, [body, *_] = trial.control, trial.bodies.values()
     assert control is not None  # the scene names a detector
-    times = pad.time[::FRAME_STRIDE] + 1e-9
+    times = pad.t[::FRAME_STRIDE] + 1e-9
 
     def latest(of: NDArray[np.float64]) -> NDArray[np.intp]:
         return np.maximum(np.searchsorted(of, times, "right") - 1, 0)
 
-    truth, seen = pad.labels.state_paper[::FRAME_STRIDE], control.detector_class[latest(control.time)]
-    moves = np.abs(body["velocity"][latest(body["time"])][:, [0, 1, 5]]).max(axis=1) > MOVES_FROM
+    truth, seen = trial.labels[name].state_paper[::FRAME_STRIDE], control.detector_class[latest(control.t)]
+    moves = np.abs(body.velocity[latest(body.t)][:, [0, 1, 5]]).max(axis=1) > MOVES_FROM
     halt = int(np.flatnonzero(moves)[-1]) + 1 if moves.any() else 0
     touching = (truth > 0) & (seen > 0)
     parts = [touching, touching & (np.arange(len(times)) < halt), touching & moves]

@@ -52,8 +52,8 @@ def pad_of(trial: Trial, name: str) -> Pad:
         the recording
     """
     sensor = trial.sensors[name]
-    labels = sensor.labels
-    return Pad(sensor.time, sensor.channels["taxels"].reshape(len(sensor.time), -1), labels.force[:, :, 2], labels.unit_state, labels.state)
+    labels = trial.labels[name]
+    return Pad(sensor.t, sensor.channels["taxels"].reshape(len(sensor.t), -1), labels.force[:, :, 2], labels.unit_state, labels.state)
 
 
 class Placed(NamedTuple):

@@ -37,10 +37,10 @@ class Trace:
             raise InputError(f"trial {trial.trial}: expected one sensor and the body 'lever', found {', '.join([*trial.sensors, *trial.bodies])}")
         self._trial = trial
         [(self._name, sensor)] = trial.sensors.items()
-        self.time: Doubles = np.asarray(sensor.time)
+        self.time: Doubles = np.asarray(sensor.t)
         self.rate = sensor.rate
-        self.normal: Doubles = sensor.labels.force[:, :, 2].sum(axis=1, dtype=float)
-        self.lever: Doubles = trial.bodies["lever"]["pose"][:, 1].astype(float)
+        self.normal: Doubles = trial.labels[self._name].force[:, :, 2].sum(axis=1, dtype=float)
+        self.lever: Doubles = trial.bodies["lever"].pose[:, 1].astype(float)
         self.linear: Doubles = sensor.channels["fl"][:, 0].astype(float) - sensor.channels["fl"][:, 1]
 
     def at(self, time: float) -> int:

@@ -124,10 +124,10 @@ def recording_of(trial: Trial, start: float, every: int = 1) -> Recording:
     """
     sensor, contact = trial.sensors["pad"], trial.contacts["pad"]
     si = sensor.channels["si"].reshape(-1, 36).astype(float)
-    complete = np.arange(1, len(si) + 1) * (len(sensor.time) // len(si)) - 1  # samples with which an image is complete
-    tips = np.column_stack([sensor.labels.unit_positions, sensor.labels.unit_heights])
+    complete = np.arange(1, len(si) + 1) * (len(sensor.t) // len(si)) - 1  # samples with which an image is complete
+    tips = np.column_stack([trial.labels["pad"].unit_positions, trial.labels["pad"].unit_heights])
     wrench = wrench_on_pad(tips, contact.force[complete], contact.displacement[complete])
-    untouched = int(np.searchsorted(sensor.time[complete], start))
+    untouched = int(np.searchsorted(sensor.t[complete], start))
     kept = slice(untouched, None, every)
     return Recording((si - si[:untouched].mean(axis=0))[kept], wrench[kept], running_mean(wrench, AVERAGED)[kept])
 

@@ -154,7 +154,7 @@ def run_of(trial: Trial, target: float) -> dict[str, Any]:
     """
     outcome, control = trial.outcome, trial.control
     assert control is not None  # the scene has a controller
-    turn = turn_of(outcome, control.arm, control.grip_force, trial.bodies["arm"]["pose"][:, 2], trial.bodies["box"]["pose"], target)
+    turn = turn_of(outcome, control.arm, control.grip_force, trial.bodies["arm"].pose[:, 2], trial.bodies["box"].pose, target)
     return {"standing": outcome["standing"], "dropped": outcome["dropped"], "tilt": outcome["tilt_rad"], "least_tilt": outcome["least_tilt_rad"],
             "most_force": outcome["max_grip_force_N"], "end": turn.end, "released_tilt": turn.tilt, "held_by": turn.force}
 
