@@ -135,6 +135,7 @@ class Grasps {
     for (const double action : actions) environments_.environment(i).step(action);
   }
   [[nodiscard]] const std::vector<std::string>& names() { return environments_.environment(0).observation_names(); }
+  [[nodiscard]] const std::vector<std::string>& units() { return environments_.environment(0).observation_units(); }
   [[nodiscard]] Texts warnings() { return texts_of(environments_.environment(0).warnings()); }
 
  private:
@@ -180,6 +181,7 @@ void bind_environments(nb::module_& module) {
       .def("step", &Grasp::step)
       .def("bodies", [](const Grasp& grasp) { return bodies_of(grasp.environment()); })
       .def_prop_ro("names", [](const Grasp& grasp) { return grasp.environment().observation_names(); })
+      .def_prop_ro("units", [](const Grasp& grasp) { return grasp.environment().observation_units(); })
       .def_prop_ro("params", [](const Grasp& grasp) { return grasp.environment().params(); })
       .def("warnings", [](const Grasp& grasp) { return texts_of(grasp.environment().warnings()); })
       .def("command", [](const Grasp& grasp, const std::string& scene) { return grasp.environment().episode_command(scene); });
@@ -189,6 +191,7 @@ void bind_environments(nb::module_& module) {
       .def("step", &Grasps::step)
       .def("replay", &Grasps::replay)
       .def("warnings", &Grasps::warnings)
+      .def_prop_ro("units", &Grasps::units)
       .def_prop_ro("names", &Grasps::names);
 }
 

@@ -285,6 +285,24 @@ class Seeds(unittest.TestCase):
         self.assertEqual(*(one.reset(seed=3)[1]["params"] for one in environments))
         self.assertEqual(*(one.reset()[1]["params"] for one in environments))
 
+    def test_scaled_observations_are_the_others_over_their_scale(self):
+        plain, scaled = (slipbench.gym.GraspEnv("grasp/lift.yaml", values={"duration": "2 s"}, scaled=on) for on in (False, True))
+        vector = slipbench.gym.GraspVectorEnv(1, "grasp/lift.yaml", values={"duration": "2 s"}, scaled=True)
+        names, units = scaled.observation_names, scaled.observation_units
+        by = dict(zip(names, zip(units, scaled.observation_scale.tolist(), strict=True), strict=True))
+        self.assertEqual(by["pad.P0_FZ"], ("N", 5.0))
+        self.assertEqual(by["pad.P0_DZ"], ("m", np.float32(1e-3)))
+        self.assertEqual((by["gripper.position"], by["slip.state"]), (("counts", 255.0), ("1", 3.0)))
+        self.assertTrue((plain.observation_scale == 1.0).all())
+        observations = [env.reset(seed=1)[0] for env in (plain, scaled, vector)]
+        for _ in range(60):
+            np.testing.assert_array_equal(observations[1], observations[0] / scaled.observation_scale)
+            np.testing.assert_array_equal(observations[2][0], observations[1])
+            self.assertTrue(scaled.observation_space.contains(observations[1]))
+            observations = [env.step(np.full(env.action_space.shape, -0.2, np.float32))[0] for env in (plain, scaled, vector)]
+        self.assertLess(np.abs(observations[1]).max(), 2.0)  # of order one
+        self.assertGreater(np.abs(observations[0]).max(), 50.0)  # the position alone is tens of counts
+
     def test_options_have_no_effect_in_either(self):
         environment, vector = slipbench.gym.GraspEnv(values=DRAWN), slipbench.gym.GraspVectorEnv(2, values=DRAWN)
         for options in (None, {}, {"low": 1, "high": 2}):

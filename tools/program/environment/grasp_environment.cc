@@ -69,11 +69,16 @@ GraspEnvironment::GraspEnvironment(const SceneFile& file, ActionKind action)
         names_.push_back(fmt::format(
             "{}.{}", scene.sensors[sensor].name,
             channel.channel_names.size() == channel.size() ? channel.channel_names[i] : fmt::format("{}[{}]", channel.name, i)));
+        units_.push_back(channel.unit);
       }
     }
   }
   names_.insert(names_.end(), {"gripper.position", "gripper.moving", "gripper.stopped"});
-  if (scene.detector) names_.emplace_back("slip.state");
+  units_.insert(units_.end(), {"counts", "1", "1"});
+  if (scene.detector) {
+    names_.emplace_back("slip.state");
+    units_.emplace_back("1");
+  }
 }
 
 void GraspEnvironment::reset(std::uint64_t seed, std::uint64_t episode) {

@@ -6,12 +6,11 @@ import os
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
-if TYPE_CHECKING:
-    from slipbench import Check, Scene
+from slipbench import Check, InputError, Scene
 
 
 class _Failed(Exception):
@@ -42,8 +41,6 @@ class _SceneItem(pytest.Item):
             raise _Failed(result.table.rstrip())
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        from slipbench import InputError
-
         # Messages of the program name file and line: a traceback would only hide them.
         return str(excinfo.value) if isinstance(excinfo.value, (_Failed, InputError)) else super().repr_failure(excinfo, style)
 
@@ -52,9 +49,7 @@ class _SceneItem(pytest.Item):
 
 
 def _checked(scene: Scene | str | os.PathLike[str], config: pytest.Config, options: dict[str, Any]) -> Check:
-    import slipbench  # here, so that pytest starts as fast where nothing is simulated
-
-    scene = scene if isinstance(scene, slipbench.Scene) else slipbench.Scene.load(scene)
+    scene = scene if isinstance(scene, Scene) else Scene.load(scene)
     return scene.check(**{"draws": config.getoption("--slipbench-draws"), **options})
 
 

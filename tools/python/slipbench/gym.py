@@ -72,9 +72,20 @@ _GREATEST = np.finfo(np.float32).max  # what a sensor's float32 may be: it has n
 _BOUNDS = {"gripper.position": 255.0, "gripper.moving": 1.0, "gripper.stopped": 1.0, "slip.state": 3.0}
 
 
-def _spaces(names: list[str]) -> tuple[gymnasium.Space[Observation], gymnasium.Space[Observation]]:
+# What a value of a sensor is divided by where observations are scaled, by its unit, so that values of a grasp are of order one; other units: 1.
+_SCALES = {"N": 5.0, "m": 1e-3, "counts": 4096.0, "V": 1.0, "Pa": 1e4, "kPa": 10.0}
+
+
+def _scale(names: list[str], units: list[str], scaled: bool) -> Observation:
+    """What each value of an observation is divided by: 1 unless observations are scaled."""
+    if not scaled:
+        return np.ones(len(names), np.float32)
+    return np.array([_BOUNDS.get(name, _SCALES.get(unit, 1.0)) for name, unit in zip(names, units, strict=True)], np.float32)
+
+
+def _spaces(names: list[str], scale: Observation) -> tuple[gymnasium.Space[Observation], gymnasium.Space[Observation]]:
     low = np.array([0.0 if name in _BOUNDS else -_GREATEST for name in names], np.float32)
-    high = np.array([_BOUNDS.get(name, _GREATEST) for name in names], np.float32)
+    high = np.array([_BOUNDS[name] / by if name in _BOUNDS else _GREATEST for name, by in zip(names, scale, strict=True)], np.float32)
     return gymnasium.spaces.Box(low, high, dtype=np.float32), gymnasium.spaces.Box(-1.0, 1.0, (1,), np.float32)
 
 
@@ -93,16 +104,19 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
 
     Attributes:
         observation_names: of each value of an observation: "gripper.position", "pad.P0_FX", ...
+        observation_units: unit of each value before scaling: "counts", "N", ...; "1" for flags and codes
+        observation_scale: [values] what each value is divided by; 1 unless `scaled`
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
 
     def __init__(self, scene: str | os.PathLike[str] = "grasp/lift.yaml", values: dict[str, Any] | None = None, command: str = "force",
-                 render_mode: str | None = None) -> None:
+                 render_mode: str | None = None, scaled: bool = False) -> None:
         """`scene`: a file, or one that comes with the package. `values`: as `Scene.set()` takes them.
 
         `command`: what the action in [-1, 1] stands for, "force", 0 to 20 N of measured grip force, or "position", 0 to 255 counts. `render_mode`: one
-        of `metadata["render_modes"]`, or None.
+        of `metadata["render_modes"]`, or None. `scaled`: divide each value of an observation by `observation_scale`: forces by 5 N, displacements by 1 mm,
+        counts of a sensor by 4096, the gripper's position by 255 and the detector's state by 3, so that values are of order one, as policies expect.
         """
         if render_mode != "rgb_array":
             _refuse_pictures(render_mode, "None, 'rgb_array'")
@@ -115,7 +129,9 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         self._episode, self._over = -1, False
         self._actions: list[float] = []  # of the episode
         self.observation_names: list[str] = self._grasp.names
-        self.observation_space, self.action_space = _spaces(self.observation_names)
+        self.observation_units: list[str] = self._grasp.units
+        self.observation_scale = _scale(self.observation_names, self.observation_units, scaled)
+        self.observation_space, self.action_space = _spaces(self.observation_names, self.observation_scale)
         self._renderer = Renderer(self._grasp.bodies()) if render_mode else None
 
     def _make(self) -> _core.Grasp:
@@ -147,7 +163,7 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         self._actions = []
         observation, _, failed, ended, truth = self._grasp.reset(self._seed, self._episode)
         self._over = failed or ended
-        return observation, _info(truth, self._grasp.params)
+        return observation / self.observation_scale, _info(truth, self._grasp.params)
 
     def step(self, action: Observation) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Commands `action` [1], -1 to 1, and runs on to the next read. Gives observation, reward, terminated, truncated, info.
@@ -162,7 +178,7 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         observation, reward, failed, ended, truth = self._grasp.step(command)
         self._actions.append(command)
         self._over = failed or ended
-        return observation, reward, failed, ended, _info(truth, self._grasp.params)
+        return observation / self.observation_scale, reward, failed, ended, _info(truth, self._grasp.params)
 
     def render(self) -> NDArray[np.uint8] | None:
         """The grasp as it is, [480, 480, 3]: box, plates of the fingers (the blue one carries the first sensor) and table."""
@@ -188,13 +204,15 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
 
     Attributes:
         observation_names: of each value of an environment's observation
+        observation_units: unit of each value before scaling
+        observation_scale: [values] what each value is divided by; 1 unless `scaled`
     """
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
     def __init__(self, num_envs: int = 1, scene: str | os.PathLike[str] = "grasp/lift.yaml", values: dict[str, Any] | None = None,
-                 command: str = "force", render_mode: str | None = None, jobs: int = 0) -> None:
-        """`num_envs` grasps; `scene`, `values`, `command`, `render_mode`: as GraspEnv takes them.
+                 command: str = "force", render_mode: str | None = None, jobs: int = 0, scaled: bool = False) -> None:
+        """`num_envs` grasps; `scene`, `values`, `command`, `render_mode`, `scaled`: as GraspEnv takes them.
 
         `jobs`: threads; 0: one a core. What it gives does not depend on their number.
         """
@@ -212,7 +230,9 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         self._drawn: list[str] = []
         self._params: dict[str, Any] = {}
         self.observation_names: list[str] = self._grasps.names
-        self.single_observation_space, self.single_action_space = _spaces(self.observation_names)
+        self.observation_units: list[str] = self._grasps.units
+        self.observation_scale = _scale(self.observation_names, self.observation_units, scaled)
+        self.single_observation_space, self.single_action_space = _spaces(self.observation_names, self.observation_scale)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
 
@@ -281,7 +301,7 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         infos.update(copy.deepcopy(self._params))
         for i, outcome in outcomes.items():
             infos = self._add_info(infos, {"outcome": json.loads(outcome)}, i)
-        return observations.reshape(self.num_envs, -1), rewards, terminated, truncated, infos
+        return observations.reshape(self.num_envs, -1) / self.observation_scale, rewards, terminated, truncated, infos
 
 
 class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
