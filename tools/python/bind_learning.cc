@@ -235,8 +235,8 @@ Described read_examples(const std::vector<std::string>& paths, const std::string
 }
 
 // One sensor of a trial that is not in a dataset, as read_examples() has it.
-Described example_of(const TrialRecord& record, const std::string& sensor, const std::string& description, const std::string& labels,
-                     const std::string& classes, std::size_t turn) {
+Described example_of(const TrialRecord& record, const std::string& sensor, const std::string& description,
+                     const std::string& labels, const std::string& classes, std::size_t turn) {
   train::ExampleOptions options;
   options.input = input_of(description);
   options.labels = value_of(train::label_words, labels, "labels");
