@@ -63,7 +63,9 @@ auto value_of(const Words& words, const std::string& word, const char* option) {
   return *found;
 }
 
-network::Input input_of(const std::string& description) { return network::parse_description(description, "the description").input; }
+network::Input input_of(const std::string& description) {
+  return network::parse_description(description, "the description").input;
+}
 
 // network::Frames of samples [T, values].
 class FrameReader {
@@ -260,7 +262,8 @@ std::vector<train::SlipSeries> series_of(const Series& given) {
   for (const auto& [probability, truth] : given) {
     if (probability.shape(0) != truth.shape(0))
       reject("series {}: {} probabilities of {} frames; allowed: one a frame", all.size(), probability.shape(0), truth.shape(0));
-    all.push_back({{probability.data(), probability.data() + probability.shape(0)}, {truth.data(), truth.data() + truth.shape(0)}});
+    all.push_back(
+        {{probability.data(), probability.data() + probability.shape(0)}, {truth.data(), truth.data() + truth.shape(0)}});
   }
   return all;
 }

@@ -44,7 +44,7 @@ struct LearnedLoop : ::testing::Test {
 TEST_F(LearnedLoop, NetworkFromSweepToGrip) {
   make_grasps("20");
   const std::string model = folder_ / "grasp.onnx";
-  const Json trained = json({"train", grasps_, "--recipe", "grasp_gru", "--steps", "60", "--alarms", "20/min", "-o", model});
+  const Json trained = json({"train", grasps_, "--recipe", "grasp_gru", "--steps", "150", "--alarms", "20/min", "-o", model});
   ASSERT_EQ(trained["recipe"], "grasp_gru");
   const Json judged = json({"eval", model, grasps_, "--labels", "micro"});
   EXPECT_EQ(judged["left_out"].size(), 34U);
