@@ -243,7 +243,8 @@ class Control(Described):
 
 
 class Trial:
-    """One simulated trial. Its arrays are read-only views of the simulation's own record, without a copy. A `StoredTrial` has the same attributes.
+    """One simulated trial. Its arrays are read-only views of the simulation's own record, without a copy. A `StoredTrial` has the same attributes but
+    `record`.
 
     Trials can be pickled and deep-copied; a copy has arrays of its own.
 
@@ -272,6 +273,20 @@ class Trial:
         control = record.control(record)
         self.control: Control | None = None if control is None else Control(**control)
         self.contacts: dict[str, Contact] = {name: Contact(self.sensors[name].t, *felt) for name, felt in (contacts or {}).items()}
+
+    @property
+    def record(self) -> _core.Record:
+        """The simulation's own record, which detectors and training read.
+
+        Returns:
+            the record, whose memory the arrays share
+
+        Raises:
+            InputError: the trial is a copy by pickle or deepcopy, which has arrays alone
+        """
+        if self._record is None:
+            raise _core.InputError(f"trial {self.trial}: expected a trial of this process, found a copy by pickle or deepcopy, which has no record")
+        return self._record
 
     @property
     def sha256(self) -> str:
