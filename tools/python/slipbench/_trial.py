@@ -6,13 +6,12 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from slipbench.bin import _core
+from slipbench.bin import _core
 
 Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
