@@ -24,7 +24,8 @@ threading.setprofile(note)
 sys.setprofile(note)
 runpy.run_path(sys.argv[0], run_name="__main__")
 sys.setprofile(None)
-json.dump(sorted(calls), open(told, "w"))
+with open(told, "w") as file:
+    json.dump(sorted(calls), file)
 """
 
 

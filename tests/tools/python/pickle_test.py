@@ -96,7 +96,7 @@ class Copies(unittest.TestCase):
         for other in both(trial):
             self.assertEqual((other.sha256, other.outcome, other.params), (trial.sha256, trial.outcome, trial.params))
             with self.assertRaisesRegex(slipbench.InputError, "a copy by pickle or deepcopy, which has no record"):
-                other.record
+                other._simulated
             np.testing.assert_array_equal(other.sensors["pad"].force, trial.sensors["pad"].force)
             np.testing.assert_array_equal(other.labels["pad"].state, trial.labels["pad"].state)
             np.testing.assert_array_equal(other.contacts["pad"].force, trial.contacts["pad"].force)

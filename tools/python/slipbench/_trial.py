@@ -242,8 +242,7 @@ class Control(Described):
 
 
 class Trial:
-    """One simulated trial. Its arrays are read-only views of the simulation's own record, without a copy. A `StoredTrial` has the same attributes but
-    `record`.
+    """One simulated trial. Its arrays are read-only views of the simulation's own record, without a copy. A `StoredTrial` has the same attributes.
 
     Trials can be pickled and deep-copied; a copy has arrays of its own.
 
@@ -274,7 +273,7 @@ class Trial:
         self.contacts: dict[str, Contact] = {name: Contact(self.sensors[name].t, *felt) for name, felt in (contacts or {}).items()}
 
     @property
-    def record(self) -> _core.Record:
+    def _simulated(self) -> _core.Record:
         """The simulation's own record, which detectors and training read.
 
         Returns:

@@ -138,7 +138,7 @@ def windows_of(trial: Trial, turned: int, seed: int) -> Windows:
     parts: list[dict[str, NDArray[Any]]] = []
     for name in ("left", "right"):
         def example(turn: int, name: str = name) -> dict[str, Any]:
-            return _core.example_of(trial.record, name, text, "micro", "kind", turn)
+            return _core.example_of(trial._simulated, name, text, "micro", "kind", turn)
 
         plain = example(0)
         time = plain["time"]

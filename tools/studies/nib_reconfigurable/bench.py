@@ -67,7 +67,7 @@ class Trace:
         Raises:
             InputError: for a parameter that the detector does not have
         """
-        states, values, names = _core.estimates(self._trial.record, self._name, detector, list(parameters.items()))
+        states, values, names = _core.estimates(self._trial._simulated, self._name, detector, list(parameters.items()))
         return states, dict(zip(names, values.T, strict=True))
 
     def detection(self, detector: str, parameters: dict[str, str]) -> int | None:
