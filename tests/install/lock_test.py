@@ -79,7 +79,9 @@ class LockTest(unittest.TestCase):
         python = ROOT / "build/venv/bin/python"
         if not python.exists():
             self.skipTest("no build/venv")
-        code = "from importlib import metadata as m\nfor d in m.distributions(): print(d.metadata['Name'], d.version)"
+        # Its own folder alone: Debian's, with PyTorch, is on its path, too.
+        code = ("import sysconfig\nfrom importlib import metadata as m\n"
+                "for d in m.distributions(path=[sysconfig.get_path('purelib')]): print(d.metadata['Name'], d.version)")
         lines = subprocess.run([python, "-c", code], capture_output=True, text=True, check=True).stdout.splitlines()
         pinned = locked("requirements") | locked("requirements-test")
         for line in lines:

@@ -70,7 +70,9 @@ has_installed() { [[ -x $venv/bin/python && -f $(stamp_of "$1") && $(<"$(stamp_o
 # PyTorch is Debian's. Its folder comes last on the path of build/venv, so that all else is the environment's own.
 see_debian() {
   local folder
-  for folder in "$venv"/lib/python3*/site-packages; do printf '/usr/lib/python3/dist-packages\n' >"$folder/debian.pth"; done
+  for folder in "$venv"/lib/python3*/site-packages; do
+    if [[ -d $folder ]]; then printf '/usr/lib/python3/dist-packages\n' >"$folder/debian.pth"; fi
+  done
 }
 
 # install_python FILE
