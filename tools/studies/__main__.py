@@ -2,15 +2,15 @@
 
 import importlib
 import json
+import os
 import signal
 import sys
 from typing import Any
 
 from slipbench import InputError
+from slipbench._program import SIGNALS
 from slipbench_studies.kept import remove_kept
 from slipbench_studies.result import Options, Result, result_object, say_nothing
-
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def module_of(name: str) -> str:
@@ -67,14 +67,24 @@ def main(request: dict[str, Any]) -> int:
     except KeyboardInterrupt as interrupt:
         _say(str(interrupt) or "interrupted; nothing is kept")
         return 130
+    try:
+        _print_result(name, result, files, as_json)
+        sys.stdout.flush()
+    except OSError as error:
+        _say(f"cannot write to standard output: {error.strerror}")
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left cannot be written at exit either
+        return 2
+    return 0
+
+
+def _print_result(name: str, result: Result, files: list[str], as_json: bool) -> None:
     if as_json:
         print(json.dumps(result_object(name, result), separators=(",", ":"), ensure_ascii=False))
-        return 0
+        return
     from slipbench_studies import text
     text.show(result)
     for file in files:
         print(f"written: {file}")
-    return 0
 
 
 if __name__ == "__main__":

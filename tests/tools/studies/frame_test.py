@@ -139,14 +139,21 @@ class Grids(unittest.TestCase):
 
 
 class Programs(unittest.TestCase):
-    def start(self, *words, **options):
-        return subprocess.Popen([PROGRAM, "reproduce", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+    def start(self, *words, stdout=subprocess.PIPE):
+        return subprocess.Popen([PROGRAM, "reproduce", *words], stdout=stdout, stderr=subprocess.PIPE, text=True)
 
     def test_wrong_names_are_refused(self):
         run = self.start("nib-reconfigurable/table3", "--only", "com_hi")
         out, err = run.communicate(timeout=120)
         self.assertEqual((run.returncode, out), (2, ""))
         self.assertIn("slipbench: reproduce: --only: unknown name 'com_hi'", err)
+
+    def test_output_that_cannot_be_written_is_reported(self):
+        for form in ([], ["--json"]):
+            with open("/dev/full", "wb") as full:
+                run = self.start("nib-reconfigurable/table3", "--only", "200g", "--trials", "1", *form, stdout=full)
+                err = run.communicate(timeout=120)[1]
+            self.assertEqual((run.returncode, err.splitlines()[-1]), (2, "slipbench: cannot write to standard output: No space left on device"))
 
     def test_an_interrupt_ends_it(self):
         run = self.start("nib-reconfigurable/table3", "--trials", "1000", "--only", "200g", "--jobs", "1")

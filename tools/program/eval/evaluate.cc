@@ -526,6 +526,8 @@ TruthRule learnt_labels(const std::string& trained) {
   if (!said.is_object() || !said.contains("labels")) return TruthRule::strict;
   const Json& labels = said.at("labels");
   try {
+    // A rule of training alone, which differs from `masked` in grasps only.
+    if (labels == "tightened") return TruthRule::masked;
     if (labels.is_string()) return parse_label_rule(labels.get<std::string>());
   } catch (const InputError& error) {
     reject("the detector's metadata: trained.labels: {}; judge by another with --labels", error.what());

@@ -25,7 +25,8 @@ struct Options {
 // not trained. Throws InputError as network_of(), and for a damaged record.
 std::string training_of(const DetectorScene& detector);
 
-// The rule that a detector learnt by, of what it says of its training; strict where that names none. Throws InputError for a rule that is none.
+// The rule of a detector's training, as its metadata `trained` states it; `masked` for `tightened`; `strict` without a rule.
+// Throws InputError for an unknown rule.
 TruthRule learnt_labels(const std::string& trained);
 // Digests of the trials that it has learnt from or chosen its state by, whatever file they are in. Throws InputError for what is no list of them.
 std::set<std::string> seen_trials(const DetectorScene& detector, const std::string& trained);
