@@ -139,11 +139,11 @@ def frames_of(trial: Trial) -> pd.DataFrame:
         any sample; still [s] from the last motion of the bench to its end, infinite where it has not moved; force [N], stiffness times compression, and
         speed [m/s] of the slide, of the recording
     """
-    sensor = trial.sensors["pad"]
-    micro, paper, time = sensor.labels.state_micro, sensor.labels.state_paper, sensor.time
+    sensor, labels = trial.sensors["pad"], trial.labels["pad"]
+    micro, paper, time = labels.state_micro, labels.state_paper, sensor.t
     signal = sensor.channels["signal"].reshape(-1)
     force, speed = STIFFNESS * trial.params["motion.compression"], trial.params["motion.speed"]
-    velocity = [body["velocity"] for body in trial.bodies.values()]
+    velocity = [body.velocity for body in trial.bodies.values()]
     normal = np.max([np.abs(one[:, 2].astype(float)) for one in velocity], axis=0)
     sideways = np.max([np.hypot(one[:, 0].astype(float), one[:, 1].astype(float)) for one in velocity], axis=0)
     ends = np.arange(WINDOW, len(signal) + 1, HOP)
