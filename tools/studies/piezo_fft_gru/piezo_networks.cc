@@ -156,8 +156,9 @@ StudySize size_of(const ReproduceOptions& options, std::size_t usual) {
     throw InputError("reproduce: --trials is for recordings that are made; allowed: --data alone");
   StudySize size{options.trials != 0 ? options.trials : options.full ? published_recordings : usual, options.full};
   if (size.recordings < 2 * fold_count || size.recordings % 2 != 0) {
-    reject("reproduce: --trials {}: half of the recordings of a level have contact, and {} folds need one each; allowed: even numbers, {} or more",
-           size.recordings, fold_count, 2 * fold_count);
+    reject(
+        "reproduce: --trials {}: half of the recordings of a level have contact, and {} folds need one each; allowed: even numbers, {} or more",
+        size.recordings, fold_count, 2 * fold_count);
   }
   return size;
 }
