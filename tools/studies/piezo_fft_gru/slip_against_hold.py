@@ -58,7 +58,7 @@ class Reading:
 
     def slips(self, frames: pd.DataFrame) -> NDArray[np.bool_]:
         """[F] whether each frame is one of slip."""
-        return frames["slips_by_position" if self.by_position else "slips"].to_numpy()
+        return np.asarray(frames["slips_by_position" if self.by_position else "slips"].to_numpy())
 
     def counts(self, frames: pd.DataFrame) -> NDArray[np.bool_]:
         """[F] whether each frame is looked at."""
