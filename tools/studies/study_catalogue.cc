@@ -236,7 +236,7 @@ const std::vector<Reproduction>& reproductions() {
        &piezo_delay},
       {"piezo-fft-gru/slip_against_hold",
        "slip and hold told apart by the power of one frame, against the motors' vibration, and which frames are mistaken", runs,
-       &piezo_slip_against_hold},
+       nullptr},
       {"realism",
        "published figures of real devices beside ours, from the studies that hold them",
        {"--real", "--trials", "--only", "--full", "--seed", "--jobs"},

@@ -112,7 +112,6 @@ Result piezo_table2(const ReproduceOptions& options);
 Result piezo_table3(const ReproduceOptions& options);
 Result piezo_table4(const ReproduceOptions& options);
 Result piezo_delay(const ReproduceOptions& options);
-Result piezo_slip_against_hold(const ReproduceOptions& options);
 
 // `reproduce`: a paper's table beside ours.
 struct ReproduceCommand final : Command {

@@ -7,8 +7,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "detectors/spectral/spectral_features.h"
-#include "sim/core/math.h"
 #include "sim/core/pad_state.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/train/recipes/recipe.h"
@@ -120,62 +118,6 @@ double bench_speed(const TrialRecord& record, double t) {
   return speed;
 }
 
-constexpr double still_speed = 1e-9;  // m/s, below which the bench stands
-
-// The straight line of least squares through `values` taken off.
-std::vector<float> without_trend(std::span<const float> values) {
-  const double middle = 0.5 * static_cast<double>(values.size() - 1);
-  double mean = 0.0, slope = 0.0, square = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double t = static_cast<double>(i) - middle;
-    mean += static_cast<double>(values[i]) / static_cast<double>(values.size());
-    slope += t * static_cast<double>(values[i]);
-    square += t * t;
-  }
-  slope /= square;
-  std::vector<float> straightened;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    straightened.push_back(static_cast<float>(static_cast<double>(values[i]) - mean - slope * (static_cast<double>(i) - middle)));
-  }
-  return straightened;
-}
-
-// Power in the band of one frame at a time.
-class BandPower {
- public:
-  explicit BandPower(bool hann) : features_(layout(hann)) {}
-
-  double operator()(std::span<const float> frame) {
-    for (const float value : frame) features_.push(value);
-    double power = 0.0;
-    for (const double density : features_.density()) power += density * features_.bin_width();
-    return power;
-  }
-
- private:
-  static SpectralLayout layout(bool hann) {
-    SpectralLayout one;
-    one.hop = one.window;  // no sample is in two frames
-    one.hann = hann;
-    return one;
-  }
-  SpectralFeatures features_;
-};
-
-// Speed of whatever moves at a sample: along the normal, and along the surface.
-struct BenchSpeed {
-  double normal = 0.0, sideways = 0.0;
-};
-BenchSpeed speed_at(const TrialRecord& record, std::size_t sample) {
-  BenchSpeed speed;
-  for (const BodyRecord& body : record.bodies) {
-    const float* v = &body.velocity[6 * sample];
-    speed.normal = std::max(speed.normal, std::abs(double{v[2]}));
-    speed.sideways = std::max(speed.sideways, math::hypot(double{v[0]}, double{v[1]}));
-  }
-  return speed;
-}
-
 // [T, told.values()]
 std::vector<float> told_features(const PiezoRecording& recording, const Told& told) {
   std::vector<float> features;
@@ -213,7 +155,11 @@ StudySize size_of(const ReproduceOptions& options, std::size_t usual) {
   if (!options.data.empty() && options.trials != 0)
     throw InputError("reproduce: --trials is for recordings that are made; allowed: --data alone");
   StudySize size{options.trials != 0 ? options.trials : options.full ? published_recordings : usual, options.full};
-  check_recordings(size.recordings, 2 * fold_count, fmt::format("{} folds need one each", fold_count));
+  if (size.recordings < 2 * fold_count || size.recordings % 2 != 0) {
+    reject(
+        "reproduce: --trials {}: half of the recordings of a level have contact, and {} folds need one each; allowed: even numbers, {} or more",
+        size.recordings, fold_count, 2 * fold_count);
+  }
   return size;
 }
 
@@ -334,12 +280,6 @@ void Validations::run() {
   }
 }
 
-void check_recordings(std::size_t recordings, std::size_t least, const std::string& why) {
-  if (recordings >= least && recordings % 2 == 0) return;
-  reject("reproduce: --trials {}: half of the recordings of a level have contact, and {}; allowed: even numbers, {} or more",
-         recordings, why, least);
-}
-
 network::Input published_spectra() { return train::find_recipe("piezo_fft_gru").input; }
 
 network::Input spectra_of(double low, double high) {
@@ -403,46 +343,6 @@ std::vector<PiezoRecording> read_recordings(const std::string& path, const std::
   std::vector<PiezoRecording> recordings;
   with_trials(path, [&](const TrialRecord& record) { recordings.push_back(make_recording(record, inputs)); });
   return recordings;
-}
-
-SkinRecording skin_recording(const Scene& scene, const TrialRecord& record) {
-  SkinRecording recording{scene.sensors.front().parameters.number("k_normal") * scene.motion.parameters.number("compression"),
-                          scene.motion.parameters.number("speed"),
-                          {}};
-  const SensorRecord& sensor = record.sensors.front();
-  const std::vector<std::uint8_t>& states = sensor.labels.state_micro;
-  const std::vector<float>& signal = sensor.channels.front().values;
-  std::vector<BenchSpeed> speeds;
-  for (std::size_t i = 0; i < signal.size(); ++i) speeds.push_back(speed_at(record, i));
-
-  const SpectralLayout layout;
-  BandPower plain(false), hann(true);
-  double moved = -std::numeric_limits<double>::infinity();
-  std::size_t looked_at = 0;  // samples whose motion `moved` knows
-  for (std::size_t end = layout.window; end <= signal.size(); end += layout.hop) {
-    const std::size_t first = end - layout.window, last = end - 1;
-    const std::span<const float> values = std::span(signal).subspan(first, layout.window);
-    SkinFrame frame;
-    frame.power = {plain(values), plain(without_trend(values)), hann(values)};
-    frame.contact = static_cast<PadState>(states[last]) != PadState::no_contact;
-    frame.slips = slips(states[last]);
-    frame.slips_by_position = slips(sensor.labels.state_paper[last]);
-    frame.at_speed = speeds[last].sideways >= 0.9 * recording.speed;
-    frame.one_label = true;
-    for (std::size_t i = first; i <= last; ++i) {
-      const bool touches = static_cast<PadState>(states[i]) != PadState::no_contact;
-      frame.one_label = frame.one_label && touches == frame.contact && slips(states[i]) == frame.slips;
-      frame.slipped = frame.slipped || slips(states[i]);
-      frame.pressed = frame.pressed || speeds[i].normal > still_speed;
-      frame.slid = frame.slid || speeds[i].sideways > still_speed;
-    }
-    for (; looked_at < end; ++looked_at) {
-      if (std::max(speeds[looked_at].normal, speeds[looked_at].sideways) > still_speed) moved = sensor.time[looked_at];
-    }
-    frame.still = sensor.time[last] - moved;
-    recording.frames.push_back(frame);
-  }
-  return recording;
 }
 
 }  // namespace slipbench::reproduce

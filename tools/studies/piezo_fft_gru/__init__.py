@@ -1,0 +1,1 @@
+"""The tables of "Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor"."""

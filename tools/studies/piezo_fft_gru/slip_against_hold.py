@@ -1,0 +1,410 @@
+"""Slip against hold by the loudness of one frame, against the motors' level: the curve, and which frames are mistaken."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.signal.windows import hann
+
+from slipbench import InputError, Trial
+from slipbench_studies.grid import Cell, run_grid
+from slipbench_studies.result import Chart, Curve, Options, Result, Table
+from slipbench_studies.statistics import Auc, auc, quantile
+
+SCENE = "scenes/piezo_skin/dataset.yaml"
+RATE, WINDOW, HOP = 10e3, 200, 100  # Hz, samples: frames of 20 ms every 10 ms
+LOW, HIGH = 50.0, 600.0  # Hz
+STIFFNESS = 20e3  # N/m of the scene's sensor along the normal
+STILL_SPEED = 1e-9  # m/s, below which the bench stands
+SETTLING_TIME = 3.0 / (2.0 * math.pi * 3.0)  # s, three time constants of the amplifier's 3 Hz
+LIGHT_PRESS = 4.0  # N, below a quarter of the published 2 to 10
+SLOW_SLIDE = 10e-3  # m/s, below a fifth of the published 3.3 to 33 mm/s
+LEVELS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0)
+USUAL_RECORDINGS = 120  # of each level
+WANTED_AREA = 0.95  # the bar on the area without motors
+# How a frame becomes a spectrum once its mean is off: as the paper says, no taper named; its straight line of least squares off as well; with Hann's
+# taper.
+SPECTRA = ("plain", "detrended", "hann")
+
+# A bench that differs in one thing, without motors: text and overrides.
+BENCHES = {
+    "deaf_direction": ("slides along 135 deg, whose shear makes no charge", {"motion.direction": "135 deg"}),
+    "fast_press": ("pressed on at 2 mm/s instead of 0.7", {
+        "sweep.motion": "[{clearance: 0 mm, approach_speed: 2 mm/s}, {clearance: 5 mm, approach_speed: 20 mm/s, strokes: 10}]"}),
+}
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What makes slip and hold of a frame, and its loudness.
+
+    Attributes:
+        text: in the tables
+        spectrum: one of SPECTRA
+        by_position: label by the 100 Hz position, the paper's; else that a part slips
+        one_label: frames of one label only
+    """
+
+    text: str
+    spectrum: str = "plain"
+    by_position: bool = False
+    one_label: bool = False
+
+    def slips(self, frames: pd.DataFrame) -> NDArray[np.bool_]:
+        """[F] whether each frame is one of slip."""
+        return np.asarray(frames["slips_by_position" if self.by_position else "slips"].to_numpy())
+
+    def counts(self, frames: pd.DataFrame) -> NDArray[np.bool_]:
+        """[F] whether each frame is looked at."""
+        return frames["one_label"].to_numpy() if self.one_label else np.ones(len(frames), dtype=bool)
+
+
+# The paper's spectrum first, then the others by SPECTRA, then other labels.
+READINGS = {
+    "paper": Reading("as the paper: mean off, no taper named; true label"),
+    "detrended": Reading("straight line of each frame off", "detrended"),
+    "hann": Reading("Hann's taper", "hann"),
+    "one_label": Reading("mean off; frames of one label only", one_label=True),
+    "hann_one_label": Reading("Hann's taper; frames of one label only", "hann", one_label=True),
+    "position": Reading("as the paper, label by the 100 Hz position", by_position=True),
+    "detrended_position": Reading("straight line off, label by the 100 Hz position", "detrended", by_position=True),
+    "hann_position": Reading("Hann's taper, label by the 100 Hz position", "hann", by_position=True),
+}
+
+# Of a list of causes a frame has the first that fits.
+HOLD_CAUSES = {
+    "stick_between_slips": ("a part slipped within the frame, at its end all sticks", lambda frames: frames["slipped"]),
+    "press": ("the tip is pressed on", lambda frames: frames["pressed"]),
+    "shear": ("the bench moves, shear is built up before the slip", lambda frames: frames["slid"]),
+    "settling": ("at rest for less than 159 ms, the amplifier settles", lambda frames: frames["still"] < SETTLING_TIME),
+    "rest": ("at rest for longer", lambda frames: frames["still"] > -1.0),
+}
+SLIP_CAUSES = {
+    "starts_or_stops": ("the bench speeds up, brakes or stands (below 0.9 of its speed)", lambda frames: ~frames["at_speed"]),
+    "slow_and_light": ("slower than 10 mm/s and below 4 N", lambda frames: (frames["speed"] < SLOW_SLIDE) & (frames["force"] < LIGHT_PRESS)),
+    "slow": ("slower than 10 mm/s", lambda frames: frames["speed"] < SLOW_SLIDE),
+    "light": ("below 4 N", lambda frames: frames["force"] < LIGHT_PRESS),
+    "other": ("faster and heavier", lambda frames: frames["speed"] > -1.0),
+}
+
+
+def band_power(windows: NDArray[Any], tapered: bool) -> NDArray[np.float64]:
+    """Power within 50 to 600 Hz, both included, of frames less their mean.
+
+    Args:
+        windows: [F, WINDOW] counts
+        tapered: by Hann's window
+
+    Returns:
+        [F] counts^2
+    """
+    taper = hann(WINDOW, sym=False) if tapered else np.ones(WINDOW)
+    values = windows.astype(float)
+    spectrum = np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * taper, axis=1)
+    width = RATE / WINDOW
+    kept = spectrum[:, round(LOW / width):round(HIGH / width) + 1]
+    return np.asarray(2.0 * (np.abs(kept) ** 2).sum(axis=1) / (RATE * (taper @ taper)) * width)
+
+
+def without_trend(windows: NDArray[Any]) -> NDArray[np.float32]:
+    """Frames less their straight line of least squares.
+
+    Args:
+        windows: [F, N] counts
+
+    Returns:
+        [F, N] counts
+    """
+    t = np.arange(windows.shape[1]) - 0.5 * (windows.shape[1] - 1)
+    values = windows.astype(float)
+    slope = values @ t / (t @ t)
+    return np.asarray(values - values.mean(axis=1, keepdims=True) - slope[:, None] * t, dtype=np.float32)
+
+
+def frames_of(trial: Trial) -> pd.DataFrame:
+    """The frames of a recording of SCENE.
+
+    Args:
+        trial: a full record
+
+    Returns:
+        a row a frame: power of each of SPECTRA [counts^2]; contact, slips (that a part does), slips_by_position, at_speed (nine tenths of the slide's or
+        more), of its last sample; one_label (all samples are alike), slipped, pressed and slid (the bench moves along the normal, along the surface), of
+        any sample; still [s] from the last motion of the bench to its end, infinite where it has not moved; force [N], stiffness times compression, and
+        speed [m/s] of the slide, of the recording
+    """
+    sensor, labels = trial.sensors["pad"], trial.labels["pad"]
+    micro, paper, time = labels.state_micro, labels.state_paper, sensor.t
+    signal = sensor.channels["signal"].reshape(-1)
+    force, speed = STIFFNESS * trial.params["motion.compression"], trial.params["motion.speed"]
+    velocity = [body.velocity for body in trial.bodies.values()]
+    normal = np.max([np.abs(one[:, 2].astype(float)) for one in velocity], axis=0)
+    sideways = np.max([np.hypot(one[:, 0].astype(float), one[:, 1].astype(float)) for one in velocity], axis=0)
+    ends = np.arange(WINDOW, len(signal) + 1, HOP)
+    last = ends - 1
+    rows = ends[:, None] - WINDOW + np.arange(WINDOW)
+    windows, touches, slips = signal[rows], micro > 0, micro > 1
+    moves = np.where(np.maximum(normal, sideways) > STILL_SPEED, np.arange(len(normal)), -1)
+    moved = np.maximum.accumulate(moves)[last]
+    return pd.DataFrame({
+        "plain": band_power(windows, False), "detrended": band_power(without_trend(windows), False), "hann": band_power(windows, True),
+        "contact": touches[last], "slips": slips[last], "slips_by_position": paper[last] > 1, "at_speed": sideways[last] >= 0.9 * speed,
+        "one_label": ((touches[rows] == touches[last][:, None]) & (slips[rows] == slips[last][:, None])).all(axis=1), "slipped": slips[rows].any(axis=1),
+        "pressed": (normal > STILL_SPEED)[rows].any(axis=1), "slid": (sideways > STILL_SPEED)[rows].any(axis=1),
+        "still": np.where(moved < 0, math.inf, time[last] - time[np.maximum(moved, 0)]), "force": force, "speed": speed})
+
+
+def separation(frames: pd.DataFrame, spectrum: str, slip: NDArray[np.bool_], hold: NDArray[np.bool_]) -> Auc | None:
+    """How well the loudness tells frames of slip from frames of hold.
+
+    Args:
+        frames: of all recordings, with the number of each one's `recording`
+        spectrum: one of SPECTRA
+        slip: [F] the ones
+        hold: [F] the others
+
+    Returns:
+        the area with its interval by recording; None: there are no frames of one kind
+    """
+    if not slip.any() or not hold.any():
+        return None
+    power, recording = frames[spectrum].to_numpy(), frames["recording"].to_numpy()
+    return auc(power[slip], power[hold], recording[slip], recording[hold])
+
+
+class Separations(NamedTuple):
+    """Slip against all hold, hold in contact alone, and hold in the air alone."""
+
+    pooled: Auc | None
+    contact: Auc | None
+    air: Auc | None
+
+    def figures(self) -> dict[str, Any]:
+        """By name; None where there are no frames of one kind."""
+        return {name: None if one is None else {"auc": one.value, "interval_95": one.interval, "slip_frames": one.positives, "hold_frames": one.negatives}
+                for name, one in zip(self._fields, self, strict=True)}
+
+    def row(self, name: str) -> list[str]:
+        """A row of area_table()."""
+        return [name, *(cell for one in self for cell in (area_cell(one), "-" if one is None else f"{one.interval[0]:.3f} to {one.interval[1]:.3f}"))]
+
+
+def separations(frames: pd.DataFrame, reading: Reading) -> Separations:
+    """The areas of a bench.
+
+    Args:
+        frames: as separation() takes them
+        reading: what makes slip and hold of a frame
+
+    Returns:
+        the three areas
+    """
+    counts, slips, contact = reading.counts(frames), reading.slips(frames), frames["contact"].to_numpy()
+    hold = counts & ~slips
+    return Separations(*(separation(frames, reading.spectrum, counts & slips, some) for some in (hold, hold & contact, hold & ~contact)))
+
+
+class CauseFigures(NamedTuple):
+    """The frames in contact that have a cause, against all frames in contact of the other class.
+
+    Attributes:
+        frames: how many
+        share: of the frames of all causes
+        rms: counts, median, by the plain spectrum; NaN of none
+        area: by SPECTRA
+        missing: by SPECTRA, what they add to what the area of all causes lacks of 1, as a share of it: an area is a mean over frames, so that the shares
+            sum up to 1
+    """
+
+    frames: int
+    share: float
+    rms: float
+    area: dict[str, Auc | None]
+    missing: dict[str, float]
+
+
+def cause_figures(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool) -> dict[str, CauseFigures]:
+    """The figures of each cause.
+
+    Args:
+        frames: as separation() takes them
+        causes: HOLD_CAUSES or SLIP_CAUSES
+        of_slip: whether they are causes of slip
+
+    Returns:
+        by name
+    """
+    contact, slips = frames["contact"].to_numpy(), frames["slips"].to_numpy()
+    asked, other = contact & (slips == of_slip), contact & (slips != of_slip)
+    cause = np.select([fits(frames).to_numpy() for _, fits in causes.values()], list(range(len(causes))), -1)
+
+    def area(some: NDArray[np.bool_], spectrum: str) -> Auc | None:
+        return separation(frames, spectrum, some, other) if of_slip else separation(frames, spectrum, other, some)
+
+    whole = {spectrum: area(asked, spectrum) for spectrum in SPECTRA}
+    figures = {}
+    for number, name in enumerate(causes):
+        own = asked & (cause == number)
+        share = float(own.sum() / asked.sum()) if asked.any() else math.nan
+        found = {spectrum: area(own, spectrum) for spectrum in SPECTRA}
+        missing = {}
+        for spectrum, one in found.items():
+            all_of_it = whole[spectrum]
+            lacks = 0.0 if all_of_it is None else 1.0 - all_of_it.value
+            missing[spectrum] = share * (1.0 - one.value) / lacks if one is not None and lacks > 0.0 else 0.0
+        figures[name] = CauseFigures(int(own.sum()), share, math.sqrt(quantile(frames["plain"].to_numpy()[own], 0.5)) if own.any() else math.nan, found, missing)
+    return figures
+
+
+def area_cell(found: Auc | None) -> str:
+    """The area; "-" of none."""
+    return "-" if found is None else f"{found.value:.3f}"
+
+
+def area_table(title: str, first: str, note: str = "") -> Table:
+    """A table whose rows Separations.row() makes."""
+    return Table(title, [first, "all hold", "95 %", "hold in contact alone", "95 %", "hold in the air alone", "95 %"], note=note)
+
+
+def _reading_names() -> dict[str, str]:
+    """Of each of SPECTRA the reading that has it and the true label."""
+    return dict(zip(SPECTRA, READINGS, strict=False))
+
+
+def cause_table(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool) -> tuple[Table, dict[str, Any]]:
+    """The table of some causes, and its figures.
+
+    Args:
+        frames: without motors
+        causes: HOLD_CAUSES or SLIP_CAUSES
+        of_slip: whether they are causes of slip
+
+    Returns:
+        both
+    """
+    table = Table("Slip that is taken for hold in contact, no motors" if of_slip else "Hold in contact that is taken for slip, no motors",
+                  ["frames in which", "frames", "share", "rms, counts, median", "AUC", "of what is missing from 1", "line off: AUC", "of what is missing",
+                   "Hann: AUC", "of what is missing"],
+                  note="" if of_slip else "A frame has the first cause that fits. The area is a mean over the frames, so that the causes' parts of what it "
+                  "lacks of 1 add up. No slide of the published ranges is deaf: all go along X.")
+    figures = {}
+    for name, cause in cause_figures(frames, causes, of_slip).items():
+        cells = [cell for spectrum in SPECTRA for cell in (area_cell(cause.area[spectrum]), f"{100.0 * cause.missing[spectrum]:.0f} %")]
+        table.rows.append([causes[name][0], str(cause.frames), f"{100.0 * cause.share:.1f} %", "-" if math.isnan(cause.rms) else f"{cause.rms:.1f}", *cells])
+        areas = {}
+        for spectrum, reading in _reading_names().items():
+            found = cause.area[spectrum]
+            areas[reading] = {"auc": None if found is None else found.value, "share_of_missing": cause.missing[spectrum]}
+        figures[name] = {"frames": cause.frames, "share": cause.share, **areas}
+    return table, figures
+
+
+def remarks_on(curve: Mapping[str, Any], causes: Mapping[str, Any]) -> list[str]:
+    """The remarks, with the numbers of the run at hand.
+
+    Args:
+        curve: areas of the paper's reading by level
+        causes: figures of HOLD_CAUSES
+
+    Returns:
+        a sentence or two each
+    """
+    def text(value: float | None) -> str:
+        return "-" if value is None else f"{value:.3f}"
+
+    def along(against: str) -> str:
+        return ", ".join(text(None if one[against] is None else one[against]["auc"]) for one in curve.values())
+
+    def missing(cause: str) -> float:
+        return 100.0 * float(causes[cause]["paper"]["share_of_missing"])
+
+    def areas(cause: str) -> str:
+        return ", ".join(text(causes[cause][reading]["auc"]) for reading in _reading_names().values())
+
+    return [
+        "The motors run while the tip slides; in half of the recordings one that does not move the tip runs from a random instant on. From level "
+        f"{LEVELS[0]:g} to {LEVELS[-1]:g} the area is {along('contact')} against hold in contact alone and {along('air')} against hold in the air alone.",
+        "A steady press is a constant behind the amplifier; where it begins and ends the signal decays with "
+        f"{1e3 * SETTLING_TIME / 3.0:.0f} ms, over 20 ms nearly a straight line, which leaks into all bins of a window without a taper. Without motors "
+        f"pressing on and settling are {missing('press'):.0f} and {missing('settling'):.0f} % of what hold in contact lacks of 1; their areas as the "
+        f"paper, with the line off, with Hann's taper: {areas('press')}; {areas('settling')}.",
+        f"Instants of a slide at which all sticks lie within frames of its vibration: {missing('stick_between_slips'):.0f} % of what is missing, areas "
+        f"{areas('stick_between_slips')}. By the position label they are slip, and so is the shear before the first slip.",
+    ]
+
+
+def point_of(found: Auc | None) -> tuple[float, float, float]:
+    """A point of a curve; one half of none."""
+    return (0.5, 0.5, 0.5) if found is None else (found.value, *found.interval)
+
+
+def joined(recordings: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """The frames of recordings, with the number of each one's `recording`."""
+    return pd.concat([frames.assign(recording=number) for number, frames in enumerate(recordings)], ignore_index=True)
+
+
+def study(options: Options) -> Result:
+    """piezo-fft-gru/slip_against_hold.
+
+    Args:
+        options: trials, seed, jobs
+
+    Returns:
+        areas against the motors' level, and which frames are mistaken
+
+    Raises:
+        InputError: for an odd number of recordings, or fewer than four
+    """
+    count = options.trials or USUAL_RECORDINGS
+    if count < 4 or count % 2:
+        raise InputError(f"reproduce: --trials {count}: half of the recordings of a level have contact, and an interval needs two; allowed: even numbers, "
+                         "4 or more")
+    cells = [Cell(f"motor level {level:g}", SCENE, {"motion.vibration": f"{level:g}"}, count // 2) for level in LEVELS]
+    cells += [Cell(text, SCENE, {"motion.vibration": "0", **overrides}, count // 2) for text, overrides in BENCHES.values()]
+    runs = [joined(recordings) for recordings in run_grid(cells, options, lambda _, trial: frames_of(trial))]
+    silent = runs[0]
+
+    areas = {reading: {f"{level:g}": separations(frames, one) for level, frames in zip(LEVELS, runs, strict=False)} for reading, one in READINGS.items()}
+    curve = area_table("Area under the curve against the motors' level", "motor level",
+                       f"The bar is {WANTED_AREA} at level 0. Intervals are by recording (Obuchowski): the frames of one depend on each other.")
+    curve.rows = [one.row(level) for level, one in areas["paper"].items()]
+    chart = Chart("Slip against hold by one frame", "level of the motors' vibration", "area under the curve", list(areas["paper"]),
+                  [Curve(name, [point_of(one[k]) for one in areas["paper"].values()])
+                   for k, name in enumerate(("all hold", "in contact alone", "in the air alone"))], bar=WANTED_AREA, bar_name="bar at level 0")
+    readings = area_table("Other readings of the paper, no motors", "reading of a frame",
+                          "The curve is the first row: the paper's spectrum, of which it says that the mean is taken off and names no taper, with the true "
+                          "label. The paper's own reading is the row with its position label. The others are offered beside them. Frames of one label only "
+                          "leave out those within which contact or slip begins or ends.")
+    readings.rows = [areas[name]["0"].row(one.text) for name, one in READINGS.items()]
+    hold, hold_figures = cause_table(silent, HOLD_CAUSES, False)
+    slip, slip_figures = cause_table(silent, SLIP_CAUSES, True)
+    benches = area_table("What the bench decides, no motors", "bench")
+    benches.rows.append(areas["paper"]["0"].row("as above"))
+    bench_figures: dict[str, dict[str, Any]] = {}
+    for (name, (text, _)), frames in zip(BENCHES.items(), runs[len(LEVELS):], strict=True):
+        bench_figures[name] = {}
+        for (spectrum, reading), suffix in zip(_reading_names().items(), ("", "; line off", "; Hann's taper"), strict=True):
+            found = separations(frames, Reading("", spectrum))
+            bench_figures[name][reading] = found.figures()
+            benches.rows.append(found.row(text + suffix))
+    curves = {reading: {level: one.figures() for level, one in by_level.items()} for reading, by_level in areas.items()}
+    return Result(
+        title="Slip against hold by the loudness of one frame of the piezoelectric skin",
+        source='The frames of "Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor", section IV-A: 20 ms '
+        "every 10 ms at 10 kHz, 50 to 600 Hz. The paper prints no such curve.",
+        figures={"curve": curves, "hold_causes": hold_figures, "slip_causes": slip_figures, "bench": bench_figures},
+        charts=[chart],
+        tables=[curve, readings, hold, slip, benches],
+        setup=[
+            f"{count} recordings a level from {SCENE}, half with a slip, seed {options.draws_seed}: the same draws at every level.",
+            "Loudness: power within 50 to 600 Hz, both included, of the frame less its mean. A frame's label is that of its last sample; slip is that a part of "
+            "the contact slips (rule micro), so that a frame of partial slip is one of slip.",
+        ],
+        remarks=remarks_on(curves["paper"], hold_figures),
+    )
