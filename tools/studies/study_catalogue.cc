@@ -194,7 +194,7 @@ const std::vector<Reproduction>& reproductions() {
       {"hd-papillarray/resources",
        "what the core takes of the published FPGA, for each degree of unrolling",
        {"--synthesise"},
-       &hd_resources},
+       nullptr},
       {"learned/grasp_loop",
        "detectors that learnt from simulated grasps, in the published loop: drops, slip and force beside an oracle and two controls",
        {"--data", "--trials", "--only", "--seed", "--jobs"},

@@ -1,0 +1,63 @@
+"""The hyperdimensional detector's tables: figures of the synthesis, and what is refused in them. Argument: the program, which is not used."""
+
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+from slipbench import InputError
+from slipbench_studies.hd_papillarray import core, resources
+from slipbench_studies.result import Options
+
+SMALL = {"latency_cycles": 37, "interval_cycles": 20, "lut": 20000, "ff": 9000, "bram36": 28.5, "dsp": 3, "levels": 18, "cells": {}}
+BIG = {"latency_cycles": 10, "interval_cycles": 1, "lut": 60000, "ff": 30000, "bram36": 0, "dsp": 27, "levels": 21}
+TOOLS = {"yosys": "Yosys 0.70 (git sha1 28b)"}
+
+
+def read(content):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "results.json"
+        path.write_text(content if isinstance(content, str) else json.dumps(content), encoding="utf-8")
+        return core.read_figures(str(path))
+
+
+class CoreFigures(unittest.TestCase):
+    def test_they_have_the_order_of_the_file(self):
+        figures = read({"tools": TOOLS, "window": 15, "unrollings": {"small": SMALL, "big": BIG}})
+        self.assertEqual(figures.tool, "Yosys 0.70")
+        self.assertEqual(figures.configurations[0], core.Configuration("small", 37, 20, 20000, 9000, 28.5, 3, 18))
+        self.assertEqual([one.name for one in figures.configurations], ["small", "big"])
+
+    def test_what_is_missing_is_named(self):
+        big = {key: BIG[key] for key in ("latency_cycles", "interval_cycles")}
+        for content, named in [("not json", r"results\.json: is no JSON object"), ([], r"results\.json: is no JSON object"),
+                               ({}, "tools is no object"), ({"tools": {}}, "tools: yosys is no text"),
+                               ({"tools": TOOLS, "unrollings": {}}, "unrollings is no object"),
+                               ({"tools": TOOLS, "unrollings": {"big": 3}}, "unrolling 'big': is no JSON object"),
+                               ({"tools": TOOLS, "unrollings": {"big": big}}, "unrolling 'big': lut is missing"),
+                               ({"tools": TOOLS, "unrollings": {"big": BIG | {"lut": True}}}, "lut is true; allowed: a number"),
+                               ({"tools": TOOLS, "unrollings": {"big": {"latency_cycles": -1}}}, "latency_cycles is -1; allowed: a number from 0 on")]:
+            with self.subTest(named), self.assertRaisesRegex(InputError, named):
+                read(content)
+        with self.assertRaisesRegex(InputError, r"none\.json: cannot be read"):
+            core.read_figures("none.json")
+
+
+class Resources(unittest.TestCase):
+    def test_shares_of_the_device(self):
+        # 67300 of 134600 LUTs, 26920 of 269200 flip-flops, 73 of 365 blocks, 74 of 740 multipliers.
+        found = resources.figures_of(core.Configuration("half", 12, 3, 67300, 26920, 73, 74, 20))
+        self.assertEqual([found[f"{name}_share"] for name in ("lut", "ff", "bram", "dsp")], [0.5, 0.1, 0.2, 0.1])
+        self.assertEqual((found["cycles"], found["interval_cycles"], found["levels"]), (12, 3, 20))
+
+    def test_the_stored_synthesis_beside_the_paper(self):
+        result = resources.study(Options())
+        [table] = result.tables
+        self.assertTrue(all(len(row) == len(table.head) for row in table.rows))
+        self.assertEqual([row[0] for row in table.rows], ["paper", "published HDL, routed", *(f"ours: {name}" for name in result.figures)])
+        self.assertIn("smallest", result.figures)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
