@@ -190,7 +190,7 @@ const std::vector<Reproduction>& reproductions() {
        "the published recurrent network on the same protocol: balanced accuracy, delay, early and missed",
        {"--only", "--seed", "--jobs"},
        &hd_table3},
-      {"hd-papillarray/latency", "time from a frame to its class, in software and in the register-level core", {}, &hd_latency},
+      {"hd-papillarray/latency", "time from a frame to its class, in software and in the register-level core", {}, nullptr},
       {"hd-papillarray/resources",
        "what the core takes of the published FPGA, for each degree of unrolling",
        {"--synthesise"},

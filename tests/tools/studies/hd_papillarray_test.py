@@ -1,4 +1,6 @@
-"""The hyperdimensional detector's tables: figures of the synthesis, and what is refused in them. Argument: the program, which is not used."""
+"""The hyperdimensional detector's tables: figures of the synthesis, and what is refused in them; the time of a frame. Argument: the program, which is not
+used.
+"""
 
 import json
 import sys
@@ -6,8 +8,11 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import numpy as np
+
 from slipbench import InputError
-from slipbench_studies.hd_papillarray import core, resources
+from slipbench.bin import _core
+from slipbench_studies.hd_papillarray import core, latency, resources
 from slipbench_studies.result import Options
 
 SMALL = {"latency_cycles": 37, "interval_cycles": 20, "lut": 20000, "ff": 9000, "bram36": 28.5, "dsp": 3, "levels": 18, "cells": {}}
@@ -57,6 +62,44 @@ class Resources(unittest.TestCase):
         self.assertTrue(all(len(row) == len(table.head) for row in table.rows))
         self.assertEqual([row[0] for row in table.rows], ["paper", "published HDL, routed", *(f"ours: {name}" for name in result.figures)])
         self.assertIn("smallest", result.figures)
+
+
+class Latency(unittest.TestCase):
+    def test_every_engine_takes_time(self):
+        levels, displacements = latency.random_levels()[:16], latency.random_displacements()[:16]
+        self.assertEqual(_core.hd_engines()[:2], [latency.REFERENCE, "portable"])
+        for engine in _core.hd_engines():
+            self.assertGreater(_core.hd_time(engine, levels, 1), 0.0)
+            self.assertGreater(_core.hd_time_from_displacements(engine, displacements, 1), 0.0)
+
+    def test_what_is_refused(self):
+        levels = latency.random_levels()[:2]
+        with self.assertRaisesRegex(InputError, "unknown 'portible'.*portable"):
+            _core.hd_time("portible", levels, 1)
+        for rows, passes in ((levels[:0], 1), (levels, 0)):
+            with self.assertRaisesRegex(InputError, "allowed: 1 or more"):
+                _core.hd_time("portable", rows, passes)
+        with self.assertRaises(IndexError):  # levels end at 20
+            _core.hd_time("portable", np.full((1, 10), 21, dtype=np.uint8), 1)
+
+    def test_draws_reach_all_levels_and_contexts(self):
+        levels, displacements = latency.random_levels(), latency.random_displacements()
+        self.assertEqual((levels[:, :-1].max(), levels[:, -1].max(), levels.min()), (20, 3, 0))
+        self.assertEqual(displacements.shape, (latency.FRAMES, 27))
+        self.assertLess(np.abs(displacements).max(), 2.001e-3)
+
+    def test_texts(self):
+        self.assertEqual([latency.time_text(value) for value in (42e-9, 0.42e-6, 4.63e-6)], ["42.0 ns", "420.0 ns", "4.63 us"])
+        # Two digits below 100, none after the point from there on.
+        self.assertEqual([latency.factor_text(value) for value in (0.0123, 9.94, 1234.4)], ["0.012 x", "9.9 x", "1234 x"])
+
+    def test_all_rows_beside_the_published_ones(self):
+        result = latency.study(Options())
+        [table] = result.tables
+        self.assertTrue(all(len(row) == len(table.head) for row in table.rows))
+        self.assertEqual([row[0] for row in table.rows], list(result.figures))
+        self.assertEqual(result.figures["ours: RTL core, smallest"], 37 / 100e6)  # cycles of the stored synthesis at 100 MHz
+        self.assertEqual(next(row for row in table.rows if row[0] == "paper: FPGA")[1:], ["42", "420.0 ns", "14250 x", "1 x"])
 
 
 if __name__ == "__main__":
