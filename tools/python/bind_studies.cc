@@ -1,7 +1,9 @@
-// What the studies (tools/studies) take of the program: its pages, and detectors that read a recorded trial again.
+// What the studies (tools/studies) take of the program: its pages, detectors that read a recorded trial again, the time of the hyperdimensional engines.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,12 +13,19 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "detectors/hd/engine.h"
+#include "detectors/hd/features.h"
+#include "detectors/hd/memories.h"
+#include "detectors/hd/model.h"
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/page/page.h"
 #include "tools/base/record/json.h"
 #include "tools/base/record/trial_record.h"
+#include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/doctor/doctor.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/samples/samples.h"
 #include "tools/python/module.h"
@@ -71,6 +80,69 @@ Estimates estimates(const TrialRecord& record, const std::string& name, const st
   return nb::make_tuple(array_of(std::move(states), {rows}), array_of(std::move(values), {rows, columns}), names);
 }
 
+// Names of the reference and of the kernel's paths, in the order of hd::KernelPath.
+constexpr const char* reference_name = "plain C++";
+constexpr std::array path_names{"portable", "AVX2", "AVX-512"};
+
+std::string name_of(hd::KernelPath path) { return path_names.at(static_cast<std::size_t>(path)); }
+
+// Those that this machine runs, slowest first.
+std::vector<std::string> hd_engines() {
+  std::vector<std::string> names{reference_name};
+  for (const hd::KernelPath path : hd::kernel_paths()) names.push_back(name_of(path));
+  return names;
+}
+
+std::unique_ptr<hd::Engine> hd_engine(const std::string& name) {
+  const hd::Model model;
+  hd::Memories memories = hd::generate(model, 1);
+  memories.associative = {memories.item[0], memories.item[1], memories.item[2]};
+  if (name == reference_name) return hd::make_reference(model, memories);
+  for (const hd::KernelPath path : hd::kernel_paths()) {
+    if (name == name_of(path)) return hd::make_kernel(model, memories, path);
+  }
+  reject("engine: unknown {}{}", quote(name), allowed_names(name, hd_engines()));
+}
+
+// Keeps the compiler from leaving out what is not read.
+volatile std::uint64_t sink = 0;
+
+// Median over the passes of the time of a frame [s]; `update` makes a decision of frame number i.
+template <class Update>
+double time_of_frame(std::size_t frames, std::size_t passes, const Update& update) {
+  if (frames == 0 || passes == 0) reject("hd_time: {} frames, {} passes; allowed: 1 or more of each", frames, passes);
+  const nb::gil_scoped_release release;
+  const double pass = median_time(passes, [&] {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < frames; ++i) sum += update(i).distance[0];
+    sink = sum;
+  });
+  return pass / static_cast<double>(frames);
+}
+
+using LevelRows = nb::ndarray<const std::uint8_t, nb::shape<-1, hd::pillar_count + 1>, nb::c_contig, nb::device::cpu>;
+using DisplacementRows = nb::ndarray<const float, nb::shape<-1, 3 * hd::pillar_count>, nb::c_contig, nb::device::cpu>;
+
+// Rows: the levels of the pillars, and the context.
+double hd_time_of_levels(const std::string& name, const LevelRows& rows, std::size_t passes) {
+  const std::unique_ptr<hd::Engine> engine = hd_engine(name);
+  std::vector<hd::Frame> frames(rows.shape(0));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const std::span row(rows.data() + i * (hd::pillar_count + 1), hd::pillar_count + 1);
+    std::ranges::copy(row.first(hd::pillar_count), frames[i].level.begin());
+    frames[i].context = row.back();
+  }
+  return time_of_frame(frames.size(), passes, [&](std::size_t i) { return engine->update(frames[i]); });
+}
+
+// Rows: displacements of the pillars [m].
+double hd_time_of_displacements(const std::string& name, const DisplacementRows& rows, std::size_t passes) {
+  const std::unique_ptr<hd::Engine> engine = hd_engine(name);
+  const auto row = [&](std::size_t i) { return std::span(rows.data() + i * 3 * hd::pillar_count, 3 * hd::pillar_count); };
+  return time_of_frame(rows.shape(0), passes,
+                       [&](std::size_t i) { return engine->update(hd::quantise(row(i), hd::Quantiser::fixed_point)); });
+}
+
 }  // namespace
 
 void bind_studies(nb::module_& module) {
@@ -87,6 +159,12 @@ void bind_studies(nb::module_& module) {
       },
       nb::arg("path"), nb::arg("page"), nb::arg("object"));
   module.def("estimates", &estimates, nb::arg("record"), nb::arg("sensor"), nb::arg("detector"), nb::arg("parameters"));
+  module.def("machine", [] { return environment_json().dump(); });
+  module.def("hd_size", [] { return std::pair(hd::Model{}.dimension, hd::Model{}.window); });
+  module.def("hd_engines", &hd_engines);
+  module.def("hd_time", &hd_time_of_levels, nb::arg("engine"), nb::arg("levels"), nb::arg("passes"));
+  module.def("hd_time_from_displacements", &hd_time_of_displacements, nb::arg("engine"), nb::arg("displacements"),
+             nb::arg("passes"));
 }
 
 }  // namespace slipbench::python

@@ -103,8 +103,6 @@ Result biotac_table3(const ReproduceOptions& options);
 Result hd_table1(const ReproduceOptions& options);
 Result hd_table2(const ReproduceOptions& options);
 Result hd_table3(const ReproduceOptions& options);
-Result hd_latency(const ReproduceOptions& options);
-Result hd_resources(const ReproduceOptions& options);
 Result learned_grasp_loop(const ReproduceOptions& options);
 Result learned_scaling(const ReproduceOptions& options);
 Result piezo_table1(const ReproduceOptions& options);

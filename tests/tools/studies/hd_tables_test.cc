@@ -2,7 +2,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <vector>
 
 #include "sim/core/pad_state.h"
@@ -107,46 +106,6 @@ TEST(HdTable3, UnknownRowsGetTheNearest) {
   ReproduceOptions options;
   options.only = {"gru_latch"};
   EXPECT_THAT(refusal_of([&] { hd_table3(options); }), mentions({"gru_latched"}));
-}
-
-struct CoreFiguresTest : ::slipbench::testing::FolderTest {
-  CoreFigures read(const std::string& text) {
-    std::ofstream(path("results.json")) << text;
-    return read_core_figures(path("results.json"));
-  }
-  std::string refusal(const std::string& text) {
-    return refusal_of([&] { read(text); });
-  }
-};
-
-TEST_F(CoreFiguresTest, HaveTheOrderOfTheFile) {
-  const CoreFigures figures = read(R"json({"tools": {"yosys": "Yosys 0.70 (git sha1 28b)"}, "window": 15, "unrollings": {
-    "small": {"latency_cycles": 37, "interval_cycles": 20, "lut": 20000, "ff": 9000, "bram36": 28.5, "dsp": 3, "levels": 18, "cells": {}},
-    "big": {"latency_cycles": 10, "interval_cycles": 1, "lut": 60000, "ff": 30000, "bram36": 0, "dsp": 27, "levels": 21}}})json");
-  EXPECT_EQ(figures.tool, "Yosys 0.70");
-  ASSERT_THAT(figures.configurations, SizeIs(2));
-  const CoreConfiguration& small = figures.configurations[0];
-  EXPECT_EQ(small.name, "small");
-  EXPECT_EQ(small.cycles, 37U);
-  EXPECT_EQ(small.interval, 20U);
-  EXPECT_EQ(small.lut, 20000);
-  EXPECT_EQ(small.ff, 9000);
-  EXPECT_EQ(small.bram, 28.5);
-  EXPECT_EQ(small.dsp, 3);
-  EXPECT_EQ(small.levels, 18);
-  EXPECT_EQ(figures.configurations[1].name, "big");
-}
-
-TEST_F(CoreFiguresTest, WhatIsMissingIsNamed) {
-  EXPECT_THAT(refusal("not json"), AllOf(HasSubstr("results.json"), HasSubstr("is no JSON object")));
-  EXPECT_THAT(refusal("{}"), mentions({"tools", "object"}));
-  EXPECT_THAT(refusal(R"({"tools": {}})"), mentions({"tools", "yosys", "text"}));
-  EXPECT_THAT(refusal(R"({"tools": {"yosys": "0.70"}, "unrollings": {}})"), mentions({"unrollings", "object"}));
-  EXPECT_THAT(refusal(R"({"tools": {"yosys": "0.70"}, "unrollings": {"big": {"latency_cycles": 10, "interval_cycles": 1}}})"),
-              mentions({"big", "lut"}));
-  EXPECT_THAT(refusal(R"({"tools": {"yosys": "0.70"}, "unrollings": {"big": {"latency_cycles": -1}}})"),
-              mentions({"latency_cycles", "-1"}));
-  EXPECT_THAT(refusal_of([&] { read_core_figures(path("none.json")); }), mentions({"none.json", "read"}));
 }
 
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();

@@ -1,0 +1,110 @@
+"""What the synthesis of the register-level core found: cycles and areas, from the file that rtl/hd/syn/report.py writes."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from slipbench import InputError
+from slipbench.bin import _core
+
+CLOCK = 100e6  # Hz, of the published boards
+FIGURES_FILE = "rtl/hd/syn/results.json"  # from the project's root
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """A degree of unrolling.
+
+    Attributes:
+        name: of the unrolling
+        cycles: from accepted sample to class
+        interval: cycles from one sample to the next
+        lut: look-up tables
+        ff: flip-flops
+        bram: blocks of 36 kbit
+        dsp: multipliers
+        levels: longest path in levels of logic
+    """
+
+    name: str
+    cycles: int
+    interval: int
+    lut: float
+    ff: float
+    bram: float
+    dsp: float
+    levels: float
+
+
+@dataclass(frozen=True)
+class CoreFigures:
+    """All unrollings.
+
+    Attributes:
+        tool: what made them: "Yosys 0.70"
+        configurations: in the order of the file
+    """
+
+    tool: str
+    configurations: tuple[Configuration, ...]
+
+
+def _number(entry: dict[str, Any], key: str, subject: str) -> float:
+    value = entry.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float) or value < 0:
+        found = json.dumps(value) if key in entry else "missing"
+        raise InputError(f"{subject}: {key} is {found}; allowed: a number from 0 on")
+    return value
+
+
+def _configuration(name: str, entry: object, path: str) -> Configuration:
+    subject = f"{path}: unrolling '{name}'"
+    if not isinstance(entry, dict):
+        raise InputError(f"{subject}: is no JSON object")
+    cycles, interval = (int(_number(entry, key, subject)) for key in ("latency_cycles", "interval_cycles"))
+    return Configuration(name, cycles, interval, *(float(_number(entry, key, subject)) for key in ("lut", "ff", "bram36", "dsp", "levels")))
+
+
+def read_figures(path: str) -> CoreFigures:
+    """Reads a file of rtl/hd/syn/report.py.
+
+    Args:
+        path: {"tools": {"yosys"}, "unrollings": {NAME: {"latency_cycles", "interval_cycles", "lut", "ff", "bram36", "dsp", "levels"}}}; other keys are
+            let pass
+
+    Returns:
+        its figures
+
+    Raises:
+        InputError: for a file that is not that, with its name
+    """
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from error
+    except ValueError as error:
+        raise InputError(f"{path}: is no JSON object: {error}") from error
+    if not isinstance(content, dict):
+        raise InputError(f"{path}: is no JSON object")
+    tools, unrollings = content.get("tools"), content.get("unrollings")
+    if not isinstance(tools, dict):
+        raise InputError(f'{path}: tools is no object; allowed: {{"yosys": version}}')
+    version = tools.get("yosys")
+    if not isinstance(version, str):
+        raise InputError(f"{path}: tools: yosys is no text")
+    if not isinstance(unrollings, dict) or not unrollings:
+        raise InputError(f"{path}: unrollings is no object; allowed: one entry for each degree of unrolling")
+    tool = version.split(" (")[0]  # "Yosys 0.70 (git sha1 ..."
+    return CoreFigures(tool, tuple(_configuration(name, entry, path) for name, entry in unrollings.items()))
+
+
+def stored_figures() -> CoreFigures:
+    """Those of FIGURES_FILE.
+
+    Raises:
+        InputError: where the project has no such file, or another one
+    """
+    return read_figures(_core.project_file(FIGURES_FILE))
