@@ -156,7 +156,7 @@ def write_detector(path: str | os.PathLike[str], members: Sequence[nn.Module], i
         features: [T, inputs], scaled: a recording by which the engine is compared with PyTorch; None: it is only loaded
 
     Raises:
-        InputError: the file exists and is no detector, or the engine does not accept it
+        InputError: the file exists and is not a detector, or the engine does not accept it
     """
     check_output(path)
     unchecked = Path(f"{os.fspath(path)}.unchecked")
@@ -170,7 +170,7 @@ def write_detector(path: str | os.PathLike[str], members: Sequence[nn.Module], i
 
 
 def check_output(path: str | os.PathLike[str]) -> None:
-    """Raises InputError for a file that exists and is no detector, and for a folder that is not there."""
+    """Raises InputError for a file that exists and is not a detector, and for a folder that is not there."""
     file = Path(path)
     if not file.parent.is_dir():
         raise _core.InputError(f"cannot write {file}: no folder {file.parent}; allowed: a folder that exists")
