@@ -57,6 +57,39 @@ class Own(nn.Module):
         return self.layer(frames.transpose(1, 2)).transpose(1, 2)
 
 
+class BothWays(nn.Module):
+    """A GRU that reads the frames in both directions."""
+
+    def __init__(self, inputs, classes):
+        super().__init__()
+        self.memory, self.last = nn.GRU(inputs, 8, batch_first=True, bidirectional=True), nn.Linear(16, classes)
+
+    def forward(self, frames):
+        return self.last(self.memory(frames)[0])
+
+
+class Forgetful(nn.Module):
+    """A GRU that keeps its state to itself."""
+
+    def __init__(self, inputs, classes):
+        super().__init__()
+        self.memory, self.last = nn.GRU(inputs, 8, batch_first=True), nn.Linear(8, classes)
+
+    def forward(self, frames):
+        return self.last(self.memory(frames)[0])
+
+
+class Returns(nn.Module):
+    """Returns what `make` makes of logits."""
+
+    def __init__(self, inputs, classes, make):
+        super().__init__()
+        self.last, self.make = nn.Linear(inputs, classes), make
+
+    def forward(self, frames):
+        return self.make(self.last(frames))
+
+
 def short(recipe="papillarray_gru", **more):
     """A recipe of four steps."""
     found = learning.find_recipe(recipe)
@@ -112,13 +145,13 @@ class Training(TrainingTest):
         with self.assertRaises(Killed):
             self.train(five, output=again, progress=kill)
         self.assertFalse(Path(again).exists())
-        with self.assertRaisesRegex(InputError, "again.onnx.checkpoint-0.*--resume"):
+        with self.assertRaisesRegex(InputError, r"again.onnx.checkpoint-0.*resume=True \(--resume\)"):
             self.train(five, output=again)
-        with self.assertRaisesRegex(InputError, "of another training"):
+        with self.assertRaisesRegex(InputError, r"of another training.*resume=True \(--resume\)"):
             self.train(five, output=again, resume=True, seed=2)
         self.train(five, output=again, resume=True)
         self.assertEqual(Path(again).read_bytes(), whole)
-        with self.assertRaisesRegex(InputError, "checkpoint-0: is not there"):
+        with self.assertRaisesRegex(InputError, r"checkpoint-0: does not exist.*resume=True \(--resume\)"):
             self.train(five, output=again, resume=True)
         self.assertNotEqual(Path(self.train(five, output=again, seed=2).path).read_bytes(), whole)
 
@@ -137,7 +170,7 @@ class Training(TrainingTest):
             for part, key in (("train", "trials_learnt"), ("valid", "trials_validated"), ("test", "trials_judged")):
                 self.assertEqual(trained.description["trained"][key], list(stored.mask(part)))
         self.assertEqual(trained.parts, {"learns": 12, "validates": 6, "judges": 6})
-        with self.assertRaisesRegex(InputError, "split.h5.*--all"):
+        with self.assertRaisesRegex(InputError, r"split.h5.*every_trial=True \(--all\)"):
             self.train(dataset=data, every_trial=False, split="trial")
 
     # Twice 24 trials: 10 judge, a fifth of the other 38, rounded up, validates.
@@ -149,7 +182,7 @@ class Training(TrainingTest):
         for more, message in (({"recipe": short("piezo_fft_gru")}, "papillarray.*1000 Hz.*piezo_skin at 10000"), ({"sensor": "thumb"}, "thumb"),
                               ({"split": "material"}, "no material"), ({"recipe": "papillarray_gr"}, "did you mean 'papillarray_gru'"),
                               ({"turned": 2}, "myrmex"), ({"alarms": "often"}, "1/min"), ({"output": "m"}, ".onnx"), ({"labels": "felt"}, "labels.*felt"),
-                              ({"network": nn.Linear(640, 3)}, r"Linear makes logits \[2, 3, 3\].*\[2, 3, 2\]")):
+                              ({"network": nn.Linear(640, 3)}, r"Linear returns logits \[2, 3, 3\].*\[2, 3, 2\]")):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
                 self.train(**more)
         still = self.write("still.h5", **{"sweep.motion.speed": ["0.001 mm/s", "0.002 mm/s"]})  # at most 0.4 um: nothing slips
@@ -160,6 +193,52 @@ class Training(TrainingTest):
         with self.assertRaisesRegex(InputError, "exists and is no detector"):
             self.train(output=str(mine))
         self.assertEqual(mine.read_text(), "mine")
+
+    def test_arguments_out_of_range_are_refused(self):
+        for more, message in (({"steps": 0}, "^steps: expected 1 or more, found 0"), ({"steps": 1.5}, "^steps: expected a whole number"),
+                              ({"seed": -1}, "^seed: expected 0 to 18446744073709551615, found -1"), ({"seed": 2**64}, "^seed: "),
+                              ({"seed": "1"}, "^seed: expected a whole number"), ({"turned": -1}, "^turned: expected 0 or more"),
+                              ({"held_out": 0.6}, "^held_out: expected a number from 0 to 0.5, found 0.6"), ({"held_out": math.nan}, "^held_out: "),
+                              ({"held_out": "0.2"}, "^held_out: "), ({"dataset": []}, "^dataset: .*empty list"), ({"recipe": 3}, "^recipe: .*found int 3"),
+                              ({"network": 3}, "^network: .*found int 3"), ({"network": lambda inputs, classes: None}, "^network: .*NoneType"),
+                              ({"recipe": short("myrmex_net1"), "alarms": "1/min"}, "^alarms: .*leave the argument out")):
+            with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
+                self.train(**more)
+
+    # The greatest seed: that of the second of two members wraps to 0.
+    def test_whole_numbers_of_numpy_are_taken(self):
+        trained = self.train(short("papillarray_gru5", members=2), steps=np.int64(2), seed=np.uint64(2**64 - 1), turned=np.int8(0), held_out=np.float32(0.25))
+        facts = trained.description["trained"]
+        self.assertEqual((facts["seed"], facts["held_out"], trained.parts["judges"]), (2**64 - 1, 0.25, 6))  # 24/4
+
+    def test_a_network_that_a_loop_could_not_run_is_refused(self):
+        for network, message in ((BothWays, "^network: BothWays is not causal"), (Forgetful, r"^network: Forgetful answers differently.*\(logits, state\)"),
+                                 (lambda i, c: Returns(i, c, lambda logits: {"logits": logits}), "^network: Returns returns a dict; expected a tensor"),
+                                 (lambda i, c: Returns(i, c, lambda logits: (logits, 1)), "^network: Returns returns a tuple; expected a tensor"),
+                                 (lambda i, c: Returns(i, c, lambda logits: (logits,)), "^network: Returns returns a tuple; expected a tensor")):
+            with self.subTest(message=message), self.assertRaisesRegex(InputError, message):
+                self.train(network=network, output=str(self.folder / "refused.onnx"))
+        self.assertEqual(list(self.folder.glob("refused*")), [])
+
+    def test_a_training_that_diverges_leaves_no_checkpoint(self):
+        base = short()
+
+        def with_training(**values):
+            return dataclasses.replace(base, training=dataclasses.replace(base.training, **values))
+
+        # The first step's loss is finite; weights of 1e30 overflow in the products of the second.
+        # Infinite weights after the only step have had a finite loss.
+        for recipe, message in ((with_training(learning_rate=1e30, validate_every=4), "^step 2: the loss is not finite; .*lower learning rate"),
+                                (with_training(learning_rate=math.inf, steps=1), "^step 1: a weight is not finite; .*lower learning rate")):
+            with self.subTest(message=message), self.assertRaisesRegex(InputError, message):
+                self.train(recipe, output=str(self.folder / "diverged.onnx"))
+            self.assertEqual(list(self.folder.glob("diverged*")), [])
+
+    def test_the_package_offers_it(self):
+        trained = slipbench.train(self.data, recipe=short(), output=self.folder / "offered.onnx", every_trial=True)
+        self.assertEqual(Path(trained.path).read_bytes(), Path(self.train().path).read_bytes())
+        script = "import sys, slipbench; assert 'torch' not in sys.modules and callable(slipbench.train)"
+        subprocess.run([sys.executable, "-c", script], check=True)
 
     # A constant answer has 1/2. The small scene slips within some 30 ms of its start, so nearly all of its frames can be told.
     def test_slip_gru_learns_from_a_few_trials(self):
@@ -200,12 +279,12 @@ class Command(TrainingTest):
         output = str(self.folder / "command.onnx")
         done = self.run_program("-o", output, "--json")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        told = json.loads(done.stdout)
+        summary = json.loads(done.stdout)
         every = learning.train(self.data, recipe="papillarray_gru", steps=4, every_trial=True, output=str(self.folder / "function.onnx"))
         self.assertEqual(Path(output).read_bytes(), Path(every.path).read_bytes())
-        self.assertEqual(told["output"], output)
-        self.assertEqual(told["validation"]["balanced_accuracy"], every.validation)
-        self.assertEqual(set(told["alarm"]), {"on", "off", "least"})
+        self.assertEqual(summary["output"], output)
+        self.assertEqual(summary["validation"]["balanced_accuracy"], every.validation)
+        self.assertEqual(set(summary["alarm"]), {"on", "off", "least"})
         text = self.run_program("-o", output)
         self.assertIn("papillarray_gru, labels latched", text.stdout)
         self.assertIn("15 trials learnt, 4 validated", text.stdout)
@@ -251,10 +330,10 @@ class Recipes(unittest.TestCase):
         torch.manual_seed(1)
         network = networks.SlipGru(9 * 17, 2, 17).eval()
         some = torch.randn(1, 4, 9, 17)
-        said = network(some.flatten(2))[0]
-        self.assertTrue(torch.allclose(network(some.flip(2).flatten(2))[0], said, atol=1e-6))
+        logits = network(some.flatten(2))[0]
+        self.assertTrue(torch.allclose(network(some.flip(2).flatten(2))[0], logits, atol=1e-6))
         some[0, 0, 0, 0] += 1.0
-        self.assertFalse(torch.allclose(network(some.flatten(2))[0], said, atol=1e-6))
+        self.assertFalse(torch.allclose(network(some.flatten(2))[0], logits, atol=1e-6))
 
     # Rows of the adjacency of a node with d neighbours: 1/sqrt((d + 1)(d_j + 1)). E1 has one neighbour, E2, which has two.
     def test_the_graph_is_normalised(self):

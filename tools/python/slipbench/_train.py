@@ -79,23 +79,23 @@ def share_text(share: float | None) -> str:
     return "-" if share is None or math.isnan(share) else f"{100 * share:.1f} %"
 
 
-class Told:
-    """What a training says on stderr as it goes on."""
+class ProgressReporter:
+    """Writes the progress of a training to stderr."""
 
     def __init__(self, request: Request, interrupt: Interrupt, members: int) -> None:
         self._interrupt, self._quiet, self._members = interrupt, request.json, members
         self._bar = sys.stderr.isatty() and os.environ.get("TERM") != "dumb" and not self._quiet
         self._drawn = 0.0
-        self.say(f"reading {', '.join(request.datasets)}")
+        self.write_line(f"reading {', '.join(request.datasets)}")
 
-    def say(self, text: str) -> None:
-        """A line."""
+    def write_line(self, text: str) -> None:
+        """Writes a line, unless JSON was asked for."""
         if not self._quiet:
             sys.stderr.write(f"slipbench: {text}\n")
             sys.stderr.flush()
 
-    def read(self, done: int, trials: int) -> None:
-        """A bar on a terminal. Raises Interrupted once a signal has come."""
+    def show_read(self, done: int, trials: int) -> None:
+        """Draws a bar on a terminal. Raises Interrupted once a signal has come."""
         self._interrupt.check()
         now = time.monotonic()
         if not self._bar or (done < trials and now - self._drawn < BAR_PERIOD):
@@ -106,15 +106,15 @@ class Told:
         sys.stderr.write(f"\r\033[K[{'#' * filled}{'-' * (width - filled)}] {done}/{trials}{end}")
         sys.stderr.flush()
 
-    def trained(self, member: int, report: Report) -> None:
-        """A line for each validation, with the time that is left."""
+    def show_validation(self, member: int, report: Report) -> None:
+        """Writes a line for each validation, with the time that is left."""
         text = "" if self._members == 1 else f"network {member + 1}/{self._members}, "
         text += f"step {report.step}/{report.steps}, loss {report.loss:.4f}"
         if not math.isnan(report.validation):
             text += f", validation {share_text(report.validation)}{' (best)' if report.best else ''}"
         if report.step < report.steps:
             text += f", ETA {clock_text(report.seconds * (report.steps - report.step))}"
-        self.say(text)
+        self.write_line(text)
 
 
 def figures_text(trained: Trained) -> str:
@@ -135,8 +135,8 @@ def figures_text(trained: Trained) -> str:
 
 def next_text(request: Request, trained: Trained) -> str:
     """The command that judges what was trained on data that it has not seen."""
-    learnt: str = trained.description["trained"]["labels"]
-    judged = "masked" if learnt == "tightened" else learnt
+    rule: str = trained.description["trained"]["labels"]
+    judged = "masked" if rule == "tightened" else rule
     options = f" --sensor {shlex.quote(trained.sensors[0])} --labels {judged}"
     command = f"{styled(sys.stdout, '2', 'next:')} slipbench eval {shlex.quote(request.output)} "
     data, part = trained.judged_from
@@ -146,7 +146,7 @@ def next_text(request: Request, trained: Trained) -> str:
 
 
 def print_summary(request: Request, trained: Trained) -> None:
-    """What the command says at its end."""
+    """Prints the result of a training."""
     described = trained.description
     facts, alarm, parts = described["trained"], described["alarm"], trained.parts
     rate = facts["validation"]["alarms_per_minute"]
@@ -161,14 +161,14 @@ def print_summary(request: Request, trained: Trained) -> None:
 
 
 def run(request: Request) -> None:
-    """Trains, and says how good it is."""
+    """Trains a network and prints its figures."""
     from slipbench.learning import find_recipe, train  # reports a missing PyTorch before any data is read
 
     interrupt = Interrupt("stopping; the last validation's state is kept")
-    told = Told(request, interrupt, find_recipe(request.recipe).members)
+    reporter = ProgressReporter(request, interrupt, find_recipe(request.recipe).members)
     trained = train(request.datasets, output=request.output, recipe=request.recipe, sensor=request.sensor, labels=request.labels, split=request.split,
                     held_out=request.held_out, every_trial=request.all, seed=request.seed, steps=request.steps, turned=request.turned, alarms=request.alarms,
-                    by_score=request.by_score, resume=request.resume, progress=told.trained, reading=told.read, before_step=interrupt.check)
+                    by_score=request.by_score, resume=request.resume, progress=reporter.show_validation, reading=reporter.show_read, before_step=interrupt.check)
     if request.json:
         described = trained.description
         summary: dict[str, Any] = described["trained"] | {"output": request.output, "threshold": described["threshold"], "alarm": described["alarm"]}

@@ -22,7 +22,7 @@ from slipbench.learning._fit import Floats, answers, array_of, history_of, repro
 from slipbench.learning._input import Engine
 
 METADATA_KEY = b"slipbench"
-TOLERANCE = 1e-5  # of what the engine says against PyTorch, of the greater of 1 and the value
+TOLERANCE = 1e-5  # between the engine and PyTorch, relative to the greater of 1 and the value
 
 
 class _Step(nn.Module):
@@ -42,7 +42,7 @@ class _Step(nn.Module):
     def forward(self, frames: Tensor, *state: Tensor) -> tuple[Tensor, ...]:
         """[1, history x inputs] and every state to [1, classes] and every next state."""
         clip = frames.reshape(1, self.history, self.inputs)
-        said, after, place = [], [], 0
+        outputs, after, place = [], [], 0
         for member, zeros, single in zip(self.members, self.zeros, self.single):
             if not zeros:
                 logits = member(clip)
@@ -51,10 +51,10 @@ class _Step(nn.Module):
                 place += len(zeros)
                 logits, following = member(clip, own[0] if single else own)
                 after += [following] if single else list(following)
-            said.append(logits[:, -1])
-        if len(said) == 1:
-            return (said[0], *after)
-        return (torch.stack([torch.softmax(one, 1) for one in said]).mean(0), *after)
+            outputs.append(logits[:, -1])
+        if len(outputs) == 1:
+            return (outputs[0], *after)
+        return (torch.stack([torch.softmax(one, 1) for one in outputs]).mean(0), *after)
 
 
 def _varint(value: int) -> bytes:
@@ -112,11 +112,11 @@ def onnx_bytes(members: Sequence[nn.Module], inputs: int, description: dict[str,
 
 
 def mean_answers(members: Sequence[nn.Module], features: Floats) -> Floats:
-    """What the file says of a sequence: logits of one network, mean probabilities of several. [T - history + 1, classes]"""
-    said = [answers(member, features) for member in members]
-    if len(said) == 1:
-        return said[0]
-    mean: Floats = np.mean([array_of(torch.softmax(tensor_of(one), 1)) for one in said], axis=0)
+    """What the file computes for a sequence: logits of one network, mean probabilities of several. [T - history + 1, classes]"""
+    logits = [answers(member, features) for member in members]
+    if len(logits) == 1:
+        return logits[0]
+    mean: Floats = np.mean([array_of(torch.softmax(tensor_of(one), 1)) for one in logits], axis=0)
     return mean
 
 
@@ -137,9 +137,9 @@ def check_engine(path: str, members: Sequence[nn.Module], features: Floats) -> f
     """
     history = history_of(members[0])
     steps = np.lib.stride_tricks.sliding_window_view(features, history, axis=0)  # [T', inputs, history]
-    said = Engine(path).run(np.ascontiguousarray(steps.transpose(0, 2, 1)).reshape(len(steps), -1))
+    computed = Engine(path).run(np.ascontiguousarray(steps.transpose(0, 2, 1)).reshape(len(steps), -1))
     expected = mean_answers(members, features)
-    difference = float(np.max(np.abs(said - expected) / np.maximum(1.0, np.abs(expected))))
+    difference = float(np.max(np.abs(computed - expected) / np.maximum(1.0, np.abs(expected))))
     if not difference <= TOLERANCE:
         raise RuntimeError(f"{path}: differs from PyTorch by {difference:.2g}; allowed: {TOLERANCE}")
     return difference
@@ -156,7 +156,7 @@ def write_detector(path: str | os.PathLike[str], members: Sequence[nn.Module], i
         features: [T, inputs], scaled: a recording by which the engine is compared with PyTorch; None: it is only loaded
 
     Raises:
-        InputError: the file exists and is no detector, or the engine does not accept it
+        InputError: the file exists and is not a detector, or the engine does not accept it
     """
     check_output(path)
     unchecked = Path(f"{os.fspath(path)}.unchecked")
@@ -170,7 +170,7 @@ def write_detector(path: str | os.PathLike[str], members: Sequence[nn.Module], i
 
 
 def check_output(path: str | os.PathLike[str]) -> None:
-    """Raises InputError for a file that exists and is no detector, and for a folder that is not there."""
+    """Raises InputError for a file that exists and is not a detector, and for a folder that is not there."""
     file = Path(path)
     if not file.parent.is_dir():
         raise _core.InputError(f"cannot write {file}: no folder {file.parent}; allowed: a folder that exists")

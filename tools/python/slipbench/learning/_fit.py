@@ -28,6 +28,7 @@ MASKED = 255  # label of a frame that neither trains nor judges
 _IGNORED = -100  # the same for PyTorch's loss
 _ANSWERS_AT_ONCE = 256  # of a network without state: what is convolved over many windows at once takes much memory
 _FRAMES_AT_ONCE = 4096
+_DIVERGED = "the training diverged: use a lower learning rate (`Training.learning_rate`)"
 
 Floats = NDArray[np.float32]
 Labels = NDArray[np.uint8]
@@ -111,7 +112,7 @@ class Checkpoint:
 
     Attributes:
         path: of the file
-        identity: of the data and of all that decides what is learnt
+        identity: of the data and of everything else that the weights depend on
         resume: go on from the file, if it is there; False: it must not be there
     """
 
@@ -194,8 +195,8 @@ def balanced_accuracy(called: Sequence[Labels], labels: Sequence[Labels]) -> flo
         0 to 1; NaN without a frame.
     """
     truth = np.concatenate(list(labels)) if len(labels) else np.zeros(0, np.uint8)
-    said = np.concatenate(list(called)) if len(called) else truth
-    recalls = [float(np.mean(said[truth == one] == one)) for one in np.unique(truth[truth != MASKED])]
+    classified = np.concatenate(list(called)) if len(called) else truth
+    recalls = [float(np.mean(classified[truth == one] == one)) for one in np.unique(truth[truth != MASKED])]
     return float(np.mean(recalls)) if recalls else math.nan
 
 
@@ -228,7 +229,7 @@ class Clips:
         self._training, self._before = training, history - 1
         lengths = np.array([len(labels) for _, labels in sequences])
         if len(lengths) == 0 or lengths.min() <= self._before:
-            raise _core.InputError(f"a sequence of {lengths.min() if len(lengths) else 0} frames; allowed: {history} or more, of which an answer is made")
+            raise _core.InputError(f"a sequence has {lengths.min() if len(lengths) else 0} frames; an answer needs {history} or more")
         self._features = np.concatenate([features for features, _ in sequences])
         trained = [_thinned(labels, training.onset_frames) for _, labels in sequences]
         self._labels = np.concatenate(trained).astype(np.int64)
@@ -303,7 +304,8 @@ def fit(network: nn.Module, train: Sequences, validate: Sequences, training: Tra
         report: called after every validation
 
     Raises:
-        InputError: sequences that do not fit, a checkpoint of another training or a damaged one, and one that is not to be gone on with
+        InputError: sequences that do not fit, a loss or weight that is not finite, a checkpoint that is damaged or belongs to another training, or
+            a checkpoint that exists although `resume` is False
     """
     with reproducible(seed):
         return _fit(network, Clips(train, training, history_of(network), classes), validate, training, seed, checkpoint, before_step, report)
@@ -330,13 +332,18 @@ def _fit(network: nn.Module, clips: Clips, validate: Sequences, training: Traini
             features = training.augment(features, torch.Generator().manual_seed(_step_seed(seed, step)))
         network.train()
         loss = loss_of(logits_of(network(features)).flatten(0, 1), labels.flatten())
+        done.losses.append(loss.item())
+        step += 1
+        if not math.isfinite(done.losses[-1]):
+            raise _core.InputError(f"step {step}: the loss is not finite; {_DIVERGED}")
         optimiser.zero_grad()
         loss.backward()
         optimiser.step()
-        done.losses.append(loss.item())
-        step += 1
         if step % max(training.validate_every, 1) and step != training.steps:
             continue
+        # The last update may overflow although the loss before it was finite.
+        if not all(bool(torch.isfinite(weights).all()) for weights in network.parameters()):
+            raise _core.InputError(f"step {step}: a weight is not finite; {_DIVERGED}")
         validation = _validate(network, validate) if len(validate) else math.nan
         if not len(validate) or math.isnan(done.validation) or validation > done.validation:
             best, worse = copy.deepcopy(network.state_dict()), 0
@@ -378,14 +385,14 @@ def _save(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Opt
 def _load(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Optimizer, done: Fitted) -> tuple[dict[str, Any], int]:
     path = checkpoint.path
     if not checkpoint.resume:
-        raise _core.InputError(f"{path}: is what a training that did not end has left; allowed: --resume, which goes on with it, or none of that file")
+        raise _core.InputError(f"{path}: is the checkpoint of a training that did not finish; continue it with resume=True (--resume), or delete the file")
     data = Path(path).read_bytes()
     if hashlib.sha256(data[32:]).digest() != data[:32]:
-        raise _core.InputError(f"{path}: is damaged, or no checkpoint of a training; allowed: what a killed `slipbench train` left, or none of that file "
-                               "and of --resume")
+        raise _core.InputError(f"{path}: is damaged, or is not a checkpoint of a training; delete the file, and train without resume=True (--resume)")
     left = torch.load(io.BytesIO(data[32:]), weights_only=True)
     if left["identity"] != checkpoint.identity:
-        raise _core.InputError(f"{path}: is of another training (data, recipe or options); allowed: the same command, or none of --resume")
+        raise _core.InputError(f"{path}: is of another training (data, recipe or options); repeat the arguments of that training, or delete the file and train "
+                               "without resume=True (--resume)")
     network.load_state_dict(left["network"])
     optimiser.load_state_dict({"state": left["optimiser"], "param_groups": optimiser.state_dict()["param_groups"]})
     *done.losses, done.validation = left["figures"].tolist()

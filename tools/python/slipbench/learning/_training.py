@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import numbers
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,15 +16,17 @@ from typing import Any
 
 import numpy as np
 import torch
-from torch import nn
+from torch import Tensor, nn
 
+from slipbench._values import index
 from slipbench.bin import _core
 from slipbench.learning._export import check_output, mean_answers, write_detector
-from slipbench.learning._fit import MASKED, Checkpoint, Floats, Labels, Report, balanced_accuracy, fit, history_of, reproducible
+from slipbench.learning._fit import MASKED, Checkpoint, Floats, Labels, Report, balanced_accuracy, fit, history_of, logits_of, reproducible
 from slipbench.learning._input import Example, Examples, describe_file, fit_units, read_examples
 from slipbench.learning.recipes import Recipe, find_recipe
 
 SLIPPING = ("incipient", "gross")
+_CLIP_TOLERANCE = 1e-5  # of the greatest logit: rounding differs with the length of a clip
 
 
 @dataclass(frozen=True)
@@ -110,14 +113,15 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         network: a module of your own in place of the recipe's, or a function that makes it from the number of values a frame and of classes. It takes
             frames [N, T, inputs] to logits [N, T - history + 1, classes], where `history` is an attribute of it, 1 if there is none. A network with
             a state takes it as a second argument, None at first, and returns (logits, state), a tensor or a tuple of tensors.
+            It must be causal: an answer depends on its own and earlier frames only.
         sensor: the scene's name of the sensor; empty: every one that fits
         labels: rule of the labels; None: the recipe's
         split: "trial", "material", "object" or "speed", of data without a split of its own; None: the recipe's
         held_out: share of these groups that judge, 0 to 0.5; None: 0.2
         every_trial: divide all trials anew, whatever a dataset's own split says
-        seed: of weights and draws
-        steps: of training; None: the recipe's
-        turned: copies of each trial of a myrmex whose images are turned; None: the recipe's
+        seed: of weights and draws, 0 to 2^64 - 1
+        steps: of training, 1 or more; None: the recipe's
+        turned: copies of each trial of a myrmex whose images are turned, 0 or more; None: the recipe's
         alarms: false alarms that are tolerated in the trials that validate, as "1/min"; None: 1/min
         by_score: in place of `alarms`, the operating point of the greatest score of open recordings
         resume: go on where a killed training left OUTPUT.checkpoint-0
@@ -127,40 +131,52 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         before_step: called before every step; may raise, which ends the training
 
     Raises:
-        InputError: data that do not fit the recipe, a class without a frame, an output that exists and is no detector
+        InputError: an argument out of its range, data that do not fit the recipe, a class without a frame, a network whose answers a loop could not
+            repeat frame by frame, a loss that is not finite, or an output that exists and is not a detector
     """
     paths = [os.fspath(one) for one in ([dataset] if isinstance(dataset, (str, os.PathLike)) else dataset)]
+    if not paths:
+        raise _core.InputError("dataset: expected the path of a dataset, or a list of paths, found an empty list")
+    seed = _whole_number(seed, "seed", 0, 2**64 - 1)
+    steps = None if steps is None else _whole_number(steps, "steps", 1)
+    turned = None if turned is None else _whole_number(turned, "turned", 0)
+    if held_out is not None and not (isinstance(held_out, numbers.Real) and 0 <= held_out <= 0.5):
+        raise _core.InputError(f"held_out: expected a number from 0 to 0.5, found {held_out!r}")
     path = os.fspath(output)
     if not path.endswith(".onnx"):
         raise _core.InputError(f"output: {path}: a network is an ONNX file; allowed: a name that ends with .onnx")
     check_output(path)
     chosen = _recipe(recipe, network, labels, split, steps, turned)
     if (by_score or alarms is not None) and chosen.at_most > 0:
-        raise _core.InputError(f"{'by_score' if by_score else 'alarms'}: counts what whole recordings say, and {chosen.name} draws frames of them; "
-                               "allowed: none of it")
+        raise _core.InputError(f"{'by_score' if by_score else 'alarms'}: is evaluated on whole recordings, but {chosen.name} trains on frames drawn from them; "
+                               "leave the argument out")
     tolerated = None if by_score or chosen.at_most > 0 else alarms_per_minute("1/min" if alarms is None else alarms)
     if resume and not os.path.exists(f"{path}.checkpoint-0"):
-        raise _core.InputError(f"{path}.checkpoint-0: is not there to go on with: the training has ended, or never came to a validation; allowed: none of --resume")
+        raise _core.InputError(f"{path}.checkpoint-0: does not exist: the training has finished, or was stopped before its first validation; train without "
+                               "resume=True (--resume)")
     writer = _log_writer(log)
     if chosen.input.transform == "units":
         chosen = replace(chosen, input=fit_units(chosen.input, paths[0], sensor))
-    share = 0.2 if held_out is None else held_out
+    share = 0.2 if held_out is None else float(held_out)
     examples = read_examples(paths, chosen.input, labels=chosen.labels, classes=chosen.classes, sensor=sensor, turned=chosen.turned, at_most=chosen.at_most,
                              seed=seed, split=chosen.split, held_out=share, divide_anew=every_trial, progress=reading)
     if not every_trial and (split is not None or held_out is not None) and any(one.own_part for one in examples.all):
         named = paths[next(one.dataset for one in examples.all if one.own_part)]
-        raise _core.InputError(f"{named}: its own split says which trials learn and which judge; allowed: --all beside --split and --held-out, which divides "
-                               "all trials anew, or neither of them")
+        raise _core.InputError(f"{named}: the dataset's own split says which trials train and which judge; with split (--split) or held_out (--held-out) also give "
+                               "every_trial=True (--all), which divides all trials anew")
     learns, validates, judges = (examples.part(part) for part in ("learns", "validates", "judges"))
     if not learns:
-        raise _core.InputError(f"{', '.join(paths)}: the part train of its own split holds no trial; allowed: --all, which divides all trials anew")
+        raise _core.InputError(f"{', '.join(paths)}: the part train of the dataset's own split has no trial; every_trial=True (--all) divides all trials anew")
     offset, scale = scale_of([one.features for one in learns], chosen.scaling)
     scaled = [[((one.features - offset) * scale, one.labels) for one in part] for part in (learns, validates, judges)]
 
     members, fitted_steps = [], []
     for member in range(chosen.members):
-        with reproducible(seed + member):
+        own_seed = (seed + member) % 2**64
+        with reproducible(own_seed):
             module = chosen.network(examples.inputs, len(examples.classes))
+        if not isinstance(module, nn.Module):
+            raise _core.InputError(f"network: expected a function that returns a torch.nn.Module, but it returned {type(module).__name__}")
         if member == 0:
             for part, name in ((learns, "to learn from"), (validates, "that choose the state")):
                 _check_classes(paths, name, part, examples.classes, history_of(module))
@@ -174,7 +190,7 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
             if progress is not None:
                 progress(member, now)
 
-        done = fit(module, scaled[0], scaled[1], chosen.training, classes=len(examples.classes), seed=seed + member, checkpoint=checkpoint,
+        done = fit(module, scaled[0], scaled[1], chosen.training, classes=len(examples.classes), seed=own_seed, checkpoint=checkpoint,
                    before_step=before_step, report=report)
         members.append(module)
         fitted_steps.append(done.best_step)
@@ -182,11 +198,11 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         writer.close()
 
     before = history_of(members[0]) - 1
-    said = [[_probabilities(members, features) for features, _ in part] for part in scaled[1:]]
+    probabilities = [[_probabilities(members, features) for features, _ in part] for part in scaled[1:]]
     truth = [[labels[before:] for _, labels in part] for part in scaled[1:]]
-    accuracy = [balanced_accuracy([one.argmax(1).astype(np.uint8) for one in part], of) for part, of in zip(said, truth)]
+    accuracy = [balanced_accuracy([one.argmax(1).astype(np.uint8) for one in part], of) for part, of in zip(probabilities, truth)]
     slip = np.array([state in SLIPPING for _, state in examples.classes])
-    series = [[_series(one, labels, slip) for one, labels in zip(part, of)] for part, of in zip(said, truth)]
+    series = [[_series(one, labels, slip) for one, labels in zip(part, of)] for part, of in zip(probabilities, truth)]
     choice = "accuracy" if chosen.at_most > 0 else "score" if by_score else "alarms"
     point = _core.best_point(series[0], chosen.input.period, choice, tolerated or 0.0)
     alarm = {key: point[key] for key in ("on", "off", "least")}
@@ -219,14 +235,26 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
                    list(dict.fromkeys(one.sensor for one in examples.all)), own_split, judged_from)
 
 
+def _whole_number(value: Any, key: str, least: int, most: int | None = None) -> int:
+    """A whole number of Python or numpy. Raises InputError, which names `key`, for anything else and outside of `least` to `most`."""
+    number = index(value, key)
+    if number < least or (most is not None and number > most):
+        raise _core.InputError(f"{key}: expected {f'{least} or more' if most is None else f'{least} to {most}'}, found {number}")
+    return number
+
+
 def _recipe(recipe: str | Recipe, network: nn.Module | Callable[[int, int], nn.Module] | None, labels: str | None, split: str | None, steps: int | None,
             turned: int | None) -> Recipe:
     """The recipe with what was asked for beside it."""
     chosen = find_recipe(recipe) if isinstance(recipe, str) else recipe
+    if not isinstance(chosen, Recipe):
+        raise _core.InputError(f"recipe: expected the name of a recipe or a slipbench.learning.Recipe, found {type(chosen).__name__} {chosen!r}")
     if isinstance(network, nn.Module):
         module = network
         chosen = replace(chosen, network=lambda inputs, classes: module, members=1)
     elif network is not None:
+        if not callable(network):
+            raise _core.InputError(f"network: expected a torch.nn.Module or a function that makes one, found {type(network).__name__} {network!r}")
         chosen = replace(chosen, network=network)
     if steps is not None:
         every = max(1, chosen.training.validate_every * steps // chosen.training.steps)
@@ -249,29 +277,54 @@ def _log_writer(log: str | os.PathLike[str] | None) -> Any:
 def _check_classes(paths: Sequence[str], part: str, examples: Sequence[Example], classes: Sequence[tuple[str, str]], history: int) -> None:
     for one in examples:
         if len(one.labels) < history:
-            raise _core.InputError(f"{', '.join(paths)}: trial {one.trial}: {len(one.labels)} frames are less than the {history} that an answer is made of")
+            raise _core.InputError(f"{', '.join(paths)}: trial {one.trial}: {len(one.labels)} frames, but an answer needs {history}")
     labels = np.concatenate([one.labels[history - 1 :] for one in examples])
     counts = [int(np.sum(labels == one)) for one in range(len(classes))]
     if 0 in counts:
         text = ", ".join(f"{count} {name}" for count, (name, _) in zip(counts, classes))
-        raise _core.InputError(f"{', '.join(paths)}: the trials {part} have a class without a frame: {text}; allowed: frames of every class, in more trials "
-                               "or with another --seed or --split")
+        raise _core.InputError(f"{', '.join(paths)}: the trials {part} have a class without a frame: {text}; use more trials, or another seed (--seed) or split (--split)")
 
 
 def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
-    """Refuses a module whose logits are not [N, T - history + 1, classes]."""
-    history = history_of(module)
+    """Refuses a module whose logits are not [N, T - history + 1, classes], or which a loop could not run frame by frame with the same answers."""
+    history, name = history_of(module), type(module).__name__
+    frames = torch.randn(2, history + 2, inputs, generator=torch.Generator().manual_seed(1))
+    changed = frames.clone()
+    changed[:, -1] += 1.0
     module.eval()
     with torch.no_grad():
-        answer = module(torch.zeros(2, history + 2, inputs))
-    found = tuple((answer[0] if isinstance(answer, tuple) else answer).shape)
-    if found != (2, 3, classes):
-        raise _core.InputError(f"network: {type(module).__name__} makes logits {list(found)} of frames [2, {history + 2}, {inputs}]; allowed: "
-                               f"[2, 3, {classes}], an answer a frame but for the first history - 1, where `history` is the module's attribute, here {history}")
+        logits = _checked_answer(module(frames), name)[0]
+        if tuple(logits.shape) != (2, 3, classes):
+            raise _core.InputError(f"network: {name} returns logits {list(logits.shape)} for frames {list(frames.shape)}; expected [2, 3, {classes}], an "
+                                   f"answer for each frame from number `history` on, an attribute of the module, here {history}")
+        tolerance = _CLIP_TOLERANCE * float(logits.abs().max())
+        if not torch.allclose(logits_of(module(changed))[:, :-1], logits[:, :-1], rtol=0.0, atol=tolerance):
+            raise _core.InputError(f"network: {name} is not causal: its earlier answers change with the last frame; an answer may depend on its own and "
+                                   "earlier frames only, so use no bidirectional layers and pad convolutions in time at the beginning only")
+        stepped, state = [], None
+        for first in range(3):
+            clip = frames[:, first : first + history]
+            answer, state = _checked_answer(module(clip) if state is None else module(clip, state), name)
+            stepped.append(answer)
+        if not torch.allclose(torch.cat(stepped, 1), logits, rtol=0.0, atol=tolerance):
+            raise _core.InputError(f"network: {name} answers differently when it is run frame by frame, as a loop runs it; return (logits, state) and take "
+                                   "that state as the second argument, or set the attribute `history` to the number of frames that an answer depends on")
+
+
+def _checked_answer(answer: Any, name: str) -> tuple[Tensor, Any]:
+    """Logits and state, None without one. Raises InputError for anything else that a module may return."""
+    if isinstance(answer, Tensor):
+        return answer, None
+    if isinstance(answer, tuple) and len(answer) == 2 and isinstance(answer[0], Tensor):
+        parts = answer[1] if isinstance(answer[1], tuple) else (answer[1],)
+        if all(isinstance(part, Tensor) for part in parts):
+            return answer[0], answer[1]
+    raise _core.InputError(f"network: {name} returns a {type(answer).__name__}; expected a tensor of logits, or (logits, state) with a state that is a tensor or "
+                           "a tuple of tensors")
 
 
 def _identity(recipe: Recipe, module: nn.Module, examples: Examples, sensor: str, every_trial: bool, held_out: float, seed: int, member: int) -> str:
-    """All that decides what is learnt, for --resume."""
+    """Everything that the weights depend on, to refuse the checkpoint of another training."""
     training = {key: value for key, value in vars(recipe.training).items() if key != "augment"}
     return json.dumps({"recipe": recipe.name, "network": str(module), "data": examples.sha256, "sensor": sensor, "labels": recipe.labels,
                        "split": recipe.split, "all": every_trial, "held_out": held_out, "seed": seed, "member": member, "turned": recipe.turned,
@@ -280,11 +333,11 @@ def _identity(recipe: Recipe, module: nn.Module, examples: Examples, sensor: str
 
 def _probabilities(members: Sequence[nn.Module], features: Floats) -> Floats:
     """Mean probability of each class, [T', classes]."""
-    said = mean_answers(members, features).astype(np.float64)
+    answers = mean_answers(members, features).astype(np.float64)
     if len(members) > 1:
-        return said  # type: ignore[return-value]
-    said = np.exp(said - said.max(1, keepdims=True))
-    return said / said.sum(1, keepdims=True)
+        return answers  # type: ignore[return-value]
+    answers = np.exp(answers - answers.max(1, keepdims=True))
+    return answers / answers.sum(1, keepdims=True)
 
 
 def _series(probabilities: Floats, labels: Labels, slip: Any) -> tuple[Any, Labels]:
