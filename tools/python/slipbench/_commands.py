@@ -45,7 +45,8 @@ def _several(files: PathLike | Sequence[PathLike]) -> list[PathLike]:
 
 def _paths(files: Any, key: str) -> list[PathLike]:
     """One path or several as a list. Raises InputError, which names `key`, for anything else."""
-    found = _several(files) if isinstance(files, (str, os.PathLike, Iterable)) and not isinstance(files, bytes) else [files]
+    several = isinstance(files, Iterable) and not isinstance(files, (str, bytes, os.PathLike))
+    found = list(files) if several else [files]
     for one in found:
         if not isinstance(one, (str, os.PathLike)):
             raise _core.InputError(f"{key}: expected a path or a list of paths, found {shown(one)}")
