@@ -1,6 +1,7 @@
 """The commands on dataset files as functions, and the pytest plugin. Argument: the program."""
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -56,6 +57,31 @@ class Commands(unittest.TestCase):
             self.assertEqual(len(pad.force), len(pad.t))  # an imported sensor has the attributes of any other
             self.assertFalse(hasattr(one[0].labels.get(pad.name), "margin"))
 
+    def test_windows_of_a_recording_have_its_own_rule(self):
+        slipbench.export(self.path, self.place / "recorded", format="vendor-csv")
+        slipbench.import_recordings(self.place / "recorded", self.place / "recorded.h5", format="papillarray-csv")
+        with slipbench.open(self.place / "recorded.h5") as data:
+            for labels in ("strict", "micro"):
+                with self.assertRaisesRegex(slipbench.InputError, f"^trial 0: labels '{labels}': the recording has 'paper'; pass labels='paper'$"):
+                    data.windows(length=4, labels=labels)
+            self.assertGreater(len(data.windows(length=4, labels="paper")), 0)
+            self.assertIn("state_paper", dir(data[0].labels[next(iter(data[0].labels))]))
+            self.assertNotIn("margin", dir(data[0].labels[next(iter(data[0].labels))]))
+
+    def test_zero_is_passed_on(self):
+        one = slipbench.export(self.path, self.place / "one", format="csv", trial=0)
+        told("export", str(self.path), "--format", "csv", "--trial", "0", "-o", str(self.place / "first"))
+        self.assertEqual(sorted(path.name for path in (self.place / "one").iterdir()), sorted(path.name for path in (self.place / "first").iterdir()))
+        self.assertLess(len(one["files"]), len(slipbench.export(self.path, self.place / "all", format="csv")["files"]))
+        with self.assertRaisesRegex(slipbench.InputError, "rate"):
+            slipbench.export(self.path, self.place / "never", format="csv", rate=0)
+        for key, call in (("trial", lambda: slipbench.export(self.path, self.place / "never", format="csv", trial=True)),
+                          ("label_speed", lambda: slipbench.export(self.path, self.place / "never", format="csv", label_speed=False)),
+                          ("seed", lambda: slipbench.import_recordings(self.place, format="csv", seed=np.bool_(True)))):
+            with self.subTest(key=key), self.assertRaisesRegex(slipbench.InputError, f"^{key}: expected a number or a text, found (True|False)$"):
+                call()
+        self.assertFalse((self.place / "never").exists())
+
     def test_shards_are_merged_and_verified(self):
         scene, words = str(slipbench.scenes() / "papillarray/stage.yaml"), [word for path, value in self.sets.items() for word in ("--set", f"{path}={json.dumps(value)}")]
         shards = [self.place / f"shard-{k}.h5" for k in (1, 2)]
@@ -70,6 +96,9 @@ class Commands(unittest.TestCase):
 
     def test_wrong_input_is_the_programs_message(self):
         for call, words in ((lambda: slipbench.merge([self.path], self.place / "m.h5"), "is no shard of a sweep"), (lambda: slipbench.verify("/nope.h5"), "^/nope.h5: no such file"),
+                            (lambda: slipbench.merge(str(self.path), self.place / "m.h5"), f"^{self.path}: .*is no shard of a sweep"),
+                            (lambda: slipbench.merge(None, self.place / "m.h5"), "^shards: expected a path or a list of paths, found NoneType None"),
+                            (lambda: slipbench.verify([3]), "^datasets: expected a path or a list of paths, found int 3"),
                             (lambda: slipbench.export(self.path, self.place / "x", format="cvs"), "unknown format 'cvs'; allowed: csv"),
                             (lambda: slipbench.report(self.path, trial=1j), "^trial: expected a number"), (lambda: slipbench.report(self.path, trial=7), "7")):
             with self.assertRaisesRegex(slipbench.InputError, words):
@@ -89,7 +118,8 @@ class Pytest(unittest.TestCase):
     def test_scenes_with_expectations_are_collected(self):
         lift = (slipbench.scenes() / "grasp/lift.yaml").read_text(encoding="utf-8")
         brief = lift + "\nexpect: {dropped: false, control: none}\n"
-        status, output = self.pytest({"good.yaml": brief, "without.yaml": lift, "other.txt": brief}, "-v")
+        foreign = "name: a test of another tool\nexpect: {status: 200}\n"
+        status, output = self.pytest({"good.yaml": brief, "without.yaml": lift, "other.txt": brief, "foreign.yaml": foreign}, "-v")
         self.assertEqual(status, 0, output)
         self.assertIn("good.yaml::check PASSED", output)
         self.assertIn("1 passed", output)
@@ -110,6 +140,13 @@ class Pytest(unittest.TestCase):
         self.assertRegex(output, r"wrong.yaml:\d+: .*max_slop")
         self.assertNotIn("Traceback", output)
 
+    def test_the_readmes_example_passes(self):
+        readme = (Path(__file__).resolve().parents[3] / "tools/python/README.md").read_text(encoding="utf-8")
+        example = re.search(r"^```py\n(.*?)^```$", readme, re.MULTILINE | re.DOTALL)[1]
+        status, output = self.pytest({"test_readme.py": example})
+        self.assertEqual(status, 0, output)
+        self.assertIn("1 passed", output)
+
     def test_the_fixture_checks_a_scene(self):
         test = """
 import pytest, slipbench
@@ -121,10 +158,15 @@ def test_bad(slipbench_check):
     slipbench_check(scene(max_slip="1 um"))
 def test_nothing(slipbench_check):
     slipbench_check("grasp/lift.yaml")
+def test_missing(slipbench_check):
+    slipbench_check("gone.yaml")
 """
         status, output = self.pytest({"test_grasp.py": test})
         self.assertEqual(status, 1)
-        self.assertIn("2 failed, 1 passed", output)
+        self.assertIn("3 failed, 1 passed", output)
+        self.assertIn("gone.yaml: cannot be read", output)
+        self.assertNotIn("Traceback", output)
+        self.assertNotIn("_pytest_plugin.py", output)
         self.assertRegex(output, r"max_slip +at most 1 um")
         self.assertIn("the scene expects nothing", output)
 

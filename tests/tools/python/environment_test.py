@@ -65,6 +65,17 @@ class Grasps(unittest.TestCase):
                 if (expected["lifted"] and not expected["dropped"]) or key in ("dropped", "lifted", "touch_time_s"):
                     self.assertEqual(info["outcome"][key], expected[key], key)
 
+    def test_an_action_of_another_shape_is_named(self):
+        one, two = slipbench.gym.GraspEnv(values=SHORT), slipbench.gym.GraspVectorEnv(2, values=SHORT)
+        one.reset(seed=1)
+        two.reset(seed=1)
+        for action, shape in (([0.1, 0.2], r"\(2,\)"), (np.zeros((1, 0)), r"\(1, 0\)")):
+            with self.assertRaisesRegex(slipbench.InputError, rf"^action: expected shape \(1,\), found {shape}$"):
+                one.step(action)
+        with self.assertRaisesRegex(slipbench.InputError, r"^actions: expected shape \(2, 1\), found \(3, 1\)$"):
+            two.step(np.zeros((3, 1)))
+        one.step(np.zeros(1))  # what was refused has ended nothing
+
     def test_episodes_of_a_seed_differ_and_repeat(self):
         environment = make()
 

@@ -90,6 +90,23 @@ class Trials(unittest.TestCase):
         self.assertEqual((trial.control.detector, trial.control.controller), ("gst_hd", "step_on_slip"))
         self.assertEqual(trial.bodies["box"]["pose"].shape[1], 7)
 
+    def test_stored_trials_look_as_simulated_ones(self):
+        scene = slipbench.Scene.load("grasp/lift.yaml").set({"duration": "2 s", "motion.distance": "10 mm"})
+        one = scene.run()
+        with tempfile.TemporaryDirectory() as folder:
+            scene.write(folder + "/lift.h5", trials=1)
+            with slipbench.open(folder + "/lift.h5") as data:
+                other = data[0]
+                for simulated, stored in ((one.sensors["pad"], other.sensors["pad"]), (one.labels["pad"], other.labels["pad"]),
+                                          (one.bodies["box"], other.bodies["box"]), (one.control, other.control)):
+                    with self.subTest(name=type(stored).__name__):
+                        self.assertEqual({name for name in set(dir(simulated)) - set(dir(stored)) if not name.startswith("_")}, set())
+                        self.assertEqual((repr(stored), stored._repr_html_()), (repr(simulated), simulated._repr_html_()))
+                        for name, shape, _ in simulated._rows():
+                            self.assertEqual(getattr(stored, name).shape, shape)
+                            self.assertFalse(getattr(stored, name).flags.writeable, name)
+                self.assertFalse(other.sensors["pad"].channels["force"].flags.writeable)
+
     def test_a_check_is_that_of_the_command_line(self):
         path, expect = slipbench.scenes() / "grasp/lift.yaml", {"dropped": False, "max_slip": "0.1 mm"}
         with tempfile.TemporaryDirectory() as folder:  # where a failed check leaves its evidence
@@ -255,6 +272,14 @@ class Datasets(unittest.TestCase):
             self.assertEqual(len(windows[2:5]), 3)
             with self.assertRaises(IndexError):
                 windows[len(windows)]
+
+    def test_notebooks_show_shapes(self):
+        with slipbench.open(self.path) as data:
+            windows = data.windows(length=40, channels=["force"])
+            self.assertIn("<code>pad.force</code>", data._repr_html_())
+            self.assertIn(f"<td>[{len(windows)}, 40, 27]</td>", windows._repr_html_())
+        for closed in (data, windows):  # nothing is read
+            self.assertIn("slipbench.", closed._repr_html_())
 
     def test_windows_of_a_part_come_from_its_trials_alone(self):
         with slipbench.open(self.path) as data:

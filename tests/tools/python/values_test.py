@@ -1,8 +1,10 @@
 """Scenes of text and dicts, values of numpy, quantities, random streams, and what units feel. Argument: the program."""
 
+import copy
 import decimal
 import fractions
 import json
+import pickle
 import sys
 import tempfile
 import unittest
@@ -55,6 +57,19 @@ class Scenes(unittest.TestCase):
             slipbench.Scene.from_dict({**STAGE, "accuracy": {"force": "1 %"}})
         with self.assertRaisesRegex(slipbench.InputError, "needs a scene that is a file"):
             slipbench.Scene.from_dict(STAGE).check()
+
+    def test_wrong_types_are_refused(self):
+        for value in (Path("stage.yaml"), b"slipbench: 1", None, ["slipbench: 1"], STAGE):
+            with self.subTest(value=repr(value)), self.assertRaisesRegex(slipbench.InputError, rf"^text: expected a scene's YAML as str, found {type(value).__name__} "):
+                slipbench.Scene.from_text(value)
+        for value in (Path("stage.yaml"), b"slipbench: 1", None, ["slipbench"], "slipbench: 1"):
+            with self.subTest(value=repr(value)), self.assertRaisesRegex(slipbench.InputError, rf"^values: expected a dict of a scene's keys, found {type(value).__name__} "):
+                slipbench.Scene.from_dict(value)
+
+    def test_notebooks_show_its_text(self):
+        scene = slipbench.Scene.from_text(json.dumps({**STAGE, "description": "a < b"})).set({"description": "b & c"})
+        self.assertIn("a &lt; b", scene._repr_html_())
+        self.assertIn("description=b &amp; c", scene._repr_html_())
 
 
 class Numpy(unittest.TestCase):
@@ -150,6 +165,17 @@ class Streams(unittest.TestCase):
                      lambda: stream.uniform(0.0, float("inf"))):
             with self.assertRaises(slipbench.InputError):
                 call()
+        for draw in (stream.uniforms, stream.normals, stream.permutation):
+            self.assertEqual(len(draw(np.int64(2))), 2)
+            for count, told in ((-1, "count -1; allowed: 0 to 2"), (1.5, "count: expected a whole number, found float 1.5"), ("3", "count: expected")):
+                with self.subTest(draw=draw.__name__, count=count), self.assertRaisesRegex(slipbench.InputError, f"^{told}"):
+                    draw(count)
+
+    def test_a_stream_is_not_copied(self):
+        stream = slipbench.RandomStream(1, 2, "split")
+        for call in (pickle.dumps, copy.copy, copy.deepcopy):
+            with self.assertRaisesRegex(TypeError, r"cannot be pickled or copied; make it where it is needed: RandomStream\(1, 2, 'split'\)"):
+                call(stream)
 
 
 class Contacts(unittest.TestCase):

@@ -6,24 +6,30 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from slipbench._values import plain
+from slipbench._values import plain, shown
 from slipbench.bin import _core
 
 PathLike = str | os.PathLike[str]
+_SWITCHES = ("compress",)  # options without a value
 
 
 def _run(command: str, files: Sequence[PathLike], options: dict[str, Any], good: tuple[int, ...] = (0,)) -> dict[str, Any]:
-    """Runs `slipbench command files --option value`, where an option of None, False or empty text is left out. `good`: exit statuses with a result."""
+    """Runs `slipbench command files --option value`, where an option of None, False, empty text or an empty list is left out, 0 is not.
+
+    `good`: exit statuses with a result.
+    """
     words = [command, *(os.fspath(file) for file in files), "--json"]
     for name, value in options.items():
         given = plain(value, name)
+        if isinstance(given, bool) and name not in _SWITCHES:
+            raise _core.InputError(f"{name.replace('-', '_')}: expected a number or a text, found {given}")
         if given is True:
             words.append(f"--{name}")
-        elif given not in (None, False, "", []):
+        elif given is not None and given is not False and given not in ("", []):
             words.append(f"--{name}={','.join(given) if isinstance(given, list) else given}")
     place = os.pathsep.join(filter(None, [str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH")]))
     done = subprocess.run([sys.executable, "-m", "slipbench", *words], capture_output=True, text=True, check=False, env={**os.environ, "PYTHONPATH": place})
@@ -35,6 +41,16 @@ def _run(command: str, files: Sequence[PathLike], options: dict[str, Any], good:
 
 def _several(files: PathLike | Sequence[PathLike]) -> list[PathLike]:
     return [files] if isinstance(files, (str, os.PathLike)) else list(files)
+
+
+def _paths(files: Any, key: str) -> list[PathLike]:
+    """One path or several as a list. Raises InputError, which names `key`, for anything else."""
+    several = isinstance(files, Iterable) and not isinstance(files, (str, bytes, os.PathLike))
+    found = list(files) if several else [files]
+    for one in found:
+        if not isinstance(one, (str, os.PathLike)):
+            raise _core.InputError(f"{key}: expected a path or a list of paths, found {shown(one)}")
+    return found
 
 
 def report(dataset: PathLike, output: PathLike = "", *, trial: int | None = None) -> dict[str, Any]:
@@ -98,7 +114,7 @@ def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike =
     Raises:
         InputError: the program's own message.
     """
-    return _run("import", _several(sources), {"output": output, "format": format, "map": map, "rate": rate, "seed": seed})
+    return _run("import", _paths(sources, "sources"), {"output": output, "format": format, "map": map, "rate": rate, "seed": seed})
 
 
 def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:
@@ -113,14 +129,14 @@ def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:
     Raises:
         InputError: a file cannot be read.
     """
-    return _run("verify", _several(datasets), {}, (0, 1))
+    return _run("verify", _paths(datasets, "datasets"), {}, (0, 1))
 
 
-def merge(shards: Sequence[PathLike], output: PathLike) -> dict[str, Any]:
+def merge(shards: PathLike | Sequence[PathLike], output: PathLike) -> dict[str, Any]:
     """Puts the shards of a sweep together, as `slipbench merge`.
 
     Args:
-        shards: paths of the shards' first files, all of one sweep
+        shards: paths of the shards' first files, all of one sweep; a single path is one shard
         output: dataset to write
 
     Returns:
@@ -129,4 +145,4 @@ def merge(shards: Sequence[PathLike], output: PathLike) -> dict[str, Any]:
     Raises:
         InputError: the program's own message.
     """
-    return _run("merge", shards, {"output": output})
+    return _run("merge", _paths(shards, "shards"), {"output": output})

@@ -7,12 +7,13 @@ import os
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slipbench._trial import Body, Contact, Control, Labels, Row, Sensor, trial_table, trial_text
+from slipbench._trial import Body, Contact, Control, Labels, Row, Sensor, table, trial_table, trial_text
 from slipbench._values import index as whole_number
 from slipbench.bin import _core
 
@@ -55,6 +56,12 @@ def _member(group: h5py.Group, name: str) -> Any:
     return Array(found.id, readonly=True) if isinstance(found, h5py.Dataset) else found
 
 
+def _kept(array: NDArray[Any]) -> NDArray[Any]:
+    """An array that an object keeps: read-only, as those of a simulated trial."""
+    array.setflags(write=False)
+    return array
+
+
 class Arrays(Mapping[str, "h5py.Dataset"]):
     """The arrays of a group by name, read when they are indexed: `labels["state"][:]`. Each has its unit as `array.attrs["unit"]`.
 
@@ -89,7 +96,7 @@ class Arrays(Mapping[str, "h5py.Dataset"]):
         """The whole array `name`, read now; an AttributeError where there is none."""
         if name.split("/")[0] not in self:
             raise AttributeError(f"{self._group.file.filename}: {self._group.name} has no {name!r}; it has {', '.join([*self, *self.attrs])}")
-        return self[name][:]
+        return _kept(self[name][:])
 
     def _arrays(self, names: Sequence[str]) -> Iterator[Row]:
         for name in names:
@@ -120,6 +127,14 @@ class _Read:
 
     def _read(self, name: str) -> Any:
         raise NotImplementedError
+
+    def _has(self, name: str) -> bool:
+        """Whether the file has the attribute, without reading it."""
+        return True
+
+    def __dir__(self) -> list[str]:
+        # For completion: attributes that have not been read are in no __dict__.
+        return [*super().__dir__(), *(field.name for field in fields(type(self)) if self._has(field.name))]  # type: ignore[arg-type]
 
 
 class _Channels(Mapping[str, Any]):
@@ -182,11 +197,11 @@ class StoredLabels(_Read, Arrays, Labels):
             return self._array("events/" + {"event_time": "t"}.get(name, name.removeprefix("event_")))
         for key in (name, f"{name}_s"):
             if key in self.attrs and name not in ("frame", "rule"):
-                return np.asarray(self.attrs[key])
+                return _kept(np.array(self.attrs[key]))
         return self._array(name)
 
-    def _rows(self) -> Iterator[Row]:
-        return self._arrays([name for name in self if name != "events"])
+    def _has(self, name: str) -> bool:
+        return "events" in self._names if name.startswith("event_") else name in self._names or name in self.attrs or f"{name}_s" in self.attrs
 
 
 class StoredBody(_Read, Arrays, Body):
@@ -194,9 +209,6 @@ class StoredBody(_Read, Arrays, Body):
 
     def _read(self, name: str) -> Any:
         return self._array(name)
-
-    def _rows(self) -> Iterator[Row]:
-        return self._arrays(list(self))
 
 
 class StoredControl(_Read, Arrays, Control):
@@ -209,15 +221,12 @@ class StoredControl(_Read, Arrays, Control):
             return str(self.attrs.get(name, ""))
         if name in ("command", "measured_position", "grip_force", "arm") and self._place(name) not in self:
             kind = np.float32 if name in ("grip_force", "arm") else np.uint8
-            return np.empty({"command": (0, 3), "arm": (0, 2)}.get(name, (0,)), kind)  # as a simulated trial has it: an open recording
+            return _kept(np.empty({"command": (0, 3), "arm": (0, 2)}.get(name, (0,)), kind))  # as a simulated trial has it: an open recording
         return self._array(self._place(name))
 
     @staticmethod
     def _place(name: str) -> str:
         return "arm_speed" if name == "arm" else name
-
-    def _rows(self) -> Iterator[Row]:
-        return self._arrays(list(self))
 
 
 def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
@@ -383,7 +392,7 @@ class Dataset(Mapping[int, StoredTrial]):
             The windows.
 
         Raises:
-            InputError: one of the above cannot be used, or a recording's samples are not evenly spaced: a window counts samples.
+            InputError: one of the above cannot be used, a trial has no such labels, or a recording's samples are not evenly spaced: a window counts samples.
         """
         return Windows(self, whole_number(length, "length"), whole_number(stride, "stride"), sensor, channels, labels, part)
 
@@ -401,6 +410,9 @@ class Dataset(Mapping[int, StoredTrial]):
         first = self[self.trials[0]].sensors if self.trials else {}
         sensors = "; ".join(f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in first.items())
         return f"<slipbench.Dataset {self._path}: {len(self)} trials; {sensors or 'outcomes alone'}>"
+
+    def _repr_html_(self) -> str:
+        return trial_table(repr(self), self[self.trials[0]].sensors if self._files[0] and self.trials else {})
 
     def __enter__(self) -> Dataset:
         return self
@@ -436,9 +448,18 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             raise _core.InputError(f"trial {trial.trial}: sensor {self._sensor!r}; allowed: {', '.join(map(repr, names)) or 'nothing, outcomes alone'}")
         return names[0]
 
+    def _states(self, trial: StoredTrial, name: str) -> h5py.Dataset:
+        """The states of a sensor's pad by the rule of the windows. Raises InputError where the file has none: recordings have at most those of the paper."""
+        labels: Mapping[str, Any] = trial.labels.get(name, {})
+        if self._rule not in labels:
+            rules = [repr(rule) for rule, states in RULES.items() if states in labels]
+            raise _core.InputError(f"trial {trial.trial}: labels {self._arguments[5]!r}: the recording has {', '.join(rules) or 'no labels'}; "
+                                   + (f"pass {' or '.join(f'labels={rule}' for rule in rules)}" if rules else "allowed: a recording that has labels"))
+        return labels[self._rule]
+
     def _count(self, number: int) -> int:
         trial = self._dataset[number]
-        samples = len(trial.labels[self._name(trial)][self._rule])
+        samples = len(self._states(trial, self._name(trial)))
         return max(0, (samples - self._length) // self._stride + 1)
 
     def __reduce__(self) -> Any:
@@ -447,6 +468,10 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
     def __repr__(self) -> str:
         return f"<slipbench.Windows {len(self)} of {self._length} samples every {self._stride}, {len(self._trials)} trials, labels {self._arguments[5]}>"
 
+    def _repr_html_(self) -> str:
+        values = (len(self), *self[0][0].shape) if len(self) and self._dataset._files[0] else (len(self), self._length)
+        return table(repr(self).strip("<>"), [("values", values, ""), ("labels", (len(self),), "0 hold, 1 slip")])
+
     def _read(self, number: int) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64]]:
         if number not in self._kept:
             trial = self._dataset[number]
@@ -454,14 +479,15 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
             sensor = trial.sensors[name]
             check_evenly_spaced(f"trial {number}: sensor {name!r}", sensor, "one rate throughout, as `slipbench import --rate RATE` makes it")
             channels = self._channels or [str(one) for one in sensor.attrs["channels"]]
-            samples = len(trial.labels[name][self._rule])
+            states = self._states(trial, name)
+            samples = len(states)
             for channel in channels:
                 if channel not in sensor or len(sensor[channel]) != samples:
                     at_rate = [one for one in sensor.attrs["channels"] if len(sensor[str(one)]) == samples]
                     raise _core.InputError(f"trial {number}: channel {channel!r} {'is not there' if channel not in sensor else 'has another rate than the labels'}; "
                                            f"allowed: channels={[str(one) for one in at_rate]}")
             values = np.concatenate([np.asarray(sensor[channel][:], np.float32).reshape(samples, -1) for channel in channels], axis=1)
-            slips = (np.asarray(trial.labels[name][self._rule][:]) >= 2).astype(np.uint8)
+            slips = (np.asarray(states[:]) >= 2).astype(np.uint8)
             self._kept[number] = values, slips, np.asarray(sensor["t"][:], np.float64)
         return self._kept[number]
 

@@ -23,8 +23,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Collects YAML files that have the key `expect` at the beginning of a line."""
-    if file_path.suffix not in (".yaml", ".yml") or not re.search(r"^expect\s*:", file_path.read_text(encoding="utf-8", errors="replace"), re.MULTILINE):
+    """Collects YAML files that have both keys `slipbench`, as each scene has, and `expect` at the beginning of a line."""
+    if file_path.suffix not in (".yaml", ".yml"):
+        return None
+    text = file_path.read_text(encoding="utf-8", errors="replace")
+    if not all(re.search(rf"^{key}\s*:", text, re.MULTILINE) for key in ("slipbench", "expect")):
         return None
     return _SceneFile.from_parent(parent, path=file_path)
 
@@ -58,10 +61,14 @@ def slipbench_check(pytestconfig: pytest.Config) -> Callable[..., Check]:
     """A function that checks a scene: `slipbench_check(scene, draws=4)`.
 
     It takes a `Scene` or a path, and the options of `Scene.check()`. It returns the `Check`, and fails the test with the table of `slipbench check` where
-    an expectation is not kept, the scene expects nothing, or its negative control keeps all of it.
+    an expectation is not kept, the scene expects nothing, or its negative control keeps all of it, and with the program's message where the scene cannot
+    be read or run.
     """
     def check(scene: Scene | str | os.PathLike[str], **options: Any) -> Check:
-        result = _checked(scene, pytestconfig, options)
+        try:
+            result = _checked(scene, pytestconfig, options)
+        except InputError as error:
+            pytest.fail(str(error), pytrace=False)
         if not result.passed:
             pytest.fail(result.table.rstrip(), pytrace=False)
         return result

@@ -14,12 +14,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import Any
 
 from slipbench._own import own_names
 from slipbench._trial import Trial
-from slipbench._values import index, plain, yaml
+from slipbench._values import index, plain, shown, yaml
 from slipbench.bin import _core
 
 
@@ -188,8 +189,10 @@ class Scene:
             The scene. It does everything that one of a file does, except for `check()` and the key `accuracy`, which need a file.
 
         Raises:
-            InputError: as `load()`, with "<text>" as the file's name.
+            InputError: as `load()`, with "<text>" as the file's name; `text` is no str.
         """
+        if not isinstance(text, str):
+            raise _core.InputError(f"text: expected a scene's YAML as str, found {shown(text)}; Scene.load() reads a file, from_dict() takes a dict")
         return cls(os.path.join(os.fspath(folder), "<text>"), [], text=text)
 
     @classmethod
@@ -204,8 +207,10 @@ class Scene:
             The scene, whose `text` is the dict as JSON.
 
         Raises:
-            InputError: a value that a scene cannot say, with its key.
+            InputError: a value that a scene cannot say, with its key; `values` is no dict.
         """
+        if not isinstance(values, Mapping):
+            raise _core.InputError(f"values: expected a dict of a scene's keys, found {shown(values)}; Scene.load() reads a file, from_text() takes YAML")
         return cls.from_text(json.dumps(plain(values, "scene"), indent=2) + "\n", folder=folder)
 
     def set(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
@@ -334,6 +339,9 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"<slipbench.Scene {self.path}{''.join(f' {path}={value}' for path, value in self.overrides)}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{escape(repr(self).strip('<>'))}</p><pre>{escape(self.text)}</pre>"
 
 
 def _restored(path: str, overrides: list[tuple[str, str]], told: dict[str, str], text: str) -> Scene:

@@ -50,16 +50,17 @@ def plain(value: Any, key: str) -> Any:
     if hasattr(value, "__array__") and not isinstance(value, np.generic):
         array = np.asarray(value)
         return plain(list(array) if array.ndim else array[()], key)
-    raise _core.InputError(f"{key}: expected a number, a text, a list or a dict, found {_shown(value)}")
+    raise _core.InputError(f"{key}: expected a number, a text, a list or a dict, found {shown(value)}")
 
 
 def _name(name: Any, key: str) -> str:
     if not isinstance(name, str):
-        raise _core.InputError(f"{key}: expected names as keys, found {_shown(name)}")
+        raise _core.InputError(f"{key}: expected names as keys, found {shown(name)}")
     return name
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
+    """Type and value of what was found, for a message, cut short."""
     text = repr(value)
     return f"{type(value).__name__} {text if len(text) <= 80 else text[:77] + '...'}"
 
@@ -75,7 +76,7 @@ def index(value: Any, key: str) -> int:
     try:
         return operator.index(value)
     except TypeError:
-        raise _core.InputError(f"{key}: expected a whole number, found {_shown(value)}") from None
+        raise _core.InputError(f"{key}: expected a whole number, found {shown(value)}") from None
 
 
 def parse_quantity(text: str, unit: str | None = None) -> float:
@@ -97,7 +98,8 @@ def parse_quantity(text: str, unit: str | None = None) -> float:
 class RandomStream:
     """Random numbers as the program draws them: bit-identical to those of the C++ class `RandomStream` with the same key.
 
-    Streams with different keys are independent, so each purpose has a stream of its own: `RandomStream(seed, trial, "split")`.
+    Streams with different keys are independent, so each purpose has a stream of its own: `RandomStream(seed, trial, "split")`. A stream cannot be pickled
+    or copied, since a copy would draw the same numbers again.
     """
 
     def __init__(self, seed: int, trial: int = 0, name: str = "") -> None:
@@ -115,17 +117,23 @@ class RandomStream:
         return self._core.uniform(low, high)
 
     def uniforms(self, count: int, low: float = 0.0, high: float = 1.0) -> NDArray[np.float64]:
-        """Draws `count` numbers in [low, high), one after the other as `uniform()` does. Returns [count]."""
+        """Draws `count` numbers in [low, high), one after the other as `uniform()` does. Returns [count].
+
+        Raises InputError where `count` is no whole number from 0 on, or low exceeds high or is not finite.
+        """
         self._check_interval(low, high)
-        return self._core.uniforms(low, high, count)
+        return self._core.uniforms(low, high, self._checked_count(count))
 
     def normal(self, mean: float = 0.0, sd: float = 1.0) -> float:
         """Draws from the normal distribution of mean `mean` and standard deviation `sd`."""
         return self._core.normal(mean, sd)
 
     def normals(self, count: int, mean: float = 0.0, sd: float = 1.0) -> NDArray[np.float64]:
-        """Draws `count` numbers from the normal distribution of `mean` and `sd`, one after the other as `normal()` does. Returns [count]."""
-        return self._core.normals(mean, sd, count)
+        """Draws `count` numbers from the normal distribution of `mean` and `sd`, one after the other as `normal()` does. Returns [count].
+
+        Raises InputError where `count` is no whole number from 0 on.
+        """
+        return self._core.normals(mean, sd, self._checked_count(count))
 
     def integer(self, bound: int) -> int:
         """Draws a whole number in [0, bound). Raises InputError where `bound` is below 1."""
@@ -134,17 +142,30 @@ class RandomStream:
         return self._core.integer(index(bound, "bound"))
 
     def permutation(self, count: int) -> NDArray[np.int64]:
-        """Draws an order of the numbers 0 to `count` - 1 (Fisher-Yates). Returns [count]."""
-        return self._core.permutation(count)
+        """Draws an order of the numbers 0 to `count` - 1 (Fisher-Yates). Returns [count].
+
+        Raises InputError where `count` is no whole number from 0 on.
+        """
+        return self._core.permutation(self._checked_count(count))
 
     def shuffle(self, items: list[Item]) -> None:
         """Puts the list `items` into a random order, in place (Fisher-Yates)."""
         items[:] = [items[at] for at in self.permutation(len(items))]
 
     @staticmethod
+    def _checked_count(count: int) -> int:
+        number = index(count, "count")
+        if not 0 <= number < 2**64:
+            raise _core.InputError(f"count {number}; allowed: 0 to 2^64 - 1")
+        return number
+
+    @staticmethod
     def _check_interval(low: float, high: float) -> None:
         if not low <= high or not np.isfinite(high - low):
             raise _core.InputError(f"low {low}, high {high}; allowed: finite numbers, low at most high")
+
+    def __reduce__(self) -> Any:
+        raise TypeError(f"{self!r} cannot be pickled or copied; make it where it is needed: RandomStream({', '.join(map(repr, self._key))})")
 
     def __repr__(self) -> str:
         return f"<slipbench.RandomStream seed={self._key[0]} trial={self._key[1]} name={self._key[2]!r}>"

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 import os
 import shlex
 from typing import Any
@@ -64,6 +65,14 @@ class _ResetNeeded(gymnasium.error.ResetNeeded, RuntimeError):
 def _begun(episode: int) -> None:
     if episode < 0:
         raise _ResetNeeded("no episode has begun: reset() comes first")
+
+
+def _shaped(values: Any, key: str, shape: tuple[int, ...]) -> NDArray[Any]:
+    """What a policy gave, with as many values as `shape` has. Raises InputError, which names `key`, the shape expected and the one found."""
+    array = np.asarray(values)
+    if array.size != math.prod(shape):
+        raise _core.InputError(f"{key}: expected shape {shape}, found {array.shape}")
+    return array
 
 
 _SEEDS = 2**63  # seeds that are drawn are below
@@ -169,12 +178,13 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         """Commands `action` [1], -1 to 1, and runs on to the next read. Gives observation, reward, terminated, truncated, info.
 
         `info` holds the truth: time s, grip_force N, ideal_force N, slip_distance m since the trial began, lifting, what was drawn (`params`), and after the
-        last step the trial's `outcome`. Raises gymnasium.error.ResetNeeded before the first reset() and after the episode's end.
+        last step the trial's `outcome`. Raises gymnasium.error.ResetNeeded before the first reset() and after the episode's end, InputError for an action of
+        another shape.
         """
         _begun(self._episode)
         if self._over:
             raise _ResetNeeded("the episode is over: reset() comes first")
-        command = float(np.asarray(action).reshape(()))
+        command = float(_shaped(action, "action", (1,)).reshape(()))
         observation, reward, failed, ended, truth = self._grasp.step(command)
         self._actions.append(command)
         self._over = failed or ended
@@ -274,9 +284,9 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
 
     def step(self, actions: Observation) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Commands each with its row of `actions` [num_envs, 1], but where its episode has ended: there the next one begins, and the action counts for
-        nothing. Raises gymnasium.error.ResetNeeded before the first reset()."""
+        nothing. Raises gymnasium.error.ResetNeeded before the first reset(), InputError for actions of another shape."""
         _begun(min(self._episodes))
-        commands: list[float] = np.asarray(actions, np.float64).reshape(self.num_envs).tolist()
+        commands: list[float] = _shaped(actions, "actions", (self.num_envs, 1)).astype(np.float64).reshape(self.num_envs).tolist()
         before = self._episodes
         result = self._batch(self._grasps.step(commands))
         for i, command in enumerate(commands):
