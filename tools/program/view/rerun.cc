@@ -178,9 +178,8 @@ RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) 
         result.trials.push_back(*trial);
       }
     } catch (const InputError&) {
-      // A run that ends joins its batches and removes them, also while they are read here.
-      if (!runs || fs::exists(source)) throw;
-      continue;
+      // A run that ends joins its batches and removes them, also while they are read here; the next look reads what it has made of them.
+      if (!runs) throw;
     }
     if (!runs || (options.trial && !result.trials.empty())) break;
     std::this_thread::sleep_for(500ms);

@@ -189,7 +189,7 @@ def main(text: str) -> int:
               else "slipbench: interrupted; nothing is kept", file=sys.stderr)
         return 130
     except ModuleNotFoundError as error:
-        if error.name != "torch":
+        if error.name not in ("torch", "onnx"):
             raise
         message = f"train --recipe {request.recipe}: {error}"
     except InputError as error:

@@ -5,9 +5,9 @@
 
 from __future__ import annotations
 
-import io
 import json
 import os
+import tempfile
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -100,15 +100,17 @@ def onnx_bytes(members: Sequence[nn.Module], inputs: int, description: dict[str,
         step = _Step(members, inputs).eval()
         zeros = [one for of_member in step.zeros for one in of_member]
         names = [f"state_{i}" for i in range(len(zeros))]
-        out = io.BytesIO()
         newest: dict[str, Any] = {"dynamo": False} if int(torch.__version__.split(".")[0]) >= 2 else {}
-        torch.onnx.export(step, (torch.zeros(1, step.history * inputs), *zeros), out, opset_version=13, input_names=["frames", *names],
-                          output_names=["output", *(f"{name}_next" for name in names)], **newest)
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "network.onnx"
+            torch.onnx.export(step, (torch.zeros(1, step.history * inputs), *zeros), str(file), opset_version=13, input_names=["frames", *names],
+                              output_names=["output", *(f"{name}_next" for name in names)], **newest)
+            exported = file.read_bytes()
     whole = dict(description)
     whole["input"] = dict(whole["input"], history=step.history)
     whole["states"] = [{"input": name, "output": f"{name}_next"} for name in names]
     whole["output"] = "logits" if len(members) == 1 else "probabilities"
-    return with_metadata(out.getvalue(), _core.normalised_description(json.dumps(whole), "the description"))
+    return with_metadata(exported, _core.normalised_description(json.dumps(whole), "the description"))
 
 
 def mean_answers(members: Sequence[nn.Module], features: Floats) -> Floats:

@@ -1,6 +1,7 @@
 """Imports PyTorch, or says how to get it."""
 
 import contextlib
+import importlib.util
 import io
 import sys
 import warnings
@@ -16,5 +17,10 @@ except ModuleNotFoundError as error:
     if error.name != "torch":
         raise
     raise ModuleNotFoundError(
-        f"training of networks needs PyTorch, which {sys.executable} does not have; install it: pip install torch, or on Debian: apt install python3-torch "
-        "libopenblas0-serial, for a Python that sees /usr/lib/python3/dist-packages, such as build/venv of ./slipbench test", name="torch") from None
+        f"training of networks needs PyTorch, which {sys.executable} does not have; install it: pip install torch onnx, or on Debian: apt install python3-torch "
+        "python3-onnx libopenblas0-serial, for a Python that sees /usr/lib/python3/dist-packages, such as build/venv of ./slipbench test", name="torch") from None
+
+# Its exporter imports it from version 2 on.
+if int(torch.__version__.split(".")[0]) >= 2 and importlib.util.find_spec("onnx") is None:
+    raise ModuleNotFoundError(f"training of networks with PyTorch {torch.__version__} needs the package onnx, which {sys.executable} does not have; "
+                              "install it: pip install onnx, or on Debian: apt install python3-onnx", name="onnx")

@@ -208,7 +208,7 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
     alarm = {key: point[key] for key in ("on", "off", "least")}
     counts = _core.counts_at(series[1], chosen.input.period, point["threshold"], **alarm) if judges else None
 
-    trained = {
+    trained: dict[str, Any] = {
         "recipe": chosen.name, "labels": chosen.labels, "command": examples.command, "data_sha256": examples.sha256, "sensor": sensor, "split": chosen.split,
         "held_out": share, "seed": seed, "alarms_asked_per_minute": tolerated, "by_score": by_score, "trials_learnt": _trials(learns),
         "trials_validated": _trials(validates), "trials_judged": _trials(judges),
