@@ -272,6 +272,8 @@ class Training(TrainingTest):
 
 class Command(TrainingTest):
     def run_program(self, *words, **environment):
+        # PyTorch 2.6 leaves a temporary folder to the end of the interpreter, which warns of that.
+        environment["PYTHONWARNINGS"] = "error,ignore::ResourceWarning"
         return subprocess.run([PROGRAM, "train", self.data, "--all", "--recipe", "papillarray_gru", "--steps", "4", *words], capture_output=True, text=True,
                               check=False, env=os.environ | environment)
 
