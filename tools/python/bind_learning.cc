@@ -1,4 +1,4 @@
-// What training in Python takes from the program: frames, examples with their split, operating points, and the engine of the loop.
+// Bindings for training: frames, examples with their split, operating points and the engine of the loop.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -30,6 +30,7 @@
 #include "tools/base/statistics/confusion.h"
 #include "tools/program/train/network/examples.h"
 #include "tools/program/train/network/validation.h"
+#include "tools/python/arrays.h"
 #include "tools/python/module.h"
 
 namespace nb = nanobind;
@@ -39,21 +40,6 @@ namespace {
 
 using Rows = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Described = nb::typed<nb::dict, nb::str, nb::any>;
-
-// An array of its own, of values that are handed over.
-template <class T>
-nb::object array_of(std::vector<T> values, std::vector<std::size_t> shape) {
-  auto held = std::make_unique<std::vector<T>>(std::move(values));
-  T* const first = held->data();
-  const nb::capsule owner(held.release(), [](void* all) noexcept { delete static_cast<std::vector<T>*>(all); });
-  return nb::cast(nb::ndarray<nb::numpy, T>(first, shape.size(), shape.data(), owner));
-}
-
-template <class T>
-nb::object array_of(std::vector<T> values) {
-  const std::size_t size = values.size();
-  return array_of(std::move(values), {size});
-}
 
 // A word of an option, whose name an error tells.
 template <class Words>
@@ -78,7 +64,7 @@ class FrameReader {
   }
 
   [[nodiscard]] std::size_t size() const { return frames_.size(); }
-  [[nodiscard]] nb::object latest() const {
+  [[nodiscard]] nb::ndarray<nb::numpy, float> latest() const {
     const std::span<const float> frame = frames_.latest();
     return array_of(std::vector<float>(frame.begin(), frame.end()));
   }
@@ -132,7 +118,7 @@ class EngineOfFile {
       const std::span<const float> output = engine_->run({inputs.data() + step * inputs.shape(1), inputs.shape(1)});
       outputs.insert(outputs.end(), output.begin(), output.end());
     }
-    return nb::cast<nb::ndarray<nb::numpy, float>>(array_of(std::move(outputs), {inputs.shape(0), classes}));
+    return array_of(std::move(outputs), {inputs.shape(0), classes});
   }
 
  private:

@@ -89,7 +89,7 @@ struct Stop {
   std::atomic<bool> now = false;
 };
 
-// What the units of one pad feel at each sample of its sensor, in the pad frame: [T, N, 3] each.
+// Force and displacement of the units of one pad at each sample of its sensor, in the pad frame: [T, N, 3] each.
 struct PadContact {
   std::size_t units = 0;
   std::vector<float> force;         // N

@@ -1,4 +1,4 @@
-// What the studies (tools/studies) take of the program: its pages, detectors that read a recorded trial again, the time of the hyperdimensional engines.
+// Bindings for tools/studies: result pages, detectors that replay a recorded trial, timing of the hyperdimensional engines.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -28,6 +28,7 @@
 #include "tools/program/doctor/doctor.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/samples/samples.h"
+#include "tools/python/arrays.h"
 #include "tools/python/module.h"
 
 namespace nb = nanobind;
@@ -38,15 +39,7 @@ namespace {
 constexpr page::PageKind result_kind{
     "a result", "slipbench reproduce", "result page", "result of a reproduction", {"reproduction"}};
 
-// An array of these extents that owns `values`.
-template <class T>
-nb::ndarray<nb::numpy, T> array_of(std::vector<T> values, std::vector<std::size_t> extents) {
-  auto* const held = new std::vector<T>(std::move(values));
-  const nb::capsule owner(held, [](void* all) noexcept { delete static_cast<std::vector<T>*>(all); });
-  return nb::ndarray<nb::numpy, T>(held->data(), extents.size(), extents.data(), owner);
-}
-
-// What a detector says of each sample of a recorded sensor: states, the values that it hands on, and their names.
+// Output of a detector for each sample of a recorded sensor: states, feature values and the names of the features.
 using Estimates =
     nb::typed<nb::tuple, nb::ndarray<nb::numpy, std::uint8_t>, nb::ndarray<nb::numpy, double>, std::vector<std::string>>;
 Estimates estimates(const TrialRecord& record, const std::string& name, const std::string& type, const Pairs& parameters) {
@@ -86,7 +79,7 @@ constexpr std::array path_names{"portable", "AVX2", "AVX-512"};
 
 std::string name_of(hd::KernelPath path) { return path_names.at(static_cast<std::size_t>(path)); }
 
-// Those that this machine runs, slowest first.
+// Engines that this machine can run, slowest first.
 std::vector<std::string> hd_engines() {
   std::vector<std::string> names{reference_name};
   for (const hd::KernelPath path : hd::kernel_paths()) names.push_back(name_of(path));
@@ -104,7 +97,7 @@ std::unique_ptr<hd::Engine> hd_engine(const std::string& name) {
   reject("engine: unknown {}{}", quote(name), allowed_names(name, hd_engines()));
 }
 
-// Keeps the compiler from leaving out what is not read.
+// Keeps the compiler from removing a computation whose result is not read.
 volatile std::uint64_t sink = 0;
 
 // Median over the passes of the time of a frame [s]; `update` makes a decision of frame number i.

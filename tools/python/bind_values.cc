@@ -15,20 +15,13 @@
 #include "sim/core/error.h"
 #include "sim/core/quantity.h"
 #include "sim/core/random.h"
+#include "tools/python/arrays.h"
 #include "tools/python/module.h"
 
 namespace nb = nanobind;
 
 namespace slipbench::python {
 namespace {
-
-template <class T>
-nb::ndarray<nb::numpy, T> array_of(std::vector<T> values) {
-  auto* const held = new std::vector<T>(std::move(values));
-  const nb::capsule owner(held, [](void* all) noexcept { delete static_cast<std::vector<T>*>(all); });
-  const std::size_t size = held->size();
-  return nb::ndarray<nb::numpy, T>(held->data(), 1, &size, owner);
-}
 
 template <class Draw>
 nb::ndarray<nb::numpy, double> drawn(std::size_t count, const Draw& draw) {

@@ -29,10 +29,10 @@ def clopper_pearson(k: int, n: int, confidence: float = 0.95) -> tuple[float, fl
     """
     if not 0 <= k <= n or not 0.0 < confidence < 1.0:
         raise ValueError(f"no binomial interval of {k} of {n} with confidence {confidence}")
-    outside = 0.5 * (1.0 - confidence)
-    low = 0.0 if k == 0 else float(stats.beta.ppf(outside, k, n - k + 1))
-    high = 1.0 if k == n else float(stats.beta.ppf(1.0 - outside, k + 1, n - k))
-    return low, high
+    if n == 0:
+        return 0.0, 1.0
+    interval = stats.binomtest(k, n).proportion_ci(confidence, method="exact")
+    return float(interval.low), float(interval.high)
 
 
 def quantile(values: ArrayLike, p: float) -> float:

@@ -382,7 +382,7 @@ class Pieces(unittest.TestCase):
         self.assertEqual(features[shorter[0], :, 0].tolist(), [1, 2, 2, 2])
         self.assertEqual(classes[shorter[0]].tolist(), [0, 1, -100, -100])
 
-    # Of a run of 25 frames of slip the first three train, then the 10th and 20th.
+    # The first three of 25 successive frames of slip train, then the 10th and the 20th.
     def test_the_onset_of_a_slip_trains(self):
         labels = np.array([0] * 5 + [1] * 25, np.uint8)
         clips = learning.Clips([(np.zeros((30, 1), np.float32), labels)], learning.Training(batch=1, clip=30, onset_frames=3), 1, 2)

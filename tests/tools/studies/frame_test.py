@@ -71,7 +71,7 @@ class Results(unittest.TestCase):
 
 class Statistics(unittest.TestCase):
     def test_exact_intervals(self):
-        # Of 0 in n the upper end is 1 - 0.025^(1/n); of n in n it mirrors that.
+        # The upper end of 0 in n is 1 - 0.025^(1/n); the lower end of n in n is 0.025^(1/n).
         self.assertEqual(statistics.clopper_pearson(0, 0), (0.0, 1.0))
         self.assertAlmostEqual(statistics.clopper_pearson(0, 5)[1], 1 - 0.025**0.2, 12)
         self.assertAlmostEqual(statistics.clopper_pearson(5, 5)[0], 0.025**0.2, 12)
@@ -96,7 +96,7 @@ class Statistics(unittest.TestCase):
         self.assertAlmostEqual(statistics.mean_sd([1, 3])[1], math.sqrt(2))
 
     def test_interval_of_a_median(self):
-        # Of six values, all below the median has the probability 1/64 < 2.5 %, five below 7/64: the first and the last.
+        # All of six values are below the median with probability 1/64 < 2.5 %, at least five with 7/64: so the interval spans all six.
         self.assertEqual(statistics.median_interval([6, 1, 2, 3, 4, 5]), (1.0, 6.0))
         self.assertTrue(math.isnan(statistics.median_interval([1, 2, 3, 4, 5])[0]))
 

@@ -17,7 +17,7 @@ SAMPLES = 1000  # nine frames of 200, one every 100
 
 
 def frames(signal):
-    """Of a signal of the time [s]. The tip is in contact from sample 150 on, slipping from 650 on but for the last; by the position from 600 on. The bench
+    """Frames of a signal that is a function of time [s]. The tip is in contact from sample 150 on, slipping from 650 on but for the last; by the position from 600 on. The bench
     presses until 300, slides from 600 on, at its speed of 20 mm/s from 700 on; 0.25 mm deep.
     """
     number = np.arange(SAMPLES)

@@ -61,7 +61,7 @@ class GraspEnvironment {
   // Names of what an observation holds: each channel value of every sensor ("pad.P0_FX"), as it was last sampled, then gripper.position [counts],
   // gripper.moving, gripper.stopped, and, where the scene has a detector, slip.state (PadState).
   [[nodiscard]] const std::vector<std::string>& observation_names() const { return names_; }
-  // Of each value of an observation: "N", "m", "counts"; "1" for flags and codes.
+  // Unit of each value of an observation: "N", "m", "counts"; "1" for flags and codes.
   [[nodiscard]] const std::vector<std::string>& observation_units() const { return units_; }
 
   // Begins episode number `episode` of the scene with that seed, and runs it to its first read of the gripper. Each episode of a seed is another

@@ -1,4 +1,4 @@
-// What a person reads after a check.
+// Text that `check` prints.
 #pragma once
 
 #include <string>

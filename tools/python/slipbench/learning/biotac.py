@@ -30,7 +30,7 @@ IMAGES: dict[str, Layout] = {
 
 
 def pixels_of(layout: Layout) -> list[list[int]]:
-    """Of each pixel, row by row, the electrodes whose mean it is: its own, else the three nearest in the image."""
+    """Electrodes whose mean each pixel shows, row by row: its own electrode, else the three nearest in the image."""
     (rows, columns), places = layout
     pixels = []
     for row in range(rows):
