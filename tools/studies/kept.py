@@ -1,4 +1,4 @@
-"""What the networks of a study have said, on the disk as soon as each is done."""
+"""Results of a study's networks, each saved as soon as it is done."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ def kept_path(output: str) -> Path:
 
 
 class KeptNetworks:
-    """What the networks of a study have said, a file each: a study that is killed or interrupted need not teach them again.
+    """Results of a study's networks, a file each, so that a study that was killed or interrupted does not train them again.
 
-    The folder's identity says whose they are. A file is written under another name and renamed, so that none is there by half.
+    The folder's identity file names the run that they belong to. A file is written under another name and then renamed, so it is always complete.
 
     Args:
         options: their output, FILE.html, names the folder FILE.networks
@@ -39,21 +39,21 @@ class KeptNetworks:
 
     def __init__(self, options: Options, name: str) -> None:
         self.path = kept_path(options.output)
-        told = self.path / IDENTITY
+        identity = self.path / IDENTITY
         line = BEGINNING + identity_of(options, name) + "\n"
         try:
             if self.path.exists():
-                there = told.read_text() if told.is_file() else ""
+                there = identity.read_text() if identity.is_file() else ""
                 if not there.startswith(BEGINNING):
                     raise InputError(f"{self.path} is there and holds no networks of a study; allowed: another name of -o")
                 if options.resume and there != line:
                     raise InputError(f"{self.path} is of other options, data, scenes or another build of the program; allowed: with --resume the same "
                                      "command again, or delete the folder")
                 if not options.resume and self.size:
-                    raise InputError(f"{self.path} holds {self.size} networks of a run that did not come to its end; allowed: --resume, or delete the "
+                    raise InputError(f"{self.path} holds {self.size} networks of an unfinished run; allowed: --resume, or delete the "
                                      "folder")
             self.path.mkdir(exist_ok=True)
-            told.write_text(line)
+            identity.write_text(line)
         except OSError as error:
             raise InputError(f"cannot write {self.path}: {error.strerror}") from error
         if self.size:
@@ -67,7 +67,7 @@ class KeptNetworks:
         return len(list(self.path.glob("*.json")))
 
     def find(self, index: int) -> Any:
-        """What network `index` has said; None: it has to be taught.
+        """The result of network `index`; None where it has to be trained.
 
         Raises:
             InputError: where its file is damaged
@@ -75,18 +75,18 @@ class KeptNetworks:
         file = self.path / f"{index}.json"
         if not file.exists():
             return None
-        digest, _, said = file.read_text().partition("\n")
-        if digest != hashlib.sha256(said.encode()).hexdigest():
-            raise InputError(f"{file}: is damaged; allowed: delete it, and its network is taught again")
-        return json.loads(said)
+        digest, _, result = file.read_text().partition("\n")
+        if digest != hashlib.sha256(result.encode()).hexdigest():
+            raise InputError(f"{file}: is damaged; allowed: delete it, and its network is trained again")
+        return json.loads(result)
 
-    def keep(self, index: int, said: Any) -> None:
-        """Keeps what network `index` has said: once this returns it is on the disk.
+    def keep(self, index: int, result: Any) -> None:
+        """Saves the result of network `index`; it is on the disk when this returns.
 
         Raises:
             InputError: with the system's reason
         """
-        text = json.dumps(said)
+        text = json.dumps(result)
         partial = self.path / f"{index}.partial"
         try:
             with partial.open("w") as file:
@@ -98,13 +98,13 @@ class KeptNetworks:
             raise InputError(f"cannot write {partial}: {error.strerror}") from error
 
     def remove_if_empty(self) -> None:
-        """A folder without a network goes."""
+        """Removes the folder if it holds no network."""
         if not self.size:
             remove_kept(str(self.path))
 
 
 def remove_kept(output: str) -> None:
-    """The study is done: the networks that were kept for its page go.
+    """Removes the saved networks of a finished study.
 
     Args:
         output: FILE.html
@@ -118,7 +118,7 @@ def _digest(path: Path) -> str:
 
 
 def identity_of(options: Options, name: str) -> str:
-    """The digest of all that decides what a study's networks say: the command, the data, the scenes, the program and the Python that runs it.
+    """The digest of everything that a study's networks depend on: the command, the data, the scenes, the program and the Python that runs it.
 
     Args:
         options: data, real, seed, full, trials, only

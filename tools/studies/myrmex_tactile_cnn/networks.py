@@ -19,7 +19,7 @@ from slipbench_studies.myrmex_tactile_cnn.bench import (APART, SCENE, SETTLED, S
                                                         sum_of_contacts, true_slip)
 from slipbench_studies.result import Options
 from slipbench_studies.statistics import mean_sd
-from slipbench_studies.teaching import Floats, Labels, folds, learn_and_answer, teach_all
+from slipbench_studies.network_training import Floats, Labels, folds, train_and_answer, train_all
 from torch import nn
 
 KINDS = ("stable", "translation", "rotation")
@@ -424,9 +424,9 @@ class Validations:
             name: PAPER/TABLE
 
         Raises:
-            InputError: as teach_all()
+            InputError: as train_all()
         """
-        self._said = teach_all(name, [self._plans[plan][0].text for plan, _ in self._tasks], self._options, lambda index: self._judged(*self._tasks[index]))
+        self._said = train_all(name, [self._plans[plan][0].text for plan, _ in self._tasks], self._options, lambda index: self._judged(*self._tasks[index]))
 
     def figures(self, validation: int) -> Judged:
         """What a validation has found, after run()."""
@@ -454,7 +454,7 @@ class Validations:
         inputs = learnt.features.shape[1]
         training: Training = replace(find_recipe(RECIPE).training, steps=self._size.steps * row.longer)
         # Each window is a sequence of one frame to a network that has no state.
-        logits = learn_and_answer(partial(row.network, inputs), [(learnt.features, learnt.label)], [one.features for one in asked if len(one.label)], training,
+        logits = train_and_answer(partial(row.network, inputs), [(learnt.features, learnt.label)], [one.features for one in asked if len(one.label)], training,
                                   classes=len(KINDS), seed=self._options.draws_seed)
         called = [one.argmax(axis=1) for one in logits] + [np.zeros(0, np.int64)] * 2
         counts = np.zeros((len(KINDS), len(KINDS)), dtype=np.int64)

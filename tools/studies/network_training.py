@@ -1,4 +1,4 @@
-"""Networks that a study teaches: who learns and who judges, many at a time."""
+"""Training of a study's networks: folds, one network, and many in parallel."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ Floats = NDArray[np.float32]
 Labels = NDArray[np.uint8]
 Sequences = Sequence[tuple[Floats, Labels]]
 
-TOLD_EVERY = 10  # networks
+REPORT_EVERY = 10  # networks between two lines of progress
 
 
 def folds(groups: ArrayLike, count: int, seed: int) -> NDArray[np.int64]:
-    """Who learns and who judges. Each group is shuffled and dealt out in turn, so that all folds have as many of each, to within one.
+    """Divides items into folds. Each group is shuffled and dealt out in turn, so that its shares of the folds differ by one item at most.
 
     Args:
         groups: [N] number of each item's group
@@ -52,18 +52,18 @@ def folds(groups: ArrayLike, count: int, seed: int) -> NDArray[np.int64]:
     return fold_of
 
 
-def learn_and_answer(network: Callable[[], nn.Module], learnt: Sequences, judged: Iterable[Floats], training: Training, *, classes: int, seed: int,
+def train_and_answer(network: Callable[[], nn.Module], trained_on: Sequences, judged: Iterable[Floats], training: Training, *, classes: int, seed: int,
                      scaling: str = "standard", validating: Sequences = ()) -> list[Floats]:
-    """Teaches one network and asks it.
+    """Trains one network and evaluates it.
 
     Args:
         network: makes it
-        learnt: features [T, inputs], not scaled, and labels [T] of each sequence
+        trained_on: features [T, inputs], not scaled, and labels [T] of each sequence
         judged: [T, inputs] of each sequence that is asked for, not scaled
         training: how it learns
-        classes: that it tells
-        seed: of its first weights and of the draws
-        scaling: of features, by those that are learnt from: "standard", "common" or "range"
+        classes: number of classes
+        seed: of the initial weights and of the clips drawn
+        scaling: of features, by those that are trained_on from: "standard", "common" or "range"
         validating: sequences that choose the best state; none: the last state answers
 
     Returns:
@@ -72,24 +72,24 @@ def learn_and_answer(network: Callable[[], nn.Module], learnt: Sequences, judged
     Raises:
         InputError: where a class has no frame to learn from
     """
-    offset, scale = scale_of([features for features, _ in learnt], scaling)
+    offset, scale = scale_of([features for features, _ in trained_on], scaling)
 
     def scaled(features: Floats) -> Floats:
         return np.asarray((features - offset) * scale, dtype=np.float32)
 
     with reproducible(seed):
         module = network()
-    fit(module, [(scaled(one), labels) for one, labels in learnt], [(scaled(one), labels) for one, labels in validating], training, classes=classes,
+    fit(module, [(scaled(one), labels) for one, labels in trained_on], [(scaled(one), labels) for one, labels in validating], training, classes=classes,
         seed=seed)
     with reproducible(seed):
         return [answers(module, scaled(one)) for one in judged]
 
 
-_work: Callable[[int], Any] | None = None  # of the processes at hand, which are copies of this one
+_work: Callable[[int], Any] | None = None  # inherited by the worker processes, which are forks of this one
 
 
 def _begin() -> None:
-    """Of a process: Ctrl-C is for the one that started it, which ends it."""
+    """Prepares a worker process: its parent handles Ctrl-C and ends it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     set_num_threads(1)
@@ -100,17 +100,17 @@ def _do(index: int) -> Any:
     return plain(_work(index))
 
 
-def teach_all(name: str, subjects: Sequence[str], options: Options, work: Callable[[int], Any]) -> list[Any]:
-    """Teaches networks, options.jobs at a time, each in a process of its own. With a page each is kept beside it as soon as it is done.
+def train_all(name: str, subjects: Sequence[str], options: Options, work: Callable[[int], Any]) -> list[Any]:
+    """Trains networks, options.jobs at a time, each in its own process. With options.output each result is saved beside the page at once.
 
     Args:
         name: PAPER/TABLE
-        subjects: what is said of each network while it learns
+        subjects: name of each network in lines of progress
         options: jobs, output, resume, and who hears of progress
-        work: teaches network `index` and returns what it says, as JSON has it
+        work: trains network `index` and returns its result, which must be valid JSON
 
     Returns:
-        what each has said, in this order, the same whatever options.jobs
+        the result of each network, in order; it does not depend on options.jobs
 
     Raises:
         InputError: of a network, or as KeptNetworks
@@ -118,8 +118,8 @@ def teach_all(name: str, subjects: Sequence[str], options: Options, work: Callab
     """
     global _work
     kept = KeptNetworks(options, name) if options.output else None
-    said: list[Any] = [None if kept is None else kept.find(index) for index in range(len(subjects))]
-    left = [index for index, one in enumerate(said) if one is None]
+    results: list[Any] = [None if kept is None else kept.find(index) for index in range(len(subjects))]
+    left = [index for index, one in enumerate(results) if one is None]
     _work = work
     set_num_threads(1)
     try:
@@ -127,13 +127,13 @@ def teach_all(name: str, subjects: Sequence[str], options: Options, work: Callab
             running: dict[Future[Any], int] = {}
             try:
                 for number, index in enumerate(left):
-                    if number % TOLD_EVERY == 0 or subjects[index] != subjects[left[number - 1]]:
+                    if number % REPORT_EVERY == 0 or subjects[index] != subjects[left[number - 1]]:
                         options.say(f"{subjects[index]} ({number} of {len(left)} begun)")
                     running[pool.submit(_do, index)] = index
                     if len(running) == jobs_of(options):
-                        _collect(running, said, kept)
+                        _collect(running, results, kept)
                 while running:
-                    _collect(running, said, kept)
+                    _collect(running, results, kept)
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
                 for process in multiprocessing.active_children():
@@ -147,13 +147,13 @@ def teach_all(name: str, subjects: Sequence[str], options: Options, work: Callab
         _work = None
         if kept is not None:
             kept.remove_if_empty()
-    return said
+    return results
 
 
-def _collect(running: dict[Future[Any], int], said: list[Any], kept: KeptNetworks | None) -> None:
-    """Takes what has been said, at least by one network."""
+def _collect(running: dict[Future[Any], int], results: list[Any], kept: KeptNetworks | None) -> None:
+    """Waits until at least one network is done and takes the results."""
     for future in wait(running, return_when=FIRST_COMPLETED).done:
         index = running.pop(future)
-        said[index] = future.result()
+        results[index] = future.result()
         if kept is not None:
-            kept.keep(index, said[index])
+            kept.keep(index, results[index])

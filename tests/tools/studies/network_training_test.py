@@ -12,7 +12,7 @@ from slipbench import InputError
 from slipbench.learning import Training
 from slipbench_studies.kept import KeptNetworks, kept_path, remove_kept
 from slipbench_studies.result import Options
-from slipbench_studies.teaching import folds, learn_and_answer, teach_all
+from slipbench_studies.network_training import folds, train_and_answer, train_all
 from torch import nn
 
 NAME = "myrmex-tactile-cnn/table3"
@@ -35,7 +35,7 @@ class Learning(unittest.TestCase):
         # Three classes at -1, 0 and 1 of one value.
         features = np.array([[k % 3 - 1] for k in range(60)], np.float32)
         labels = np.array([k % 3 for k in range(60)], np.uint8)
-        logits = learn_and_answer(lambda: nn.Sequential(nn.Linear(1, 32), nn.Tanh(), nn.Linear(32, 3)), [(features, labels)],
+        logits = train_and_answer(lambda: nn.Sequential(nn.Linear(1, 32), nn.Tanh(), nn.Linear(32, 3)), [(features, labels)],
                                   [np.array([[1], [-1], [0]], np.float32)], Training(steps=300, clip=1, learning_rate=1e-2), classes=3, seed=1)
         self.assertEqual(logits[0].argmax(axis=1).tolist(), [2, 0, 1])
 
@@ -55,18 +55,18 @@ class Kept(unittest.TestCase):
             return {"index": index}
 
         with self.assertRaisesRegex(InputError, "the third"):
-            teach_all(NAME, ["a"] * 3, replace(self.options, jobs=1), fails)
+            train_all(NAME, ["a"] * 3, replace(self.options, jobs=1), fails)
         kept = kept_path(self.options.output)
         self.assertEqual(sorted(path.name for path in kept.iterdir()), ["0.json", "1.json", "identity.txt"])
         with self.assertRaisesRegex(InputError, "holds 2 networks.*--resume"):
-            teach_all(NAME, ["a"] * 3, self.options, fails)
+            train_all(NAME, ["a"] * 3, self.options, fails)
         with self.assertRaisesRegex(InputError, "of other options"):
-            teach_all(NAME, ["a"] * 3, replace(self.options, resume=True, seed=2), fails)
-        said = teach_all(NAME, ["a"] * 3, replace(self.options, resume=True), lambda index: {"index": -index})
+            train_all(NAME, ["a"] * 3, replace(self.options, resume=True, seed=2), fails)
+        said = train_all(NAME, ["a"] * 3, replace(self.options, resume=True), lambda index: {"index": -index})
         self.assertEqual(said, [{"index": 0}, {"index": 1}, {"index": -2}])
         (kept / "1.json").write_text((kept / "1.json").read_text() + " ")
         with self.assertRaisesRegex(InputError, "1.json: is damaged"):
-            teach_all(NAME, ["a"] * 3, replace(self.options, resume=True), fails)
+            train_all(NAME, ["a"] * 3, replace(self.options, resume=True), fails)
         remove_kept(self.options.output)
         self.assertFalse(kept.exists())
 
@@ -75,7 +75,7 @@ class Kept(unittest.TestCase):
             raise InputError(f"{index}")
 
         with self.assertRaises(InputError):
-            teach_all(NAME, ["a"], self.options, fails)
+            train_all(NAME, ["a"], self.options, fails)
         self.assertFalse(kept_path(self.options.output).exists())
 
     def test_what_is_no_networks_is_left_alone(self):
@@ -89,7 +89,7 @@ class Kept(unittest.TestCase):
 
     def test_results_are_in_order_whatever_the_jobs(self):
         for jobs in (1, 2):
-            self.assertEqual(teach_all(NAME, ["a"] * 5, Options(jobs=jobs), lambda index: index), list(range(5)))
+            self.assertEqual(train_all(NAME, ["a"] * 5, Options(jobs=jobs), lambda index: index), list(range(5)))
 
 
 if __name__ == "__main__":
