@@ -59,11 +59,11 @@ def train_and_answer(network: Callable[[], nn.Module], trained_on: Sequences, ju
     Args:
         network: makes it
         trained_on: features [T, inputs], not scaled, and labels [T] of each sequence
-        judged: [T, inputs] of each sequence that is asked for, not scaled
+        judged: features [T, inputs] of each sequence to evaluate, not scaled
         training: how it learns
         classes: number of classes
         seed: of the initial weights and of the clips drawn
-        scaling: of features, by those that are trained_on from: "standard", "common" or "range"
+        scaling: of features, computed from `trained_on`: "standard", "common" or "range"
         validating: sequences that choose the best state; none: the last state answers
 
     Returns:
