@@ -15,7 +15,7 @@ import torch
 from torch import nn
 
 import slipbench
-from slipbench import InputError, learning
+from slipbench import InputError, _recipe, learning
 from slipbench.learning import networks
 from slipbench.learning.biotac import drawn_graph
 
@@ -304,6 +304,17 @@ class Command(TrainingTest):
 
 
 class Recipes(unittest.TestCase):
+    def test_the_program_lists_and_describes_them(self):
+        listed = json.loads(subprocess.run([PROGRAM, "list", "recipes", "--json"], capture_output=True, check=True).stdout)["recipes"]
+        self.assertEqual([(one["name"], one["summary"]) for one in listed if one["name"] != "gst_hd"],
+                         [(name, recipe.summary) for name, recipe in learning.RECIPES.items()])
+        for name, recipe in learning.RECIPES.items():
+            with self.subTest(name):
+                facts = _recipe.facts_of(recipe)
+                self.assertIn(recipe.input.sensor, facts["Input"])
+                self.assertIn("slipbench.learning.networks.", facts["Network"])
+                self.assertTrue(all(len(line) <= 100 for text in facts.values() for line in _recipe.wrapped(text, 100).split("\n") if "|" not in line))
+
     def test_every_network_runs_in_the_engine(self):
         self.assertEqual(set(INPUTS), set(learning.RECIPES))
         with tempfile.TemporaryDirectory() as folder:

@@ -1,15 +1,19 @@
 #include "tools/base/python/python_package.h"
 
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,6 +40,14 @@ bool has_extension(const std::string& folder) {
   });
 }
 
+// As exec takes them: null at the end.
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
 }  // namespace
 
 PythonModule::PythonModule(std::string name, std::string purpose, const std::string& extra)
@@ -57,22 +69,52 @@ PythonModule::PythonModule(std::string name, std::string purpose, const std::str
       purpose_, folder_, install_, package);
 }
 
-void PythonModule::start(std::string request) const {
+std::vector<std::string> PythonModule::words(std::string request) const {
   const char* const others = std::getenv("PYTHONPATH");
   ::setenv("PYTHONPATH", others == nullptr ? folder_.c_str() : (folder_ + ":" + others).c_str(), 1);
+  // -P: no package of the folder where the user stands. -B: no byte code is written beside the package.
+  return {program_, "-P", "-B", "-m", name_, std::move(request)};
+}
+
+void PythonModule::reject_start(int reason) const {
+  reject("{}: cannot start {}: {}; install it: {}", purpose_, program_, std::strerror(reason), install_);
+}
+
+void PythonModule::start(std::string request) const {
+  std::vector<std::string> all = words(std::move(request));
+  const std::vector<char*> arguments = pointers_to(all);
   std::fflush(nullptr);
   sigset_t signals, before;
   sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
   pthread_sigmask(SIG_BLOCK, &signals, &before);
-  // -P: no package of the folder where the user stands. -B: no byte code is written beside the package.
-  std::array<std::string, 6> words{program_, "-P", "-B", "-m", name_, std::move(request)};
-  std::array<char*, 7> pointers{};
-  std::ranges::transform(words, pointers.begin(), [](std::string& word) { return word.data(); });
-  ::execv(program_.c_str(), pointers.data());
+  ::execv(program_.c_str(), arguments.data());
   const int reason = errno;
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  reject("{}: cannot start {}: {}; install it: {}", purpose_, program_, std::strerror(reason), install_);
+  reject_start(reason);
+}
+
+int PythonModule::run(std::string request, const std::atomic<bool>* interrupt) const {
+  std::vector<std::string> all = words(std::move(request));
+  const std::vector<char*> arguments = pointers_to(all);
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t child = -1;
+  const int error = ::posix_spawn(&child, program_.c_str(), &actions, nullptr, arguments.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) reject_start(error);
+  constexpr std::chrono::milliseconds between_looks{50};
+  bool passed_on = false;
+  int status = 0;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    if (!passed_on && interrupt != nullptr && *interrupt) {
+      ::kill(child, SIGTERM);
+      passed_on = true;
+    }
+    std::this_thread::sleep_for(between_looks);
+  }
+  return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
 }
 
 }  // namespace slipbench

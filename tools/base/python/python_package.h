@@ -1,11 +1,13 @@
-// Work of a command that is done in Python: the program becomes `python -m MODULE REQUEST`.
+// Work of a command that is done in Python: the program becomes, or runs, `python -m MODULE REQUEST`.
 #pragma once
 
+#include <atomic>
 #include <string>
+#include <vector>
 
 namespace slipbench {
 
-// A module of the package `slipbench` that the program can become.
+// A module of the package `slipbench`.
 //
 // The Python is the one that SLIPBENCH_PYTHON names, which is set where the package itself runs the program
 // (tools/python/slipbench/__main__.py). Without that variable it is build/venv of the build that the program is in.
@@ -24,7 +26,15 @@ class PythonModule {
   // them (slipbench/_program.py, Interrupt), since Python takes a while to start. Throws InputError when it cannot start.
   [[noreturn]] void start(std::string request) const;
 
+  // Runs it as a child process, whose stdout is discarded, and returns its exit status, 128 + the signal where one ended
+  // it. SIGTERM is passed on to the child once `interrupt` is set; a terminal's Ctrl-C reaches both. `interrupt` may be
+  // null. Throws InputError when it cannot start.
+  [[nodiscard]] int run(std::string request, const std::atomic<bool>* interrupt) const;
+
  private:
+  [[nodiscard]] std::vector<std::string> words(std::string request) const;
+  [[noreturn]] void reject_start(int reason) const;
+
   std::string name_, purpose_;
   std::string program_;  // interpreter
   std::string folder_;   // above the package

@@ -17,12 +17,12 @@
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/project/project_file.h"
+#include "tools/base/python/python_package.h"
 #include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/eval/evaluate.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/sweep/run_sweep.h"
-#include "tools/program/train/train_network.h"
 
 namespace slipbench::benchmark {
 namespace {
@@ -43,7 +43,10 @@ constexpr std::array<ShippedNetwork, 7> shipped_networks{
      {"nib_slip", "scenes/learn/nib_slip.onnx", "nib_pad", ""},
      {"biotac_slip", "scenes/learn/biotac_slip.onnx", "biotac_sp", ""},
      {"biotac_grasp", "scenes/learn/biotac_grasp.onnx", "biotac_sp", ""}}};
-constexpr const char* no_engine = "a network is taught by libtorch and run by OpenVINO: see slipbench doctor";
+constexpr const char* no_engine = "OpenVINO, which runs a network, is missing: see slipbench doctor";
+constexpr const char* no_training =
+    "a network is trained by the Python package slipbench and PyTorch, one of which is missing: `slipbench describe slip_gru` "
+    "says how to install them";
 
 std::string file_digest(const std::string& path) {
   std::error_code error;
@@ -85,17 +88,26 @@ std::string data_sha256(const std::string& dataset) {
 
 // The ONNX file that a lesson makes.
 std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::string& dataset, const std::string& folder) {
-  train::NetworkTraining training;
-  training.datasets = {dataset};
-  training.recipe = train::find_recipe(lesson.recipe);
-  training.all = true;
-  training.output = (fs::path(folder) / (lesson.recipe + ".onnx")).string();
-  train::train_network(training, [&](const train::MemberProgress& progress) {
-    end_if(teaching.interrupt);
-    if (teaching.say)
-      teaching.say(fmt::format("{}: step {} of {}", lesson.recipe, progress.training.step, progress.training.steps));
-  });
-  return training.output;
+  const std::string output = (fs::path(folder) / (lesson.recipe + ".onnx")).string();
+  const Json request{{"datasets", Json::array({dataset})},
+                     {"recipe", lesson.recipe},
+                     {"all", true},
+                     {"output", output},
+                     {"json", !teaching.say}};  // silent
+  const int status = PythonModule("slipbench._train", "benchmark: " + lesson.recipe, "").run(request.dump(), teaching.interrupt);
+  end_if(teaching.interrupt);
+  if (status != 0) reject("benchmark: the training of {} ended with status {}", lesson.recipe, status);
+  return output;
+}
+
+// Whether there is PyTorch, which describes a recipe as well.
+bool can_train(const Lesson& lesson, const Teaching& teaching) {
+  try {
+    const PythonModule module("slipbench._recipe", "benchmark: " + lesson.recipe, "");
+    return module.run(Json{{"name", lesson.recipe}, {"json", true}}.dump(), teaching.interrupt) == 0;
+  } catch (const InputError&) {  // there is no package
+    return false;
+  }
 }
 
 class Control final : public Detector {
@@ -216,8 +228,8 @@ Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const
   for (const Lesson& lesson : lessons) {
     if (!teaching.sensor.empty() && lesson.sensor != teaching.sensor) continue;
     const std::string& name = lesson.recipe;
-    if (!train::networks_available() || !network::engine_available()) {
-      taught.untaught.push_back({name, lesson.sensor, no_engine});
+    if (!network::engine_available() || !can_train(lesson, teaching)) {
+      taught.untaught.push_back({name, lesson.sensor, network::engine_available() ? no_training : no_engine});
       continue;
     }
     const std::string dataset = dataset_of(lesson, teaching, folder);

@@ -16,6 +16,7 @@
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
+#include "tools/base/python/python_package.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -26,6 +27,7 @@
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/text/describe.h"
 #include "tools/program/text/sweep_text.h"
+#include "tools/program/train/recipe_list.h"
 #include "tools/program/verify/verify.h"
 
 namespace slipbench {
@@ -332,20 +334,20 @@ Examples:
 
 int DescribeCommand::run() {
   const Catalogues catalogues = program_catalogues();
-  const auto recipe = std::ranges::find(train::recipes(), name, &train::Recipe::name);
-  const bool is_recipe = recipe != train::recipes().end();
-  std::vector<CatalogueItem> found;
-  if (!is_recipe) found = find_items(catalogue_items(catalogues), name, recipe_names());
+  if (train::is_network_recipe(name)) {
+    const PythonModule module("slipbench._recipe", "describe " + name, "");
+    take_stdout_back();
+    module.start(Json{{"name", name}, {"json", json}}.dump());
+  }
+  const std::vector<CatalogueItem> found = find_items(catalogue_items(catalogues), name, train::recipe_names());
   if (json) {
     Json entries = Json::array();
     for (const CatalogueItem& item : found) entries.push_back(describe_json(item, catalogues));
-    if (is_recipe) entries.push_back(recipe_json(*recipe));
     return print_json({{"name", name}, {"entries", entries}});
   }
   const Style style = style_for(stdout);
   for (std::size_t i = 0; i < found.size(); ++i)
     fmt::print("{}{}", i == 0 ? "" : "\n", describe_text(found[i], catalogues, style, terminal_width(stdout)));
-  if (is_recipe) fmt::print("{}", recipe_text(*recipe, style, terminal_width(stdout)));
   return exit_good;
 }
 

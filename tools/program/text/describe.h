@@ -12,7 +12,6 @@
 #include "sim/scene/catalogues.h"
 #include "tools/base/record/json.h"
 #include "tools/program/cli/terminal.h"
-#include "tools/program/train/recipes/recipe.h"
 #include "tools/program/train/train_hd.h"
 
 namespace slipbench {
@@ -58,18 +57,9 @@ std::string list_text(const std::vector<CatalogueItem>& items, std::span<const C
                       std::size_t width);
 Json list_json(const std::vector<CatalogueItem>& items, std::span<const CatalogueKind> kinds);
 
-// Recipes of `train` as `list` and `describe` show them.
-inline constexpr const char* hd_recipe = "gst_hd";  // the hyperdimensional detector's training, which is no network
-
-// gst_hd and train::recipes().
-std::vector<std::string> recipe_names();
-
+// Recipes of `train` (train::recipe_list). `describe` of one is done in Python (slipbench/_recipe.py).
 std::string recipe_list_text(const Style& style, std::size_t width);
 Json recipe_list_json();
-
-// What it reads, its layers, how it is taught, and where it is from.
-std::string recipe_text(const train::Recipe& recipe, const Style& style, std::size_t width);
-Json recipe_json(const train::Recipe& recipe);
 
 // A table of figures, the most telling first: mean and standard deviation over the draws that make them, by sequence and by frame.
 std::string draws_text(const HdSummary& summary, const Style& style);

@@ -28,14 +28,14 @@ class Request:
     Attributes:
         datasets: paths
         recipe: its name
-        labels: rule of the labels
+        labels: rule of the labels; None: the recipe's
         split: what trains and judges differ in; None: was not given
         held_out: share of its groups that judge; None: was not given
         sensor: the scene's name; empty: every one that fits
         all: whether to ignore a dataset's own split
         seed: of weights and draws
         steps: of training; None: the recipe's
-        turned: copies with turned images
+        turned: copies with turned images; None: the recipe's
         alarms: false ones a minute that are tolerated; None: was not given
         by_score: whether the operating point is that of the greatest score
         output: path of the ONNX file
@@ -45,19 +45,19 @@ class Request:
 
     datasets: list[str]
     recipe: str
-    labels: str
-    split: str | None
-    held_out: float | None
-    sensor: str
-    all: bool
-    seed: int
-    steps: int | None
-    turned: int
-    alarms: float | None
-    by_score: bool
     output: str
-    resume: bool
-    json: bool
+    labels: str | None = None
+    split: str | None = None
+    held_out: float | None = None
+    sensor: str = ""
+    all: bool = False
+    seed: int = 1
+    steps: int | None = None
+    turned: int | None = None
+    alarms: float | None = None
+    by_score: bool = False
+    resume: bool = False
+    json: bool = False
 
 
 def styled(stream: TextIO, code: str, text: str) -> str:

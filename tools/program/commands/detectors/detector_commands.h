@@ -15,8 +15,8 @@
 #include "tools/program/calibrate/calibrate.h"
 #include "tools/program/cli/command.h"
 #include "tools/program/eval/evaluate.h"
+#include "tools/program/train/network/examples.h"
 #include "tools/program/train/train_hd.h"
-#include "tools/program/train/train_network.h"
 
 namespace slipbench {
 
@@ -26,14 +26,13 @@ struct TrainCommand final : Command {
   int run() override;
 
   // What the words ask for, once they have been read.
-  HdTraining options;                              // of gst_hd
-  std::optional<train::NetworkTraining> training;  // of any other recipe
+  HdTraining options;  // of gst_hd
+  Json request;        // of any other recipe: what slipbench/_train.py takes; null: gst_hd
 
  private:
   void read_hd();
   void read_network();
   int train_hd();
-  int train_network();
 
   // As given; empty: was not.
   std::string recipe_;

@@ -15,6 +15,7 @@
 #include "tools/program/cli/terminal.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/text/describe.h"
+#include "tools/program/train/recipe_list.h"
 
 namespace slipbench {
 namespace {
@@ -115,7 +116,7 @@ Examples:
   arguments.jobs(jobs_, "gst_hd: worker threads, 1 to 1024 (default: one a hardware thread)");
   arguments.then([this] {
     if (score_ && !alarms_.empty()) throw InputError("train: --score and --alarms are two choices; allowed: one of them");
-    recipe_.empty() || recipe_ == hd_recipe ? read_hd() : read_network();
+    recipe_.empty() || recipe_ == train::hd_recipe ? read_hd() : read_network();
   });
 }
 
@@ -128,7 +129,7 @@ void TrainCommand::read_hd() {
     if (given) reject("train: {} is of networks; allowed: it with another --recipe than gst_hd", name);
   }
   if (context_ && no_context_) throw InputError("train: --context and --no-context exclude each other");
-  if (!labels_.empty()) options.sequences.labels = parse_slip_rule(checked_labels(labels_, hd_recipe, slip_rule_names()));
+  if (!labels_.empty()) options.sequences.labels = parse_slip_rule(checked_labels(labels_, train::hd_recipe, slip_rule_names()));
   hd::Model& model = options.model;
   model.encoding = encoding_.value_or(model.encoding);
   model.dimension = dimension_.value_or(model.dimension);
@@ -146,7 +147,7 @@ void TrainCommand::read_hd() {
 }
 
 void TrainCommand::read_network() {
-  train::Recipe recipe = train::find_recipe(recipe_);
+  train::check_recipe(recipe_);
   for (const auto& [given, name] : {std::pair{encoding_.has_value(), "--encoder"},
                                     {context_, "--context"},
                                     {no_context_, "--no-context"},
@@ -159,59 +160,35 @@ void TrainCommand::read_network() {
                                     {jobs_.has_value(), "--jobs"}}) {
     if (given) reject("train: {} is of gst_hd; allowed: it without --recipe {}", name, recipe_);
   }
-  if (turned_.value_or(0) > 0 && recipe.input.sensor != "myrmex")
-    reject("train: --turned is for images of a myrmex, and {} reads a {}; allowed: none of it", recipe_, recipe.input.sensor);
-  if (!labels_.empty())
-    recipe.labels = *hd::value_of(train::label_words, checked_labels(labels_, recipe_, hd::names_of(train::label_words)));
-  if ((score_ || !alarms_.empty()) && recipe.at_most > 0)
-    reject("train: {} counts what whole recordings say, and {} draws frames of them; allowed: none of it",
-           score_ ? "--score" : "--alarms", recipe_);
-  std::optional<double> alarms;
-  if (recipe.at_most == 0 && !score_) alarms = alarms_a_minute(alarms_.empty() ? "1/min" : alarms_);
   if (!options.output.ends_with(".onnx"))
     reject("train: -o {}: a network is an ONNX file; allowed: a name that ends with .onnx", options.output);
-  recipe.split = split_.value_or(recipe.split);
-  recipe.turned = turned_.value_or(recipe.turned);
-  if (steps_) {
-    recipe.training.validate_every = std::max<std::size_t>(1, recipe.training.validate_every * *steps_ / recipe.training.steps);
-    recipe.training.steps = *steps_;
-  }
   std::vector<std::string> datasets{options.dataset};
   datasets.insert(datasets.end(), with_.begin(), with_.end());
-  training = {std::move(datasets),
-              std::move(recipe),
-              options.sequences.sensor,
-              all_,
-              !all_ && (split_ || held_out_),
-              0.01 * static_cast<double>(held_out_.value_or(20)),
-              options.seed,
-              score_,
-              alarms,
-              options.output,
-              resume_};
+  request = Json{{"datasets", datasets},
+                 {"recipe", recipe_},
+                 {"labels", Json()},
+                 {"split", Json()},
+                 {"held_out", Json()},
+                 {"sensor", options.sequences.sensor},
+                 {"all", all_},
+                 {"seed", options.seed},
+                 {"steps", or_null(steps_)},
+                 {"turned", or_null(turned_)},
+                 {"alarms", Json()},
+                 {"by_score", score_},
+                 {"output", options.output},
+                 {"resume", resume_}};
+  if (!labels_.empty()) request["labels"] = checked_labels(labels_, recipe_, hd::names_of(train::label_words));
+  if (split_) request["split"] = hd::name_of(train::split_words, *split_);
+  if (held_out_) request["held_out"] = 0.01 * static_cast<double>(*held_out_);
+  if (!alarms_.empty()) request["alarms"] = alarms_a_minute(alarms_);
 }
 
-int TrainCommand::run() { return training ? train_network() : train_hd(); }
-
-int TrainCommand::train_network() {
-  const train::Recipe& recipe = training->recipe;
-  const PythonModule module("slipbench._train", "train --recipe " + recipe.name, "");
-  const Json request{{"datasets", training->datasets},
-                     {"recipe", recipe.name},
-                     {"labels", hd::name_of(train::label_words, recipe.labels)},
-                     {"split", split_ ? Json(hd::name_of(train::split_words, *split_)) : Json()},
-                     {"held_out", held_out_ ? Json(training->held_out) : Json()},
-                     {"sensor", training->sensor},
-                     {"all", training->all},
-                     {"seed", training->seed},
-                     {"steps", or_null(steps_)},
-                     {"turned", recipe.turned},
-                     {"alarms", alarms_.empty() ? Json() : or_null(training->alarms)},
-                     {"by_score", training->by_score},
-                     {"output", training->output},
-                     {"resume", training->resume},
-                     {"json", json}};
+int TrainCommand::run() {
+  if (request.is_null()) return train_hd();
+  const PythonModule module("slipbench._train", "train --recipe " + recipe_, "");
   take_stdout_back();
+  request["json"] = json;
   module.start(request.dump());
 }
 

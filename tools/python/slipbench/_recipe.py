@@ -1,0 +1,107 @@
+"""`python -m slipbench._recipe REQUEST`: the command `describe NAME` for a recipe of `train`, started by the program."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import re
+import shutil
+import sys
+import textwrap
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from slipbench._program import Interrupt, Interrupted
+
+if TYPE_CHECKING:
+    from slipbench.learning import Input, Recipe, Training
+
+SCALINGS = {"standard": "each feature to mean 0 and standard deviation 1", "common": "all features alike, to mean 0 and standard deviation 1",
+            "range": "each feature to 0 to 1"}
+CLASSES = {"slip": "hold, slip", "kind": "stable, translation, rotation", "direction": "t (touch), n, e, s, w, cw, aw"}
+
+
+def frequency_text(hertz: float) -> str:
+    """"300 Hz", "10 kHz"."""
+    return f"{hertz / 1000:g} kHz" if hertz >= 1000 else f"{hertz:g} Hz"
+
+
+def input_text(frames: Input) -> str:
+    """What a network reads, in words."""
+    picks = frames.channels.items() if hasattr(frames.channels, "items") else [(name, ()) for name in frames.channels]
+    names = ", ".join(f"{len(values)} values of {name}" if len(values) else name for name, values in picks)
+    text = f"{names} of a {frames.sensor} at {frequency_text(frames.rate)}"
+    text += f", median of {frames.median}" if frames.median > 1 else ""
+    text += f"; a frame of {frames.window} sample{'' if frames.window == 1 else 's'} every {frames.stride}"
+    text += ", less its mean" if frames.centre else ""
+    band, spans = f"{frequency_text(frames.low)} to {frequency_text(frames.high)}", ", ".join(str(span) for span in frames.spans)
+    text += {"samples": "", "log_psd": f", log10 of its power spectral density, {band}", "amplitude": f", amplitude of its spectrum, {band}",
+             "levels": f", its mean, and its changes over {spans} samples, with their signs",
+             "units": ", or of any sensor of three-axis units at 200 Hz or more, as many ms each; each unit for itself: force, ratio, changes",
+             "spreads": f", how far and how fast its values move over {spans} samples"}[frames.transform]
+    return text + (f", as an image of {len(frames.pixels)} pixels" if len(frames.pixels) else "")
+
+
+def training_text(training: Training) -> str:
+    """How a network is trained, in words."""
+    text = (f"{'Adam' if training.optimiser == 'adam' else 'RMSProp'} at {training.learning_rate:g}, falling to "
+            f"{training.learning_rate * training.final_rate:g}; {training.steps} steps of {training.batch} clips of {training.clip} answers; "
+            f"classes {'drawn' if training.balance == 'drawing' else 'weighted'} alike")
+    if training.onset_frames:
+        text += f"; of each slip the first {training.onset_frames} frames and each tenth train"
+    if training.label_smoothing:
+        text += f"; label smoothing {training.label_smoothing:g}"
+    if training.patience:
+        text += f"; ends after {training.patience} validations without a better one"
+    return text
+
+
+def facts_of(recipe: Recipe) -> dict[str, str]:
+    """What is said of a recipe, by heading."""
+    made = recipe.network
+    kind, options = (made.func, made.keywords) if isinstance(made, partial) else (made, {})
+    plain = ", ".join(f"{key}={value}" for key, value in options.items() if isinstance(value, (int, str)))
+    network = f"slipbench.learning.networks.{kind.__name__}{f'({plain})' if plain else ''}"  # type: ignore[attr-defined]
+    return {"Input": input_text(recipe.input), "Scaling": SCALINGS[recipe.scaling], "Network": f"{network}\n\n{inspect.getdoc(kind)}",
+            "Networks": f"{recipe.members}, whose probabilities are averaged" if recipe.members > 1 else "1",
+            "Classes": CLASSES[recipe.classes], "Training": training_text(recipe.training), "Labels": recipe.labels, "Split": recipe.split,
+            "Source": recipe.source, "Assumed": recipe.assumed}
+
+
+def wrapped(text: str, width: int) -> str:
+    """Paragraphs within a width, two spaces from the edge; lines of tables stay as they are."""
+    lines: list[str] = []
+    for paragraph in re.split(r"\n(?=\|)|\n\n|(?<=\|)\n", text):
+        lines += [f"  {paragraph}"] if paragraph.startswith("|") else textwrap.wrap(" ".join(paragraph.split()), width, initial_indent="  ", subsequent_indent="  ")
+    return "\n".join(lines)
+
+
+def main(request: dict[str, Any]) -> int:
+    """Prints the recipe that the request names, as JSON where it says so; returns the exit status."""
+    Interrupt("stopping")
+    try:
+        from slipbench._train import styled
+        from slipbench.learning import find_recipe
+    except ModuleNotFoundError as error:
+        if error.name not in ("torch", "onnx"):
+            raise
+        print(f"slipbench: describe {request['name']}: {error}", file=sys.stderr)
+        return 2
+    except Interrupted:
+        return 130
+    recipe = find_recipe(request["name"])
+    facts = facts_of(recipe)
+    if request["json"]:
+        entry = {"kind": "recipe", "name": recipe.name, "summary": recipe.summary, **{heading.lower(): text for heading, text in facts.items()}}
+        print(json.dumps({"name": recipe.name, "entries": [entry]}, separators=(",", ":")))
+        return 0
+    width = min(shutil.get_terminal_size((100, 24)).columns, 100)
+    print(f"{styled(sys.stdout, '1;36', recipe.name)}  {styled(sys.stdout, '2', 'recipe')}\n{wrapped(recipe.summary, width)}")
+    for heading, text in facts.items():
+        print(f"\n{styled(sys.stdout, '1', heading)}\n{wrapped(text, width)}")
+    print(f"\n{styled(sys.stdout, '1', 'On the command line')}\n  slipbench train DATA.h5 --recipe {recipe.name} -o detector.onnx")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(json.loads(sys.argv[1])))
