@@ -60,13 +60,6 @@ elseif(SLIPBENCH_WITH_MUJOCO)
 endif()
 list(JOIN SLIPBENCH_PLUGIN_RELEASES ", " SLIPBENCH_PLUGIN_VERSIONS)
 
-# libtorch teaches the networks of tools/program/train/network. Without it everything else is built.
-find_package(Torch 1.13 QUIET)                     # TORCH_LIBRARIES
-set(SLIPBENCH_WITH_TORCH ${Torch_FOUND})
-if(NOT SLIPBENCH_WITH_TORCH)
-  message(STATUS "libtorch not found: networks are left out. Get it with: tools/setup/setup.sh test")
-endif()
-
 # OpenVINO, from its wheel, runs networks (detectors/network); the protobuf classes of ONNX look into their files before. Without either everything
 # else is built; a wheel of another version is an error.
 set(SLIPBENCH_OPENVINO_VERSION 2026.4.1)

@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT, BUILD, MODULES, STEPPED = (Path(word) for word in sys.argv[1:5])
 del sys.argv[1:]
 
-PROGRAMS = [BUILD / "bin/slipbench", BUILD / "bin/slipbench-reader", BUILD / "bin/slipbench-studies"]
+PROGRAMS = [BUILD / "bin/slipbench", BUILD / "bin/slipbench-reader"]
 BINARIES = PROGRAMS + sorted(MODULES.glob("*.so"))
 
 

@@ -23,7 +23,7 @@ LICENCES = {
     "GPL-3.0-or-later", "ISC", "LGPL-2.0-or-later", "LGPL-2.1-or-later", "LGPL-3.0-only", "LGPL-3.0-or-later", "LicenseRef-public-domain", "MIT",
     "MPL-2.0", "OLDAP-2.8", "Python-2.0", "Unicode-DFS-2016", "Zlib", "bzip2-1.0.6", "curl"}
 EXCEPTIONS = {"GCC-exception-3.1", "Linux-syscall-note"}
-PROGRAMS = ("bin/slipbench", "bin/slipbench-reader", "bin/slipbench-studies")
+PROGRAMS = ("bin/slipbench", "bin/slipbench-reader")
 PINS = {name: version for listing in ("requirements", "requirements-test", "requirements-mujoco")
         for name, version in re.findall(r"^([a-z-]+)==(\S+)", (ROOT / f"tools/setup/{listing}.txt").read_text(encoding="utf-8"), re.MULTILINE)}
 D3 = ROOT / "tools/base/page/d3"

@@ -6,7 +6,7 @@
 - rtl: what detectors may include, and detectors, whose golden models it runs in lockstep with.
 - the rest of sim: itself and the layers below it (SIM_LAYERS). MuJoCo's headers: sim/mujoco and its tests (tests/stability and tests/install/consumer too) only.
 - tools/base: the bench, sim/core aside nothing but base itself. tools/program: all of the bench, base and program.
-- tools/studies: the same and studies. tools/python: what tools/program may, and python.
+- tools/python: what tools/program may, and python.
 - tests: everything.
 
 A header of the project is given in quotes, by its path from the root; sources end in .h and .cc.
@@ -34,7 +34,7 @@ SIM_LAYERS = {
     "mujoco": ("core", "field", "effects", "motion", "scene", "grasp", "simulation"),
 }
 # The floors of tools, from the ground up.
-FLOORS = ("base", "program", "studies")
+FLOORS = ("base", "program")
 BESIDE = {"python": "program"}  # what stands on a floor and is none
 BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "rtl/")
 

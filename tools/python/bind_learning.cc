@@ -29,7 +29,8 @@
 #include "tools/base/record/trial_record.h"
 #include "tools/base/statistics/confusion.h"
 #include "tools/program/train/network/examples.h"
-#include "tools/program/train/network/validation.h"
+#include "tools/program/train/network/operating_point.h"
+#include "tools/program/train/network/split.h"
 #include "tools/python/arrays.h"
 #include "tools/python/module.h"
 

@@ -1,14 +1,16 @@
-"""`python -m slipbench_studies REQUEST`: started by `slipbench reproduce`. Exit status 2 for bad input with its message, 130 after Ctrl-C."""
+"""`python -m slipbench_studies REQUEST`: the command `reproduce`, started by the program. Exit status 2 for bad input, with its message, 130 after Ctrl-C."""
 
 import importlib
 import json
 import os
 import signal
 import sys
+from collections.abc import Callable
 from typing import Any
 
 from slipbench import InputError
 from slipbench._program import SIGNALS
+from slipbench_studies.catalogue import STUDIES, check_options, find_study
 from slipbench_studies.kept import remove_kept
 from slipbench_studies.result import Options, Result, result_object, say_nothing
 
@@ -41,7 +43,7 @@ def _say(text: str) -> None:
 
 
 def main(request: dict[str, Any]) -> int:
-    """Runs the study that the request names, writes and prints its result.
+    """Runs the study that the request names, writes and prints its result. Without a name it prints the list.
 
     Args:
         request: name, json, quiet, install (the command that installs what studies need), and what `Options` has
@@ -51,7 +53,10 @@ def main(request: dict[str, Any]) -> int:
     """
     name, as_json, quiet, install = (request.pop(key) for key in ("name", "json", "quiet", "install"))
     options = Options(**{**request, "only": tuple(request["only"]), "say": say_nothing if as_json or quiet else _say})
+    if name in ("", "list"):
+        return _print(lambda: _print_list(as_json))
     try:
+        check_options(find_study(name), options)
         result = run(name, options)
         files: list[str] = []
         if options.output:
@@ -67,14 +72,27 @@ def main(request: dict[str, Any]) -> int:
     except KeyboardInterrupt as interrupt:
         _say(str(interrupt) or "interrupted; nothing is kept")
         return 130
+    return _print(lambda: _print_result(name, result, files, as_json))
+
+
+def _print(write: Callable[[], None]) -> int:
+    """Prints to stdout; returns the exit status."""
     try:
-        _print_result(name, result, files, as_json)
+        write()
         sys.stdout.flush()
     except OSError as error:
         _say(f"cannot write to standard output: {error.strerror}")
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left cannot be written at exit either
         return 2
     return 0
+
+
+def _print_list(as_json: bool) -> None:
+    if as_json:
+        print(json.dumps({"reproductions": [{"name": one.name, "summary": one.summary} for one in STUDIES]}, separators=(",", ":")))
+        return
+    for one in STUDIES:
+        print(f"{one.name:<34}  {one.summary}")
 
 
 def _print_result(name: str, result: Result, files: list[str], as_json: bool) -> None:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import math
 import os
-import subprocess
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import h5py
@@ -18,7 +15,7 @@ from numpy.typing import NDArray
 import slipbench
 from slipbench import InputError, Trial
 from slipbench.bin import _core
-from slipbench_studies.__main__ import module_of, run
+from slipbench_studies.__main__ import run
 from slipbench_studies.grid import Cell, check_only, run_grid
 from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
 
@@ -152,28 +149,6 @@ def hexapod(options: Options) -> list[RealFigure]:
     ]
 
 
-def _in_python(name: str) -> bool:
-    try:
-        return importlib.util.find_spec(module_of(name)) is not None
-    except ModuleNotFoundError:
-        return False
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else value
-
-
-def _of_the_program(name: str, options: Options) -> list[RealFigure]:
-    """Those of a study that is still in C++: the program slipbench-studies says them where this variable is set."""
-    words = [str(Path(slipbench.__file__).parent / "bin/slipbench-studies"), "reproduce", name, "--json", "--seed", str(options.draws_seed)]
-    words += ["--jobs", str(options.jobs)] * (options.jobs > 0) + ["--trials", str(options.trials)] * (options.trials > 0)
-    words += ["--only", ",".join(options.only)] * bool(options.only) + ["--real", options.real] * bool(options.real)
-    done = subprocess.run(words, env={**os.environ, "SLIPBENCH_REAL_FIGURES": "1"}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
-    if done.returncode != 0:
-        raise InputError(done.stderr.strip().removeprefix("slipbench: "))
-    return [RealFigure(one["what"], _number(one["real"]), _number(one["ours"]), one["note"]) for one in json.loads(done.stdout)["real"]]
-
-
 def figures_of(name: str, options: Options) -> list[RealFigure]:
     """The figures of one of SOURCES.
 
@@ -192,7 +167,7 @@ def figures_of(name: str, options: Options) -> list[RealFigure]:
     source = SOURCES[name]
     its = replace(options, only=source.only, trials=options.trials or source.trials, full=False, output="",
                   real=options.real if source.recordings else "")
-    return run(name, its).real if _in_python(name) else _of_the_program(name, its)
+    return run(name, its).real
 
 
 def asked_for(options: Options, truth: str) -> tuple[list[str], list[str]]:

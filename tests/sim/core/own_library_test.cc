@@ -1,7 +1,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -23,22 +22,6 @@ TEST(OwnLibrary, StandsByTheProgramsFolder) {
 TEST(OwnLibrary, ThatIsMissingIsNamedWithWhatHelps) {
   EXPECT_THAT(refusal_of([&] { own_symbol("../lib/gone.so", "make", "allowed: another build"); }),
               mentions({own_path("../lib/gone.so"), "allowed: another build"}));
-}
-
-TEST(OwnLibrary, LeavesSignalsToTheProgram) {
-  const auto handler_of = [](int signal) {
-    struct sigaction action {};
-    sigaction(signal, nullptr, &action);
-    return action.sa_handler;
-  };
-  const auto interrupt = handler_of(SIGINT), terminate = handler_of(SIGTERM);
-  const auto hang_up = std::signal(SIGHUP, [](int) {});
-  const auto ours = handler_of(SIGHUP);
-  own_symbol("../tests/sim/core/takes_signals.so", "nothing", "");
-  EXPECT_EQ(handler_of(SIGHUP), ours);
-  EXPECT_EQ(handler_of(SIGINT), interrupt);
-  EXPECT_EQ(handler_of(SIGTERM), terminate);
-  std::signal(SIGHUP, hang_up);
 }
 
 std::string refusal(const std::string& path, std::uintmax_t most) {

@@ -1,5 +1,6 @@
 """What the studies in Python share: results as JSON, text, page and charts; intervals; the trials of a grid. Argument: the program."""
 
+import importlib.util
 import json
 import math
 import os
@@ -14,6 +15,8 @@ import numpy as np
 
 from slipbench import InputError
 from slipbench_studies import page, statistics, text
+from slipbench_studies.__main__ import module_of
+from slipbench_studies.catalogue import STUDIES, check_options, find_study
 from slipbench_studies.grid import Cell, check_only, chosen, run_grid
 from slipbench_studies.result import Chart, Curve, Options, Result, Table, plain, result_object
 
@@ -67,6 +70,27 @@ class Results(unittest.TestCase):
                     page.write(str(output), "paper/table", sample())
                 self.assertEqual((Path(folder) / name).read_text(), "mine")
                 (Path(folder) / name).unlink()
+
+
+class Catalogue(unittest.TestCase):
+    def test_every_study_has_its_module(self):
+        self.assertEqual(len({one.name for one in STUDIES}), len(STUDIES))
+        for one in STUDIES:
+            self.assertIs(find_study(one.name), one)
+            self.assertIsNotNone(importlib.util.find_spec(module_of(one.name)), one.name)
+
+    def test_an_unknown_name_gets_the_nearest(self):
+        with self.assertRaisesRegex(InputError, "'hd-papillarray/latancy'; did you mean 'hd-papillarray/latency'"):
+            find_study("hd-papillarray/latancy")
+
+    def test_an_option_without_use_is_refused(self):
+        latency, table3 = find_study("hd-papillarray/latency"), find_study("nib-reconfigurable/table3")
+        check_options(table3, Options(trials=3, only=("felt",), seed=0, jobs=2, output="page.html"))
+        for study, options, message in ((latency, Options(data="a.h5"), "latency does not take --data; allowed: --output, --json, --quiet"),
+                                        (table3, Options(full=True), "table3 does not take --full; allowed: --trials, --only, --seed, --jobs"),
+                                        (find_study("piezo-fft-gru/table1"), Options(resume=True), "allowed: with -o")):
+            with self.assertRaisesRegex(InputError, message):
+                check_options(study, options)
 
 
 class Statistics(unittest.TestCase):

@@ -62,7 +62,11 @@ PythonModule::PythonModule(std::string name, std::string purpose, const std::str
     folder_ = own_path("../python");
     install_ = "tools/setup/setup.sh build python test-python";
   }
-  if (has_module(folder_, name_) && has_extension(folder_)) return;
+  const bool is_built = has_extension(folder_);
+  if (is_built && has_module(folder_, name_)) return;
+  if (is_built)
+    reject("{} needs the Python module {}, which is not in {}; allowed: a build of slipbench's source tree, which has it",
+           purpose_, name_, folder_);
   reject(
       "{} needs Python's package slipbench, which is not in {}; build it: {}, then cmake --build --preset release --target "
       "slipbench_python; or in an environment of your own: pip install {}",

@@ -11,7 +11,7 @@
 #include "tools/base/record/trial_record.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/eval/metrics.h"
-#include "tools/program/train/network/validation.h"
+#include "tools/program/train/network/operating_point.h"
 
 namespace slipbench::benchmark {
 

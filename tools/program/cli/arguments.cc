@@ -163,13 +163,6 @@ Arguments& Arguments::required() {
   return *this;
 }
 
-void Arguments::pass_on(std::vector<std::string>& words) {
-  app_->set_help_flag();
-  app_->remove_option(app_->get_option("--json"));
-  app_->prefix_command();
-  readers_.emplace_back([this, &words] { words = app_->remaining(); });
-}
-
 void Arguments::command(Command& command) {
   CLI::App* const app = app_->add_subcommand("", "");
   command.declare(*commands_.emplace_back(std::make_unique<Arguments>(*app, &command, name_, *json_)));

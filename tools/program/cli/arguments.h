@@ -89,9 +89,6 @@ class Arguments {
   // Called when all that was declared before has been read: for rules about several options.
   void then(std::function<void()> rule) { readers_.push_back(std::move(rule)); }
 
-  // Every word after the command's name goes into `words` unread. For a command that declares nothing else.
-  void pass_on(std::vector<std::string>& words);
-
   // A command below this one, which must outlive this object.
   void command(Command& command);
 

@@ -97,23 +97,4 @@ int run_program(const Commands& commands, const std::vector<std::string>& words)
   return run_to_status(commands, words);
 }
 
-void CommandElsewhere::declare(Arguments& arguments) {
-  arguments.about(name_, summary_, "\n");
-  arguments.pass_on(words_);
-}
-
-int CommandElsewhere::run() {
-  const std::string program = own_path(program_);
-  std::vector<std::string> words{program, name_};
-  if (json) words.emplace_back("--json");
-  words.insert(words.end(), words_.begin(), words_.end());
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  take_stdout_back();
-  execv(program.c_str(), pointers.data());
-  reject("{}: cannot start {}: {}; it belongs beside slipbench, and its CMake target is {}", name_, program, std::strerror(errno),
-         program_);
-}
-
 }  // namespace slipbench

@@ -13,6 +13,7 @@
 #include "sim/core/random.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/workers/ordered_workers.h"
+#include "tools/program/train/network/examples.h"
 
 namespace slipbench {
 namespace {

@@ -17,7 +17,7 @@
 #include "tools/base/record/json.h"
 #include "tools/base/statistics/confusion.h"
 #include "tools/base/statistics/descriptive.h"
-#include "tools/program/train/network/validation.h"
+#include "tools/program/train/network/operating_point.h"
 #include "tools/program/train/sequences.h"
 
 namespace slipbench {

@@ -9,18 +9,15 @@
 #include "tools/program/commands/command_table.h"
 #include "tools/program/commands/dataset_commands.h"
 #include "tools/program/commands/detectors/detector_commands.h"
+#include "tools/program/commands/reproduce_command.h"
 #include "tools/program/commands/simulation/simulation_commands.h"
-#include "tools/studies/study_catalogue.h"
 
 namespace slipbench {
 namespace {
 
-using reproduce::ReproduceCommand;
-
 Request parse(const std::vector<std::string>& words) {
   static Commands commands;  // what comes back points to one of them
-  const bool study = !words.empty() && words.front() == "reproduce";
-  commands = study ? make_commands<ReproduceCommand>() : command_table();
+  commands = command_table();
   return parse_command_line(commands, words);
 }
 
@@ -273,9 +270,9 @@ TEST(CommandLine, ReproduceTakesItsName) {
   const auto command = parsed<ReproduceCommand>(
       {"reproduce", "paper/table", "--data", "a.h5", "--real", "r.h5", "--synthesise", "-o", "p.html", "--quiet"});
   EXPECT_EQ(command.name, "paper/table");
-  EXPECT_EQ(command.options.data, "a.h5");
-  EXPECT_EQ(command.options.real, "r.h5");
-  EXPECT_TRUE(command.options.synthesise);
+  EXPECT_EQ(command.data, "a.h5");
+  EXPECT_EQ(command.real, "r.h5");
+  EXPECT_TRUE(command.synthesise);
   EXPECT_TRUE(command.quiet);
   EXPECT_EQ(command.output, "p.html");
 }
@@ -284,41 +281,17 @@ TEST(CommandLine, ReproduceTakesItsName) {
 TEST(CommandLine, ReproduceTakesAListOfRows) {
   const auto command = parsed<ReproduceCommand>(
       {"reproduce", "--trials", "3", "--full", "--memories", "m", "--only", "felt,light", "--only", "gst_hd", "table"});
-  EXPECT_THAT(command.options.only, ElementsAre("felt", "light", "gst_hd"));
+  EXPECT_THAT(command.only, ElementsAre("felt", "light", "gst_hd"));
   EXPECT_EQ(command.name, "table");
-  EXPECT_EQ(command.options.trials, 3U);
-  EXPECT_TRUE(command.options.full);
-  EXPECT_EQ(command.options.memories, "m");
+  EXPECT_EQ(command.trials, 3U);
+  EXPECT_TRUE(command.full);
+  EXPECT_EQ(command.memories, "m");
 }
 
 TEST(CommandLine, HelpIsTextToPrint) {
   EXPECT_THAT(parse({}).help, HasSubstr("Usage: slipbench"));
   EXPECT_THAT(parse({"--help"}).help, HasSubstr("describe"));
   EXPECT_TRUE(parse({"--version"}).version);
-}
-
-TEST(CommandLine, AnOptionBeforeAStudyIsRefused) {
-  EXPECT_THAT(refusal_of([&] {
-                parse_command_line(command_table(), {"--quiet", "reproduce"});
-              }),
-              mentions({"--quiet", "reproduce"}));
-}
-
-TEST(CommandLine, AStudyWithoutItsProgramSaysWhatIsMissing) {
-  CommandElsewhere gone("study", "Study", "slipbench-gone");
-  const std::string said = refusal_of([&] { gone.run(); });
-  EXPECT_THAT(said, StartsWith("study: cannot start "));
-  EXPECT_THAT(said, HasSubstr("slipbench-gone: No such file or directory; it belongs beside slipbench"));
-}
-
-// The program knows of the studies what its help shows, and hands on what it is given.
-TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
-  const std::string help = parse({}).help;
-  std::istringstream lines(parse_command_line(make_commands<ReproduceCommand>(), {}).help);
-  std::string line;
-  while (!line.starts_with("  reproduce ") && std::getline(lines, line)) continue;
-  ASSERT_THAT(line, StartsWith("  reproduce "));
-  EXPECT_THAT(help, HasSubstr(line + '\n'));
 }
 
 const std::vector<std::string> command_names{"run",       "sweep",     "check",   "report", "view",     "export", "import",

@@ -90,6 +90,7 @@ TEST(Program, APipeIsNoScene) {
   expect_refusal({"run", pipe}, mentions({"a pipe"}));
 }
 
+#ifdef SLIPBENCH_WITH_PYTHON
 TEST(Program, Reproductions) {
   const ChildResult list = run_program_file({"reproduce", "--json"});
   EXPECT_EQ(list.status, 0);
@@ -99,6 +100,16 @@ TEST(Program, Reproductions) {
   expect_refusal({"reproduce", "hd-papillarray/latency", "--data", "a.h5"}, mentions({"hd-papillarray/latency", "--data"}));
   expect_refusal({"reproduce", "hd-papillarray/latency", "-o", "page.txt"}, mentions({".html"}));
 }
+
+TEST(Program, DescribesARecipe) {
+  const nlohmann::json recipe = json_of(run_program_file({"describe", "piezo_fft_gru", "--json"}))["entries"].at(0);
+  EXPECT_EQ(recipe["kind"], "recipe");
+  EXPECT_THAT(recipe["network"], HasSubstr("GRU"));
+  EXPECT_EQ(recipe["labels"], "paper");
+  EXPECT_THAT(run_program_file({"describe", "piezo_fft_gru"}).out,
+              AllOf(StartsWith("piezo_fft_gru  recipe\n"), HasSubstr("slipbench train DATA.h5 --recipe piezo_fft_gru")));
+}
+#endif
 
 TEST(Program, WhatEvalCannotJudge) {
   const TemporaryFolder folder;
@@ -215,10 +226,6 @@ TEST(Program, ListAndDescribe) {
     EXPECT_FALSE(list.at(kind).empty()) << kind;
   }
   EXPECT_EQ(json_of(run_program_file({"list", "recipes", "--json"}))["recipes"].at(0)["name"], "gst_hd");
-  const nlohmann::json recipe = json_of(run_program_file({"describe", "piezo_fft_gru", "--json"}))["entries"].at(0);
-  EXPECT_EQ(recipe["kind"], "recipe");
-  EXPECT_EQ(recipe["layers"], "GRU 32, GRU 32, GRU 32, GRU 32, linear 2");
-  EXPECT_EQ(recipe["parameters"], 23490);
   EXPECT_EQ(json_of(run_program_file({"list", "sensors", "--json"})).size(), 1U);
   const nlohmann::json entry = json_of(run_program_file({"describe", "papillarray", "--json"}))["entries"].at(0);
   EXPECT_EQ(entry["kind"], "sensor");

@@ -15,7 +15,7 @@
 #include "tools/program/calibrate/calibrate.h"
 #include "tools/program/cli/command.h"
 #include "tools/program/eval/evaluate.h"
-#include "tools/program/train/network/examples.h"
+#include "tools/program/train/network/split.h"
 #include "tools/program/train/train_hd.h"
 
 namespace slipbench {

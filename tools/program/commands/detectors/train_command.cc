@@ -160,8 +160,6 @@ void TrainCommand::read_network() {
                                     {jobs_.has_value(), "--jobs"}}) {
     if (given) reject("train: {} is of gst_hd; allowed: it without --recipe {}", name, recipe_);
   }
-  if (!options.output.ends_with(".onnx"))
-    reject("train: -o {}: a network is an ONNX file; allowed: a name that ends with .onnx", options.output);
   std::vector<std::string> datasets{options.dataset};
   datasets.insert(datasets.end(), with_.begin(), with_.end());
   request = Json{{"datasets", datasets},
@@ -182,6 +180,8 @@ void TrainCommand::read_network() {
   if (split_) request["split"] = hd::name_of(train::split_words, *split_);
   if (held_out_) request["held_out"] = 0.01 * static_cast<double>(*held_out_);
   if (!alarms_.empty()) request["alarms"] = alarms_a_minute(alarms_);
+  if (!options.output.ends_with(".onnx"))
+    reject("train: -o {}: a network is an ONNX file; allowed: a name that ends with .onnx", options.output);
 }
 
 int TrainCommand::run() {

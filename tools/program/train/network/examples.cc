@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -186,12 +188,16 @@ std::vector<std::size_t> kept_frames(const std::vector<std::uint8_t>& labels, st
   return kept;
 }
 
+std::size_t count_of_values(const std::vector<std::size_t>& shape) {
+  return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
+}
+
 bool fits(const SensorRecord& sensor, const network::Input& input) {
   if (sensor.type != input.sensor || !network::rate_fits(input, sensor.rate)) return false;
   for (const network::ChannelPick& pick : input.channels) {
     const auto column = std::ranges::find(sensor.channels, pick.name, &SensorColumn::name);
     if (column == sensor.channels.end()) return false;
-    const std::size_t size = extent_of(column->shape);
+    const std::size_t size = count_of_values(column->shape);
     if (std::ranges::any_of(pick.values, [&](std::size_t value) { return value >= size; })) return false;
   }
   return true;
@@ -308,7 +314,7 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
   if (found == record.sensors.end()) return there;
   there.input.sensor = found->type;
   there.input.rate = found->rate;
-  there.units = extent_of(std::ranges::find(found->channels, input.channels.front().name, &SensorColumn::name)->shape) / 3;
+  there.units = count_of_values(std::ranges::find(found->channels, input.channels.front().name, &SensorColumn::name)->shape) / 3;
   const auto rated = [&](std::size_t& samples) {
     samples = static_cast<std::size_t>(std::lround(static_cast<double>(samples) * there.input.rate / input.rate));
   };

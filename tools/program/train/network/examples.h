@@ -14,9 +14,15 @@
 #include "detectors/network/description.h"
 #include "sim/core/pad_state.h"
 #include "tools/base/record/trial_record.h"
-#include "tools/program/train/network/network.h"
 
 namespace slipbench::train {
+
+inline constexpr std::uint8_t masked = 255;  // label of a frame that neither trains nor judges
+
+struct FrameSequence {
+  std::vector<float> features;      // [T, inputs]
+  std::vector<std::uint8_t> label;  // [T] class of each frame, or `masked`
+};
 
 // Whose word it is that a sample slips.
 enum class LabelRule {
@@ -112,26 +118,5 @@ struct SweptFacts {
   double speed = std::numeric_limits<double>::quiet_NaN(), mass = std::numeric_limits<double>::quiet_NaN();
 };
 SweptFacts swept_facts(const std::string& params);
-
-// What is never learnt from together.
-enum class Split {
-  trial,
-  material,
-  object,
-  speed,  // octaves of the commanded speed
-};
-inline constexpr std::array split_words{hd::Word<Split>{"trial", Split::trial}, hd::Word<Split>{"material", Split::material},
-                                        hd::Word<Split>{"object", Split::object}, hd::Word<Split>{"speed", Split::speed}};
-
-enum class Part : std::uint8_t { learns, validates, judges, left_out };
-
-// The part of each example. All examples of a group, which is an experiment (trials whose Example::twin is equal), a material, an object or an
-// octave of speed, judge or none does: groups are shuffled by RandomStream(seed, 0, "split"), and `held_out` of them, rounded up, judge. A fifth of the
-// other trials, rounded up, validates (a fifth of the groups where there are five or more left). Trials with other classes, and with and without
-// contact, are dealt out apart. A turned copy whose trial does not learn is left out. Examples with
-// a part of their dataset's own split keep to it: train learns, valid validates, test judges, none
-// is left out. Where no such example is of the part valid, a fifth of the experiments of train
-// validates. Throws InputError where a part would be empty, or nothing is known to split by.
-std::vector<Part> split_examples(std::span<const Example> examples, Split split, double held_out, std::uint64_t seed);
 
 }  // namespace slipbench::train

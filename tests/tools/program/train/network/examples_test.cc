@@ -7,13 +7,34 @@
 
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
-#include "tools/program/train/network/network.h"
-#include "tools/program/train/recipes/recipe.h"
+#include "tools/program/train/network/split.h"
 
 namespace slipbench::train::examples_test {
 namespace {
 
 constexpr double rate = 10e3;
+
+// Frames of 20 ms at 100 Hz.
+network::Input signal_frames() {
+  network::Input input;
+  input.sensor = "piezo_skin";
+  input.rate = rate;
+  input.channels = {{"signal", {}}};
+  input.stride = 100;
+  return input;
+}
+
+// Their spectra from 50 to 600 Hz: 12 bins. The floor is that of rounding to whole counts.
+network::Input spectra() {
+  network::Input input = signal_frames();
+  input.window = 200;
+  input.centre = true;
+  input.transform = network::Transform::log_psd;
+  input.low = 50.0;
+  input.high = 600.0;
+  input.floor = 1.0 / 12.0 / (0.5 * rate);
+  return input;
+}
 
 // 450 samples of a piezo_skin that sticks: frames of 200 end with the samples 199, 299 and 399.
 SensorRecord skin(std::size_t samples = 450) {
@@ -34,7 +55,7 @@ void set(std::vector<std::uint8_t>& states, std::size_t first, std::size_t last,
 
 Example example(const SensorRecord& sensor, LabelRule labels, const TrialRecord& record = {}) {
   ExampleOptions options;
-  options.input = find_recipe("piezo_fft_gru").input;
+  options.input = spectra();
   options.labels = labels;
   return example_of(record, sensor, options);
 }
@@ -103,7 +124,7 @@ TEST(Example, TellsTranslationFromRotation) {
       sensor.labels.slip_velocity[at + 1] = static_cast<float>(y + turn * sensor.labels.unit_positions[2 * u]);
     }
     ExampleOptions options;
-    options.input = find_recipe("piezo_fft_gru").input;
+    options.input = spectra();
     options.classes = ClassRule::kind;
     return example_of({}, sensor, options).frames.label.back();
   };
@@ -123,7 +144,7 @@ TEST(Example, HasTheDirectionOfItsMotion) {
     record.params =
         R"({"motion.speed": )" + speed + R"(, "motion.rotation": )" + rotation + R"(, "motion.direction": )" + direction + "}";
     ExampleOptions options;
-    options.input = find_recipe("piezo_fft_gru").input;
+    options.input = spectra();
     options.classes = ClassRule::direction;
     const std::vector<std::uint8_t> labels = example_of(record, sensor, options).frames.label;
     EXPECT_EQ(labels.front(), masked);
@@ -141,7 +162,7 @@ TEST(Example, HasTheDirectionOfItsMotion) {
   imported.params = R"({"object": "pen", "class": "cw"})";
   sensor.labels.state_micro.clear();
   ExampleOptions options;
-  options.input = find_recipe("piezo_fft_gru").input;
+  options.input = spectra();
   options.classes = ClassRule::direction;
   EXPECT_THAT(refusal_of([&] { example_of(imported, sensor, options); }), mentions({"--labels paper"}));
   options.labels = LabelRule::paper;
@@ -159,7 +180,7 @@ TEST(Example, SlipsInItsDirectionFromWhereMoreThanHalfDoes) {
   sensor.labels.stuck_fraction.assign(600, 1.0F);
   std::fill(sensor.labels.stuck_fraction.begin() + 300, sensor.labels.stuck_fraction.begin() + 400, 0.4F);
   ExampleOptions options;
-  options.input = find_recipe("piezo_raw_gru").input;
+  options.input = signal_frames();
   options.input.window = 100;
   options.classes = ClassRule::direction;
   options.labels = LabelRule::latched;
@@ -174,7 +195,7 @@ TEST(Example, KeepsAtMostSoManyOfAClass) {
   SensorRecord sensor = skin(2200);                                 // 21 frames
   set(sensor.labels.state_micro, 1200, 2200, PadState::incipient);  // those that end with 1299 to 2199: ten
   ExampleOptions options;
-  options.input = find_recipe("piezo_fft_gru").input;
+  options.input = spectra();
   options.at_most = 4;
   const Example kept = example_of({}, sensor, options);
   EXPECT_THAT(kept.frames.label, ElementsAre(0, 0, 0, 0, 1, 1, 1, 1));
@@ -329,22 +350,6 @@ TEST(SplitExamples, KeepsToThePartsOfADataset) {
 TEST(SplitExamples, NeedsSomethingOnEachSide) {
   EXPECT_THROW(split_examples(trials(1), Split::trial, 0.2, 1), InputError);
   EXPECT_THROW(split_examples(trials(20), Split::object, 0.2, 1), InputError);  // no object is known
-}
-
-// Of 0 and 2 the mean is 1 and the standard deviation 1, so that 4 becomes 3. The second feature is always 5.
-TEST(Scale, IsThatOfItsFrames) {
-  const FrameSequence a{{0.0F, 5.0F}, {0}}, b{{2.0F, 5.0F}, {1}};
-  const std::vector<const FrameSequence*> both{&a, &b};
-  FrameSequence judged{{4.0F, 6.0F, 1.0F, 5.0F}, {0, 0}};
-  apply(scale_of(both, 2, Scaling::standard), judged);
-  EXPECT_THAT(judged.features, ElementsAre(3.0F, 1.0F, 0.0F, 0.0F));
-  FrameSequence ranged{{4.0F, 6.0F}, {0}};
-  apply(scale_of(both, 2, Scaling::range), ranged);
-  EXPECT_THAT(ranged.features, ElementsAre(2.0F, 1.0F));
-  const Scale common = scale_of(both, 2, Scaling::common);  // of 0, 5, 2, 5: mean 3, variance (9 + 4 + 1 + 4)/4
-  EXPECT_THAT(common.offset, ElementsAre(3.0));
-  EXPECT_DOUBLE_EQ(common.scale[0], 1.0 / std::sqrt(4.5));
-  EXPECT_THROW(scale_of(std::span<const FrameSequence* const>{}, 2, Scaling::standard), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,10 +1,8 @@
-// Judging a network on recordings that it has not learnt from; and when it says slip: its threshold, and the frames in a row that it takes, chosen on
-// trials that taught nothing.
+// When a network says slip: its threshold, and the frames in a row that it takes, chosen on trials that trained nothing.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -12,51 +10,13 @@
 
 #include "detectors/network/description.h"
 #include "tools/base/statistics/confusion.h"
-#include "tools/program/train/network/network.h"
 
 namespace slipbench::train {
-
-struct FoldExample {
-  FrameSequence frames;
-  std::size_t group = 0;  // what kind of recording it is, for its user to tell
-};
-
-// Who learns and who judges: the number of its fold for each of `groups`. Each group is shuffled by RandomStream(seed, 0, "folds") and dealt
-// out in turn, so that all folds have as many of each, to within one. Throws std::invalid_argument for fewer than two folds.
-std::vector<std::size_t> folds(std::span<const std::size_t> groups, std::size_t count, std::uint64_t seed);
-
-struct Validation {
-  NetworkShape shape;
-  TrainingOptions training;
-  double validated =
-      0.0;  // share of the recordings learnt from that choose the best state instead, rounded down; 0: the last state is kept
-  std::function<bool(std::size_t group)> learns = [](std::size_t) { return true; };  // whether it learns from a group at all
-  Scaling scaling = Scaling::standard;  // of the frames, by those that it learns from
-};
-
-// Of each example, as Network::logits gives them.
-using Logits = std::vector<std::vector<float>>;
-
-// One network: learns from the examples outside `fold`, scaled by them alone, and answers those in it; examples outside have no logits. Throws
-// InputError as make_network, std::invalid_argument as Network::train.
-Logits logits_in_fold(std::span<const FoldExample> examples, std::span<const std::size_t> fold_of, std::size_t fold,
-                      const Validation& validation);
-
-// What each frame of each example is called: 1, slip; `masked`, it is not judged.
-using Calls = std::vector<std::vector<std::uint8_t>>;
-
-// The same of two classes, 1: slip, as calls: slip where that is the more probable class. The first history_of() - 1 frames of an example are
-// not judged; examples outside `fold` have no calls.
-Calls called_in_fold(std::span<const FoldExample> examples, std::span<const std::size_t> fold_of, std::size_t fold,
-                     const Validation& validation);
-
-// Judged frames of two classes whose label is not masked, by group [greatest group + 1].
-std::vector<Confusion> counts_of(std::span<const FoldExample> examples, const Calls& calls);
 
 // The answers to one sequence.
 struct SlipSeries {
   std::vector<double> probability;  // [T] of slip
-  std::vector<std::uint8_t> truth;  // [T] 1: slip, 0: hold, `masked`: neither
+  std::vector<std::uint8_t> truth;  // [T] 1: slip, 0: hold, `masked` (examples.h): neither
 };
 
 // Of the score of slip-1 (tools/program/benchmark/README.md).

@@ -1,0 +1,113 @@
+"""The studies by name, and the options that each takes."""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+
+from slipbench import InputError
+from slipbench_studies.result import Options
+
+RUNS = ("--trials", "--seed", "--jobs")
+ROWS = ("--trials", "--only", "--seed", "--jobs")
+GRASPS = ("--real", "--data", "--trials", "--full", "--seed", "--jobs", "--resume")
+TRAINS = ("--data", "--trials", "--full", "--seed", "--jobs", "--resume")
+TRAINS_ROWS = ("--data", "--trials", "--only", "--full", "--seed", "--jobs", "--resume")
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study, in the module `module_of(name)`.
+
+    Attributes:
+        name: PAPER/TABLE
+        summary: a line
+        options: those that it takes beside --output, --json and --quiet
+    """
+
+    name: str
+    summary: str
+    options: tuple[str, ...]
+
+
+STUDIES = (
+    Study("biotac-stability-slip/table1", "grasps held or lost by the layout of the tactile image, real and synthetic", GRASPS),
+    Study("biotac-stability-slip/fig12", "the same by the graph of the GCN: drawn by hand, or nearest neighbours", GRASPS),
+    Study("biotac-stability-slip/table2", "grasps held or lost on objects that were not learnt: GCN, CNN and plainer networks; learnt from real, synthetic, both",
+          GRASPS),
+    Study("biotac-stability-slip/table3", "direction of slip on objects that were not learnt, with and without the place of the touch; learnt from real, synthetic, both",
+          ("--real", "--data", "--trials", "--only", "--full", "--seed", "--jobs", "--resume")),
+    Study("hd-papillarray/table1", "ablation of the encoders, by sequence and by frame, and what decides it", ("--data", "--seed", "--jobs")),
+    Study("hd-papillarray/table2", "grasp and lift in the closed loop: drops, slip and grip force of every detector and controller",
+          ("--trials", "--only", "--memories", "--seed", "--jobs")),
+    Study("hd-papillarray/table3", "the published recurrent network on the same protocol: balanced accuracy, delay, early and missed",
+          ("--only", "--seed", "--jobs")),
+    Study("hd-papillarray/latency", "time from a frame to its class, in software and in the register-level core", ()),
+    Study("hd-papillarray/resources", "what the core takes of the published FPGA, for each degree of unrolling", ("--synthesise",)),
+    Study("learned/grasp_loop", "detectors that learnt from simulated grasps, in the published loop: drops, slip and force beside an oracle and two controls",
+          ("--data", "--trials", "--only", "--seed", "--jobs")),
+    Study("learned/scaling", "how many trials to learn from, and with --full what has to be varied in them: score, delay and alarms on slip-2",
+          ("--trials", "--only", "--full", "--seed", "--jobs", "--resume")),
+    Study("myrmex-tactile-cnn/onset_label", "the onset that a third sensor on the object labels, beside the true one: 64 trials, several readings of the rule",
+          RUNS),
+    Study("myrmex-tactile-cnn/table2", "nets 1 to 3 of the Myrmex array by the paper's split, by trial and by object, beside what the static image or a clock give away",
+          ("--trials", "--only", "--full", "--seed", "--jobs", "--resume")),
+    Study("myrmex-tactile-cnn/table3", "what stable, translation and rotation are taken for, by window and by trial",
+          ("--trials", "--only", "--full", "--seed", "--jobs", "--resume")),
+    Study("nib-reconfigurable/table1", "calibration of the nib pad: force and moment out of 36 capacitances, uniform and partial loads, and what decides it",
+          ("--seed", "--jobs")),
+    Study("nib-reconfigurable/table2", "Algorithm 1 while the grasp is slowly let go, four surfaces; what decides its figures, and where 0 to 8 Hz comes from",
+          RUNS),
+    Study("nib-reconfigurable/slip_kinds", "no slip, linear and rotational slip told apart by FL, FR and curl", RUNS),
+    Study("nib-reconfigurable/table3", "a box turned up by rotational slip and released: weights, centres of mass, surfaces, thresholds", ROWS),
+    Study("piezo-fft-gru/table1", "networks on the piezoelectric skin, beside what a clock, the contact or the motors alone give away", TRAINS_ROWS),
+    Study("piezo-fft-gru/table2", "the FFT-GRU by the band of its spectrum", TRAINS),
+    Study("piezo-fft-gru/table3", "networks that have not learnt one of the tips", TRAINS),
+    Study("piezo-fft-gru/table4", "networks that learn with and without motor recordings, against the motors' vibration", TRAINS_ROWS),
+    Study("piezo-fft-gru/delay", "delay of the FFT-GRU from the position label and from the true first slip, and how early the label itself is", TRAINS),
+    Study("piezo-fft-gru/slip_against_hold", "slip and hold told apart by the power of one frame, against the motors' vibration, and which frames are mistaken",
+          RUNS),
+    Study("realism", "published figures of real devices beside ours, from the studies that hold them",
+          ("--real", "--trials", "--only", "--full", "--seed", "--jobs")),
+)
+
+
+def find_study(name: str) -> Study:
+    """The study of this name.
+
+    Args:
+        name: PAPER/TABLE
+
+    Returns:
+        its line of STUDIES
+
+    Raises:
+        InputError: there is none, with the nearest name
+    """
+    for one in STUDIES:
+        if one.name == name:
+            return one
+    names = [one.name for one in STUDIES]
+    near = difflib.get_close_matches(name, names, 1, 0.7)
+    meant = f" did you mean '{near[0]}'?" if near else ""
+    raise InputError(f"reproduce: unknown name '{name}';{meant} allowed: {', '.join(names)}")
+
+
+def check_options(study: Study, options: Options) -> None:
+    """Refuses an option that the study has no use for, which would be a misunderstanding.
+
+    Args:
+        study: what is to run
+        options: what was asked for
+
+    Raises:
+        InputError: for an option that the study does not take, and for --resume without a page beside which networks are kept
+    """
+    given = {"--data": options.data, "--real": options.real, "--full": options.full, "--seed": options.seed is not None, "--jobs": options.jobs,
+             "--resume": options.resume, "--synthesise": options.synthesise, "--trials": options.trials, "--only": options.only,
+             "--memories": options.memories}
+    for option, is_given in given.items():
+        if is_given and option not in study.options:
+            raise InputError(f"reproduce: {study.name} does not take {option}; allowed: {', '.join(study.options) or '--output, --json, --quiet'}")
+    if options.resume and not options.output:
+        raise InputError("reproduce: --resume goes on with what lies beside a page; allowed: with -o")
