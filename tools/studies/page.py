@@ -142,7 +142,10 @@ def write(output: str, name: str, result: Result) -> list[str]:
     files: list[str] = _core.write_result(output, result_page(name, result), json.dumps(result_object(name, result)))
     for path in paths:
         try:
-            path.write_bytes(drawn(result.charts[int(path.stem.rsplit("-", 1)[1]) - 1], path.suffix[1:]))
+            drawing = drawn(result.charts[int(path.stem.rsplit("-", 1)[1]) - 1], path.suffix[1:])
+            unfinished = path.with_name(path.name + ".tmp")
+            unfinished.write_bytes(drawing)
+            unfinished.replace(path)
         except OSError as error:
             raise InputError(f"{path}: cannot be written: {error.strerror}") from error
         files.append(str(path))

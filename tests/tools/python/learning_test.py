@@ -213,6 +213,7 @@ class Training(TrainingTest):
 
     def test_a_network_that_a_loop_could_not_run_is_refused(self):
         for network, message in ((BothWays, "^network: BothWays is not causal"), (Forgetful, r"^network: Forgetful answers differently.*\(logits, state\)"),
+                                 (lambda i, c: nn.Linear(i + 1, c), r"^network: Linear does not take frames \[2, 3, 640\]: mat1 and mat2"),
                                  (lambda i, c: Returns(i, c, lambda logits: {"logits": logits}), "^network: Returns returns a dict; expected a tensor"),
                                  (lambda i, c: Returns(i, c, lambda logits: (logits, 1)), "^network: Returns returns a tuple; expected a tensor"),
                                  (lambda i, c: Returns(i, c, lambda logits: (logits,)), "^network: Returns returns a tuple; expected a tensor")):

@@ -293,7 +293,7 @@ def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
     changed[:, -1] += 1.0
     module.eval()
     with torch.no_grad():
-        logits = _checked_answer(module(frames), name)[0]
+        logits = _checked_answer(_answer_of(module, name, frames), name)[0]
         if tuple(logits.shape) != (2, 3, classes):
             raise _core.InputError(f"network: {name} returns logits {list(logits.shape)} for frames {list(frames.shape)}; expected [2, 3, {classes}], an "
                                    f"answer for each frame from number `history` on, an attribute of the module, here {history}")
@@ -304,11 +304,20 @@ def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
         stepped, state = [], None
         for first in range(3):
             clip = frames[:, first : first + history]
-            answer, state = _checked_answer(module(clip) if state is None else module(clip, state), name)
+            answer, state = _checked_answer(_answer_of(module, name, clip, *(() if state is None else (state,))), name)
             stepped.append(answer)
         if not torch.allclose(torch.cat(stepped, 1), logits, rtol=0.0, atol=tolerance):
             raise _core.InputError(f"network: {name} answers differently when it is run frame by frame, as a loop runs it; return (logits, state) and take "
                                    "that state as the second argument, or set the attribute `history` to the number of frames that an answer depends on")
+
+
+def _answer_of(module: nn.Module, name: str, *arguments: Any) -> Any:
+    """What the module returns. Raises InputError with PyTorch's message where its layers do not fit the frames."""
+    try:
+        return module(*arguments)
+    except (RuntimeError, TypeError) as error:
+        raise _core.InputError(f"network: {name} does not take frames {list(arguments[0].shape)}{' and its state' if len(arguments) > 1 else ''}: "
+                               f"{str(error).splitlines()[0]}") from error
 
 
 def _checked_answer(answer: Any, name: str) -> tuple[Tensor, Any]:
