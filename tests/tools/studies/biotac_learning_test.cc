@@ -1,5 +1,5 @@
 // Figures of answers by hand, and who learns from whom.
-#include "tools/studies/biotac/biotac_learning.h"
+#include "tools/studies/biotac_stability_slip/biotac_learning.h"
 
 #include <cmath>
 #include <numeric>

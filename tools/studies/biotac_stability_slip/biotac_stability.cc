@@ -1,5 +1,5 @@
 // Tables 1 and 2 and Fig. 12 of the paper: a grasp held or lost, by layout of the tactile image, by network and by graph.
-#include "tools/studies/biotac/biotac_learning.h"
+#include "tools/studies/biotac_stability_slip/biotac_learning.h"
 
 #include <algorithm>
 #include <map>

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/error.h"
-#include "tools/studies/biotac/biotac_learning.h"
+#include "tools/studies/biotac_stability_slip/biotac_learning.h"
 
 namespace slipbench::reproduce {
 namespace biotac {

@@ -1,4 +1,4 @@
-#include "tools/studies/biotac/biotac_learning.h"
+#include "tools/studies/biotac_stability_slip/biotac_learning.h"
 
 #include <algorithm>
 #include <cmath>
