@@ -96,10 +96,6 @@ const std::vector<Reproduction>& reproductions();
 // Throws InputError with the nearest name.
 const Reproduction& find_reproduction(const std::string& name);
 
-Result biotac_table1(const ReproduceOptions& options);
-Result biotac_fig12(const ReproduceOptions& options);
-Result biotac_table2(const ReproduceOptions& options);
-Result biotac_table3(const ReproduceOptions& options);
 Result hd_table1(const ReproduceOptions& options);
 Result hd_table2(const ReproduceOptions& options);
 Result hd_table3(const ReproduceOptions& options);

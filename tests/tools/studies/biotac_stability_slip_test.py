@@ -1,5 +1,5 @@
-"""The BioTac paper's tables: figures of answers by hand, what networks are trained on, grasps and touches of hand-made trials, and what networks are shown
-of them. Argument: the program, which is not used.
+"""The BioTac paper's tables: figures of answers by hand, what networks are trained on, grasps and touches of hand-made
+trials, and what networks are shown of them. Argument: the program, which is not used.
 """
 
 import math
@@ -16,7 +16,8 @@ import slipbench
 from slipbench import InputError
 from slipbench.learning import MASKED
 from slipbench.learning.biotac import IMAGES, drawn_graph, pixels_of
-from slipbench_studies.biotac_stability_slip import fig12, grasps, stability, table1, table2, table3, touches, validation
+from slipbench_studies.biotac_stability_slip import (fig12, grasps, stability, table1, table2, table3, touches,
+                                                     validation)
 from slipbench_studies.biotac_stability_slip.grasps import Grasps
 from slipbench_studies.biotac_stability_slip.touches import Touch, Window
 from slipbench_studies.biotac_stability_slip.validation import Answers, Examples, Network, RowsNetwork
@@ -27,13 +28,16 @@ ELECTRODES = 24
 
 def five():
     """Hold, hold, slip as 1, slip as 1, slip as 2; called 0, 1, 1, 0, 1."""
-    return Answers(np.arange(5), np.array([0, 0, 1, 1, 2]), np.array([0, 1, 1, 0, 1]), np.array([0.1, 0.6, 0.9, 0.4, 0.7]))
+    return Answers(np.arange(5), np.array([0, 0, 1, 1, 2]), np.array([0, 1, 1, 0, 1]),
+                   np.array([0.1, 0.6, 0.9, 0.4, 0.7]))
 
 
 class Figures(unittest.TestCase):
     def test_answers_are_probabilities_and_classes(self):
         # Odds 1 : 2 : 1, so that all classes but the first have 3/4.
-        [answer] = zip(*validation.answers_of(np.array([7]), np.array([2], np.uint8), np.log([[1.0, 2.0, 1.0]]).astype(np.float32)), strict=True)
+        [answer] = zip(*validation.answers_of(np.array([7]), np.array([2], np.uint8),
+                                              np.log([[1.0, 2.0, 1.0]]).astype(np.float32)),
+                       strict=True)
         self.assertEqual(answer[:3], (7, 2, 1))
         self.assertAlmostEqual(answer[3], 0.75, delta=1e-6)
 
@@ -41,7 +45,8 @@ class Figures(unittest.TestCase):
         figures = validation.figures_of(five())
         self.assertAlmostEqual(figures["accuracy"], 2 / 5, delta=1e-12)
         self.assertAlmostEqual(figures["balanced_accuracy"], (1 / 2 + 1 / 2 + 0) / 3, delta=1e-12)
-        self.assertAlmostEqual(figures["precision"], 2 / 3, delta=1e-12)  # of three called slip one holds; which slip does not matter
+        self.assertAlmostEqual(figures["precision"], 2 / 3,
+                               delta=1e-12)  # of three called slip one holds; which slip does not matter
         self.assertAlmostEqual(figures["recall"], 2 / 3, delta=1e-12)
         self.assertAlmostEqual(figures["f1"], 4 / 6, delta=1e-12)
         self.assertAlmostEqual(figures["auc"], 5 / 6, delta=1e-12)  # of six pairs .4 against .6 alone is wrong
@@ -60,23 +65,31 @@ class Figures(unittest.TestCase):
         self.assertEqual(validation.cell(some["accuracy"]), "100.0 +- 0.0")
         self.assertEqual(validation.cell(scores["recall"]), "66.7")
         self.assertEqual(validation.cell((math.nan, math.nan)), "-")
-        self.assertEqual(list(validation.figures_object(scores))[:4], ["accuracy", "accuracy_sd", "balanced_accuracy", "balanced_accuracy_sd"])
+        self.assertEqual(
+            list(validation.figures_object(scores))[:4],
+            ["accuracy", "accuracy_sd", "balanced_accuracy", "balanced_accuracy_sd"])
 
 
 class TrainedOn(unittest.TestCase):
     def test_networks_are_trained_on_what_they_are_told(self):
-        # Two sets of +-1 that name the sign by opposite classes: a network of the other set alone is always wrong. Both together have five times as many
-        # of the other.
+        # Two sets of +-1 that name the sign by opposite classes: a network of the other set alone is always wrong. Both
+        # together have five times as many of the other.
         def signs(count, turned):
             positive = np.arange(count) % 2 == 0
-            return Examples(np.where(positive, 1.0, -1.0).astype(np.float32).reshape(-1, 1, 1), (positive != turned).astype(np.uint8), np.arange(count) // 2 % 2)
+            label = (positive != turned).astype(np.uint8)
+            value = np.where(positive, 1, -1).astype(np.float32).reshape(-1, 1, 1)
+            return Examples(value, label, np.arange(count) // 2 % 2)
 
         judged, other = signs(8, False), signs(40, True)
         validations = validation.Validations(Options(jobs=2))
         network = Network("lr", "lr", partial(RowsNetwork, 1, 2), 2000, 2)
-        numbers = [validations.queue(network, judged, own=own, other=one) for own, one in ((True, None), (False, other), (True, other))]
+        numbers = [
+            validations.queue(network, judged, own=own, other=one)
+            for own, one in ((True, None), (False, other), (True, other))
+        ]
         validations.run("biotac-stability-slip/table2")
-        self.assertEqual([validation.figures_of(validations.answers(number))["accuracy"] for number in numbers], [1.0, 0.0, 0.0])
+        self.assertEqual([validation.figures_of(validations.answers(number))["accuracy"] for number in numbers],
+                         [1.0, 0.0, 0.0])
         for number in numbers:
             self.assertEqual(validations.answers(number).example.tolist(), list(range(8)))
 
@@ -115,9 +128,11 @@ class Refusals(unittest.TestCase):
 def three_fingers(params, rows, outcome=None):
     """Row r of finger f reads 1000 f + 100 r + e."""
     reading = 100.0 * np.arange(rows)[:, None] + np.arange(ELECTRODES)
-    return SimpleNamespace(trial=4, params=params, outcome=outcome or {}, sensors={
-        name: SimpleNamespace(type="biotac_sp", t=0.01 * np.arange(rows), channels={"electrodes": (1000.0 * f + reading).astype(np.float32)})
-        for f, name in enumerate(grasps.FINGERS)})
+    sensors = {}
+    for f, name in enumerate(grasps.FINGERS):
+        channels = {"electrodes": (1000.0 * f + reading).astype(np.float32)}
+        sensors[name] = SimpleNamespace(type="biotac_sp", t=0.01 * np.arange(rows), channels=channels)
+    return SimpleNamespace(trial=4, params=params, outcome=outcome or {}, sensors=sensors)
 
 
 class GraspsOfTrials(unittest.TestCase):
@@ -131,7 +146,14 @@ class GraspsOfTrials(unittest.TestCase):
 
     def test_a_simulated_one_is_the_last_row_before_the_lift(self):
         # Three rows, 0 to 20 ms; the lift begins at 15 ms, so the second is the snapshot.
-        grasp = grasps.grasp_of(three_fingers({"model": "hand_45.xml", "bodies.object.shape": "box"}, 3, {"held": True, "hold_from_s": 0.015}))
+        grasp = grasps.grasp_of(
+            three_fingers({
+                "model": "hand_45.xml",
+                "bodies.object.shape": "box"
+            }, 3, {
+                "held": True,
+                "hold_from_s": 0.015
+            }))
         self.assertEqual(grasps.PALMS[grasp.palm].text, "45")
         self.assertIs(grasp.slipped, False)
         self.assertEqual([grasp.counts[0, 0], grasp.counts[2, 23]], [100.0, 2123.0])
@@ -139,14 +161,23 @@ class GraspsOfTrials(unittest.TestCase):
     def test_others_are_refused(self):
         two = three_fingers({"object": "can", "palm": "45", "slipped": True}, 1)
         del two.sensors["th"]
-        for trial, message in ((three_fingers({"object": "can", "palm": "up", "slipped": True}, 1), "palm is 'up'"),
-                               (three_fingers({"model": "hand_45.xml", "bodies.object.shape": "box"}, 1), "held"),
-                               (three_fingers({"palm": "45", "slipped": True}, 1), "no object"), (two, "biotac_sp 'th'")):
+        for trial, message in ((three_fingers({
+                "object": "can",
+                "palm": "up",
+                "slipped": True
+        }, 1), "palm is 'up'"), (three_fingers({
+                "model": "hand_45.xml",
+                "bodies.object.shape": "box"
+        }, 1), "held"), (three_fingers({
+                "palm": "45",
+                "slipped": True
+        }, 1), "no object"), (two, "biotac_sp 'th'")):
             with self.assertRaisesRegex(InputError, f"trial 4: .*{message}"):
                 grasps.grasp_of(trial)
 
     def test_they_are_levelled_by_palm(self):
-        # Two counts 40 apart lie sqrt(1/2) from their mean, over their deviation 40 sqrt(1/2); equal ones, and one alone, at 0.
+        # Two counts 40 apart lie sqrt(1/2) from their mean, over their deviation 40 sqrt(1/2); equal ones, and one
+        # alone, at 0.
         counts = np.full((3, 3, ELECTRODES), 100.0, np.float32)
         counts[1, 2, 23] = 140.0
         some = Grasps(counts, np.array(["a", "b", "c"]), np.array([0, 0, 1]), np.zeros(3, bool))
@@ -155,10 +186,12 @@ class GraspsOfTrials(unittest.TestCase):
         self.assertEqual(found[1, 0, 0], 0.0)
         self.assertTrue((found[2] == 0.0).all())
         self.assertEqual(some.text(), "3 grasps of 3 objects, 0 % lost")
-        self.assertEqual(len(table1.judged(Grasps(counts, some.objects, np.array([0, 1, 2]), some.slipped))), 2)  # the last palm is 45
+        self.assertEqual(len(table1.judged(Grasps(counts, some.objects, np.array([0, 1, 2]), some.slipped))),
+                         2)  # the last palm is 45
 
     def test_they_are_shown_as_list_image_and_graph(self):
-        # Electrode e of finger f is 24 f + e. A node has the three fingers' values; in D3 E1 lies at the end of the first row of 7, E11 at its beginning.
+        # Electrode e of finger f is 24 f + e. A node has the three fingers' values; in D3 E1 lies at the end of the
+        # first row of 7, E11 at its beginning.
         counts = np.arange(72, dtype=np.float32).reshape(1, 3, ELECTRODES)
         self.assertEqual(grasps.as_list(counts)[0, 0].tolist(), list(range(72)))
         self.assertEqual(grasps.as_graph(counts)[0, 0, [3 * 5, 3 * 5 + 2]].tolist(), [5.0, 48.0 + 5.0])
@@ -167,7 +200,9 @@ class GraspsOfTrials(unittest.TestCase):
         self.assertEqual(image[0, 0, [6, 0, 2 * 28 + 6]].tolist(), [0.0, 10.0, 48.0])
 
     def test_sets_are_divided_by_sample_and_by_object(self):
-        some = Grasps(np.zeros((20, 3, ELECTRODES), np.float32), np.array([f"{k % 5}" for k in range(20)]), np.zeros(20, np.int64), np.arange(20) % 2 == 0)
+        some = Grasps(np.zeros((20, 3, ELECTRODES), np.float32), np.array([f"{k % 5}" for k in range(20)]),
+                      np.zeros(20, np.int64),
+                      np.arange(20) % 2 == 0)
         by_object = stability.examples_of(some, stability.cnn("D3", 8), True, 1)
         self.assertEqual(by_object.features.shape, (20, 1, 3 * 28))
         self.assertEqual(by_object.label.tolist(), [1, 0] * 10)
@@ -189,7 +224,8 @@ class Pictures(unittest.TestCase):
                 self.assertEqual(mirrored(e), places[e + 10], f"{name} E{e + 1}")
             for e, other in ((21, 22), (20, 20), (23, 23)):
                 self.assertEqual(mirrored(e), places[other], name)
-            self.assertEqual(sum(len(pixel) == 1 for pixel in pixels_of(layout)), ELECTRODES, name)  # no two on a pixel, none outside
+            self.assertEqual(sum(len(pixel) == 1 for pixel in pixels_of(layout)), ELECTRODES,
+                             name)  # no two on a pixel, none outside
 
     def test_graphs_are_of_the_nearest_electrodes(self):
         # E2 is 3.1 mm from E1, E22 6.2, E3 8.3.
@@ -203,7 +239,8 @@ class Pictures(unittest.TestCase):
 
 def climbing():
     """Six rows; in the first nothing touches. Every electrode climbs by 2 a row."""
-    return Touch((10.0 + 2.0 * np.arange(6)).repeat(ELECTRODES).reshape(6, ELECTRODES).astype(np.float32), np.array([MASKED, 3, 3, 3, 3, 3], np.uint8), "a")
+    return Touch((10.0 + 2.0 * np.arange(6)).repeat(ELECTRODES).reshape(6, ELECTRODES).astype(np.float32),
+                 np.array([MASKED, 3, 3, 3, 3, 3], np.uint8), "a")
 
 
 class Windows(unittest.TestCase):
@@ -212,7 +249,8 @@ class Windows(unittest.TestCase):
         self.assertEqual(labels.tolist(), [3] * 4)
         self.assertEqual([features[0, 0, 0], features[3, 1, 23]], [12.0, 20.0])
         self.assertEqual(len(touches.windows_of(climbing(), Window(2, 3))[1]), 1)  # the other begins without contact
-        self.assertEqual(touches.windows_of(climbing(), Window(7, 1, figures="sorted"))[0].shape, (0, 1, ELECTRODES))  # longer than the recording
+        self.assertEqual(touches.windows_of(climbing(), Window(7, 1, figures="sorted"))[0].shape,
+                         (0, 1, ELECTRODES))  # longer than the recording
 
     def test_without_the_site_they_have_no_mean(self):
         features, _ = touches.windows_of(climbing(), Window(3, 2, site=False))
@@ -231,7 +269,8 @@ class Windows(unittest.TestCase):
         touch.counts[:, 0] = 7.0  # E1 is still
         [[figures]], _ = touches.windows_of(touch, Window(5, 5, figures="by_electrode"))
         self.assertEqual(len(figures), 2 * ELECTRODES)
-        np.testing.assert_allclose(figures[[0, 1, ELECTRODES, ELECTRODES + 1]], [0.0, math.sqrt(10.0), 0.0, 2.0], rtol=1e-6)
+        np.testing.assert_allclose(figures[[0, 1, ELECTRODES, ELECTRODES + 1]], [0.0, math.sqrt(10.0), 0.0, 2.0],
+                                   rtol=1e-6)
         touch.counts[2, 4] += 1.0  # 17 in the middle: mean 16.2, squares sum to 40 + .8^2 + 4 x .2^2 = 40.8
         [[figures]], _ = touches.windows_of(touch, Window(5, 5, figures="sorted"))
         self.assertEqual(figures[0], 0.0)
@@ -246,7 +285,8 @@ class Imported(unittest.TestCase):
             for name in ("n/case1.csv", "t/pen2.csv"):
                 file = Path(folder) / "set" / name
                 file.parent.mkdir(parents=True)
-                rows = [[f"ff_e{e}" for e in range(1, 25)], *([str(100 * e + row) for e in range(1, 25)] for row in range(3))]
+                rows = [[f"ff_e{e}" for e in range(1, 25)],
+                        *([str(100 * e + row) for e in range(1, 25)] for row in range(3))]
                 file.write_text("".join(",".join(row) + "\n" for row in rows))
             out = str(Path(folder) / "out.h5")
             slipbench.import_recordings(Path(folder) / "set", out, format="biotacsp-dos")
@@ -263,12 +303,28 @@ class Imported(unittest.TestCase):
 class Rows(unittest.TestCase):
     def test_those_of_table_3(self):
         rows = table3.all_networks(False)
-        self.assertEqual(list(rows), ["lr", "mlp", "lstm", "lstm_longer", "lstm_2", "convlstm", "lstm_500", "lr_no_site", "mlp_no_site", "lstm_no_site",
-                                      "convlstm_no_site", "lstm_500_no_site", "sd_trend_no_site", "sorted_sd_no_site"])
+        self.assertEqual(list(rows), [
+            "lr", "mlp", "lstm", "lstm_longer", "lstm_2", "convlstm", "lstm_500", "lr_no_site", "mlp_no_site",
+            "lstm_no_site", "convlstm_no_site", "lstm_500_no_site", "sd_trend_no_site", "sorted_sd_no_site"
+        ])
         self.assertEqual([row.columns for row in rows.values()], [6, 6, 6, 1, 3, 3, 2, 6, 6, 3, 2, 3, 6, 6])
         self.assertEqual(rows["convlstm"].window.shape, (5, 132))
         self.assertEqual({row.columns for name, row in table3.all_networks(True).items() if "conv" in name}, {6})
-        figures = {"lr": {"real": {"auc": 0.5}, "synthetic_to_real": {"auc": 0.25}}, "lstm_longer": {"real": {"auc": 0.5}}}
+        figures = {
+            "lr": {
+                "real": {
+                    "auc": 0.5
+                },
+                "synthetic_to_real": {
+                    "auc": 0.25
+                }
+            },
+            "lstm_longer": {
+                "real": {
+                    "auc": 0.5
+                }
+            }
+        }
         self.assertEqual([(one.real, one.ours) for one in table3.real_figures(figures)], [(0.5, 0.25)])
 
     def test_networks_take_what_they_are_shown(self):
@@ -276,7 +332,8 @@ class Rows(unittest.TestCase):
         for name, row in (table3.all_networks(False) | table3.all_networks(True)).items():
             module = row.network.make()
             self.assertEqual(tuple(module(zeros(2, *row.window.shape)).shape), (2, 1, 7), name)
-        for one in (stability.logistic_regression(), stability.plain_network(4), stability.cnn("D2", 8), stability.gcn(2, "k2", "")):
+        for one in (stability.logistic_regression(), stability.plain_network(4), stability.cnn("D2", 8),
+                    stability.gcn(2, "k2", "")):
             frames = one.shown(np.zeros((4, 3, ELECTRODES), np.float32))
             self.assertEqual(tuple(one.network.make()(zeros(*frames.shape)).shape), (4, 1, 2), one.network.name)
 

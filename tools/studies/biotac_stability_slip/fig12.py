@@ -36,6 +36,9 @@ def study(options: Options) -> Result:
         result,
         title="Tactile graphs of a BioTac SP: held or lost",
         source=f"Fig. 12 of {PAPER}. Accuracy in %.",
-        remarks=["The paper draws its curve and prints no number: best with the graph drawn by hand, and falling with k. It does not say whether its folds "
-                 "are by sample or by object.", *result.remarks],
+        remarks=[
+            "The paper draws its curve and prints no number: best with the graph drawn by hand, and falling with k. It "
+            "does not say whether its folds are by sample or by object.",
+            *result.remarks,
+        ],
     )

@@ -93,15 +93,17 @@ def gathered(grasps: Iterable[Grasp]) -> Grasps:
 
 
 def _refuse(trial: Any, what: str) -> NoReturn:
-    raise InputError(f"trial {trial.trial}: {what}; allowed: grasps of {SCENE}, or files bts3v2_palm_down.csv, _side and _45 that "
-                     "`slipbench import --format bts3v2` has read")
+    raise InputError(
+        f"trial {trial.trial}: {what}; allowed: grasps of {SCENE}, or files bts3v2_palm_down.csv, _side and _45 that "
+        "`slipbench import --format bts3v2` has read")
 
 
 def grasp_of(trial: Any) -> Grasp:
     """The grasp of a trial with sensors ff, mf and th.
 
     Args:
-        trial: a `Trial` or `StoredTrial`: imported from bts3v2, or simulated from SCENE, whose snapshot is the last row before the lift
+        trial: a `Trial` or `StoredTrial`: imported from bts3v2, or simulated from SCENE, whose snapshot is the last row
+            before the lift
 
     Returns:
         counts and how it ended
@@ -128,7 +130,8 @@ def grasp_of(trial: Any) -> Grasp:
         if "held" in trial.outcome:
             row = max(int(np.searchsorted(sensor.t, trial.outcome["hold_from_s"] + TIME_ROUNDING, "right")) - 1, 0)
         counts.append(np.array(sensor.channels["electrodes"][row]))
-    return Grasp(np.stack(counts), name, palms.index(word), bool(trial.params["slipped"] if real else not trial.outcome["held"]))
+    return Grasp(np.stack(counts), name, palms.index(word),
+                 bool(trial.params["slipped"] if real else not trial.outcome["held"]))
 
 
 def read_grasps(path: str, options: Options) -> Grasps:
@@ -172,7 +175,9 @@ def run_grasps(draws: int, options: Options) -> Grasps:
 
 
 def levelled(grasps: Grasps) -> Grasps:
-    """Each count less its mean over the grasps with that palm, over its standard deviation there: independent of the fingers of a set.
+    """Each count less its mean over the grasps with that palm, over its standard deviation there.
+
+    The result does not depend on the fingers that a set was recorded with.
 
     Args:
         grasps: of any palms
@@ -194,7 +199,7 @@ def as_list(counts: Floats) -> Floats:
 
 
 def as_image(counts: Floats, layout: Layout) -> Floats:
-    """Counts [N, fingers, electrodes] as images: frames [N, 1, fingers x rows x columns], each pixel the mean of some electrodes."""
+    """Counts [N, fingers, electrodes] as images: frames [N, 1, fingers x rows x columns]."""
     return as_list(image_of(counts, layout))
 
 
@@ -212,8 +217,8 @@ def graph_of(k: int) -> NDArray[np.float64]:
     """The adjacency of a graph of the electrodes.
 
     Args:
-        k: neighbours, 1 to 23: a node is the mean of itself and its k nearest by the electrodes' places on the core, directed, as the paper's; 0: the graph
-            drawn by hand
+        k: neighbours, 1 to 23: a node is the mean of itself and its k nearest by the electrodes' places on the core,
+            directed, as the paper's; 0: the graph drawn by hand
 
     Returns:
         [electrodes, electrodes]
@@ -222,7 +227,7 @@ def graph_of(k: int) -> NDArray[np.float64]:
         return array_of(drawn_graph()).astype(float)
     places = _core.biotac_electrode_places()
     distance = ((places[:, None] - places[None]) ** 2).sum(axis=2)
-    nearest = np.argsort(distance, axis=1, kind="stable")[:, : k + 1]
+    nearest = np.argsort(distance, axis=1, kind="stable")[:, :k + 1]
     adjacency = np.zeros((ELECTRODES, ELECTRODES))
     np.put_along_axis(adjacency, nearest, 1.0 / (k + 1), axis=1)
     return adjacency

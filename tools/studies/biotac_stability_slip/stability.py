@@ -11,9 +11,11 @@ import torch
 
 from slipbench.learning.biotac import ELECTRODES, IMAGES
 from slipbench.learning.networks import BiotacCnn, BiotacGcn
-from slipbench_studies.biotac_stability_slip.grasps import FINGERS, SCENE, Grasps, as_graph, as_image, as_list, graph_of, levelled, read_grasps, run_grasps
-from slipbench_studies.biotac_stability_slip.validation import (LONGER, Examples, Network, RowsNetwork, Validations, cell, check_data, figures_object,
-                                                                folds_by_object, scores_of, without_real)
+from slipbench_studies.biotac_stability_slip.grasps import (FINGERS, SCENE, Grasps, as_graph, as_image, as_list,
+                                                            graph_of, levelled, read_grasps, run_grasps)
+from slipbench_studies.biotac_stability_slip.validation import (LONGER, Examples, Network, RowsNetwork, Validations,
+                                                                cell, check_data, figures_object, folds_by_object,
+                                                                scores_of, without_real)
 from slipbench_studies.network_training import Floats, folds
 from slipbench_studies.result import Options, Result, Table
 
@@ -43,14 +45,17 @@ def logistic_regression(by_palm: bool = False) -> StabilityNetwork:
     """Logistic regression on the 72 counts; `by_palm`: on levelled() ones."""
     make = partial(RowsNetwork, INPUTS, CLASSES)
     if by_palm:
-        return StabilityNetwork(Network("lr_by_palm", "the same, each palm by its own mean and deviation", make, PLAIN_STEPS, CLASSES, "standard"), as_list, True)
+        return StabilityNetwork(
+            Network("lr_by_palm", "the same, each palm by its own mean and deviation", make, PLAIN_STEPS, CLASSES,
+                    "standard"), as_list, True)
     return StabilityNetwork(Network("lr", "logistic regression", make, PLAIN_STEPS, CLASSES), as_list)
 
 
 def plain_network(longer: int = 1) -> StabilityNetwork:
     """A hidden layer of 128 on the 72 counts; `longer`: times the usual steps."""
     name, text = ("mlp", "MLP 128") if longer == 1 else ("mlp_longer", f"MLP 128, {longer} times the steps")
-    return StabilityNetwork(Network(name, text, partial(RowsNetwork, INPUTS, CLASSES, hidden=128), longer * PLAIN_STEPS, CLASSES), as_list)
+    return StabilityNetwork(
+        Network(name, text, partial(RowsNetwork, INPUTS, CLASSES, hidden=128), longer * PLAIN_STEPS, CLASSES), as_list)
 
 
 def cnn(image: str, units: int, name: str = "cnn") -> StabilityNetwork:
@@ -67,13 +72,15 @@ def cnn(image: str, units: int, name: str = "cnn") -> StabilityNetwork:
     layout = IMAGES[image]
     rows, columns = layout[0]
     make = partial(BiotacCnn, len(FINGERS) * rows * columns, CLASSES, rows, columns, units)
-    return StabilityNetwork(Network(name, f"CNN {units}, {image} ({rows} x {columns})", make, NETWORK_STEPS, CLASSES), partial(as_image, layout=layout))
+    return StabilityNetwork(Network(name, f"CNN {units}, {image} ({rows} x {columns})", make, NETWORK_STEPS, CLASSES),
+                            partial(as_image, layout=layout))
 
 
 def gcn(neighbours: int, name: str, text: str) -> StabilityNetwork:
     """The paper's network of a graph; `neighbours`: as graph_of() takes it."""
     adjacency = torch.tensor(graph_of(neighbours).tolist(), dtype=torch.float32)
-    return StabilityNetwork(Network(name, text, partial(BiotacGcn, INPUTS, CLASSES, adjacency), NETWORK_STEPS, CLASSES), as_graph)
+    return StabilityNetwork(Network(name, text, partial(BiotacGcn, INPUTS, CLASSES, adjacency), NETWORK_STEPS, CLASSES),
+                            as_graph)
 
 
 def examples_of(grasps: Grasps, network: StabilityNetwork, by_object: bool, seed: int) -> Examples:
@@ -92,7 +99,10 @@ def examples_of(grasps: Grasps, network: StabilityNetwork, by_object: bool, seed
         InputError: for too few objects
     """
     counts = (levelled(grasps) if network.by_palm else grasps).counts
-    fold = folds_by_object(grasps.objects.tolist(), FOLDS, seed) if by_object else folds(np.zeros(len(grasps)), FOLDS, seed)
+    if by_object:
+        fold = folds_by_object(grasps.objects.tolist(), FOLDS, seed)
+    else:
+        fold = folds(np.zeros(len(grasps)), FOLDS, seed)
     return Examples(network.shown(counts), grasps.slipped.astype(np.uint8), fold)
 
 
@@ -144,8 +154,8 @@ def setup_of(options: Options, grasps: GraspSets) -> list[str]:
         *lines,
         f"Synthetic: {grasps.synthetic.text()} of {options.data or f'{SCENE}, three sets of fingers'}.",
         f"{FOLDS} folds; mean and standard deviation of the folds. One network learns all palms.",
-        f"Each electrode scaled to 0..1 by what is learnt. Adam at 1e-3, {longer * NETWORK_STEPS} steps of 64 for CNN and GCN, {longer * PLAIN_STEPS} for the "
-        "others, classes drawn alike; the last state is judged.",
+        f"Each electrode scaled to 0..1 by what is learnt. Adam at 1e-3, {longer * NETWORK_STEPS} steps of 64 for CNN "
+        f"and GCN, {longer * PLAIN_STEPS} for the others, classes drawn alike; the last state is judged.",
     ]
 
 
@@ -154,7 +164,8 @@ def stability_without_real(options: Options) -> list[str]:
     return [] if options.real else [without_real("bts3v2", "3dperceptionlab/biotacsp-stability-set-v2")]
 
 
-def compare(name: str, options: Options, grasps: GraspSets, head: Sequence[str], networks: Sequence[tuple[StabilityNetwork, list[str]]]) -> Result:
+def compare(name: str, options: Options, grasps: GraspSets, head: Sequence[str],
+            networks: Sequence[tuple[StabilityNetwork, list[str]]]) -> Result:
     """Compares networks on all grasps that there are, FOLDS folds by sample and as many by object.
 
     Args:
@@ -171,10 +182,16 @@ def compare(name: str, options: Options, grasps: GraspSets, head: Sequence[str],
         InputError: as Validations.run()
     """
     validations = Validations(options)
-    sources = {"synthetic": grasps.synthetic} if grasps.real is None else {"real": grasps.real, "synthetic": grasps.synthetic}
-    rows = [[(source, by, judged.fold, validations.queue(network.network, judged))
-             for source, some in sources.items() for by in ("by_sample", "by_object")
-             for judged in [examples_of(some, network, by == "by_object", options.draws_seed)]] for network, _ in networks]
+    sources = {} if grasps.real is None else {"real": grasps.real}
+    sources["synthetic"] = grasps.synthetic
+    rows = []
+    for network, _ in networks:
+        row = []
+        for source, some in sources.items():
+            for by in ("by_sample", "by_object"):
+                judged = examples_of(some, network, by == "by_object", options.draws_seed)
+                row.append((source, by, judged.fold, validations.queue(network.network, judged)))
+        rows.append(row)
     validations.run(name)
     table = Table("", [*head, *(f"{source}: {by}" for source in sources for by in ("by sample", "by object"))])
     figures: dict[str, dict[str, dict[str, dict[str, float]]]] = {}
@@ -183,4 +200,5 @@ def compare(name: str, options: Options, grasps: GraspSets, head: Sequence[str],
         table.rows.append([*cells, *(cell(one["accuracy"]) for _, _, one in scores)])
         for source, by, one in scores:
             figures.setdefault(source, {}).setdefault(by, {})[network.network.name] = figures_object(one)
-    return Result("", "", figures, setup=setup_of(options, grasps), tables=[table], remarks=stability_without_real(options))
+    return Result("", "", figures, setup=setup_of(options, grasps), tables=[table],
+                  remarks=stability_without_real(options))

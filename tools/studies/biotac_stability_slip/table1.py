@@ -46,6 +46,9 @@ def study(options: Options) -> Result:
         result,
         title="Layouts of the tactile image of a BioTac SP: held or lost",
         source=f"Table 1 of {PAPER}. Accuracy in %.",
-        remarks=["Palms 0 and 90 alone, as in the paper, whose 2,549 grasps are those of the public set. It deals them out by sample, so that a network has "
-                 "seen the object that judges it.", *result.remarks],
+        remarks=[
+            "Palms 0 and 90 alone, as in the paper, whose 2,549 grasps are those of the public set. It deals them out "
+            "by sample, so that a network has seen the object that judges it.",
+            *result.remarks,
+        ],
     )

@@ -1,4 +1,7 @@
-"""Table 2 of the paper: a grasp held or lost, from a snapshot before the lift, on objects that were not learnt; from real, synthetic, both."""
+"""Table 2 of the paper: a grasp held or lost, from a snapshot before the lift, on objects that were not learnt.
+
+Networks are trained on real grasps, on synthetic ones and on both.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from slipbench_studies.biotac_stability_slip.grasps import PALMS, Grasps
-from slipbench_studies.biotac_stability_slip.stability import (StabilityNetwork, cnn, examples_of, gcn, grasps_for, logistic_regression, plain_network, setup_of,
+from slipbench_studies.biotac_stability_slip.stability import (StabilityNetwork, cnn, examples_of, gcn, grasps_for,
+                                                               logistic_regression, plain_network, setup_of,
                                                                stability_without_real)
-from slipbench_studies.biotac_stability_slip.validation import JUDGED_HERE, PAPER, Answers, Examples, Validations, cell, figures_object, scores_of
+from slipbench_studies.biotac_stability_slip.validation import (JUDGED_HERE, PAPER, Answers, Examples, Validations,
+                                                                cell, figures_object, scores_of)
 from slipbench_studies.result import Options, RealFigure, Result, Table
 
 NAME = "biotac-stability-slip/table2"
@@ -58,12 +63,17 @@ def palm_cells(answers: Answers, examples: Examples, grasps: Grasps) -> tuple[li
         the cells, and the figures of "all", "palm_0", "palm_90" and "palm_45"
     """
     every = scores_of(answers, examples.fold)
-    by_palm = {f"palm_{palm.text}": scores_of(answers, examples.fold, grasps.palm == number) for number, palm in enumerate(PALMS)}
-    cells = [cell(one["accuracy"]) for one in (every, *by_palm.values())] + [cell(every[name]) for name in ("precision", "recall", "f1", "auc")]
+    by_palm = {
+        f"palm_{palm.text}": scores_of(answers, examples.fold, grasps.palm == number)
+        for number, palm in enumerate(PALMS)
+    }
+    cells = [cell(one["accuracy"]) for one in (every, *by_palm.values())]
+    cells += [cell(every[name]) for name in ("precision", "recall", "f1", "auc")]
     return cells, {name: figures_object(one) for name, one in {"all": every, **by_palm}.items()}
 
 
-def palm_table(title: str, rows: list[Row], which: str, grasps: Grasps, validations: Validations) -> tuple[Table, dict[str, Any]]:
+def palm_table(title: str, rows: list[Row], which: str, grasps: Grasps,
+               validations: Validations) -> tuple[Table, dict[str, Any]]:
     """The table of one source of grasps.
 
     Args:
@@ -76,7 +86,8 @@ def palm_table(title: str, rows: list[Row], which: str, grasps: Grasps, validati
     Returns:
         the table and its figures
     """
-    table = Table(title, ["network", "accuracy", "palm 0", "palm 90", "palm 45", "precision", "recall", "F1", "AUC"], list(PUBLISHED))
+    table = Table(title, ["network", "accuracy", "palm 0", "palm 90", "palm 45", "precision", "recall", "F1", "AUC"],
+                  list(PUBLISHED))
     figures = {}
     for row in rows:
         cells, figures[row.name] = palm_cells(validations.answers(row.numbers[which]), getattr(row, which), grasps)
@@ -116,10 +127,12 @@ def real_figures(three_way: dict[str, Any]) -> list[RealFigure]:
         figures of real devices beside ours
     """
     return [
-        *(RealFigure(f"grasps held or lost, {name}, real to real, %", published, 100.0 * three_way[name]["real"]["accuracy"],
-                     "other objects than the paper's judge") for name, published in PUBLISHED_ACCURACY.items()),
-        *(RealFigure(f"the same, AUC, {name}: learnt here from real, from synthetic grasps", three_way[name]["real"]["auc"],
-                     three_way[name]["synthetic_to_real"]["auc"], JUDGED_HERE) for name in ("gcn", "cnn", "lr_by_palm")),
+        *(RealFigure(f"grasps held or lost, {name}, real to real, %", published,
+                     100.0 * three_way[name]["real"]["accuracy"], "other objects than the paper's judge")
+          for name, published in PUBLISHED_ACCURACY.items()),
+        *(RealFigure(f"the same, AUC, {name}: learnt here from real, from synthetic grasps",
+                     three_way[name]["real"]["auc"], three_way[name]["synthetic_to_real"]["auc"], JUDGED_HERE)
+          for name in ("gcn", "cnn", "lr_by_palm")),
     ]
 
 
@@ -135,8 +148,14 @@ def study(options: Options) -> Result:
     Raises:
         InputError: as grasps_for() and Validations.run()
     """
-    networks = [logistic_regression(), logistic_regression(True), plain_network(), plain_network(4), gcn(0, "gcn", "GCN, graph drawn by hand"),
-                cnn("D1", 1024)]
+    networks = [
+        logistic_regression(),
+        logistic_regression(True),
+        plain_network(),
+        plain_network(4),
+        gcn(0, "gcn", "GCN, graph drawn by hand"),
+        cnn("D1", 1024)
+    ]
     grasps, validations, rows = grasps_for(options, DRAWS), Validations(options), []
     for network in networks:
         row = Row(network, examples_of(grasps.synthetic, network, True, options.draws_seed))
@@ -145,7 +164,8 @@ def study(options: Options) -> Result:
         if grasps.real is not None:
             row.real = examples_of(grasps.real, network, True, options.draws_seed)
             row.numbers["real"] = validations.queue(network.network, row.real)
-            row.numbers["synthetic_to_real"] = validations.queue(network.network, row.real, own=False, other=row.synthetic)
+            row.numbers["synthetic_to_real"] = validations.queue(network.network, row.real, own=False,
+                                                                 other=row.synthetic)
             row.numbers["both"] = validations.queue(network.network, row.real, other=row.synthetic)
     validations.run(NAME)
 
@@ -154,14 +174,19 @@ def study(options: Options) -> Result:
         source=f"Table 2 of {PAPER}. Shares in %; precision, recall and F1 are of lost grasps.",
         figures={},
         setup=setup_of(options, grasps),
-        remarks=["The paper judges on 10 objects of 51 that are not published apart; here each of the objects is judged by the network that has not learnt it.",
-                 "The paper does not say which class precision and recall are of.", *stability_without_real(options)],
+        remarks=[
+            "The paper judges on 10 objects of 51 that are not published apart; here each of the objects is judged by "
+            "the network that has not learnt it.",
+            "The paper does not say which class precision and recall are of.",
+            *stability_without_real(options),
+        ],
     )
     if grasps.real is not None:
         table, result.figures["real"] = palm_table("Real grasps, by object", rows, "real", grasps.real, validations)
         three, result.figures["three_way"] = three_ways(rows, validations)
         result.tables += [table, three]
         result.real = real_figures(result.figures["three_way"])
-    table, result.figures["synthetic"] = palm_table("Synthetic grasps, by object", rows, "synthetic", grasps.synthetic, validations)
+    table, result.figures["synthetic"] = palm_table("Synthetic grasps, by object", rows, "synthetic", grasps.synthetic,
+                                                    validations)
     result.tables.append(table)
     return result

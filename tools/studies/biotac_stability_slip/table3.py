@@ -1,4 +1,7 @@
-"""Table 3 of the paper: direction of slip under one finger, on objects that were not learnt; with and without the place of the touch."""
+"""Table 3 of the paper: direction of slip under one finger, on objects that were not learnt.
+
+Each network is trained with and without the place of the touch.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,12 @@ from torch import nn
 
 from slipbench.learning.biotac import ELECTRODES, IMAGES
 from slipbench.learning.networks import BiotacConvLstm, BiotacLstm
-from slipbench_studies.biotac_stability_slip.touches import CLASSES, DEVICES, RANDOM_SITE_SCENE, SCENE, Touch, Window, read_touches, run_touches, windows_of
-from slipbench_studies.biotac_stability_slip.validation import (JUDGED_HERE, LONGER, PAPER, Examples, Folds, Network, RowsNetwork, Validations, cell,
-                                                                check_data, figures_object, folds_by_object, object_count, scores_of, without_real)
+from slipbench_studies.biotac_stability_slip.touches import (CLASSES, DEVICES, RANDOM_SITE_SCENE, SCENE, Touch, Window,
+                                                             read_touches, run_touches, windows_of)
+from slipbench_studies.biotac_stability_slip.validation import (JUDGED_HERE, LONGER, PAPER, Examples, Folds, Network,
+                                                                RowsNetwork, Validations, cell, check_data,
+                                                                figures_object, folds_by_object, object_count,
+                                                                scores_of, without_real)
 from slipbench_studies.grid import check_only, chosen
 from slipbench_studies.result import Options, RealFigure, Result, Table
 
@@ -25,8 +31,10 @@ BRIEF, WHOLE = Window(5, 5), Window(50, 25)
 IMAGE = "D1"
 
 # What is trained on, and what judges.
-REAL_COLUMNS = {"real": "real alone", "synthetic_to_real": "synthetic alone", "both": "both", "random_to_real": "random site alone"}
-SYNTHETIC_COLUMNS = {"synthetic": "synthetic, on synthetic", "random_site": "random site, on random site"}  # these need no recordings
+REAL_COLUMNS = {"real": "real alone", "synthetic_to_real": "synthetic alone", "both": "both",
+                "random_to_real": "random site alone"}
+# These need no recordings.
+SYNTHETIC_COLUMNS = {"synthetic": "synthetic, on synthetic", "random_site": "random site, on random site"}
 COLUMNS = REAL_COLUMNS | SYNTHETIC_COLUMNS
 
 
@@ -56,11 +64,13 @@ def all_networks(full: bool) -> dict[str, DirectionNetwork]:
     """
     rows: dict[str, DirectionNetwork] = {}
 
-    def add(site: bool, name: str, text: str, make: Callable[..., nn.Module], steps: int, window: Window, columns: int) -> None:
+    def add(site: bool, name: str, text: str, make: Callable[..., nn.Module], steps: int, window: Window,
+            columns: int) -> None:
         window = Window(window.rows, window.stride, site, window.image, window.figures)
         length, values = window.shape
         suffix, off = ("", "") if site else ("_no_site", ", mean taken off")
-        network = Network(f"{name}{suffix}", f"{text}, {10 * window.rows} ms{off}", partial(make, values, len(CLASSES), length), steps, len(CLASSES),
+        network = Network(f"{name}{suffix}", f"{text}, {10 * window.rows} ms{off}",
+                          partial(make, values, len(CLASSES), length), steps, len(CLASSES),
                           "range" if site else "standard")
         rows[network.name] = DirectionNetwork(network, window, columns)
 
@@ -73,11 +83,14 @@ def all_networks(full: bool) -> dict[str, DirectionNetwork]:
             add(site, "lstm_longer", "the same, four times the steps", partial(_lstm, layers=5), 2 * STEPS, BRIEF, 1)
             add(site, "lstm_2", "LSTM, 2 layers of 32", partial(_lstm, layers=2), STEPS, BRIEF, three)
         layers, filters = (5, 32) if full else (2, 8)
-        add(site, "convlstm", f"ConvLSTM, {layers} layers of {filters}", partial(_conv_lstm, layers=layers, filters=filters), STEPS,
-            Window(BRIEF.rows, BRIEF.stride, image=IMAGE), every if full else three if site else 2)
+        add(site, "convlstm", f"ConvLSTM, {layers} layers of {filters}",
+            partial(_conv_lstm, layers=layers, filters=filters), STEPS, Window(BRIEF.rows, BRIEF.stride, image=IMAGE),
+            every if full else three if site else 2)
         add(site, "lstm_500", "LSTM, 2 layers of 32", partial(_lstm, layers=2), STEPS // 4, WHOLE, 2 if site else three)
-    add(False, "sd_trend", "MLP 128 of SDs and trends", _mlp, STEPS // 2, Window(WHOLE.rows, WHOLE.stride, figures="by_electrode"), every)
-    add(False, "sorted_sd", "MLP 128 of the SDs in order", _mlp, STEPS // 2, Window(WHOLE.rows, WHOLE.stride, figures="sorted"), every)
+    add(False, "sd_trend", "MLP 128 of SDs and trends", _mlp, STEPS // 2,
+        Window(WHOLE.rows, WHOLE.stride, figures="by_electrode"), every)
+    add(False, "sorted_sd", "MLP 128 of the SDs in order", _mlp, STEPS // 2,
+        Window(WHOLE.rows, WHOLE.stride, figures="sorted"), every)
     return rows
 
 
@@ -147,7 +160,8 @@ def touches_for(options: Options) -> Touches:
         all of them
 
     Raises:
-        InputError: for --trials beside --data, for imported recordings as --data, and as read_touches() and run_touches()
+        InputError: for --trials beside --data, for imported recordings as --data, and as read_touches() and
+            run_touches()
     """
     check_data(options, "recordings")
     draws = options.trials or (PUBLISHED_DRAWS if options.full else DRAWS)
@@ -172,16 +186,18 @@ def queue(network: DirectionNetwork, sets: Mapping[str, Examples], validations: 
     """
     one, numbers = network.network, {}
     others = {"real": None, "synthetic_to_real": "synthetic", "both": "synthetic", "random_to_real": "random_site"}
-    for column in list(COLUMNS)[: network.columns] if "real" in sets else SYNTHETIC_COLUMNS:
+    for column in list(COLUMNS)[:network.columns] if "real" in sets else SYNTHETIC_COLUMNS:
         judged, other = (sets["real"], others[column]) if column in others else (sets[column], None)
         own = not column.endswith("_to_real")
-        numbers[column] = validations.queue(one, judged, own=own, other=None if other is None else sets[other]), judged.fold
+        numbers[column] = validations.queue(one, judged, own=own,
+                                            other=None if other is None else sets[other]), judged.fold
     return numbers
 
 
 def published() -> Table:
     """The paper's own table."""
-    return Table("The paper: accuracy on objects of a kind, five repetitions", ["network, 50 ms", "rigid and smooth", "rough", "little contact", "mean"],
+    return Table("The paper: accuracy on objects of a kind, five repetitions",
+                 ["network, 50 ms", "rigid and smooth", "rough", "little contact", "mean"],
                  [["LSTM", "82.5 +- 2.0", "73.8 +- 2.0", "72.4 +- 3.6", "76.1 +- 2.4"],
                   ["ConvLSTM", "82.6 +- 1.2", "73.5 +- .7", "70.9 +- 1.9", "75.5 +- 1.2"]])
 
@@ -195,9 +211,12 @@ def real_figures(figures: Mapping[str, Any]) -> list[RealFigure]:
     Returns:
         figures of real devices beside ours
     """
-    return [RealFigure(f"slip against touch, AUC, {name}: learnt here from real, from synthetic recordings", one["real"]["auc"],
-                       one["synthetic_to_real"]["auc"], JUDGED_HERE)
-            for name, one in figures.items() if "real" in one and "synthetic_to_real" in one]
+    return [
+        RealFigure(f"slip against touch, AUC, {name}: learnt here from real, from synthetic recordings",
+                   one["real"]["auc"], one["synthetic_to_real"]["auc"], JUDGED_HERE)
+        for name, one in figures.items()
+        if "real" in one and "synthetic_to_real" in one
+    ]
 
 
 def setup_of(options: Options, touches: Touches) -> list[str]:
@@ -218,9 +237,10 @@ def setup_of(options: Options, touches: Touches) -> list[str]:
         *([f"Real: {options.real}, {recordings(touches.real)}."] if touches.real else []),
         f"Synthetic: {options.data or f'{SCENE}, {fingers}'}, {recordings(touches.synthetic)}.",
         f"Random site: {RANDOM_SITE_SCENE}, {fingers}, {recordings(touches.random_site)}.",
-        "Five rows of 100 Hz, one after the other; 0.5 s, half overlapping. Mean and standard deviation of the objects. Each electrode scaled to 0..1, or to "
-        "mean 0 and deviation 1 where the window's mean is taken off. Adam at 1e-3, "
-        f"{(LONGER if options.full else 1) * STEPS} steps of 64 at 50 ms, the LSTM of five layers half of them; the last state is judged.",
+        "Five rows of 100 Hz, one after the other; 0.5 s, half overlapping. Mean and standard deviation of the "
+        "objects. Each electrode scaled to 0..1, or to mean 0 and deviation 1 where the window's mean is taken off. "
+        f"Adam at 1e-3, {(LONGER if options.full else 1) * STEPS} steps of 64 at 50 ms, the LSTM of five layers half "
+        "of them; the last state is judged.",
     ]
 
 
@@ -242,24 +262,30 @@ def study(options: Options) -> Result:
 
     @cache
     def sets_of(window: Window) -> dict[str, Examples]:
-        made = {"synthetic": touches.synthetic, "random_site": touches.random_site} | ({"real": touches.real} if touches.real else {})
+        made = {"synthetic": touches.synthetic, "random_site": touches.random_site}
+        made |= {"real": touches.real} if touches.real else {}
         return {name: examples_of(some, window, seed) for name, some in made.items()}
 
-    rows = {name: queue(networks[name], sets_of(networks[name].window), validations) for name in chosen(list(networks), options.only)}
+    rows = {
+        name: queue(networks[name], sets_of(networks[name].window), validations)
+        for name in chosen(list(networks), options.only)
+    }
     validations.run(NAME)
 
     columns = COLUMNS if touches.real else SYNTHETIC_COLUMNS
     head = ["network", *columns.values()]
     classes = Table("Seven classes, balanced accuracy, object left out (chance 14.3)", head)
-    areas = Table("Slip against touch, area under the curve, object left out", head,
-                  note="A network that names the direction says slip by the probability of all classes but t. The first columns are judged on real objects that "
-                  "were not learnt; synthetic and random site alone are one network each.")
+    areas = Table(
+        "Slip against touch, area under the curve, object left out", head,
+        note="A network that names the direction says slip by the probability of all classes but t. The first columns "
+        "are judged on real objects that were not learnt; synthetic and random site alone are one network each.")
     figures: dict[str, Any] = {}
     for name, numbers in rows.items():
         scores = {column: scores_of(validations.answers(number), fold) for column, (number, fold) in numbers.items()}
         figures[name] = {column: figures_object(one) for column, one in scores.items()}
         for table, figure in ((classes, "balanced_accuracy"), (areas, "auc")):
-            table.rows.append([networks[name].network.text, *(cell(scores[column][figure]) if column in scores else "-" for column in columns)])
+            cells = [cell(scores[column][figure]) if column in scores else "-" for column in columns]
+            table.rows.append([networks[name].network.text, *cells])
     return Result(
         title="Direction of slip under a BioTac SP: t, n, e, s, w, cw, aw",
         source=f"Table 3 of {PAPER}. Figures in %.",
@@ -267,8 +293,10 @@ def study(options: Options) -> Result:
         setup=setup_of(options, touches),
         tables=[published(), classes, areas],
         remarks=[
-            "The paper judges seven other objects, which are not in the local copy of its recordings: here each of the four is left out in turn.",
-            "Where the finger is touched tells the direction in these recordings: without the window's mean there is only what moves within it.",
+            "The paper judges seven other objects, which are not in the local copy of its recordings: here "
+            "each of the four is left out in turn.",
+            "Where the finger is touched tells the direction in these recordings: without the window's mean "
+            "there is only what moves within it.",
             *([] if options.full else ["The paper's ConvLSTM has five layers of 32 filters (--full), here two of 8."]),
             *([] if options.real else [without_real("biotacsp-dos", "yayaneath/BioTacSP-DoS")]),
         ],

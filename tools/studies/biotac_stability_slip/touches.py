@@ -1,4 +1,4 @@
-"""Recordings of one BioTac SP that is touched, slides or turns, real and synthetic, and the windows that networks are shown of them."""
+"""Recordings of one BioTac SP that is touched, slides or turns, real and synthetic, and windows of them."""
 
 from __future__ import annotations
 
@@ -62,8 +62,9 @@ def read_touches(path: str, options: Options) -> list[Touch]:
     examples = _core.read_examples([path], text, labels, "direction", "", 0, 0, 1, "", 0.0, False, None)["examples"]
     for example in examples:
         if not example["object"]:
-            raise InputError(f"{path}: trial {example['trial']} names no object; allowed: recordings of {SCENE}, or of BioTacSP-DoS as "
-                             "`slipbench import --format biotacsp-dos` has read them")
+            raise InputError(
+                f"{path}: trial {example['trial']} names no object; allowed: recordings of {SCENE}, or of "
+                "BioTacSP-DoS as `slipbench import --format biotacsp-dos` has read them")
     return [_touch_of(example) for example in examples]
 
 
@@ -87,7 +88,8 @@ def run_touches(scene: str, draws: int, options: Options) -> list[Touch]:
         return _touch_of(_core.example_of(trial._simulated, next(iter(trial.sensors)), text, "micro", "direction", 0))
 
     name = "recordings" if scene == SCENE else "recordings, random site"
-    return run_grid([Cell(name, scene, {"sweep.sensors.pad.device_number": str(list(DEVICES))}, draws)], options, reduced)[0]
+    return run_grid([Cell(name, scene, {"sweep.sensors.pad.device_number": str(list(DEVICES))}, draws)], options,
+                    reduced)[0]
 
 
 @dataclass(frozen=True)
@@ -97,10 +99,12 @@ class Window:
     Attributes:
         rows: of a window
         stride: rows from one to the next
-        site: whether the level of each electrode stays, which tells where the finger is touched; False: its mean over the window is taken off
+        site: whether the level of each electrode stays, which tells where the finger is touched; False: its mean over
+            the window is taken off
         image: name of the image of IMAGES whose pixels a row is; empty: the electrodes
-        figures: one row of figures in place of the rows: "by_electrode" (24 standard deviations, counts, and 24 slopes of the straight line through the
-            rows, counts a row), "sorted" (the standard deviations, the smallest first) or empty
+        figures: one row of figures in place of the rows: "by_electrode" (24 standard deviations, counts, and 24 slopes
+            of the straight line through the rows, counts a row), "sorted" (the standard deviations, the smallest
+            first) or empty
     """
 
     rows: int = 5
@@ -130,9 +134,9 @@ def windows_of(touch: Touch, window: Window) -> tuple[Floats, Labels]:
     """
     if len(touch.label) < window.rows:
         return np.zeros((0, *window.shape), np.float32), np.zeros(0, np.uint8)
-    labels = sliding_window_view(touch.label, window.rows)[:: window.stride]
+    labels = sliding_window_view(touch.label, window.rows)[::window.stride]
     touches = (labels != MASKED).all(axis=1)
-    counts = sliding_window_view(touch.counts, window.rows, axis=0)[:: window.stride][touches].swapaxes(1, 2)
+    counts = sliding_window_view(touch.counts, window.rows, axis=0)[::window.stride][touches].swapaxes(1, 2)
     if not window.site:
         counts = (counts - counts.mean(axis=1, keepdims=True, dtype=float)).astype(np.float32)
     if window.figures:

@@ -43,11 +43,12 @@ class RowsNetwork(nn.Module):
         rows: of a window
         hidden: units of the hidden layer; 0: none
     """
-
     def __init__(self, inputs: int, classes: int, rows: int = 1, hidden: int = 0) -> None:
         super().__init__()
         self.history = rows
-        layers: list[nn.Module] = [nn.Linear(rows * inputs, hidden), nn.BatchNorm1d(hidden), nn.ReLU()] if hidden else []
+        layers: list[nn.Module] = [nn.Linear(rows * inputs, hidden),
+                                   nn.BatchNorm1d(hidden),
+                                   nn.ReLU()] if hidden else []
         self.layers = nn.Sequential(*layers, nn.Linear(hidden or rows * inputs, classes))
 
     def forward(self, frames: Any) -> Any:
@@ -141,17 +142,19 @@ def figures_of(answers: Answers) -> dict[str, float]:
         answers: any number
 
     Returns:
-        FIGURES, each 0 to 1, NaN where it does not apply. balanced_accuracy is the mean share of the classes that occur which are called so. precision,
-        recall, f1 and auc are those of slip: all classes but the first.
+        FIGURES, each 0 to 1, NaN where it does not apply. balanced_accuracy is the mean share of the classes that occur
+        which are called so. precision, recall, f1 and auc are those of slip: all classes but the first.
     """
     right, slips, called = answers.label == answers.called, answers.label != 0, answers.called != 0
     both = int((slips & called).sum())
     of_class = [float(right[answers.label == one].mean()) for one in np.unique(answers.label)]
     known = slips.any() and not slips.all()
-    return {"accuracy": _share(int(right.sum()), len(right)), "balanced_accuracy": mean_sd(of_class)[0],
-            "precision": _share(both, int(called.sum())), "recall": _share(both, int(slips.sum())),
-            "f1": _share(2 * both, int(slips.sum() + called.sum())),
-            "auc": auc(answers.slip[slips], answers.slip[~slips]).value if known else math.nan}
+    return {
+        "accuracy": _share(int(right.sum()), len(right)), "balanced_accuracy": mean_sd(of_class)[0],
+        "precision": _share(both, int(called.sum())), "recall": _share(both, int(slips.sum())),
+        "f1": _share(2 * both, int(slips.sum() + called.sum())),
+        "auc": auc(answers.slip[slips], answers.slip[~slips]).value if known else math.nan
+    }
 
 
 Scores = dict[str, tuple[float, float]]
@@ -166,7 +169,8 @@ def scores_of(answers: Answers, fold: Folds, counts: NDArray[np.bool_] | None = 
         counts: [N] whether it counts at all; None: all do
 
     Returns:
-        mean and standard deviation over the folds of each of FIGURES; folds in which a figure does not apply are left out of it
+        mean and standard deviation over the folds of each of FIGURES; folds in which a figure does not apply
+        are left out of it
     """
     if counts is not None:
         answers = answers.chosen(counts[answers.example])
@@ -185,7 +189,9 @@ def cell(share: tuple[float, float]) -> str:
 
 def figures_object(scores: Scores) -> dict[str, float]:
     """The scores by their names in the JSON: "auc" and "auc_sd"."""
-    return {name + suffix: value for name, share in scores.items() for suffix, value in zip(("", "_sd"), share, strict=True)}
+    return {
+        name + suffix: value for name, share in scores.items() for suffix, value in zip(("", "_sd"), share, strict=True)
+    }
 
 
 def folds_by_object(objects: Sequence[str], count: int, seed: int) -> Folds:
@@ -215,7 +221,6 @@ class Validations:
     Args:
         options: seed, jobs, full, output, resume
     """
-
     def __init__(self, options: Options) -> None:
         self._options = options
         self._plans: list[tuple[Network, Examples, bool, Examples | None]] = []
@@ -228,7 +233,8 @@ class Validations:
         Args:
             network: what is trained
             judged: what judges it
-            own: whether it is trained on the other folds of `judged`, a network each; False: one network judges all folds
+            own: whether it is trained on the other folds of `judged`, a network each; False: one network judges
+                all folds
             other: what it is trained on as well; None: nothing
 
         Returns:
@@ -267,8 +273,9 @@ class Validations:
         training: Training = find_recipe(RECIPE).training
         steps = network.steps * (LONGER if self._options.full else 1)
         # There is nothing to choose a state by: the last one is judged.
-        logits = train_and_answer(network.make, trained_on, list(judged.features[judges]), replace(training, steps=steps, validate_every=steps),
-                                  classes=network.classes, seed=self._options.draws_seed, scaling=network.scaling)
+        logits = train_and_answer(network.make, trained_on, list(judged.features[judges]),
+                                  replace(training, steps=steps, validate_every=steps), classes=network.classes,
+                                  seed=self._options.draws_seed, scaling=network.scaling)
         return answers_of(np.flatnonzero(judges), judged.label[judges], np.concatenate(logits))
 
 
@@ -314,7 +321,10 @@ def check_data(options: Options, made: str) -> None:
         raise InputError(f"reproduce: --trials is for {made} that are made; allowed: --data alone")
     truth = truth_of(options.data)
     if truth:
-        raise InputError(f"{options.data}: reproduce --data needs the truth, which it does not hold ({truth}); allowed: --real, which takes imported recordings")
+        raise InputError(
+            f"{options.data}: reproduce --data needs the truth, which it does not hold ({truth}); allowed: --real, "
+            "which takes imported recordings"
+        )
 
 
 def without_real(format: str, source: str) -> str:
@@ -327,8 +337,9 @@ def without_real(format: str, source: str) -> str:
     Returns:
         two sentences
     """
-    return (f"Without --real there are no real recordings: the rows that need them are left out. They come from {source}: "
-            f"`slipbench import FOLDER --format {format} -o real.h5`, then --real real.h5.")
+    return (
+        f"Without --real there are no real recordings: the rows that need them are left out. They come from {source}: "
+        f"`slipbench import FOLDER --format {format} -o real.h5`, then --real real.h5.")
 
 
 def object_count(objects: Iterable[str]) -> int:
