@@ -175,6 +175,7 @@ inline constexpr std::array class_words{hd::Word<train::ClassRule>{"slip", train
 
 using Told = nb::typed<nb::callable, nb::any(std::size_t, std::size_t)>;
 
+// `split` empty: the examples are not divided, and all learn.
 Described read_examples(const std::vector<std::string>& paths, const std::string& description, const std::string& labels,
                         const std::string& classes, const std::string& sensor, std::size_t turned, std::size_t at_most,
                         std::uint64_t seed, const std::string& split, double held_out, bool divide_anew,
@@ -187,7 +188,8 @@ Described read_examples(const std::vector<std::string>& paths, const std::string
                                 .turned = turned,
                                 .at_most = at_most,
                                 .seed = seed};
-  const train::Split by = value_of(train::split_words, split, "split");
+  const bool divided = !split.empty();
+  const train::Split by = divided ? value_of(train::split_words, split, "split") : train::Split::trial;
   train::Examples read;
   std::vector<train::Part> parts;
   {
@@ -203,7 +205,8 @@ Described read_examples(const std::vector<std::string>& paths, const std::string
       for (train::Example& example : read.all) example.part.clear();
     }
     try {
-      parts = train::split_examples(read.all, by, held_out, seed);
+      parts = divided ? train::split_examples(read.all, by, held_out, seed)
+                      : std::vector<train::Part>(read.all.size(), train::Part::learns);
     } catch (const InputError& error) {
       reject("{}: {}", fmt::join(paths, ", "), error.what());
     }
@@ -323,6 +326,8 @@ void bind_learning(nb::module_& module) {
              nb::arg("divide_anew"), nb::arg("progress").none());
   module.def("example_of", &example_of, nb::arg("record"), nb::arg("sensor"), nb::arg("description"), nb::arg("labels"),
              nb::arg("classes"), nb::arg("turn"));
+  module.def(
+      "swept_object", [](const std::string& params) { return train::swept_facts(params).object; }, nb::arg("params"));
   module.def("best_point", &best_point, nb::arg("series"), nb::arg("period"), nb::arg("choice"), nb::arg("alarms"));
   module.def("counts_at", &counts_at, nb::arg("series"), nb::arg("period"), nb::arg("threshold"), nb::arg("on"), nb::arg("off"),
              nb::arg("least"));

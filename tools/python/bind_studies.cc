@@ -1,4 +1,5 @@
-// Bindings for tools/studies: result pages, detectors that replay a recorded trial, timing of the hyperdimensional engines.
+// Bindings for tools/studies: result pages, detectors that replay a recorded trial, timing of the hyperdimensional engines, places of
+// electrodes.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -17,6 +18,7 @@
 #include "detectors/hd/features.h"
 #include "detectors/hd/memories.h"
 #include "detectors/hd/model.h"
+#include "sensors/biotac_sp/skin.h"
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
 #include "tools/base/files/reject.h"
@@ -136,6 +138,13 @@ double hd_time_of_displacements(const std::string& name, const DisplacementRows&
                        [&](std::size_t i) { return engine->update(hd::quantise(row(i), hd::Quantiser::fixed_point)); });
 }
 
+// Places of a BioTac SP's electrodes on its core [electrodes, 3], m.
+nb::ndarray<nb::numpy, double> electrode_places() {
+  std::vector<double> values;
+  for (const Eigen::Vector3d& place : biotac_sp::electrode_places()) values.insert(values.end(), place.begin(), place.end());
+  return array_of(std::move(values), {biotac_sp::electrodes, 3});
+}
+
 }  // namespace
 
 void bind_studies(nb::module_& module) {
@@ -152,6 +161,7 @@ void bind_studies(nb::module_& module) {
       },
       nb::arg("path"), nb::arg("page"), nb::arg("object"));
   module.def("estimates", &estimates, nb::arg("record"), nb::arg("sensor"), nb::arg("detector"), nb::arg("parameters"));
+  module.def("biotac_electrode_places", &electrode_places);
   module.def("machine", [] { return environment_json().dump(); });
   module.def("hd_size", [] { return std::pair(hd::Model{}.dimension, hd::Model{}.window); });
   module.def("hd_engines", &hd_engines);

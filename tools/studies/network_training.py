@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from slipbench import RandomStream
-from slipbench.learning import Training, answers, fit, scale_of
-from slipbench.learning._fit import reproducible
+from slipbench.learning import Training, fit, scale_of
+from slipbench.learning._fit import answers_to_all, reproducible
 from slipbench_studies.grid import jobs_of
 from slipbench_studies.kept import KeptNetworks
 from slipbench_studies.result import Options, plain
@@ -82,7 +82,7 @@ def train_and_answer(network: Callable[[], nn.Module], trained_on: Sequences, ju
     fit(module, [(scaled(one), labels) for one, labels in trained_on], [(scaled(one), labels) for one, labels in validating], training, classes=classes,
         seed=seed)
     with reproducible(seed):
-        return [answers(module, scaled(one)) for one in judged]
+        return answers_to_all(module, [scaled(one) for one in judged])
 
 
 _work: Callable[[int], Any] | None = None  # inherited by the worker processes, which are forks of this one

@@ -200,21 +200,34 @@ def balanced_accuracy(called: Sequence[Labels], labels: Sequence[Labels]) -> flo
     return float(np.mean(recalls)) if recalls else math.nan
 
 
-def _validate(network: nn.Module, sequences: Sequences) -> float:
-    """Balanced accuracy. Sequences of one length go through together."""
-    before = history_of(network) - 1
+def answers_to_all(network: nn.Module, sequences: Sequence[Floats]) -> list[Floats]:
+    """Logits of sequences. Those of one length that follow each other go through the network together.
+
+    Args:
+        network: left in evaluation mode
+        sequences: [T, inputs] each, scaled
+
+    Returns:
+        [T - history + 1, classes] of each
+    """
     network.eval()
-    called: list[Labels] = []
+    logits: list[Floats] = []
     first = 0
     while first < len(sequences):
-        length = len(sequences[first][1])
+        length = len(sequences[first])
         last = first
-        while last < len(sequences) and len(sequences[last][1]) == length and (last - first + 1) * length <= max(_FRAMES_AT_ONCE, length):
+        while last < len(sequences) and len(sequences[last]) == length and (last - first + 1) * length <= max(_FRAMES_AT_ONCE, length):
             last += 1
         with torch.no_grad():
-            frames = tensor_of(np.stack([features for features, _ in sequences[first:last]]))
-            called += list(array_of(_answers(network, frames).argmax(2)).astype(np.uint8))
+            logits += list(array_of(_answers(network, tensor_of(np.stack(sequences[first:last])))))
         first = last
+    return logits
+
+
+def _validate(network: nn.Module, sequences: Sequences) -> float:
+    """Balanced accuracy."""
+    called = [logits.argmax(1).astype(np.uint8) for logits in answers_to_all(network, [features for features, _ in sequences])]
+    before = history_of(network) - 1
     return balanced_accuracy(called, [labels[before:] for _, labels in sequences])
 
 

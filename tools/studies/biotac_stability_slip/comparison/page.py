@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 import recordings as rec
 from recordings import GROUPS
 
-KIT = Path(__file__).resolve().parents[2] / "base" / "page" / "web"
+KIT = Path(__file__).resolve().parents[3] / "base" / "page" / "web"
 COLOURS = {"real": "#1f66ad", "synthetic": "#c2450f"}  # --s0 and --s1 of theme.css
 ELECTRODE_COLOURS = colormaps["hsv"](np.arange(24) / 24)
 rc("font", size=7)

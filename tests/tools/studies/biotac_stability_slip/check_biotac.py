@@ -1,4 +1,4 @@
-"""tools/studies/biotac on recordings whose figures are known in closed form."""
+"""tools/studies/biotac_stability_slip/comparison on recordings whose figures are known in closed form."""
 
 import base64
 import subprocess
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-TOOLS = Path(__file__).resolve().parents[4] / "tools" / "studies" / "biotac"
+TOOLS = Path(__file__).resolve().parents[4] / "tools" / "studies" / "biotac_stability_slip" / "comparison"
 sys.path.insert(0, str(TOOLS))
 
 import recordings as rec  # noqa: E402

@@ -1,0 +1,1 @@
+"""The tables of "Tactile-Driven Grasp Stability and Slip Prediction", Robotics 2019."""

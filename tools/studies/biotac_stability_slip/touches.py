@@ -1,0 +1,158 @@
+"""Recordings of one BioTac SP that is touched, slides or turns, real and synthetic, and windows of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from slipbench import InputError, Trial
+from slipbench.bin import _core
+from slipbench.learning import MASKED, find_recipe
+from slipbench.learning.biotac import ELECTRODES, IMAGES
+from slipbench_studies.biotac_stability_slip.grasps import image_of
+from slipbench_studies.biotac_stability_slip.validation import RECIPE, truth_of
+from slipbench_studies.grid import Cell, run_grid
+from slipbench_studies.network_training import Floats, Labels
+from slipbench_studies.result import Options
+
+SCENE = "scenes/biotac_sp/slip.yaml"
+RANDOM_SITE_SCENE = "scenes/biotac_sp/slip_random_site.yaml"
+DEVICES = (1, 2, 3)  # fingers that a synthetic set is made with
+CLASSES = ("t", "n", "e", "s", "w", "cw", "aw")
+
+
+class Touch(NamedTuple):
+    """A recording.
+
+    Attributes:
+        counts: [T, electrodes] counts, at 100 Hz
+        label: [T] place in CLASSES; MASKED where nothing touches
+        object: what is touched
+    """
+
+    counts: Floats
+    label: Labels
+    object: str
+
+
+def _touch_of(example: dict[str, Any]) -> Touch:
+    return Touch(example["features"], example["labels"], example["object"])
+
+
+def read_touches(path: str, options: Options) -> list[Touch]:
+    """The recordings of a dataset that was imported from BioTacSP-DoS, or made of one of the scenes.
+
+    Args:
+        path: of the dataset
+        options: who hears of progress
+
+    Returns:
+        a recording each
+
+    Raises:
+        InputError: no such dataset
+    """
+    options.say(f"reading {path}")
+    labels = "paper" if truth_of(path) else "micro"  # imported ones have the set's own
+    text = find_recipe(RECIPE).input.text()
+    examples = _core.read_examples([path], text, labels, "direction", "", 0, 0, 1, "", 0.0, False, None)["examples"]
+    for example in examples:
+        if not example["object"]:
+            raise InputError(
+                f"{path}: trial {example['trial']} names no object; allowed: recordings of {SCENE}, or of "
+                "BioTacSP-DoS as `slipbench import --format biotacsp-dos` has read them")
+    return [_touch_of(example) for example in examples]
+
+
+def run_touches(scene: str, draws: int, options: Options) -> list[Touch]:
+    """Recordings of a scene.
+
+    Args:
+        scene: SCENE or RANDOM_SITE_SCENE
+        draws: of each of its cells with each of DEVICES
+        options: seed, jobs, and who hears of progress
+
+    Returns:
+        a recording each
+
+    Raises:
+        InputError: as run_grid()
+    """
+    text = find_recipe(RECIPE).input.text()
+
+    def reduced(_: Cell, trial: Trial) -> Touch:
+        return _touch_of(_core.example_of(trial._simulated, next(iter(trial.sensors)), text, "micro", "direction", 0))
+
+    name = "recordings" if scene == SCENE else "recordings, random site"
+    return run_grid([Cell(name, scene, {"sweep.sensors.pad.device_number": str(list(DEVICES))}, draws)], options,
+                    reduced)[0]
+
+
+@dataclass(frozen=True)
+class Window:
+    """What is cut out of a recording.
+
+    Attributes:
+        rows: of a window
+        stride: rows from one to the next
+        site: whether the level of each electrode stays, which tells where the finger is touched; False: its mean over
+            the window is taken off
+        image: name of the image of IMAGES whose pixels a row is; empty: the electrodes
+        figures: one row of figures in place of the rows: "by_electrode" (24 standard deviations, counts, and 24 slopes
+            of the straight line through the rows, counts a row), "sorted" (the standard deviations, the smallest
+            first) or empty
+    """
+
+    rows: int = 5
+    stride: int = 5
+    site: bool = True
+    image: str = ""
+    figures: str = ""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows of an example, and values of a row."""
+        if self.figures:
+            return 1, ELECTRODES * (2 if self.figures == "by_electrode" else 1)
+        (rows, columns), _ = IMAGES[self.image] if self.image else ((1, ELECTRODES), ())
+        return self.rows, rows * columns
+
+
+def windows_of(touch: Touch, window: Window) -> tuple[Floats, Labels]:
+    """The windows of a recording in which something touches throughout.
+
+    Args:
+        touch: the recording
+        window: what is cut out
+
+    Returns:
+        features [W, *window.shape], and the class of each window's last row [W]
+    """
+    if len(touch.label) < window.rows:
+        return np.zeros((0, *window.shape), np.float32), np.zeros(0, np.uint8)
+    labels = sliding_window_view(touch.label, window.rows)[::window.stride]
+    touches = (labels != MASKED).all(axis=1)
+    counts = sliding_window_view(touch.counts, window.rows, axis=0)[::window.stride][touches].swapaxes(1, 2)
+    if not window.site:
+        counts = (counts - counts.mean(axis=1, keepdims=True, dtype=float)).astype(np.float32)
+    if window.figures:
+        counts = _figures(counts, window.figures)
+    elif window.image:
+        counts = image_of(counts, IMAGES[window.image])
+    return np.ascontiguousarray(counts), labels[touches, -1]
+
+
+def _figures(counts: NDArray[Any], figures: str) -> Floats:
+    """[W, rows, electrodes] to [W, 1, values]."""
+    rows = counts.shape[1]
+    time = np.arange(rows) - 0.5 * (rows - 1)
+    off = counts - counts.mean(axis=1, keepdims=True, dtype=float)
+    deviations = counts.std(axis=1, ddof=1, dtype=float)
+    if figures == "sorted":
+        return np.sort(deviations.astype(np.float32), axis=1)[:, None]
+    slopes = np.einsum("wte,t->we", off, time) / (time**2).sum()
+    return np.concatenate([deviations, slopes], axis=1).astype(np.float32)[:, None]

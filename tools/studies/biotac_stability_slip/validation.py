@@ -1,0 +1,347 @@
+"""Networks of the BioTac study: what they are trained on, what they are judged on, and the figures of their answers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from torch import nn
+
+import slipbench
+from slipbench import InputError
+from slipbench.learning import MASKED, Training, find_recipe
+from slipbench.learning.networks import each_frame, windows
+from slipbench_studies.network_training import Floats, Labels, folds, train_all, train_and_answer
+from slipbench_studies.result import Options
+from slipbench_studies.statistics import auc, mean_sd
+
+PAPER = '"Tactile-Driven Grasp Stability and Slip Prediction" (Robotics 2019)'
+RECIPE = "biotac_lstm"  # whose training all networks have, but for the steps
+LONGER = 4  # times the steps with --full
+# Note of a real figure of a network trained on recordings; ours is that of the same network trained on the scene.
+JUDGED_HERE = "not published: real recordings judged here"
+
+Folds = NDArray[np.int64]
+
+
+class RowsNetwork(nn.Module):
+    """All rows of a window at once.
+
+    | layer | logistic regression | MLP 128 |
+    |---|---|---|
+    | rows of a window | rows x inputs | rows x inputs |
+    | linear, batch norm, ReLU | | 128 |
+    | linear | classes | classes |
+
+    Args:
+        inputs: values a row
+        classes: number of classes
+        rows: of a window
+        hidden: units of the hidden layer; 0: none
+    """
+    def __init__(self, inputs: int, classes: int, rows: int = 1, hidden: int = 0) -> None:
+        super().__init__()
+        self.history = rows
+        layers: list[nn.Module] = [nn.Linear(rows * inputs, hidden),
+                                   nn.BatchNorm1d(hidden),
+                                   nn.ReLU()] if hidden else []
+        self.layers = nn.Sequential(*layers, nn.Linear(hidden or rows * inputs, classes))
+
+    def forward(self, frames: Any) -> Any:
+        """[N, T, inputs] to logits [N, T - rows + 1, classes]."""
+        return each_frame(self.layers, windows(frames, self.history).flatten(2))
+
+
+@dataclass(frozen=True)
+class Examples:
+    """What networks are trained and judged on.
+
+    Attributes:
+        features: [N, rows, inputs] of each example, not scaled
+        label: [N] class of each, that of its last row
+        fold: [N] number of its fold
+    """
+
+    features: Floats
+    label: Labels
+    fold: Folds
+
+
+@dataclass(frozen=True)
+class Network:
+    """A network of a table.
+
+    Attributes:
+        name: in --only and in the figures
+        text: in the tables
+        make: makes it
+        steps: of its training, without --full
+        classes: how many
+        scaling: of features, computed from those that it is trained on: "range" or "standard"
+    """
+
+    name: str
+    text: str
+    make: Callable[[], nn.Module]
+    steps: int
+    classes: int
+    scaling: str = "range"
+
+
+class Answers(NamedTuple):
+    """What networks say of A examples that they are not trained on.
+
+    Attributes:
+        example: [A] number among those that are judged
+        label: [A] true class
+        called: [A] most probable class
+        slip: [A] probability of all classes but the first
+    """
+
+    example: NDArray[np.int64]
+    label: NDArray[np.int64]
+    called: NDArray[np.int64]
+    slip: NDArray[np.float64]
+
+    def chosen(self, which: NDArray[Any]) -> Answers:
+        """Some of them: `which` is a mask [A] or their places."""
+        return Answers(*(column[which] for column in self))
+
+
+def answers_of(example: NDArray[np.int64], label: Labels, logits: Floats) -> Answers:
+    """Answers from logits.
+
+    Args:
+        example: [A] number of each example
+        label: [A] true class
+        logits: [A, classes]
+
+    Returns:
+        the answers
+    """
+    odds = np.exp(logits.astype(float) - logits.max(axis=1, keepdims=True).astype(float))
+    return Answers(example, label.astype(np.int64), logits.argmax(axis=1), 1.0 - odds[:, 0] / odds.sum(axis=1))
+
+
+def _share(part: int, whole: int) -> float:
+    return part / whole if whole else math.nan
+
+
+# Names of the figures of answers, as they are in the JSON.
+FIGURES = ("accuracy", "balanced_accuracy", "precision", "recall", "f1", "auc")
+
+
+def figures_of(answers: Answers) -> dict[str, float]:
+    """The figures of some answers.
+
+    Args:
+        answers: any number
+
+    Returns:
+        FIGURES, each 0 to 1, NaN where it does not apply. balanced_accuracy is the mean share of the classes that occur
+        which are called so. precision, recall, f1 and auc are those of slip: all classes but the first.
+    """
+    right, slips, called = answers.label == answers.called, answers.label != 0, answers.called != 0
+    both = int((slips & called).sum())
+    of_class = [float(right[answers.label == one].mean()) for one in np.unique(answers.label)]
+    known = slips.any() and not slips.all()
+    return {
+        "accuracy": _share(int(right.sum()), len(right)), "balanced_accuracy": mean_sd(of_class)[0],
+        "precision": _share(both, int(called.sum())), "recall": _share(both, int(slips.sum())),
+        "f1": _share(2 * both, int(slips.sum() + called.sum())),
+        "auc": auc(answers.slip[slips], answers.slip[~slips]).value if known else math.nan
+    }
+
+
+Scores = dict[str, tuple[float, float]]
+
+
+def scores_of(answers: Answers, fold: Folds, counts: NDArray[np.bool_] | None = None) -> Scores:
+    """The figures of folds.
+
+    Args:
+        answers: to N examples
+        fold: [N] number of each example's fold
+        counts: [N] whether it counts at all; None: all do
+
+    Returns:
+        mean and standard deviation over the folds of each of FIGURES; folds in which a figure does not apply
+        are left out of it
+    """
+    if counts is not None:
+        answers = answers.chosen(counts[answers.example])
+    of_answer = fold[answers.example]
+    all_folds = [figures_of(answers.chosen(of_answer == one)) for one in np.unique(of_answer)]
+    return {name: mean_sd([one[name] for one in all_folds if not math.isnan(one[name])]) for name in FIGURES}
+
+
+def cell(share: tuple[float, float]) -> str:
+    """Mean and standard deviation of shares of 1 as "76.5 +- 1.2"; the mean alone of one, "-" of none."""
+    mean, sd = share
+    if math.isnan(mean):
+        return "-"
+    return f"{100.0 * mean:.1f}" + ("" if math.isnan(sd) else f" +- {100.0 * sd:.1f}")
+
+
+def figures_object(scores: Scores) -> dict[str, float]:
+    """The scores by their names in the JSON: "auc" and "auc_sd"."""
+    return {
+        name + suffix: value for name, share in scores.items() for suffix, value in zip(("", "_sd"), share, strict=True)
+    }
+
+
+def folds_by_object(objects: Sequence[str], count: int, seed: int) -> Folds:
+    """Divides examples into folds, all of an object in the same.
+
+    Args:
+        objects: [N] object of each example
+        count: folds
+        seed: as folds() takes it
+
+    Returns:
+        [N] number of each example's fold
+
+    Raises:
+        InputError: for fewer objects than folds, or fewer than two folds
+    """
+    different, count = sorted(set(objects)), max(count, 2)
+    if len(different) < count:
+        raise InputError(f"{len(different)} objects make no {count} folds; allowed: {count} or more")
+    dealt = dict(zip(different, folds(np.zeros(len(different)), count, seed).tolist(), strict=True))
+    return np.array([dealt[one] for one in objects], dtype=np.int64)
+
+
+class Validations:
+    """Networks that are judged fold by fold: queued first, then trained together.
+
+    Args:
+        options: seed, jobs, full, output, resume
+    """
+    def __init__(self, options: Options) -> None:
+        self._options = options
+        self._plans: list[tuple[Network, Examples, bool, Examples | None]] = []
+        self._tasks: list[tuple[int, int]] = []  # plan and fold
+        self._answers: list[list[Answers]] = []
+
+    def queue(self, network: Network, judged: Examples, *, own: bool = True, other: Examples | None = None) -> int:
+        """Adds the networks of one validation.
+
+        Args:
+            network: what is trained
+            judged: what judges it
+            own: whether it is trained on the other folds of `judged`, a network each; False: one network judges
+                all folds
+            other: what it is trained on as well; None: nothing
+
+        Returns:
+            a number to ask for its answers with
+        """
+        self._plans.append((network, judged, own, other))
+        self._tasks += [(len(self._plans) - 1, int(fold)) for fold in (np.unique(judged.fold) if own else [0])]
+        return len(self._plans) - 1
+
+    def run(self, name: str) -> None:
+        """Trains all that is queued.
+
+        Args:
+            name: PAPER/TABLE
+
+        Raises:
+            InputError: as train_all()
+        """
+        texts = [self._plans[plan][0].text for plan, _ in self._tasks]
+        said = train_all(name, texts, self._options, lambda index: self._answered(*self._tasks[index])._asdict())
+        self._answers = [[] for _ in self._plans]
+        for (plan, _), one in zip(self._tasks, said, strict=True):
+            self._answers[plan].append(Answers(*(np.array(one[column]) for column in Answers._fields)))
+
+    def answers(self, number: int) -> Answers:
+        """The answers of a validation in the order of the examples, after run()."""
+        all_of_it = Answers(*(np.concatenate(columns) for columns in zip(*self._answers[number], strict=True)))
+        return all_of_it.chosen(np.argsort(all_of_it.example, kind="stable"))
+
+    def _answered(self, plan: int, fold: int) -> Answers:
+        network, judged, own, other = self._plans[plan]
+        judges = judged.fold == fold if own else np.ones(len(judged.fold), bool)
+        trained_on = [] if other is None else _sequences(other.features, other.label)
+        if own:
+            trained_on = _sequences(judged.features[~judges], judged.label[~judges]) + trained_on
+        training: Training = find_recipe(RECIPE).training
+        steps = network.steps * (LONGER if self._options.full else 1)
+        # There is nothing to choose a state by: the last one is judged.
+        logits = train_and_answer(network.make, trained_on, list(judged.features[judges]),
+                                  replace(training, steps=steps, validate_every=steps), classes=network.classes,
+                                  seed=self._options.draws_seed, scaling=network.scaling)
+        return answers_of(np.flatnonzero(judges), judged.label[judges], np.concatenate(logits))
+
+
+def _sequences(features: Floats, labels: Labels) -> list[tuple[Floats, Labels]]:
+    """Each example as a sequence in which the last row alone has a label."""
+    of_rows = np.full(features.shape[:2], MASKED, np.uint8)
+    of_rows[:, -1] = labels
+    return list(zip(features, of_rows, strict=True))
+
+
+def truth_of(path: str) -> str:
+    """What stands in the place of the truth in a dataset of recordings; empty: the dataset was simulated.
+
+    Args:
+        path: of the dataset
+
+    Returns:
+        "none: imported from bts3v2"
+
+    Raises:
+        InputError: no whole dataset
+    """
+    import h5py
+
+    slipbench.open(path).close()  # which refuses what is no dataset
+    with h5py.File(path) as file:
+        return str(file.attrs.get("truth", ""))
+
+
+def check_data(options: Options, made: str) -> None:
+    """Checks --data.
+
+    Args:
+        options: data, trials
+        made: what --trials counts: "grasps"
+
+    Raises:
+        InputError: beside --trials, or where its recordings are imported, which would stand in the tables as synthetic
+    """
+    if not options.data:
+        return
+    if options.trials:
+        raise InputError(f"reproduce: --trials is for {made} that are made; allowed: --data alone")
+    truth = truth_of(options.data)
+    if truth:
+        raise InputError(
+            f"{options.data}: reproduce --data needs the truth, which it does not hold ({truth}); allowed: --real, "
+            "which takes imported recordings"
+        )
+
+
+def without_real(format: str, source: str) -> str:
+    """How to get what --real takes, for a study without it.
+
+    Args:
+        format: of `slipbench import`
+        source: repository of the recordings
+
+    Returns:
+        two sentences
+    """
+    return (
+        f"Without --real there are no real recordings: the rows that need them are left out. They come from {source}: "
+        f"`slipbench import FOLDER --format {format} -o real.h5`, then --real real.h5.")
+
+
+def object_count(objects: Iterable[str]) -> int:
+    """How many different objects there are."""
+    return len(set(objects))
