@@ -76,38 +76,6 @@ TEST_F(Table1Test, AnInterruptEndsTheModels) {
   EXPECT_EQ(variants, 2U);
 }
 
-Json figure(const Json& value) { return {{"value", value}, {"low", nullptr}, {"high", nullptr}}; }
-
-// Ten trials: eight slip, of which five are seen, two early and one is missed; one of the two others has a false alarm.
-TEST(GruFigures, ArePlainCountsOfTheTrials) {
-  const Json result{{"all",
-                     {{"trials", 10},
-                      {"slipping", 8},
-                      {"seen", 5},
-                      {"early", 2},
-                      {"missed", 1},
-                      {"false_alarms", 1},
-                      {"figures",
-                       {{"balanced_slip_accuracy", figure(0.9)},
-                        {"auc", figure(0.95)},
-                        {"delay_median_s", figure(0.05)},
-                        {"delay_p10_s", figure(nullptr)},
-                        {"delay_p90_s", figure(0.1)},
-                        {"false_alarms_per_minute", figure(3.0)}}}}}};
-  const Json figures = gru_figures(result);
-  EXPECT_EQ(right_share(figures, false), 0.6) << "five seen, and one that is rightly quiet";
-  EXPECT_EQ(right_share(figures, true), 0.8);
-  EXPECT_EQ(figures.at("balanced_accuracy"), 0.9);
-  EXPECT_EQ(figures.at("delay_p90_s"), 0.1);
-  EXPECT_TRUE(figures.at("delay_p10_s").is_null());
-}
-
-TEST(HdTable3, UnknownRowsGetTheNearest) {
-  ReproduceOptions options;
-  options.only = {"gru_latch"};
-  EXPECT_THAT(refusal_of([&] { hd_table3(options); }), mentions({"gru_latched"}));
-}
-
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
 // A log of two pillars, a row a sample.

@@ -52,11 +52,4 @@ Spread spread(std::vector<double> values);
 
 inline constexpr const char* hexapod_scene = "scenes/papillarray/hexapod.yaml";  // the published protocol
 
-// What Table III says of a detector, out of eval::evaluate()'s result: "trials", "slipping", "seen", "early", "missed", "false_alarms", of the trials
-// that judge. Of frames, slip or not: "balanced_accuracy" and "auc". Of the trials seen: "delay_s", "delay_p10_s" and "delay_p90_s", null of none. And
-// "false_alarms_a_minute".
-Json gru_figures(const Json& result);
-// Share of trials that are told: slip seen in time, or not called where there is none; `early_counts`: an early alarm is right, too.
-double right_share(const Json& figures, bool early_counts);
-
 }  // namespace slipbench::reproduce
