@@ -125,38 +125,6 @@ void with_trials(const std::string& path, const std::function<void(const TrialRe
   });
 }
 
-void make_dataset(const std::string& path, const char* scene, const std::vector<Override>& overrides, std::size_t draws,
-                  const char* what, const ReproduceOptions& options) {
-  SweepOptions sweep;
-  sweep.scene_path = project_file(scene);
-  sweep.overrides = overrides;
-  sweep.seed = options.seed.value_or(1);
-  sweep.trials = draws;
-  sweep.jobs = options.jobs;
-  sweep.output = path;
-  sweep.interrupt = &InterruptGuard::flag();
-  run_sweep(sweep, program_catalogues(), [&](const SweepProgress& progress) {
-    if (what != nullptr && options.say && progress.done % 50 == 0)
-      options.say(fmt::format("{} ({} of {} done)", what, progress.done, progress.total));
-  });
-  end_if_interrupted();
-}
-
-train::NetworkSummary teach(const std::string& name, const train::Recipe& recipe, train::LabelRule labels,
-                            const std::string& dataset, const std::string& output, const ReproduceOptions& options) {
-  train::NetworkTraining training;
-  training.datasets = {dataset};
-  training.all = true;
-  training.recipe = recipe;
-  training.recipe.labels = labels;
-  training.seed = options.seed.value_or(1);
-  training.output = output;
-  return train::train_network(training, [&](const train::MemberProgress& progress) {
-    end_if_interrupted();
-    if (options.say) options.say(fmt::format("{}: step {} of {}", name, progress.training.step, progress.training.steps));
-  });
-}
-
 void check_only(const std::vector<std::string>& only, const std::vector<std::string>& names) {
   for (const std::string& name : only) {
     if (std::ranges::find(names, name) != names.end()) continue;

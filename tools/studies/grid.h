@@ -216,16 +216,6 @@ inline void end_if_interrupted() {
 // Hands each trial of a dataset to `use`. Throws InputError, naming the file.
 void with_trials(const std::string& path, const std::function<void(const TrialRecord&)>& use);
 
-// Runs a scene's sweep under options.seed into the dataset `path`; `draws`: of each of its cells, 0: as many as it says. options.say hears how
-// many of `what` are done; null: nothing. Throws InputError and Interrupted.
-void make_dataset(const std::string& path, const char* scene, const std::vector<Override>& overrides, std::size_t draws,
-                  const char* what, const ReproduceOptions& options);
-
-// Teaches a recipe's network on a dataset by `labels`, as options.seed has it, and writes it to `output`. options.say hears the steps of `name`.
-// Throws InputError and Interrupted.
-train::NetworkSummary teach(const std::string& name, const train::Recipe& recipe, train::LabelRule labels,
-                            const std::string& dataset, const std::string& output, const ReproduceOptions& options);
-
 // Refuses a name of `--only` that none of `names` is. Throws InputError with the nearest.
 void check_only(const std::vector<std::string>& only, const std::vector<std::string>& names);
 

@@ -100,8 +100,6 @@ Result biotac_table1(const ReproduceOptions& options);
 Result biotac_fig12(const ReproduceOptions& options);
 Result biotac_table2(const ReproduceOptions& options);
 Result biotac_table3(const ReproduceOptions& options);
-Result hd_table1(const ReproduceOptions& options);
-Result hd_table2(const ReproduceOptions& options);
 Result piezo_table1(const ReproduceOptions& options);
 Result piezo_table2(const ReproduceOptions& options);
 Result piezo_table3(const ReproduceOptions& options);
