@@ -1,5 +1,5 @@
-// Bindings for tools/studies: result pages, detectors that replay a recorded trial, timing of the hyperdimensional engines, places of
-// electrodes.
+// Bindings for tools/studies: result pages, detectors that replay a recorded trial, timing of the hyperdimensional engines, cross-validation of
+// hyperdimensional detectors, places of electrodes.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -18,6 +18,7 @@
 #include "detectors/hd/features.h"
 #include "detectors/hd/memories.h"
 #include "detectors/hd/model.h"
+#include "detectors/hd/words.h"
 #include "sensors/biotac_sp/skin.h"
 #include "sim/core/detector.h"
 #include "sim/core/error.h"
@@ -30,6 +31,7 @@
 #include "tools/program/doctor/doctor.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/samples/samples.h"
+#include "tools/program/train/train_hd.h"
 #include "tools/python/arrays.h"
 #include "tools/python/module.h"
 
@@ -145,6 +147,63 @@ nb::ndarray<nb::numpy, double> electrode_places() {
   return array_of(std::move(values), {biotac_sp::electrodes, 3});
 }
 
+// What a word stands for. Throws InputError, which names `key`, for a word that is not in the table.
+template <class Words>
+auto value_of_word(const Words& words, const char* key, const std::string& name) {
+  if (const auto value = hd::value_of(words, name)) return *value;
+  reject("{}: unknown {}{}", key, quote(name), allowed_names(name, hd::names_of(words)));
+}
+
+// The trials of a dataset, on which hyperdimensional detectors are cross-validated.
+class HdSequences {
+ public:
+  HdSequences(const std::string& path, const std::string& labels) {
+    const nb::gil_scoped_release release;
+    data_ = read_sequences(path, {parse_slip_rule(labels), {}});
+  }
+
+  [[nodiscard]] const std::string& command() const { return data_.command; }
+  [[nodiscard]] std::size_t size() const { return data_.sequences.size(); }
+
+  // Leaves out the frames after the pad's last motion, and with `before` also those before its first: they are labelled like frames
+  // without contact, which neither train nor judge.
+  void leave_out_still(bool before) {
+    for (Sequence& sequence : data_.sequences) {
+      const auto first = std::ranges::find(sequence.moving, 1) - sequence.moving.begin();
+      const auto end = sequence.moving.rend() - std::find(sequence.moving.rbegin(), sequence.moving.rend(), 1);
+      if (before) std::fill_n(sequence.label.begin(), first, PadState::no_contact);
+      std::fill(sequence.label.begin() + end, sequence.label.end(), PadState::no_contact);
+    }
+  }
+
+  // draws_json() by sequence, and with `by_frame` also by frame.
+  std::vector<std::string> cross_validate(const std::string& encoding, bool context_driven, std::size_t window,
+                                          std::size_t dimension, const std::string& compat, const std::string& ties,
+                                          const std::string& quantiser, std::size_t epochs, std::uint64_t memories_seed,
+                                          std::uint64_t seed, bool by_frame, std::size_t jobs) const {
+    const nb::gil_scoped_release release;
+    const hd::Model model{.dimension = dimension,
+                          .window = window,
+                          .encoding = value_of_word(hd::encoding_words, "encoding", encoding),
+                          .context_driven = context_driven,
+                          .ties = value_of_word(hd::ties_words, "ties", ties),
+                          .compat = value_of_word(hd::compat_words, "compat", compat)};
+    const hd::Memories memories = hd::generate(model, memories_seed);
+    const std::vector<Sample> samples =
+        encode(model, memories, value_of_word(hd::quantiser_words, "quantiser", quantiser), data_.sequences, jobs);
+    std::vector<std::string> draws;
+    for (const Split split : {Split::by_sequence, Split::by_frame}) {
+      if (split == Split::by_sequence || by_frame)
+        draws.push_back(
+            draws_json(slipbench::cross_validate(model, memories, data_.sequences, samples, split, epochs, seed, jobs)).dump());
+    }
+    return draws;
+  }
+
+ private:
+  TrainingData data_;
+};
+
 }  // namespace
 
 void bind_studies(nb::module_& module) {
@@ -168,6 +227,14 @@ void bind_studies(nb::module_& module) {
   module.def("hd_time", &hd_time_of_levels, nb::arg("engine"), nb::arg("levels"), nb::arg("passes"));
   module.def("hd_time_from_displacements", &hd_time_of_displacements, nb::arg("engine"), nb::arg("displacements"),
              nb::arg("passes"));
+  nb::class_<HdSequences>(module, "HdSequences")
+      .def(nb::init<const std::string&, const std::string&>(), nb::arg("path"), nb::arg("labels"))
+      .def_prop_ro("command", &HdSequences::command)
+      .def("__len__", &HdSequences::size)
+      .def("leave_out_still", &HdSequences::leave_out_still, nb::arg("before"))
+      .def("cross_validate", &HdSequences::cross_validate, nb::arg("encoding"), nb::arg("context_driven"), nb::arg("window"),
+           nb::arg("dimension"), nb::arg("compat"), nb::arg("ties"), nb::arg("quantiser"), nb::arg("epochs"),
+           nb::arg("memories_seed"), nb::arg("seed"), nb::arg("by_frame"), nb::arg("jobs"));
 }
 
 }  // namespace slipbench::python

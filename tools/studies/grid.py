@@ -119,6 +119,30 @@ def run_grid(cells: Sequence[Cell], options: Options, reduce: Callable[[Cell, Tr
             raise
 
 
+def make_dataset(path: str, cell: Cell, options: Options, what: str = "") -> None:
+    """Runs a scene's sweep into a dataset, under the options' seed and on their threads.
+
+    Args:
+        path: file to write
+        cell: the scene, its changes and its draws
+        options: seed, jobs, and who hears of progress
+        what: is simulated, in lines of progress: "sequences"; empty: no lines
+
+    Raises:
+        InputError: of a trial
+        KeyboardInterrupt: after Ctrl-C
+    """
+    said = 0
+
+    def progress(done: int, total: int) -> None:
+        nonlocal said
+        if what and done >= said + LEAST_LINES:
+            said = done
+            options.say(f"{what} ({done} of {total} done)")
+
+    cell.load().write(path, draws=cell.draws, seed=options.draws_seed, jobs=options.jobs, progress=progress)
+
+
 class _Progress:
     """Says the subject and how much is done whenever the subject changes, and at each 50th trial. For several threads."""
 

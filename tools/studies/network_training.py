@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import signal
 from collections.abc import Callable, Iterable, Sequence
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from slipbench import RandomStream
-from slipbench.learning import Training, fit, scale_of
+from slipbench.learning import Recipe, Trained, Training, fit, scale_of, train
 from slipbench.learning._fit import answers_to_all, reproducible
 from slipbench_studies.grid import jobs_of
 from slipbench_studies.kept import KeptNetworks
@@ -85,13 +86,39 @@ def train_and_answer(network: Callable[[], nn.Module], trained_on: Sequences, ju
         return answers_to_all(module, [scaled(one) for one in judged])
 
 
+def train_detector(name: str, recipe: str | Recipe, dataset: str, output: str, options: Options, labels: str) -> Trained:
+    """Trains a recipe on all trials of a dataset, which are divided anew. Each frame is called by itself, with the threshold of the greatest balanced
+    accuracy in validation.
+
+    Args:
+        name: in lines of progress
+        recipe: as slipbench.learning.train() takes it
+        dataset: its path
+        output: ONNX file to write
+        options: seed, and who hears of progress
+        labels: rule of the labels
+
+    Returns:
+        the trained detector
+
+    Raises:
+        InputError: as slipbench.learning.train()
+    """
+    return train(dataset, output=output, recipe=recipe, labels=labels, every_trial=True, seed=options.draws_seed, alarms=math.inf,
+                 progress=lambda _, report: options.say(f"{name}: step {report.step} of {report.steps}"))
+
+
 _work: Callable[[int], Any] | None = None  # inherited by the worker processes, which are forks of this one
 
 
+def _end(*_: object) -> None:
+    raise SystemExit
+
+
 def _begin() -> None:
-    """Prepares a worker process: its parent handles Ctrl-C and ends it."""
+    """Prepares a worker process: its parent handles Ctrl-C and ends it by SIGTERM, after which it removes its temporary files."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, _end)
     set_num_threads(1)
 
 

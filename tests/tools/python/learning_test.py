@@ -121,6 +121,7 @@ class Training(TrainingTest):
         self.assertEqual(steps, [2, 4])
         self.assertEqual(trained.parts, {"learns": 15, "validates": 4, "judges": 5})
         described = learning.Engine(trained.path).description
+        self.assertEqual(learning.Engine(trained.path).inputs, 640)  # 40 rows of 16 forces
         self.assertEqual((described["input"]["sensor"], described["input"]["window"]), ("papillarray", 40))
         self.assertEqual(described["states"], [{"input": "state_0", "output": "state_0_next"}])
         facts = described["trained"]
@@ -154,6 +155,11 @@ class Training(TrainingTest):
         with self.assertRaisesRegex(InputError, r"checkpoint-0: does not exist.*resume=True \(--resume\)"):
             self.train(five, output=again, resume=True)
         self.assertNotEqual(Path(self.train(five, output=again, seed=2).path).read_bytes(), whole)
+
+    def test_any_number_of_false_alarms_leaves_each_frame_to_itself(self):
+        described = self.train(alarms=math.inf).description
+        self.assertEqual(described["alarm"], {"on": 1, "off": 1, "least": 1})
+        self.assertIsNone(described["trained"]["alarms_asked_per_minute"])
 
     def test_a_damaged_checkpoint_is_refused(self):
         output = str(self.folder / "damaged.onnx")

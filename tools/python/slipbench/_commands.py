@@ -14,7 +14,7 @@ from slipbench._values import plain, shown
 from slipbench.bin import _core
 
 PathLike = str | os.PathLike[str]
-_SWITCHES = ("compress",)  # options without a value
+_SWITCHES = ("all", "compress")  # options without a value
 
 
 def _run(command: str, files: Sequence[PathLike], options: dict[str, Any], good: tuple[int, ...] = (0,)) -> dict[str, Any]:

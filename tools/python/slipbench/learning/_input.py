@@ -168,6 +168,11 @@ class Engine:
         described: dict[str, Any] = json.loads(self._engine.description)
         return described
 
+    @property
+    def inputs(self) -> int:
+        """Values a step: history x frame."""
+        return int(self._engine.inputs)
+
     def run(self, inputs: Floats) -> Floats:
         """Runs step by step.
 

@@ -122,7 +122,8 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         seed: of weights and draws, 0 to 2^64 - 1
         steps: of training, 1 or more; None: the recipe's
         turned: copies of each trial of a myrmex whose images are turned, 0 or more; None: the recipe's
-        alarms: false alarms that are tolerated in the trials that validate, as "1/min"; None: 1/min
+        alarms: false alarms that are tolerated in the trials that validate, as "1/min"; None: 1/min; math.inf: any number, and each frame is called by
+            itself, with the threshold of the greatest balanced accuracy
         by_score: in place of `alarms`, the operating point of the greatest score of open recordings
         resume: go on where a killed training left OUTPUT.checkpoint-0
         log: folder of TensorBoard logs, which needs the package tensorboard; None: none are written
@@ -147,10 +148,11 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         raise _core.InputError(f"output: {path}: a network is an ONNX file; allowed: a name that ends with .onnx")
     check_output(path)
     chosen = _recipe(recipe, network, labels, split, steps, turned)
-    if (by_score or alarms is not None) and chosen.at_most > 0:
+    if (by_score or alarms not in (None, math.inf)) and chosen.at_most > 0:
         raise _core.InputError(f"{'by_score' if by_score else 'alarms'}: is evaluated on whole recordings, but {chosen.name} trains on frames drawn from them; "
                                "leave the argument out")
-    tolerated = None if by_score or chosen.at_most > 0 else alarms_per_minute("1/min" if alarms is None else alarms)
+    frame_by_frame = chosen.at_most > 0 or alarms == math.inf
+    tolerated = None if by_score or frame_by_frame else alarms_per_minute("1/min" if alarms is None else alarms)
     if resume and not os.path.exists(f"{path}.checkpoint-0"):
         raise _core.InputError(f"{path}.checkpoint-0: does not exist: the training has finished, or was stopped before its first validation; train without "
                                "resume=True (--resume)")
@@ -203,7 +205,7 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
     accuracy = [balanced_accuracy([one.argmax(1).astype(np.uint8) for one in part], of) for part, of in zip(probabilities, truth)]
     slip = np.array([state in SLIPPING for _, state in examples.classes])
     series = [[_series(one, labels, slip) for one, labels in zip(part, of)] for part, of in zip(probabilities, truth)]
-    choice = "accuracy" if chosen.at_most > 0 else "score" if by_score else "alarms"
+    choice = "score" if by_score else "accuracy" if frame_by_frame else "alarms"
     point = _core.best_point(series[0], chosen.input.period, choice, tolerated or 0.0)
     alarm = {key: point[key] for key in ("on", "off", "least")}
     counts = _core.counts_at(series[1], chosen.input.period, point["threshold"], **alarm) if judges else None

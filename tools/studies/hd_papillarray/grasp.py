@@ -1,0 +1,206 @@
+"""What Table II measures in a grasp: the paper's estimate of the forces, the slip that its markers see, and the figures of a trial."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from slipbench import State, Trial
+from slipbench_studies.statistics import mean_sd, median, median_interval
+
+# The script's constants.
+MOST_FORCE = 10.0  # N
+WINDOW = 4  # rows
+SLIPS = 3  # rows of a window
+ROW_STRIDE = 15  # frames of 100 Hz from row to row of the published log: four rows are 0.6 s in the paper
+
+MARKER_BEFORE, MARKER_AFTER = 51, 101  # samples of the means of getSlides.m
+# From the gripper's marker to the box's in X, Y, Z before the lift [m]: mean of the 30 published recordings of light boxes. Which way their X and Y lie
+# to the gripper is not said.
+MARKER_LINE = (3.3e-3, -1.7e-3, -135.4e-3)
+
+
+class EstimatedForces(NamedTuple):
+    """The paper's estimate of the forces of one grasp.
+
+    Attributes:
+        most: N, largest sum of all pillars' normal forces up to MOST_FORCE, over all rows; NaN where there is none
+        ideal: N; NaN where no row counts as incipient slip
+    """
+
+    most: float
+    ideal: float
+
+    @property
+    def ratio(self) -> float:
+        """most over ideal."""
+        return self.most / self.ideal
+
+
+def _incipient_rows(states: NDArray[np.uint8]) -> list[int]:
+    incipient = states == State.INCIPIENT
+    slipping = incipient | (states == State.GROSS)
+    found: list[int] = []
+    first = 0
+    while first + WINDOW < len(states):
+        part = slice(first, first + WINDOW)
+        if slipping[part].sum() >= SLIPS and incipient[part].any():
+            found += (first + np.flatnonzero(incipient[part])).tolist()
+            first += WINDOW
+        else:
+            first += 1
+    return found
+
+
+def _ideal_force(row: NDArray[np.float64]) -> float:
+    shear, normal = np.hypot(row[:, 0], row[:, 1]), row[:, 2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = shear / normal
+    counts = (shear != 0.0) & (normal != 0.0) & (ratio < 1.0)
+    return float(shear.sum() / ratio[counts].mean()) if counts.any() else math.nan
+
+
+def _least(values: list[float]) -> float:
+    return min((value for value in values if not math.isnan(value)), default=math.nan)
+
+
+def estimated_forces(force: ArrayLike, classes: ArrayLike, stride: int) -> EstimatedForces:
+    """The forces as getGripForce.m of the published repository estimates them (JT2106/Hyperdimensional-computing-tactile-sensing).
+
+    Rows are every `stride`-th sample, the first of them number stride - 1; those with a value that is not finite are left out. Windows of four rows, one
+    after the other, count when at least three rows are incipient or gross and one is incipient; one that does not count is tried again a row later, and
+    none begins at the fourth row from the end. Of the incipient rows in those that count, ideal = min of sum f_t / mean(f_t/f_n), where zeros and ratios
+    from 1 on do not enter the mean.
+
+    Args:
+        force: [T, N, 3] N, z normal
+        classes: [T] code of State
+        stride: samples
+
+    Returns:
+        most and ideal
+    """
+    rows = np.asarray(force, dtype=float)[stride - 1 :: stride]
+    states = np.asarray(classes, dtype=np.uint8)[stride - 1 :: stride]
+    finite = np.isfinite(rows).all(axis=(1, 2))
+    rows, states = rows[finite], states[finite]
+    sums = rows[:, :, 2].sum(axis=1)
+    usable = sums[sums <= MOST_FORCE]
+    return EstimatedForces(float(usable.max()) if len(usable) else math.nan, _least([_ideal_force(rows[k]) for k in _incipient_rows(states)]))
+
+
+class MarkerSlip(NamedTuple):
+    """How far the box slipped, as two markers of a motion capture system see it (getSlides.m of that repository).
+
+    Attributes:
+        along: m, |way of the box's marker over that of the gripper's along Z|
+        spin: rad, |change of the angle between Z and the line from the gripper's marker to the box's|
+    """
+
+    along: float
+    spin: float
+
+
+def _polar_angle(line: NDArray[np.float64]) -> float:
+    return math.atan2(math.hypot(line[0], line[1]), line[2])
+
+
+def marker_slip(arm: ArrayLike, box: ArrayLike, lift: int) -> MarkerSlip:
+    """The difference of means over MARKER_BEFORE samples up to number `lift`, and over the last MARKER_AFTER.
+
+    The box's marker is taken to be in its middle, the gripper's where those of the published recordings are: MARKER_LINE.
+
+    Args:
+        arm: [T, 7] poses
+        box: [T, 7] poses
+        lift: sample at which the lift begins, less than T
+
+    Returns:
+        way and turn
+
+    Raises:
+        ValueError: for fewer than MARKER_AFTER samples, or none up to `lift`
+    """
+    way = np.asarray(box, dtype=float)[:, :3] - np.asarray(arm, dtype=float)[:, :3]
+    if len(way) < MARKER_AFTER or not 0 <= lift < len(way):
+        raise ValueError(f"{len(way)} samples and a lift at {lift}; allowed: {MARKER_AFTER} samples or more, the lift among them")
+    start = way[max(0, lift + 1 - MARKER_BEFORE) : lift + 1].mean(axis=0)
+    moved = way[-MARKER_AFTER:].mean(axis=0) - start
+    line = np.array(MARKER_LINE)
+    return MarkerSlip(abs(float(moved[2])), abs(_polar_angle(line + moved) - _polar_angle(line)))
+
+
+class Spread(NamedTuple):
+    """Values of one quantity; those that are NaN are left out.
+
+    Attributes:
+        n: values
+        median: NaN of none
+        interval: of the median, 95 %, whatever the distribution; NaN of fewer than six
+        mean: NaN of none
+        sd: NaN of fewer than two
+    """
+
+    n: int
+    median: float
+    interval: tuple[float, float]
+    mean: float
+    sd: float
+
+
+def spread(values: ArrayLike) -> Spread:
+    """The spread of values, of which those that are NaN are left out."""
+    array = np.asarray(values, dtype=float)
+    array = array[~np.isnan(array)]
+    return Spread(len(array), median(array), median_interval(array), *mean_sd(array))
+
+
+@dataclass(frozen=True)
+class GraspFigures:
+    """What a trial came to. All but `dropped` are NaN where the box was not held, or where there is no such figure.
+
+    Attributes:
+        dropped: or not lifted
+        slip: m
+        rotation: rad
+        marker_slip: m
+        marker_spin: rad
+        true_ratio: greatest force over the least that holds
+        estimated_ratio: the same by the paper's script
+        counts: by which the gripper closed after the lift had begun
+    """
+
+    dropped: bool = False
+    slip: float = math.nan
+    rotation: float = math.nan
+    marker_slip: float = math.nan
+    marker_spin: float = math.nan
+    true_ratio: float = math.nan
+    estimated_ratio: float = math.nan
+    counts: float = math.nan
+
+
+def grasp_figures(trial: Trial, start: float) -> GraspFigures:
+    """The figures of a trial of lift.yaml.
+
+    Args:
+        trial: a full record
+        start: s, when the lift begins
+    """
+    outcome = trial.outcome
+    if outcome["dropped"] or not outcome["lifted"]:
+        return GraspFigures(dropped=True)
+    [sensor] = trial.sensors.values()
+    control = trial.control
+    assert control is not None  # the scene names a detector
+    begun = int(np.searchsorted(sensor.t, start, "right")) - 1
+    markers = marker_slip(trial.bodies["arm"].pose, trial.bodies["box"].pose, begun)
+    return GraspFigures(
+        slip=outcome["slip_translation_m"], rotation=outcome["slip_rotation_rad"], marker_slip=markers.along, marker_spin=markers.spin,
+        true_ratio=outcome["max_grip_force_N"] / outcome["ideal_grip_force_N"],
+        estimated_ratio=estimated_forces(sensor.channels["force"], control.detector_class, ROW_STRIDE).ratio,
+        counts=float(control.measured_position[-1]) - float(control.measured_position[begun]))
