@@ -105,11 +105,6 @@ Result hd_table2(const ReproduceOptions& options);
 Result hd_table3(const ReproduceOptions& options);
 Result learned_grasp_loop(const ReproduceOptions& options);
 Result learned_scaling(const ReproduceOptions& options);
-Result piezo_table1(const ReproduceOptions& options);
-Result piezo_table2(const ReproduceOptions& options);
-Result piezo_table3(const ReproduceOptions& options);
-Result piezo_table4(const ReproduceOptions& options);
-Result piezo_delay(const ReproduceOptions& options);
 
 // `reproduce`: a paper's table beside ours.
 struct ReproduceCommand final : Command {

@@ -203,12 +203,12 @@ TEST_F(KeptNetworksTest, AStudyGoesOnWithThem) {
 TEST_F(KeptNetworksTest, ResumeNeedsAPageAStudyThatTeachesNetworksAndItsOwnFile) {
   ReproduceCommand command;
   command.resume = true;
-  command.name = "piezo-fft-gru/table2";
+  command.name = "learned/scaling";
   EXPECT_THAT(refusal_of([&] { command.run(); }), mentions({"-o"}));
   command.name = "hd-papillarray/latency";
   command.output = path("study.html");
   EXPECT_THAT(refusal_of([&] { command.run(); }), mentions({"--resume"}));
-  command.name = "piezo-fft-gru/table2";
+  command.name = "learned/scaling";
   keep({0});
   EXPECT_THAT(refusal_of([&] { command.run(); }), mentions({"another build"}));
   EXPECT_EQ(kept_now(), 1u);

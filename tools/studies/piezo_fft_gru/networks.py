@@ -21,8 +21,8 @@ from slipbench_studies.result import Options
 from slipbench_studies.statistics import mean_sd
 from torch import nn
 
-SOURCE = ('"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor". Cells are balanced accuracy in % and F1 of '
-          "slip.")
+SOURCE = ('"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor". Cells are balanced accuracy in % and F1 '
+          "of slip.")
 PUBLISHED_RECORDINGS, USUAL_RECORDINGS = 3200, 200
 FOLDS = 5
 CLASSES = 2  # hold, slip
@@ -161,10 +161,12 @@ def recordings_for(options: Options, size: Size, levels: Iterable[float], inputs
         InputError: of a trial or of the dataset, or where too few recordings slip for the folds
     """
     recordings = read_recordings(options.data, inputs) if options.data else run_recordings(levels, size.recordings, inputs, options, others_too)
-    for found, what in ((sum(not one.motors_only for one in recordings), "with contact"),
-                        *((sum(one.inputs[0].labels[rule].any() for one in recordings), f"that slip by the {RULES[rule]} label") for rule in ("micro", "paper"))):
-        if found < FOLDS:
-            raise InputError(f"{found} recordings {what} make no {FOLDS} folds; allowed: {FOLDS} or more")
+    counts = {"with contact": sum(not one.motors_only for one in recordings)}
+    for rule in ("micro", "paper"):
+        counts[f"that slip by the {RULES[rule]} label"] = sum(bool(one.inputs[0].labels[rule].any()) for one in recordings)
+    for what, count in counts.items():
+        if count < FOLDS:
+            raise InputError(f"{count} recordings {what} make no {FOLDS} folds; allowed: {FOLDS} or more")
     return recordings
 
 

@@ -11,8 +11,8 @@ from typing import Any
 from slipbench.learning import networks
 from slipbench_studies.grid import check_only
 from slipbench_studies.piezo_fft_gru.bench import BENCH_LEVEL, PUBLISHED_SPECTRA, RULES, SIGNAL_AT_100_HZ
-from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, USUAL_RECORDINGS, Row, Validations, cell, figures_of, motors_right, on_all, on_slip,
-                                                      recipe_row, recordings_for, setup_of, size_of)
+from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, USUAL_RECORDINGS, Row, Validations, cell, figures_of, motors_right, on_all,
+                                                      on_slip, recipe_row, recordings_for, setup_of, size_of)
 from slipbench_studies.result import Options, RealFigure, Result, Table
 
 NAME = "piezo-fft-gru/table1"

@@ -6,7 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from slipbench_studies.piezo_fft_gru.bench import BENCH_LEVEL, RULES, spectra_of
-from slipbench_studies.piezo_fft_gru.networks import GRU_32, SOURCE, USUAL_RECORDINGS, Validations, figures_of, on_all, on_slip, recordings_for, setup_of, size_of
+from slipbench_studies.piezo_fft_gru.networks import (GRU_32, SOURCE, USUAL_RECORDINGS, Validations, figures_of, on_all, on_slip, recordings_for, setup_of,
+                                                      size_of)
 from slipbench_studies.result import Options, Result, Table
 
 NAME = "piezo-fft-gru/table2"
