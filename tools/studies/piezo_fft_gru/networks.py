@@ -64,7 +64,7 @@ class Row:
         if not self.told:
             return recording.inputs[self.input].features
         kind = np.full(len(recording.time), recording.motors_only)
-        columns = {"time": recording.time, "contact": recording.contact, "motors": recording.motors, "kind": kind}
+        columns: dict[str, NDArray[Any]] = {"time": recording.time, "contact": recording.contact, "motors": recording.motors, "kind": kind}
         return np.stack([columns[one] for one in self.told], axis=1).astype(np.float32)
 
     def parameters(self, inputs: int) -> int:
