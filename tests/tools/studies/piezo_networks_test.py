@@ -1,5 +1,5 @@
-"""The piezo paper's tables: recordings made by hand and simulated ones, what networks read of them, figures of answers and alarms that are counted by hand.
-Argument: the program, which is not used.
+"""The piezo paper's tables: recordings made by hand and simulated ones, what networks read of them, figures of answers
+and alarms that are counted by hand. Argument: the program, which is not used.
 """
 
 import math
@@ -28,9 +28,12 @@ HOLD, SLIP = 0, 1
 def recording(values=((1.0,), (2.0,), (3.0,)), true=(0, 0, 1), position=(0, 1, 1), motors_only=False, **more):
     """Frames of one value, the last slips; by the position the second does, too."""
     count = len(values)
-    frames = LabelledFrames(np.array(values, np.float32), {"paper": np.array(position, np.uint8), "micro": np.array(true, np.uint8)})
-    plain = {"level": 2.0, "tip": "", "slip_time": math.nan, "label_time": math.nan, "time": 0.02 + 0.01 * np.arange(count),
-             "contact": np.arange(count) > 0, "motors": np.array([0.5, 0.0, 0.25] * count, np.float32)[:count]}
+    frames = LabelledFrames(np.array(values, np.float32),
+                            {"paper": np.array(position, np.uint8), "micro": np.array(true, np.uint8)})
+    plain = {
+        "level": 2.0, "tip": "", "slip_time": math.nan, "label_time": math.nan, "time": 0.02 + 0.01 * np.arange(count),
+        "contact": np.arange(count) > 0, "motors": np.array([0.5, 0.0, 0.25] * count, np.float32)[:count]
+    }
     return Recording(motors_only=motors_only, inputs=[frames], **{**plain, **more})
 
 
@@ -56,7 +59,8 @@ class PaddedRecordings(unittest.TestCase):
         self.assertEqual(self.one(convolution, "micro"), ([[1], [1], [1], [2], [3]], [MASKED, MASKED, 0, 0, 1]))
 
     def test_that_have_seen_later_frames_judge_earlier_ones(self):
-        # Of three frames one is later: an answer is that of the middle one. The answer after the k-th frame stands at k + 2, the label of k - 1 with it.
+        # Of three frames one is later: an answer is that of the middle one. The answer after the k-th frame stands at
+        # k + 2, the label of k - 1 with it.
         later = row(partial(published.PiezoTcn, channels=1, kernel=3, layers=1), later=1)
         self.assertEqual(self.one(later, "micro"), ([[1], [1], [2], [3], [3]], [MASKED, MASKED, 0, 0, 1]))
 
@@ -69,7 +73,8 @@ class PaddedRecordings(unittest.TestCase):
 class Figures(unittest.TestCase):
     # Two folds. With contact: all right, and half of each right. Motors: 3 of 4 and 1 of 4 frames right.
     # All, fold 1: slip 1/1, hold (1 + 3)/5 = 0.8; 90 %. Fold 2: slip 1/2, hold (1 + 1)/6; 41.7 %.
-    counts = np.array([[[[1, 0], [0, 1]], [[3, 1], [0, 0]]], [[[1, 1], [1, 1]], [[1, 3], [0, 0]]]])  # [fold, group, true, called]
+    # [fold, group, true, called]
+    counts = np.array([[[[1, 0], [0, 1]], [[3, 1], [0, 0]]], [[[1, 1], [1, 1]], [[1, 3], [0, 0]]]])
 
     def test_they_are_means_of_folds(self):
         on_slip, on_all = networks.on_slip(self.counts), networks.on_all(self.counts)
@@ -92,7 +97,8 @@ class Sizes(unittest.TestCase):
         # 3,200 recordings: a fifth judges, a fifth of the others validates, 2,048 are 64 steps of 32 clips.
         full = Size(3200, True)
         training = full.training(networks.GRU_32)
-        self.assertEqual((training.steps, training.validate_every, training.batch, training.clip), (200 * 64, 64, 32, 128))
+        self.assertEqual((training.steps, training.validate_every, training.batch, training.clip),
+                         (200 * 64, 64, 32, 128))
         self.assertEqual((training.optimiser, training.learning_rate), ("rmsprop", 8e-4))
         self.assertAlmostEqual(full.validated, 0.2)
 
@@ -102,14 +108,19 @@ class Sizes(unittest.TestCase):
         self.assertEqual(usual.validated, 0.0)
 
     def test_architectures_have_the_parameters_that_are_printed(self):
-        # MLP 32: 12 x 32 + 32, three times 32 x 32 + 32, 32 x 2 + 2. GRU: three gates of (inputs + 32) x 32 and two biases of 32 each, four times.
+        # MLP 32: 12 x 32 + 32, three times 32 x 32 + 32, 32 x 2 + 2. GRU: three gates of (inputs + 32) x 32 and two
+        # biases of 32 each, four times.
         self.assertEqual(networks.MLP_32.parameters(12), 416 + 3 * 1056 + 66)
         self.assertEqual(networks.GRU_32.parameters(12), 3 * (44 * 32 + 64) + 3 * 3 * (64 * 32 + 64) + 66)
-        self.assertEqual(set(table1.network_rows(True)) - set(table1.network_rows(False)), {"gru_128", "tcn_128_1", "tcn_128_32", "tcn_128_32_later"})
+        self.assertEqual(
+            set(table1.network_rows(True)) - set(table1.network_rows(False)),
+            {"gru_128", "tcn_128_1", "tcn_128_32", "tcn_128_32_later"})
 
 
 def many():
-    """Ten recordings with a slip and ten without, of 40 frames; a frame that slips is greater by 1 than one that holds, with noise of that size."""
+    """Ten recordings with a slip and ten without, of 40 frames. A frame that slips is greater by 1 than one that holds,
+    with noise of that size.
+    """
     random = RandomStream(1, 0, "recordings")
     made = []
     for number in range(20):
@@ -119,9 +130,11 @@ def many():
 
 
 class Validations(unittest.TestCase):
-    # Calls of a network depend on every bit of its weights where frames are near the threshold; here a third of them are.
+    # Calls of a network depend on every bit of its weights where frames are near the threshold; here a third of them
+    # are.
     def calls(self, jobs, full=False, slip_alone=False):
-        gru = row(partial(published.PiezoGru, units=8, layers=1), training=Training(steps=30, batch=8, clip=16, learning_rate=3e-3))
+        training = Training(steps=30, batch=8, clip=16, learning_rate=3e-3)
+        gru = row(partial(published.PiezoGru, units=8, layers=1), training=training)
         recordings = many()
         validations = networks.Validations(Options(jobs=jobs), Size(len(recordings), full))
         number = validations.queue_folds(recordings, gru, "paper", slip_alone)
@@ -159,18 +172,26 @@ class Refusals(unittest.TestCase):
 
 
 def skin_trial(slips, params, **more):
-    """400 samples of a skin at 10 kHz, three frames. With a slip it is in contact, and slips from sample 250 on; by the position from 350 on."""
+    """400 samples of a skin at 10 kHz, three frames. With a slip it is in contact, and slips from sample 250 on; by the
+    position from 350 on.
+    """
     number = np.arange(400)
     touches = np.full(400, int(slips), np.uint8)
-    labels = SimpleNamespace(state=touches, state_micro=np.where(slips & (number >= 250), 3, touches), state_paper=np.where(slips & (number >= 350), 3, touches),
+    labels = SimpleNamespace(state=touches, state_micro=np.where(slips & (number >= 250), 3, touches),
+                             state_paper=np.where(slips & (number >= 350), 3, touches),
                              micro_onset_time=np.array([0.025, math.nan] if slips else [math.nan] * 2))
-    sensor = SimpleNamespace(type="piezo_skin", rate=10e3, t=1e-4 * number, channels={"signal": np.linspace(0.0, 5.0, 400, dtype=np.float32)[:, None]})
-    return SimpleNamespace(trial=2, params=params, sensors={"pad": sensor}, labels={"pad": labels}, **{"bodies": {}, **more})
+    sensor = SimpleNamespace(type="piezo_skin", rate=10e3, t=1e-4 * number,
+                             channels={"signal": np.linspace(0.0, 5.0, 400, dtype=np.float32)[:, None]})
+    return SimpleNamespace(trial=2, params=params, sensors={"pad": sensor}, labels={"pad": labels},
+                           **{"bodies": {}, **more})
 
 
 class Recordings(unittest.TestCase):
     def test_they_say_what_was_swept_and_what_slips(self):
-        swept = {"motion.vibration": 0.5, "friction.static": 0.9, "motion.speed": 0.01, "effects": ["asperities", {"roughness": 3e-6}]}
+        swept = {
+            "motion.vibration": 0.5, "friction.static": 0.9, "motion.speed": 0.01,
+            "effects": ["asperities", {"roughness": 3e-6}]
+        }
         one = bench.recording_of(skin_trial(True, swept), [PUBLISHED_SPECTRA, SIGNAL_AT_100_HZ])
         self.assertEqual(one.level, 0.5)
         self.assertEqual(one.tip, 'friction.static=0.9 effects=["asperities",{"roughness":3e-06}]')
@@ -193,10 +214,13 @@ class Recordings(unittest.TestCase):
         self.assertEqual(one.inputs[1].features.shape, (3, 101))  # 0 to 5 kHz by 50 Hz
 
     def test_they_say_which_motors_run(self):
-        # The bench moves by 3 mm/s along the surface and 1 mm/s along the normal; from 0.03 s on a motor of 20 mm/s that moves nothing runs, too.
-        body = SimpleNamespace(t=1e-4 * np.arange(400), velocity=np.tile(np.array([-3e-3, 0, 1e-3, 9, 9, 9], np.float32), (400, 1)))
+        # The bench moves by 3 mm/s along the surface and 1 mm/s along the normal; from 0.03 s on a motor of 20 mm/s
+        # that moves nothing runs, too.
+        body = SimpleNamespace(t=1e-4 * np.arange(400),
+                               velocity=np.tile(np.array([-3e-3, 0, 1e-3, 9, 9, 9], np.float32), (400, 1)))
         trial = skin_trial(True, {"motion.idle_speed": 0.02, "motion.idle_start": 0.03}, bodies={"pad": body})
-        np.testing.assert_allclose(bench.recording_of(trial, [PUBLISHED_SPECTRA]).motors, [4e-3, 4e-3, 24e-3], atol=1e-8)
+        np.testing.assert_allclose(
+            bench.recording_of(trial, [PUBLISHED_SPECTRA]).motors, [4e-3, 4e-3, 24e-3], atol=1e-8)
 
     def test_other_sensors_are_refused(self):
         trial = skin_trial(True, {})
@@ -231,9 +255,13 @@ class Recordings(unittest.TestCase):
             networks.recordings_for(Options(seed=1), Size(2, False), [2.0], inputs)
 
     def test_other_motors_run_only_where_they_are_asked_for(self):
-        # At 0.89 s the tip stands still: it is pressed on by then (0.6 mm at 0.7 mm/s), and slides from 0.9 s on or later. What runs is another motor.
+        # At 0.89 s the tip stands still: it is pressed on by then (0.6 mm at 0.7 mm/s), and slides from 0.9 s on or
+        # later. What runs is another motor.
         def running(others_too):
-            found = [one for one in bench.run_recordings([2.0], 30, [SIGNAL_AT_100_HZ], Options(seed=1), others_too) if not one.motors_only]
+            found = [
+                one for one in bench.run_recordings([2.0], 30, [SIGNAL_AT_100_HZ], Options(seed=1), others_too)
+                if not one.motors_only
+            ]
             self.assertEqual(len(found), 15)
             return sum(one.motors[np.searchsorted(one.time, 0.89) - 1] > 0.0 for one in found)
 
@@ -264,13 +292,17 @@ class AlarmDelay(unittest.TestCase):
         alarms.add(TIME, (0, 0, 0, 0, 0, 0), 0.025)  # missed, silent
         alarms.add(TIME, (0, 0, 1, 0, 0, 0), math.nan)  # a false alarm
         alarms.add(TIME, (0, 0, 0, 0, 0, 0), math.nan)
-        self.assertEqual((alarms.early, alarms.missed, alarms.silent, alarms.false_alarms, alarms.slipping, alarms.recordings), (1, 1, 1, 1, 3, 5))
+        self.assertEqual(
+            (alarms.early, alarms.missed, alarms.silent, alarms.false_alarms, alarms.slipping, alarms.recordings),
+            (1, 1, 1, 1, 3, 5))
         np.testing.assert_allclose(alarms.delay, [0.015], atol=1e-12)
         np.testing.assert_allclose(alarms.near, [0.025, 0.015], atol=1e-12)
-        self.assertEqual(alarms.cells(), ["15 (15 to 15)", "1 of 3", "1 of 3", "20 (16 to 24)", "20.0 +- 7.1, 25", "1 of 3"])
+        self.assertEqual(alarms.cells(),
+                         ["15 (15 to 15)", "1 of 3", "1 of 3", "20 (16 to 24)", "20.0 +- 7.1, 25", "1 of 3"])
 
     def test_a_spread_is_in_closed_form(self):
-        # Of 0 to 10 ms the 10 % quantile is 1 ms and the 90 % one 9 ms; the variance of n = 11 whole numbers is n (n + 1)/12 = 11.
+        # Of 0 to 10 ms the 10 % quantile is 1 ms and the 90 % one 9 ms; the variance of n = 11 whole numbers is
+        # n (n + 1)/12 = 11.
         spread = delay.spread_of([1e-3 * k for k in range(10, -1, -1)])
         np.testing.assert_allclose(spread, [5e-3, 1e-3 * math.sqrt(11.0), 5e-3, 1e-3, 9e-3, 10e-3], atol=1e-12)
         self.assertEqual(spread.cell(), "5 (1 to 9)")
@@ -280,7 +312,8 @@ class AlarmDelay(unittest.TestCase):
         times = ((0.5, 0.53), (0.5, 0.55), (0.5, math.nan), (math.nan, 0.5), (math.nan, math.nan))
         table, figures = delay.label_table([recording(label_time=label, slip_time=slip) for label, slip in times])
         self.assertEqual(table.rows, [["40 (32 to 48)", "40.0 +- 14.1", "1", "1"]])
-        self.assertEqual((figures["recordings"], figures["labelled_without_slip"], figures["slip_without_label"]), (2, 1, 1))
+        self.assertEqual((figures["recordings"], figures["labelled_without_slip"], figures["slip_without_label"]),
+                         (2, 1, 1))
 
 
 class Levels(unittest.TestCase):

@@ -21,7 +21,7 @@ from slipbench_studies.result import Options
 
 BENCH_LEVEL = 2.0  # of the motors' vibration in SCENE
 NON_SLIP = 1  # code of a pad's state; greater codes slip
-RULES = {"paper": "position", "micro": "true"}  # of the labels, by the name of `slipbench train --labels`: the name in the tables
+RULES = {"paper": "position", "micro": "true"}  # labels by their name in `slipbench train --labels`: name in the tables
 
 PUBLISHED_SPECTRA = find_recipe("piezo_fft_gru").input
 SIGNAL_AT_100_HZ = find_recipe("piezo_raw_gru").input
@@ -74,8 +74,8 @@ class Recording:
 
 def tip_of(params: Mapping[str, Any]) -> str:
     """What was swept except the motion, as "friction.static=0.6 ...". `params`: of a trial."""
-    return " ".join(f"{path}={json.dumps(value, separators=(',', ':'), ensure_ascii=False)}" for path, value in params.items()
-                    if not path.startswith("motion."))
+    return " ".join(f"{path}={json.dumps(value, separators=(',', ':'), ensure_ascii=False)}"
+                    for path, value in params.items() if not path.startswith("motion."))
 
 
 def recording_of(trial: Trial | StoredTrial, inputs: Sequence[Input]) -> Recording:
@@ -93,17 +93,24 @@ def recording_of(trial: Trial | StoredTrial, inputs: Sequence[Input]) -> Recordi
     """
     pads = [name for name, sensor in trial.sensors.items() if sensor.type == "piezo_skin"]
     if not pads:
-        raise InputError(f"trial {trial.trial}: expected a sensor of type piezo_skin, found {[one.type for one in trial.sensors.values()]}")
+        raise InputError(
+            f"trial {trial.trial}: expected a sensor of type piezo_skin, found "
+            f"{[one.type for one in trial.sensors.values()]}"
+        )
     sensor, labels = trial.sensors[pads[0]], trial.labels[pads[0]]
     states = {rule: getattr(labels, f"state_{rule}", None) for rule in RULES}
     missing = [rule for rule, codes in states.items() if codes is None]
     if missing:
-        raise InputError(f"trial {trial.trial}: sensor {pads[0]} has no labels {missing[0]}; use simulated recordings, which have both micro and paper")
+        raise InputError(
+            f"trial {trial.trial}: sensor {pads[0]} has no labels {missing[0]}; use simulated recordings, which have "
+            "both micro and paper"
+        )
     slips = {rule: np.asarray(codes) > NON_SLIP for rule, codes in states.items()}
     time = np.asarray(sensor.t)
     frames, ends = [], []
     for one in inputs:
-        features, last = Frames(one, sensor.type, sensor.rate, {name: values.shape[1:] for name, values in sensor.channels.items()}).all(sensor.channels)
+        shapes = {name: values.shape[1:] for name, values in sensor.channels.items()}
+        features, last = Frames(one, sensor.type, sensor.rate, shapes).all(sensor.channels)
         frames.append(LabelledFrames(features, {rule: states[last].astype(np.uint8) for rule, states in slips.items()}))
         ends.append(last)
     at = time[ends[0]]
@@ -145,7 +152,8 @@ def speed_of_bodies(trial: Trial | StoredTrial, time: NDArray[np.float64]) -> ND
     return speed
 
 
-def run_recordings(levels: Iterable[float], count: int, inputs: Sequence[Input], options: Options, others_too: bool = True) -> list[Recording]:
+def run_recordings(levels: Iterable[float], count: int, inputs: Sequence[Input], options: Options,
+                   others_too: bool = True) -> list[Recording]:
     """Runs the published bench.
 
     Args:
@@ -165,7 +173,8 @@ def run_recordings(levels: Iterable[float], count: int, inputs: Sequence[Input],
     if not others_too:
         overrides["sweep.motion.idle_speed"] = "[0 mm/s]"
     name = "recordings" if others_too else "recordings, no motor but the tip's"
-    return run_grid([Cell(name, SCENE, overrides, count // 2)], options, lambda _, trial: recording_of(trial, inputs))[0]
+    return run_grid([Cell(name, SCENE, overrides, count // 2)], options,
+                    lambda _, trial: recording_of(trial, inputs))[0]
 
 
 def read_recordings(path: str, inputs: Sequence[Input]) -> list[Recording]:

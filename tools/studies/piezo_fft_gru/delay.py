@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from slipbench_studies.piezo_fft_gru.bench import BENCH_LEVEL, PUBLISHED_SPECTRA, RULES, Recording
-from slipbench_studies.piezo_fft_gru.networks import (GRU_32, SOURCE, USUAL_RECORDINGS, Validations, cell, figures_of, motors_right, on_all, on_slip,
-                                                      recordings_for, setup_of, size_of)
+from slipbench_studies.piezo_fft_gru.networks import (GRU_32, SOURCE, USUAL_RECORDINGS, Validations, cell, figures_of,
+                                                      motors_right, on_all, on_slip, recordings_for, setup_of, size_of)
 from slipbench_studies.result import Options, Result, Table
 from slipbench_studies.statistics import mean_sd, quantile
 
@@ -20,8 +20,9 @@ NAME = "piezo-fft-gru/delay"
 
 
 def alarm_delay(time: ArrayLike, called: ArrayLike, onset: float) -> float:
-    """From `onset` to the beginning of the alarm that is on at this instant, which is negative, or else of the first one after it. The paper's mean of
-    8.5 ms counts so: its delays may be negative.
+    """The time from `onset` to the beginning of the alarm that is on at this instant, or else of the next one.
+
+    It is negative for an alarm that is on. The paper's mean of 8.5 ms counts so: its delays may be negative.
 
     Args:
         time: [T] s, of each frame
@@ -32,7 +33,7 @@ def alarm_delay(time: ArrayLike, called: ArrayLike, onset: float) -> float:
         s; NaN: no alarm is on then or comes after it
     """
     at, alarm = np.asarray(time), np.asarray(called) == 1
-    frame = int(np.searchsorted(at, onset, "right"))  # the answer at the onset is that of the frame before, the last one that is complete
+    frame = int(np.searchsorted(at, onset, "right"))  # the frame before it, the last complete one, answers at the onset
     if frame > 0 and alarm[frame - 1]:
         silent = np.flatnonzero(~alarm[:frame])
         return float(at[silent[-1] + 1 if silent.size else 0] - onset)
@@ -92,14 +93,18 @@ class Alarms:
 
     def figures(self) -> dict[str, Any]:
         """For the JSON of the study."""
-        return {"first": spread_of(self.delay).json(), "early": self.early, "missed": self.missed, "slipping": self.slipping,
-                "false_alarms": self.false_alarms, "near": spread_of(self.near).json(), "silent": self.silent}
+        return {
+            "first": spread_of(self.delay).json(), "early": self.early, "missed": self.missed,
+            "slipping": self.slipping, "false_alarms": self.false_alarms, "near": spread_of(self.near).json(),
+            "silent": self.silent
+        }
 
     def cells(self) -> list[str]:
         """The last six columns of the table of delays."""
         near = spread_of(self.near)
-        return [spread_of(self.delay).cell(), share(self.early, self.slipping), share(self.missed, self.slipping), near.cell(),
-                f"{1e3 * near.mean:.1f} +- {1e3 * near.sd:.1f}, {1e3 * near.greatest:.0f}" if self.near else "-", share(self.silent, self.slipping)]
+        mean = f"{1e3 * near.mean:.1f} +- {1e3 * near.sd:.1f}, {1e3 * near.greatest:.0f}" if self.near else "-"
+        early, missed, silent = (share(part, self.slipping) for part in (self.early, self.missed, self.silent))
+        return [spread_of(self.delay).cell(), early, missed, near.cell(), mean, silent]
 
 
 class Spread(NamedTuple):
@@ -118,12 +123,14 @@ class Spread(NamedTuple):
 
     def cell(self) -> str:
         """Median, 10 and 90 % in ms, as "12 (3 to 40)"; "-" of no times."""
-        return "-" if math.isnan(self.median) else f"{1e3 * self.median:.0f} ({1e3 * self.p10:.0f} to {1e3 * self.p90:.0f})"
+        text = f"{1e3 * self.median:.0f} ({1e3 * self.p10:.0f} to {1e3 * self.p90:.0f})"
+        return "-" if math.isnan(self.median) else text
 
 
 def spread_of(times: Sequence[float]) -> Spread:
     """The spread of some times, s."""
-    return Spread(*mean_sd(times), quantile(times, 0.5), quantile(times, 0.1), quantile(times, 0.9), max(times, default=math.nan))
+    return Spread(*mean_sd(times), quantile(times, 0.5), quantile(times, 0.1), quantile(times, 0.9),
+                  max(times, default=math.nan))
 
 
 def share(part: int, whole: int) -> str:
@@ -145,10 +152,14 @@ def label_table(recordings: Iterable[Recording]) -> tuple[Table, dict[str, Any]]
     no_slip = sum(math.isnan(slip) and not math.isnan(label) for label, slip in times)
     no_label = sum(math.isnan(label) and not math.isnan(slip) for label, slip in times)
     spread = spread_of(early)
+    mean = f"{1e3 * spread.mean:.1f} +- {1e3 * spread.sd:.1f}" if early else "-"
     table = Table("The position label itself: how long before the true first slip it begins, ms",
                   ["median (10 to 90 %)", "mean +- sd", "labelled, no slip", "slip, not labelled"],
-                  [[spread.cell(), f"{1e3 * spread.mean:.1f} +- {1e3 * spread.sd:.1f}" if early else "-", str(no_slip), str(no_label)]])
-    return table, {"early": spread.json(), "recordings": len(early), "labelled_without_slip": no_slip, "slip_without_label": no_label}
+                  [[spread.cell(), mean, str(no_slip), str(no_label)]])
+    return table, {
+        "early": spread.json(), "recordings": len(early), "labelled_without_slip": no_slip,
+        "slip_without_label": no_label
+    }
 
 
 def study(options: Options) -> Result:
@@ -169,14 +180,18 @@ def study(options: Options) -> Result:
     asked = {rule: validations.queue_folds(recordings, GRU_32, rule) for rule in RULES}
     validations.run(NAME)
 
-    delays = Table("Delay, ms: median (10 to 90 %)",
-                   ["learnt by", "counted from", "first alarm", "early", "missed", "alarm at or after", "mean +- sd, greatest", "none"],
-                   [["paper", "position label", "-", "-", "-", "-", "8.5 +- 23.7, 58", "7 of 3,200 recordings"]],
-                   note="First alarm: the first frame of a recording that is called slip decides; where it is before the instant counted from, it is early and "
-                   "has no delay. Alarm at or after: the beginning of the alarm that is on at that instant, which is negative, or of the first after it.")
-    frames = Table("The same networks by frame",
-                   ["learnt and judged by", "all recordings", "with contact", "motors alone, % right", "motors alone, false alarms"],
-                   [["paper, position label", "98.7, -", "98.2, 0.978", "99.9", "-"]])
+    delays = Table(
+        "Delay, ms: median (10 to 90 %)",
+        ["learnt by", "counted from", "first alarm", "early", "missed", "alarm at or after", "mean +- sd, greatest",
+         "none"],
+        [["paper", "position label", "-", "-", "-", "-", "8.5 +- 23.7, 58", "7 of 3,200 recordings"]],
+        note="First alarm: the first frame of a recording that is called slip decides; where it is before the instant "
+        "counted from, it is early and has no delay. Alarm at or after: the beginning of the alarm that is on at that "
+        "instant, which is negative, or of the first after it.",
+    )
+    frames = Table("The same networks by frame", [
+        "learnt and judged by", "all recordings", "with contact", "motors alone, % right", "motors alone, false alarms"
+    ], [["paper, position label", "98.7, -", "98.2, 0.978", "99.9", "-"]])
     figures: dict[str, Any] = {}
     for rule, number in asked.items():
         name, calls, counts = f"{RULES[rule]} label", validations.calls(number), validations.counts(number)
@@ -185,9 +200,11 @@ def study(options: Options) -> Result:
             labelled.add(one.time, called, one.label_time)
             true.add(one.time, called, one.slip_time)
         delays.rows += [[name, "position label", *labelled.cells()], [name, "true first slip", *true.cells()]]
-        frames.rows.append([name, on_all(counts).cell(), on_slip(counts).cell(), cell(motors_right(counts)),
-                            share(true.false_alarms, true.recordings - true.slipping)])
-        figures[RULES[rule]] = {"from_position_label": labelled.figures(), "from_true_slip": true.figures(), "frames": figures_of(counts)}
+        alarms = share(true.false_alarms, true.recordings - true.slipping)
+        frames.rows.append([name, on_all(counts).cell(), on_slip(counts).cell(), cell(motors_right(counts)), alarms])
+        figures[RULES[rule]] = {
+            "from_position_label": labelled.figures(), "from_true_slip": true.figures(), "frames": figures_of(counts)
+        }
     label, figures["label"] = label_table(recordings)
     return Result(
         title="When the FFT-GRU notices a slip of the piezoelectric skin",
@@ -196,8 +213,8 @@ def study(options: Options) -> Result:
         tables=[delays, label, frames],
         setup=setup_of(options, size, len(recordings)),
         remarks=[
-            "The paper's delay is from its own label, which says slip as soon as the bench moves by more than 10 um in 10 ms: the layer shears before it "
-            "slips. A detector that follows this label is before the slip.",
+            "The paper's delay is from its own label, which says slip as soon as the bench moves by more than 10 um in "
+            "10 ms: the layer shears before it slips. A detector that follows this label is before the slip.",
             "A frame is complete every 10 ms, so a delay is 5 ms late in the mean whatever the network.",
         ],
     )

@@ -21,15 +21,16 @@ from slipbench_studies.result import Options
 from slipbench_studies.statistics import mean_sd
 from torch import nn
 
-SOURCE = ('"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor". Cells are balanced accuracy in % and F1 '
-          "of slip.")
+SOURCE = ('"Spectro-Temporal Recurrent Neural Network for Robotic Slip Detection with Piezoelectric Tactile Sensor". '
+          "Cells are balanced accuracy in % and F1 of slip.")
 PUBLISHED_RECORDINGS, USUAL_RECORDINGS = 3200, 200
 FOLDS = 5
 CLASSES = 2  # hold, slip
 WITH_SLIP, MOTORS_ALONE = 0, 1  # groups of recordings
 EPOCHS = 200  # published
 SHOWN, KEPT = 0.8, 0.8  # shares: recordings that are trained on, and those of them that do not validate
-PUBLISHED_TRAINING = Training(batch=32, clip=128, learning_rate=8e-4, optimiser="rmsprop")  # its steps depend on the number of recordings
+# Its steps depend on the number of recordings.
+PUBLISHED_TRAINING = Training(batch=32, clip=128, learning_rate=8e-4, optimiser="rmsprop")
 SHORTCUTS = ("time", "contact", "motors", "kind")  # kind: whether the recording is of motors alone
 
 
@@ -64,7 +65,9 @@ class Row:
         if not self.told:
             return recording.inputs[self.input].features
         kind = np.full(len(recording.time), recording.motors_only)
-        columns: dict[str, NDArray[Any]] = {"time": recording.time, "contact": recording.contact, "motors": recording.motors, "kind": kind}
+        columns: dict[str, NDArray[Any]] = {
+            "time": recording.time, "contact": recording.contact, "motors": recording.motors, "kind": kind
+        }
         return np.stack([columns[one] for one in self.told], axis=1).astype(np.float32)
 
     def parameters(self, inputs: int) -> int:
@@ -103,7 +106,8 @@ class Size:
 
     Attributes:
         recordings: at each level of the motors
-        full: 200 epochs, and the state that is best on a fifth of the recordings trained on; else a row's own training, and its last state
+        full: 200 epochs, and the state that is best on a fifth of the recordings trained on; else a row's own training,
+            and its last state
     """
 
     recordings: int
@@ -139,12 +143,14 @@ def size_of(options: Options, usual: int) -> Size:
         raise InputError("reproduce: --trials is for recordings that are made; allowed: --data alone")
     size = Size(options.trials or (PUBLISHED_RECORDINGS if options.full else usual), options.full)
     if size.recordings < 2 * FOLDS or size.recordings % 2:
-        raise InputError(f"reproduce: --trials {size.recordings}: half of the recordings of a level have contact, and {FOLDS} folds need one each; "
-                         f"allowed: even numbers, {2 * FOLDS} or more")
+        raise InputError(
+            f"reproduce: --trials {size.recordings}: half of the recordings of a level have contact, and {FOLDS} folds "
+            f"need one each; allowed: even numbers, {2 * FOLDS} or more")
     return size
 
 
-def recordings_for(options: Options, size: Size, levels: Iterable[float], inputs: Sequence[Input], others_too: bool = True) -> list[Recording]:
+def recordings_for(options: Options, size: Size, levels: Iterable[float], inputs: Sequence[Input],
+                   others_too: bool = True) -> list[Recording]:
     """The recordings of --data, or those of the bench.
 
     Args:
@@ -160,10 +166,14 @@ def recordings_for(options: Options, size: Size, levels: Iterable[float], inputs
     Raises:
         InputError: of a trial or of the dataset, or where too few recordings slip for the folds
     """
-    recordings = read_recordings(options.data, inputs) if options.data else run_recordings(levels, size.recordings, inputs, options, others_too)
+    if options.data:
+        recordings = read_recordings(options.data, inputs)
+    else:
+        recordings = run_recordings(levels, size.recordings, inputs, options, others_too)
     counts = {"with contact": sum(not one.motors_only for one in recordings)}
     for rule in ("micro", "paper"):
-        counts[f"that slip by the {RULES[rule]} label"] = sum(bool(one.inputs[0].labels[rule].any()) for one in recordings)
+        counts[f"that slip by the {RULES[rule]} label"] = sum(
+            bool(one.inputs[0].labels[rule].any()) for one in recordings)
     for what, count in counts.items():
         if count < FOLDS:
             raise InputError(f"{count} recordings {what} make no {FOLDS} folds; allowed: {FOLDS} or more")
@@ -185,8 +195,8 @@ class Padded(NamedTuple):
 def padded(recordings: Iterable[Recording], row: Row, rule: str) -> list[Padded]:
     """Recordings as a row's network is trained on them and judges them.
 
-    What a convolution reads before a recording is its first frame, and what it reads after it the last one: so all frames are judged. An answer that
-    has seen `later` frames stands so many frames after the one that it judges.
+    A convolution reads copies of the first frame before a recording, and copies of the last one after it: so all frames
+    are judged. An answer that has seen `later` frames stands so many frames after the one that it judges.
 
     Args:
         recordings: of the bench
@@ -203,7 +213,8 @@ def padded(recordings: Iterable[Recording], row: Row, rule: str) -> list[Padded]
         if repeated < 0:
             repeated = history_of(row.network(features.shape[1], CLASSES)) - 1
         ends = (repeated - row.later, row.later)
-        found.append(Padded(np.pad(features, (ends, (0, 0)), mode="edge"), np.pad(labels, (repeated, 0), constant_values=MASKED)))
+        masked = np.pad(labels, (repeated, 0), constant_values=MASKED)
+        found.append(Padded(np.pad(features, (ends, (0, 0)), mode="edge"), masked))
     return found
 
 
@@ -229,7 +240,10 @@ class Figures(NamedTuple):
 
     def json(self) -> dict[str, float]:
         """balanced_accuracy (0 to 1) and f1, with their deviations."""
-        return {"balanced_accuracy": self.accuracy[0] / 100.0, "balanced_accuracy_sd": self.accuracy[1] / 100.0, "f1": self.f1[0], "f1_sd": self.f1[1]}
+        return {
+            "balanced_accuracy": self.accuracy[0] / 100.0, "balanced_accuracy_sd": self.accuracy[1] / 100.0,
+            "f1": self.f1[0], "f1_sd": self.f1[1]
+        }
 
     def cell(self) -> str:
         """As "96.2 +- 0.8, 0.885"; "-" where there is nothing to judge."""
@@ -272,7 +286,10 @@ def motors_right(counts: Counts) -> MeanSd:
 
 def figures_of(counts: Counts) -> dict[str, Any]:
     """on_slip_and_noise, on_slip and motors_right, for the JSON of a study."""
-    return {"on_slip_and_noise": on_all(counts).json(), "on_slip": on_slip(counts).json(), "motors_right": motors_right(counts)[0] / 100.0}
+    return {
+        "on_slip_and_noise": on_all(counts).json(), "on_slip": on_slip(counts).json(),
+        "motors_right": motors_right(counts)[0] / 100.0
+    }
 
 
 class _Plan(NamedTuple):
@@ -290,14 +307,14 @@ class Validations:
         options: seed, jobs, output, resume
         size: of the study
     """
-
     def __init__(self, options: Options, size: Size) -> None:
         self._options, self._size = options, size
         self._plans: list[_Plan] = []
         self._tasks: list[tuple[int, int]] = []  # number of the plan, fold
         self._called: list[list[Labels]] = []  # of each task: of each recording in the fold
 
-    def queue(self, recordings: Sequence[Recording], fold_of: ArrayLike, row: Row, rule: str, slip_alone: bool = False) -> int:
+    def queue(self, recordings: Sequence[Recording], fold_of: ArrayLike, row: Row, rule: str,
+              slip_alone: bool = False) -> int:
         """Each fold is judged by a network that is trained on the others.
 
         Args:
@@ -317,7 +334,8 @@ class Validations:
 
     def queue_folds(self, recordings: Sequence[Recording], row: Row, rule: str, slip_alone: bool = False) -> int:
         """The same by FOLDS folds, over which recordings with contact and of motors alone are dealt out separately."""
-        return self.queue(recordings, folds(groups_of(recordings), FOLDS, self._options.draws_seed), row, rule, slip_alone)
+        return self.queue(recordings, folds(groups_of(recordings), FOLDS, self._options.draws_seed), row, rule,
+                          slip_alone)
 
     def run(self, name: str) -> None:
         """Trains all that is queued.
@@ -328,7 +346,9 @@ class Validations:
         Raises:
             InputError: as train_all()
         """
-        subjects = [f"{self._plans[number].row.text}, {RULES[self._plans[number].rule]} label" for number, _ in self._tasks]
+        subjects = [
+            f"{self._plans[number].row.text}, {RULES[self._plans[number].rule]} label" for number, _ in self._tasks
+        ]
         said = train_all(name, subjects, self._options, lambda index: self._judge(*self._tasks[index]))
         self._called = [[np.array(one, dtype=np.uint8) for one in of_fold] for of_fold in said]
 
@@ -343,7 +363,7 @@ class Validations:
         return found
 
     def calls(self, validation: int) -> list[Labels]:
-        """What each frame [T] of each recording is called, 1: slip, by the network that is not trained on it. After run()."""
+        """Each recording's frames [T] as the network that is not trained on it calls them, 1: slip. After run()."""
         fold_of = self._plans[validation].fold_of
         called: list[Labels] = [np.zeros(0, np.uint8)] * len(fold_of)
         for (number, fold), of_fold in zip(self._tasks, self._called, strict=True):
@@ -355,7 +375,8 @@ class Validations:
     def _judge(self, number: int, fold: int) -> list[Labels]:
         plan = self._plans[number]
         trained_on, judged = [], []
-        for one, group, of_it in zip(padded(plan.recordings, plan.row, plan.rule), groups_of(plan.recordings), plan.fold_of, strict=True):
+        for one, group, of_it in zip(padded(plan.recordings, plan.row, plan.rule), groups_of(plan.recordings),
+                                     plan.fold_of, strict=True):
             if of_it == fold:
                 judged.append(one.features)
             elif group == WITH_SLIP or not plan.slip_alone:
@@ -365,8 +386,8 @@ class Validations:
         for _ in range(int(self._size.validated * len(trained_on))):
             validating.append(trained_on.pop(random.integer(len(trained_on))))
         inputs = judged[0].shape[1]
-        logits = train_and_answer(partial(plan.row.network, inputs, CLASSES), trained_on, judged, self._size.training(plan.row), classes=CLASSES, seed=seed,
-                                  validating=validating)
+        logits = train_and_answer(partial(plan.row.network, inputs, CLASSES), trained_on, judged,
+                                  self._size.training(plan.row), classes=CLASSES, seed=seed, validating=validating)
         return [one.argmax(axis=1).astype(np.uint8) for one in logits]
 
 
@@ -381,12 +402,16 @@ def setup_of(options: Options, size: Size, recordings: int) -> list[str]:
     Returns:
         a sentence each
     """
-    made = f"{recordings} recordings of {SCENE} (paper: {PUBLISHED_RECORDINGS}), half with contact, seed {options.draws_seed}."
-    trained = ("200 epochs of 32 clips of 128 frames a step by RMSProp; a fifth of the recordings learnt from chooses the state." if size.full else
-               "Learnt as the recipes say (`slipbench describe piezo_fft_gru`); the last state is judged.")
+    source = options.data or (f"{SCENE} (paper: {PUBLISHED_RECORDINGS}), half with contact, "
+                              f"seed {options.draws_seed}")
+    trained = "Learnt as the recipes say (`slipbench describe piezo_fft_gru`); the last state is judged."
+    if size.full:
+        trained = ("200 epochs of 32 clips of 128 frames a step by RMSProp; a fifth of the recordings learnt from "
+                   "chooses the state.")
     return [
-        f"{recordings} recordings of {options.data}." if options.data else made,
+        f"{recordings} recordings of {source}.",
         "Frames of 20 ms every 10 ms, log power in bins of 50 Hz, standardised on the recordings that are learnt.",
         f"{FOLDS} folds by recording; mean and standard deviation of the folds. {trained}",
-        "Labels: position, that the bench's 100 Hz position has changed since its last reading; true, that a part of the contact slips.",
+        "Labels: position, that the bench's 100 Hz position has changed since its last reading; true, that a part of "
+        "the contact slips.",
     ]

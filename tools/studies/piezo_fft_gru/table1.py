@@ -11,13 +11,15 @@ from typing import Any
 from slipbench.learning import networks
 from slipbench_studies.grid import check_only
 from slipbench_studies.piezo_fft_gru.bench import BENCH_LEVEL, PUBLISHED_SPECTRA, RULES, SIGNAL_AT_100_HZ
-from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, USUAL_RECORDINGS, Row, Validations, cell, figures_of, motors_right, on_all,
-                                                      on_slip, recipe_row, recordings_for, setup_of, size_of)
+from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, USUAL_RECORDINGS, Row, Validations, cell,
+                                                      figures_of, motors_right, on_all, on_slip, recipe_row,
+                                                      recordings_for, setup_of, size_of)
 from slipbench_studies.result import Options, RealFigure, Result, Table
 
 NAME = "piezo-fft-gru/table1"
 SIGNAL = 1  # number in Recording.inputs
-RECORDINGS = 2 * USUAL_RECORDINGS  # twice as many as the other tables: 160 to train on are too few for the convolutions (README.md)
+# Twice as many as the other tables: 160 to train on are too few for the convolutions (README.md).
+RECORDINGS = 2 * USUAL_RECORDINGS
 SHORTCUT_STEPS = 300
 HALF = 62  # of the 4 x 31 frames before the last
 
@@ -63,8 +65,11 @@ def shortcut_rows() -> dict[str, Row]:
         "kind": ("slip recording or motors alone", ("kind",)),
     }
     training = replace(MLP_32.training, steps=SHORTCUT_STEPS)
-    return {name: replace(MLP_32, name=name, text=f"{text}, MLP 32", training=training, told=told, f1=math.nan, accuracy=math.nan)
-            for name, (text, told) in shortcuts.items()}
+    return {
+        name: replace(MLP_32, name=name, text=f"{text}, MLP 32", training=training, told=told, f1=math.nan,
+                      accuracy=math.nan)
+        for name, (text, told) in shortcuts.items()
+    }
 
 
 def table_of(title: str, rows: Mapping[str, Row], inputs: Mapping[str, int], asked: Mapping[str, Mapping[str, int]],
@@ -81,8 +86,10 @@ def table_of(title: str, rows: Mapping[str, Row], inputs: Mapping[str, int], ask
     Returns:
         both
     """
-    table = Table(title, ["input, network", "parameters", "paper", "position label: all", "with contact", "motors alone, % right", "true label: all",
-                          "with contact", "motors alone, % right"])
+    table = Table(title, [
+        "input, network", "parameters", "paper", "position label: all", "with contact", "motors alone, % right",
+        "true label: all", "with contact", "motors alone, % right"
+    ])
     figures: dict[str, dict[str, Any]] = {}
     for name, row in rows.items():
         cells = []
@@ -107,12 +114,15 @@ def study(options: Options) -> Result:
         accuracy and F1 of architectures, and of shortcuts
 
     Raises:
-        InputError: for an unknown name of --only, as size_of() and recordings_for(), or for networks that are kept from another run
+        InputError: for an unknown name of --only, as size_of() and recordings_for(), or for networks that are kept from
+            another run
     """
     size = size_of(options, RECORDINGS)
     architectures, shortcuts = network_rows(options.full), shortcut_rows()
     check_only(options.only, [*architectures, *shortcuts])
-    architectures, shortcuts = ({name: row for name, row in rows.items() if not options.only or name in options.only} for rows in (architectures, shortcuts))
+    if options.only:
+        architectures = {name: row for name, row in architectures.items() if name in options.only}
+        shortcuts = {name: row for name, row in shortcuts.items() if name in options.only}
     recordings = recordings_for(options, size, [BENCH_LEVEL], [PUBLISHED_SPECTRA, SIGNAL_AT_100_HZ])
     validations = Validations(options, size)
     by_truth = set(architectures) if options.full else {GRU_32.name, MLP_32.name}
@@ -128,16 +138,21 @@ def study(options: Options) -> Result:
 
     tables, figures = [], {}
     inputs = {name: row.features(recordings[0]).shape[1] for name, row in {**architectures, **shortcuts}.items()}
-    for part, title, rows in (("networks", "Table I: architectures", architectures), ("shortcuts", "What needs no slip signal", shortcuts)):
+    for part, title, rows in (("networks", "Table I: architectures", architectures),
+                              ("shortcuts", "What needs no slip signal", shortcuts)):
         if rows:
             table, figures[part] = table_of(title, rows, inputs, asked, validations)
             tables.append(table)
     if shortcuts:
-        tables[-1].note = ("Each is told that alone, and not the signal. Speed of the motors: the sum over all that run, those that do not move the tip among "
-                           "them. A bench whose motor moves a tip that touches does slip but for the shear before it: contact and motors together are a "
-                           "definition more than a shortcut.")
-    setup = [*setup_of(options, size, len(recordings)),
-             "A convolution looks back, before a recording begins, to its first frame: all frames are judged. The paper pads, too."]
+        tables[-1].note = (
+            "Each is told that alone, and not the signal. Speed of the motors: the sum over all that run, those that "
+            "do not move the tip among them. A bench whose motor moves a tip that touches does slip but for the shear "
+            "before it: contact and motors together are a definition more than a shortcut.")
+    setup = [
+        *setup_of(options, size, len(recordings)),
+        "A convolution looks back, before a recording begins, to its first frame: all frames are judged. The paper "
+        "pads, too."
+    ]
     if not options.full:
         setup.append("By the true label GRU 32, MLP 32 and the shortcuts learn; all networks with `--full`.")
     return Result(
@@ -147,9 +162,14 @@ def study(options: Options) -> Result:
         tables=tables,
         setup=setup,
         remarks=[
-            "The paper keeps the state of the best validation result, from the recordings that also judge; here recordings that judge choose nothing.",
-            "Neither the paper's motors nor the size of its signal are printed: their level 2 is an assumption. table4 has the others.",
+            "The paper keeps the state of the best validation result, from the recordings that also judge; here "
+            "recordings that judge choose nothing.",
+            "Neither the paper's motors nor the size of its signal are printed: their level 2 is an assumption. table4 "
+            "has the others.",
         ],
-        real=[RealFigure(f"{row.text}, balanced accuracy of frames, %", row.accuracy, on_all(validations.counts(asked["paper"][name])).accuracy[0],
-                         "ours has learnt from simulation") for name, row in architectures.items() if not math.isnan(row.accuracy)],
+        real=[
+            RealFigure(f"{row.text}, balanced accuracy of frames, %", row.accuracy,
+                       on_all(validations.counts(asked["paper"][name])).accuracy[0], "ours has learnt from simulation")
+            for name, row in architectures.items() if not math.isnan(row.accuracy)
+        ],
     )

@@ -7,8 +7,8 @@ from typing import Any
 from slipbench import InputError
 from slipbench_studies.piezo_fft_gru import SCENE
 from slipbench_studies.piezo_fft_gru.bench import BENCH_LEVEL, PUBLISHED_SPECTRA, RULES
-from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, USUAL_RECORDINGS, Validations, figures_of, on_all, recordings_for, setup_of,
-                                                      size_of)
+from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, USUAL_RECORDINGS, Validations, figures_of,
+                                                      on_all, recordings_for, setup_of, size_of)
 from slipbench_studies.result import Options, Result, Table
 
 NAME = "piezo-fft-gru/table3"
@@ -25,22 +25,30 @@ def study(options: Options) -> Result:
         accuracy and F1 on each tip, by networks that are not trained on it
 
     Raises:
-        InputError: where all recordings are of one tip, as size_of() and recordings_for(), or for networks that are kept from another run
+        InputError: where all recordings are of one tip, as size_of() and recordings_for(), or for networks that are
+            kept from another run
     """
     size = size_of(options, USUAL_RECORDINGS)
     recordings = recordings_for(options, size, [BENCH_LEVEL], [PUBLISHED_SPECTRA])
     tips = sorted({one.tip for one in recordings})
     if len(tips) < 2:
-        raise InputError(f"{options.data or SCENE}: all recordings are of one tip; allowed: two or more, as one is left out")
+        raise InputError(
+            f"{options.data or SCENE}: all recordings are of one tip; allowed: two or more, as one is left out")
     tip_of = [tips.index(one.tip) for one in recordings]
     validations = Validations(options, size)
-    asked = [(row, rule, validations.queue_folds(recordings, row, rule), validations.queue(recordings, tip_of, row, rule))
-             for row in (GRU_32, MLP_32) for rule in RULES]
+    asked = []
+    for row in (GRU_32, MLP_32):
+        for rule in RULES:
+            every = validations.queue_folds(recordings, row, rule)
+            asked.append((row, rule, every, validations.queue(recordings, tip_of, row, rule)))
     validations.run(NAME)
 
-    table = Table("Table III: all recordings of the tip, with contact and motors alone",
-                  ["network", "label", "none left out", *(f"tip {number + 1}" for number in range(len(tips)))],
-                  note="Tips are numbered in the order of what the sweep says of them; the paper's are not described, so that the numbers do not match.")
+    table = Table(
+        "Table III: all recordings of the tip, with contact and motors alone",
+        ["network", "label", "none left out", *(f"tip {number + 1}" for number in range(len(tips)))],
+        note="Tips are numbered in the order of what the sweep says of them; the paper's are not described, so that "
+        "the numbers do not match.",
+    )
     published = ["paper, GRU 32", "position", *PUBLISHED, *["-"] * len(tips)]
     table.rows.append(published[:len(table.head)])
     figures: dict[str, dict[str, Any]] = {name: {} for name in RULES.values()}
@@ -54,7 +62,12 @@ def study(options: Options) -> Result:
         source=f"Table III of {SOURCE}",
         figures=figures,
         tables=[table],
-        setup=[*setup_of(options, size, len(recordings)),
-               *(f"Tip {number + 1}: {tip_of.count(number)} recordings, {tip}" for number, tip in enumerate(tips))],
-        remarks=["The scene's tips differ in friction, stiffness, roundness, resonance and roughness; what they have in common is the sensor and its motors."],
+        setup=[
+            *setup_of(options, size, len(recordings)),
+            *(f"Tip {number + 1}: {tip_of.count(number)} recordings, {tip}" for number, tip in enumerate(tips))
+        ],
+        remarks=[
+            "The scene's tips differ in friction, stiffness, roundness, resonance and roughness; what they have in "
+            "common is the sensor and its motors."
+        ],
     )

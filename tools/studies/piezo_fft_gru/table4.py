@@ -1,4 +1,4 @@
-"""Table IV of the piezo paper: with and without recordings of motors alone, against the level of the motors' vibration."""
+"""Table IV of the piezo paper: with and without recordings of motors alone, against the motors' vibration."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from typing import Any
 from slipbench import InputError
 from slipbench_studies.grid import check_only
 from slipbench_studies.piezo_fft_gru.bench import BENCH_LEVEL, PUBLISHED_SPECTRA, RULES, Recording
-from slipbench_studies.piezo_fft_gru.networks import GRU_32, MLP_32, SOURCE, Row, Validations, figures_of, on_all, on_slip, recordings_for, setup_of, size_of
+from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, Row, Validations, figures_of, on_all,
+                                                      on_slip, recordings_for, setup_of, size_of)
 from slipbench_studies.result import Options, Result, Table
 
 NAME = "piezo-fft-gru/table4"
@@ -60,12 +61,16 @@ class Point:
         """The label, and the columns of begun_table()."""
         both, alone = validations.counts(self.both), validations.counts(self.slip_alone)
         gap = on_all(alone).accuracy[0] - on_slip(alone).accuracy[0]
-        return [RULES[self.rule], on_all(both).cell(), on_slip(both).cell(), on_all(alone).cell(), on_slip(alone).cell(), f"{gap:+.1f}"]
+        found = (on_all(both), on_slip(both), on_all(alone), on_slip(alone))
+        return [RULES[self.rule], *(one.cell() for one in found), f"{gap:+.1f}"]
 
 
 def begun_table(title: str, first: str) -> Table:
     """A table whose first column is named `first`."""
-    return Table(title, [first, "label", "learnt slip + noise: on slip + noise", "on slip", "learnt slip: on slip + noise", "on slip", "slip to slip + noise"])
+    return Table(title, [
+        first, "label", "learnt slip + noise: on slip + noise", "on slip", "learnt slip: on slip + noise", "on slip",
+        "slip to slip + noise"
+    ])
 
 
 def study(options: Options) -> Result:
@@ -78,7 +83,8 @@ def study(options: Options) -> Result:
         accuracy and F1 of networks that are trained with and without recordings of motors alone
 
     Raises:
-        InputError: for an unknown name of --only, as size_of() and recordings_for(), or for networks that are kept from another run
+        InputError: for an unknown name of --only, as size_of() and recordings_for(), or for networks that are kept from
+            another run
     """
     size = size_of(options, USUAL_RECORDINGS)
     check_only(options.only, [GRU_32_TIP.name, GRU_32.name, MLP_32.name])
@@ -91,12 +97,15 @@ def study(options: Options) -> Result:
     levels = by_level(recordings_for(options, size, LEVELS, [PUBLISHED_SPECTRA]))
     bench = level_name(BENCH_LEVEL) if level_name(BENCH_LEVEL) in levels else next(iter(levels))
     # A dataset has the motors that it was recorded with.
-    tip = [] if options.data or not wanted(GRU_32_TIP) else recordings_for(options, size, [BENCH_LEVEL], [PUBLISHED_SPECTRA], others_too=False)
+    tip: list[Recording] = []
+    if wanted(GRU_32_TIP) and not options.data:
+        tip = recordings_for(options, size, [BENCH_LEVEL], [PUBLISHED_SPECTRA], others_too=False)
     validations = Validations(options, size)
     points = []
 
     def queue(row: Row, rule: str, level: str, recordings: list[Recording]) -> None:
-        points.append(Point(row, rule, level, validations.queue_folds(recordings, row, rule), validations.queue_folds(recordings, row, rule, slip_alone=True)))
+        both = validations.queue_folds(recordings, row, rule)
+        points.append(Point(row, rule, level, both, validations.queue_folds(recordings, row, rule, slip_alone=True)))
 
     for row, recordings in ((GRU_32_TIP, tip), (GRU_32, levels[bench])):
         for rule in RULES if recordings and wanted(row) else ():
@@ -108,7 +117,8 @@ def study(options: Options) -> Result:
     validations.run(NAME)
 
     table = begun_table(f"Table IV: motor level {bench}", "network")
-    table.rows.append(["paper, GRU 32", "position", "98.5, 0.974", "98.2, 0.977", "86.5, 0.678", "98.6, 0.983", "-12.1"])
+    table.rows.append(
+        ["paper, GRU 32", "position", "98.5, 0.974", "98.2, 0.977", "86.5, 0.678", "98.6, 0.983", "-12.1"])
     curve = begun_table("MLP 32 against the motors' level", "motor level")
     figures: dict[str, dict[str, dict[str, Any]]] = {}
     for point in points:
@@ -118,16 +128,24 @@ def study(options: Options) -> Result:
         if point.row.name == MLP_32.name:
             curve.rows.append([point.level, *cells])
         both, alone = (figures_of(validations.counts(number)) for number in (point.both, point.slip_alone))
-        figures.setdefault(RULES[point.rule], {}).setdefault(point.row.name, {})[point.level] = {"slip_and_noise": both, "slip": alone}
-    heard = ("In half of the recordings with contact a motor that does not move the tip runs, so a network that learns slip alone has heard motors without a "
-             "slip, too.")
+        of_row = figures.setdefault(RULES[point.rule], {}).setdefault(point.row.name, {})
+        of_row[point.level] = {"slip_and_noise": both, "slip": alone}
+    heard = (
+        "In half of the recordings with contact a motor that does not move the tip runs, so a network that learns slip "
+        "alone has heard motors without a slip, too.")
     return Result(
         title="Networks of the piezoelectric skin that learn with and without recordings of motors alone",
         source=f"Table IV of {SOURCE}",
         figures=figures,
         tables=[table, curve] if curve.rows else [table],
-        setup=[*setup_of(options, size, len(levels[bench])), f"The number of recordings is that of each level; the MLP has {STEPS} steps.",
-               *([] if options.full else ["By the true label it learns at one level; at all with `--full`."])],
-        remarks=["The paper's tip is moved by the motors that make the noise, as here; how loud they were is not printed, and the curve shows what it decides.",
-                 heard + (' The row "no motor but the tip\'s" is without it.' if tip else "")],
+        setup=[
+            *setup_of(options, size, len(levels[bench])),
+            f"The number of recordings is that of each level; the MLP has {STEPS} steps.",
+            *([] if options.full else ["By the true label it learns at one level; at all with `--full`."])
+        ],
+        remarks=[
+            "The paper's tip is moved by the motors that make the noise, as here; how loud they were is not printed, "
+            "and the curve shows what it decides.",
+            heard + (' The row "no motor but the tip\'s" is without it.' if tip else "")
+        ],
     )
