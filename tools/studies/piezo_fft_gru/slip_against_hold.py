@@ -14,10 +14,10 @@ from scipy.signal.windows import hann
 
 from slipbench import InputError, Trial
 from slipbench_studies.grid import Cell, run_grid
+from slipbench_studies.piezo_fft_gru import SCENE
 from slipbench_studies.result import Chart, Curve, Options, Result, Table
 from slipbench_studies.statistics import Auc, auc, quantile
 
-SCENE = "scenes/piezo_skin/dataset.yaml"
 RATE, WINDOW, HOP = 10e3, 200, 100  # Hz, samples: frames of 20 ms every 10 ms
 LOW, HIGH = 50.0, 600.0  # Hz
 STIFFNESS = 20e3  # N/m of the scene's sensor along the normal

@@ -1,0 +1,151 @@
+"""Table IV of the piezo paper: with and without recordings of motors alone, against the motors' vibration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from slipbench import InputError
+from slipbench_studies.grid import check_only
+from slipbench_studies.piezo_fft_gru.bench import BENCH_LEVEL, PUBLISHED_SPECTRA, RULES, Recording
+from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, Row, Validations, figures_of, on_all,
+                                                      on_slip, recordings_for, setup_of, size_of)
+from slipbench_studies.result import Options, Result, Table
+
+NAME = "piezo-fft-gru/table4"
+USUAL_RECORDINGS = 120  # at each level
+LEVELS = (0.0, 0.5, 1.0, BENCH_LEVEL, 4.0, 8.0)
+NO_LEVEL = "as recorded"  # of a dataset that sweeps none
+STEPS = 400  # of the MLP at each level
+# The paper's bench as it is taken to be: no motor runs except those that move the tip.
+GRU_32_TIP = replace(GRU_32, name="gru_32_tip", text=f"{GRU_32.text}, no motor but the tip's")
+MLP_32_OF_LEVELS = replace(MLP_32, training=replace(MLP_32.training, steps=STEPS))
+
+Levels = Mapping[str, list[Recording]]
+
+
+def level_name(level: float) -> str:
+    """A level as the tables name it: 2.0 is "2"; a negative one stands for a dataset without levels."""
+    return NO_LEVEL if level < 0.0 else repr(level).removesuffix(".0")
+
+
+def by_level(recordings: Iterable[Recording]) -> Levels:
+    """Recordings by the name of their level, in rising order; those without one come first."""
+    levels: dict[float, list[Recording]] = {}
+    for one in recordings:
+        levels.setdefault(-1.0 if math.isnan(one.level) else one.level, []).append(one)
+    return {level_name(level): levels[level] for level in sorted(levels)}
+
+
+@dataclass(frozen=True)
+class Point:
+    """A network at a level.
+
+    Attributes:
+        row: the network
+        rule: a name of RULES
+        level: its name
+        both: number of the validation that is trained on all recordings
+        slip_alone: number of the one that is trained on those with contact alone
+    """
+
+    row: Row
+    rule: str
+    level: str
+    both: int
+    slip_alone: int
+
+    def cells(self, validations: Validations) -> list[str]:
+        """The label, and the columns of begun_table()."""
+        both, alone = validations.counts(self.both), validations.counts(self.slip_alone)
+        gap = on_all(alone).accuracy[0] - on_slip(alone).accuracy[0]
+        found = (on_all(both), on_slip(both), on_all(alone), on_slip(alone))
+        return [RULES[self.rule], *(one.cell() for one in found), f"{gap:+.1f}"]
+
+
+def begun_table(title: str, first: str) -> Table:
+    """A table whose first column is named `first`."""
+    return Table(title, [
+        first, "label", "learnt slip + noise: on slip + noise", "on slip", "learnt slip: on slip + noise", "on slip",
+        "slip to slip + noise"
+    ])
+
+
+def study(options: Options) -> Result:
+    """piezo-fft-gru/table4.
+
+    Args:
+        options: data, trials, only, full, seed, jobs, output, resume
+
+    Returns:
+        accuracy and F1 of networks that are trained with and without recordings of motors alone
+
+    Raises:
+        InputError: for an unknown name of --only, as size_of() and recordings_for(), or for networks that are kept from
+            another run
+    """
+    size = size_of(options, USUAL_RECORDINGS)
+    check_only(options.only, [GRU_32_TIP.name, GRU_32.name, MLP_32.name])
+    if options.data and GRU_32_TIP.name in options.only:
+        raise InputError(f"reproduce: --only {GRU_32_TIP.name} needs recordings of its own; allowed: without --data")
+
+    def wanted(row: Row) -> bool:
+        return not options.only or row.name in options.only
+
+    levels = by_level(recordings_for(options, size, LEVELS, [PUBLISHED_SPECTRA]))
+    bench = level_name(BENCH_LEVEL) if level_name(BENCH_LEVEL) in levels else next(iter(levels))
+    # A dataset has the motors that it was recorded with.
+    tip: list[Recording] = []
+    if wanted(GRU_32_TIP) and not options.data:
+        tip = recordings_for(options, size, [BENCH_LEVEL], [PUBLISHED_SPECTRA], others_too=False)
+    validations = Validations(options, size)
+    points = []
+
+    def queue(row: Row, rule: str, level: str, recordings: list[Recording]) -> None:
+        both = validations.queue_folds(recordings, row, rule)
+        points.append(Point(row, rule, level, both, validations.queue_folds(recordings, row, rule, slip_alone=True)))
+
+    for row, recordings in ((GRU_32_TIP, tip), (GRU_32, levels[bench])):
+        for rule in RULES if recordings and wanted(row) else ():
+            queue(row, rule, bench, recordings)
+    for rule in RULES if wanted(MLP_32) else ():
+        for level, recordings in levels.items():
+            if options.full or rule == "paper" or level == bench:
+                queue(MLP_32_OF_LEVELS, rule, level, recordings)
+    validations.run(NAME)
+
+    table = begun_table(f"Table IV: motor level {bench}", "network")
+    table.rows.append(
+        ["paper, GRU 32", "position", "98.5, 0.974", "98.2, 0.977", "86.5, 0.678", "98.6, 0.983", "-12.1"])
+    curve = begun_table("MLP 32 against the motors' level", "motor level")
+    figures: dict[str, dict[str, dict[str, Any]]] = {}
+    for point in points:
+        cells = point.cells(validations)
+        if point.level == bench:
+            table.rows.append([point.row.text, *cells])
+        if point.row.name == MLP_32.name:
+            curve.rows.append([point.level, *cells])
+        both, alone = (figures_of(validations.counts(number)) for number in (point.both, point.slip_alone))
+        of_row = figures.setdefault(RULES[point.rule], {}).setdefault(point.row.name, {})
+        of_row[point.level] = {"slip_and_noise": both, "slip": alone}
+    heard = (
+        "In half of the recordings with contact a motor that does not move the tip runs, so a network that learns slip "
+        "alone has heard motors without a slip, too.")
+    return Result(
+        title="Networks of the piezoelectric skin that learn with and without recordings of motors alone",
+        source=f"Table IV of {SOURCE}",
+        figures=figures,
+        tables=[table, curve] if curve.rows else [table],
+        setup=[
+            *setup_of(options, size, len(levels[bench])),
+            f"The number of recordings is that of each level; the MLP has {STEPS} steps.",
+            *([] if options.full else ["By the true label it learns at one level; at all with `--full`."])
+        ],
+        remarks=[
+            "The paper's tip is moved by the motors that make the noise, as here; how loud they were is not printed, "
+            "and the curve shows what it decides.",
+            heard + (' The row "no motor but the tip\'s" is without it.' if tip else "")
+        ],
+    )
