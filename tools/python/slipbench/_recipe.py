@@ -61,7 +61,7 @@ def facts_of(recipe: Recipe) -> dict[str, str]:
     made = recipe.network
     kind, options = (made.func, made.keywords) if isinstance(made, partial) else (made, {})
     plain = ", ".join(f"{key}={value}" for key, value in options.items() if isinstance(value, (int, str)))
-    network = f"slipbench.learning.networks.{kind.__name__}{f'({plain})' if plain else ''}"  # type: ignore[attr-defined]
+    network = f"slipbench.learning.networks.{kind.__name__}{f'({plain})' if plain else ''}"
     return {"Input": input_text(recipe.input), "Scaling": SCALINGS[recipe.scaling], "Network": f"{network}\n\n{inspect.getdoc(kind)}",
             "Networks": f"{recipe.members}, whose probabilities are averaged" if recipe.members > 1 else "1",
             "Classes": CLASSES[recipe.classes], "Training": training_text(recipe.training), "Labels": recipe.labels, "Split": recipe.split,
