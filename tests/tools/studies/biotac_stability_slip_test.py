@@ -301,6 +301,20 @@ class Imported(unittest.TestCase):
 
 
 class Rows(unittest.TestCase):
+    def test_table_2_has_each_palm(self):
+        # Palm 0: one of two is right; palm 90: one of two; palm 45: the one is called another slip.
+        counts = np.zeros((5, 3, ELECTRODES), np.float32)
+        some = Grasps(counts, np.array(list("abcde")), np.array([0, 0, 1, 1, 2]), np.zeros(5, bool))
+        cells, figures = table2.palm_cells(five(), Examples(counts, np.zeros(5, np.uint8), np.zeros(5, np.int64)), some)
+        self.assertEqual(cells, ["40.0", "50.0", "50.0", "0.0", "66.7", "66.7", "66.7", "83.3"])
+        self.assertEqual(list(figures), ["all", "palm_0", "palm_90", "palm_45"])
+
+    def test_table_2_has_figures_of_real_grasps(self):
+        one = {"real": {"accuracy": 0.8, "auc": 0.9}, "synthetic_to_real": {"auc": 0.7}}
+        found = table2.real_figures({"gcn": one, "cnn": one, "lr_by_palm": one})
+        self.assertEqual([(figure.real, figure.ours) for figure in found],
+                         [(75.5, 80.0), (76.5, 80.0), (0.9, 0.7), (0.9, 0.7), (0.9, 0.7)])
+
     def test_those_of_table_3(self):
         rows = table3.all_networks(False)
         self.assertEqual(list(rows), [
