@@ -220,12 +220,17 @@ Examples:
                      Quantity::frequency);
   arguments.file("-o,--output FILE.h5", options.output, "Dataset to write (default: none, the sources are only checked)");
   arguments.number("--seed N", options.seed, "Of the split into training, validation and test (default: 1)", 0);
+  arguments.then([this] {
+    if (options.format == nullptr && options.map.empty())
+      reject("import: needs --map MAP, which describes the recordings, or --format {}", fmt::join(import_format_names(), ", "));
+    if (options.format != nullptr && !options.map.empty())
+      reject("import: --map {}: the format {} has no map; name either --map or --format", options.map,
+             format_name(*options.format));
+  });
 }
 
 int ImportCommand::run() {
   if (options.format == nullptr) import_by_map();
-  if (!options.map.empty())
-    reject("--map {}: the format {} has no map; name either --map or --format", options.map, format_name(*options.format));
   const ImportSummary summary = [this] {
     const InterruptGuard guard("stopping; nothing is kept");
     const InterruptScope scope(&InterruptGuard::flag());
@@ -237,9 +242,6 @@ int ImportCommand::run() {
 
 // Goes on in Python.
 void ImportCommand::import_by_map() {
-  if (options.map.empty()) {
-    reject("import needs --map FILE.yaml, which describes the recordings, or --format {}", fmt::join(import_format_names(), ", "));
-  }
   const PythonModule module("slipbench._import", "import --map", "import");
   const Json request{{"sources", options.sources},
                      {"map", options.map},
