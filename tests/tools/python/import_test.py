@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -17,7 +18,9 @@ from rosbags.rosbag2 import StoragePlugin, Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from slipbench._import.block import read_map
 from slipbench._import.keys import BLOCKS
+from slipbench._import.recordings import Importer, Map
 from slipbench._import.text import TextTable
+from slipbench.bin import _core
 
 ROWS = [["0.00", "0.500", "1.250"], ["0.01", "0.600", "1.350"], ["0.02", "0.700", "1.450"]]
 CHANNELS = "channels: {force: {unit: N, columns: [f1, f2]}}"
@@ -31,6 +34,20 @@ def table(separator=",", decimal=".", quote="", end="\n", rows=ROWS, tail="", ti
     return end.join(lines) + end
 
 
+@contextlib.contextmanager
+def printed(path):
+    """Gives what C++ and Python print meanwhile, as a function to be called afterwards."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    with path.open("wb") as file:
+        os.dup2(file.fileno(), 1)
+    try:
+        yield path.read_text
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+
+
 class ImportTest(unittest.TestCase):
     """A folder for each test."""
 
@@ -38,6 +55,7 @@ class ImportTest(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
+        self.count = 0
 
     def write(self, name, text):
         """Writes a file, whose text may be bytes."""
@@ -47,11 +65,20 @@ class ImportTest(unittest.TestCase):
         return path
 
     def read(self, map, *sources):
-        """Imports; returns the recordings and the warnings."""
-        output = self.folder / "out.h5"
-        done = slipbench.import_recordings(list(sources), output, map=self.write("map.yaml", map))
-        with slipbench.open(output) as data:
-            return [trial for trial in data.values()], done["warnings"]
+        """Imports in this process; returns the recordings and the texts of the warnings."""
+        self.count += 1
+        output = self.folder / f"out_{self.count}.h5"
+        described = Map(read_map(str(self.write("map.yaml", map))))
+        writer = _core.MappedImport([str(source) for source in sources], "map.yaml", str(output), 1, None, "object" if described.object else "trial")
+        importer = Importer(described, writer)
+        files = described.files([str(source) for source in sources])
+        for file in files:
+            importer.add(file)
+        with printed(self.folder / "printed") as text:
+            writer.finish(len(files), json=True)
+        data = slipbench.open(output)
+        self.addCleanup(data.close)
+        return list(data.values()), [warning["text"] for warning in json.loads(text())["warnings"]]
 
     def force(self, map, *sources):
         """The only recording's values and stamps of the sensor `pad`."""
@@ -62,7 +89,7 @@ class ImportTest(unittest.TestCase):
         """The message of the refusal, after which nothing is left."""
         with self.assertRaises(slipbench.InputError) as caught:
             self.read(map, *sources)
-        self.assertFalse((self.folder / "out.h5").exists())
+        self.assertFalse((self.folder / f"out_{self.count}.h5").exists())
         return str(caught.exception)
 
 
@@ -134,10 +161,10 @@ class Tables(ImportTest):
         np.testing.assert_array_equal(np.asarray(pad.force)[:, 0], [0, 1, 2, 5, 6, 7, 9])
         # Rows 3 and 4 (lines 5, 6) between 0.02 s and 0.05 s; row 8 (line 10) between 0.07 s and 0.09 s.
         self.assertIn(f"{path}: 3 of 10 samples have missing values and are left out: 2 at {path}:5, 0.03 s from 0.02 s on; "
-                      f"1 at {path}:10, 0.02 s from 0.07 s on", [warning["message"] if isinstance(warning, dict) else warning for warning in warnings])
+                      f"1 at {path}:10, 0.02 s from 0.07 s on", warnings)
         pad = self.read(MAP % ", missing: nan", path)[0][0].sensors["pad"]
         self.assertEqual(np.argwhere(np.isnan(np.asarray(pad.force))).tolist(), [[3, 0], [4, 1], [8, 0]])
-        self.assertTrue(slipbench.verify(self.folder / "out.h5")["holds"])
+        self.assertTrue(slipbench.verify(self.folder / f"out_{self.count}.h5")["holds"])
 
     def test_times_have_a_unit_are_dates_or_follow_from_a_rate(self):
         def timed(cells, time):
@@ -154,8 +181,7 @@ class Tables(ImportTest):
 
     def test_a_rate_that_is_given_is_the_rate(self):
         path = self.write("a.csv", table())
-        with contextlib.suppress(FileNotFoundError):
-            self.assertEqual(self.read(MAP.replace("{column: t}", "{rate: 2 kHz}") % "", path)[0][0].sensors["pad"].rate, 2000.0)
+        self.assertEqual(self.read(MAP.replace("{column: t}", "{rate: 2 kHz}") % "", path)[0][0].sensors["pad"].rate, 2000.0)
 
 
 class Layouts(ImportTest):
@@ -180,8 +206,6 @@ class Layouts(ImportTest):
     def test_labels_and_objects_by_folder_file_table_and_column(self):
         for folder in ("slip", "none"):
             self.write(f"set/{folder}/cup_1.csv", table())
-        self.write("set/slip/labels.csv", "file,label,object\ncup_1.csv,slip,cup\n")
-        self.write("set/none/labels.csv", "file,label,object\ncup_1,open,cup\n")
         folders = [self.folder / "set/slip", self.folder / "set/none"]
         for keys, states, objects in (
                 (", state: {folder: 1, values: {slip: gross, none: 1}, rule: the folder}, object: {file: '([a-z]+)_[0-9]+'}", {3, 1}, {"cup"}),
@@ -189,6 +213,9 @@ class Layouts(ImportTest):
                  {3, None}, {"slip", "none"}),
                 (", state: {value: 1, rule: all are held}, object: {table: {path: labels.csv, column: object}}", {1}, {"cup"})):
             with self.subTest(keys):
+                if "labels.csv" in keys:  # beside the recordings
+                    self.write("set/slip/labels.csv", "file,label,object\ncup_1.csv,slip,cup\n")
+                    self.write("set/none/labels.csv", "file,label,object\ncup_1,open,cup\n")
                 trials, _ = self.read(MAP % keys, *folders)
                 found = {trial.params["file"]: trial for trial in trials}
                 self.assertEqual(set(found), {"slip/cup_1.csv", "none/cup_1.csv"})

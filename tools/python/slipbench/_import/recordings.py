@@ -146,7 +146,7 @@ class Map:
             bag.close()
 
 
-def _channel_values(source: Source, sensor: Sensor, key: str, channel: Block) -> tuple[list[int], list[str], np.ndarray]:
+def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int], list[str], np.ndarray]:
     """Shape of a row, names of its values, and values [T, N] in the channel's unit."""
     titles, starred = source.find_all(channel.need("columns"), f"channels.{key}.columns")
     parts = [source.values(title) for title in titles]
@@ -219,8 +219,8 @@ class Importer:
         self._writer.add(file.path, json.dumps({"file": file.name} | ({"object": named} if named else {})), named)
 
     def _add_sensor(self, file: File, name: str, sensor: Sensor, source: Source) -> None:
-        channels = {key: _channel_values(source, sensor, key, channel) for key, channel in sensor.channels.items()}
         times, resolution, rate = _times(source, sensor)
+        channels = {key: _channel_values(source, key, channel) for key, channel in sensor.channels.items()}
         empty = np.isnan(times)
         for _, _, values in channels.values():
             empty |= np.isnan(values).any(axis=1)
