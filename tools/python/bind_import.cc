@@ -1,8 +1,7 @@
 // Bindings for `import --map`: sources, YAML with lines, and the writer of recordings.
-#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdio>
-#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -32,7 +31,7 @@ template <class T>
 using Values = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 // Name, unit, shape of a row, names of its values, values [T, shape...].
 using ChannelParts = std::tuple<std::string, std::string, std::vector<std::size_t>, std::vector<std::string>, Values<float>>;
-using Children = nb::typed<nb::list, nb::tuple>;
+using Node = nb::typed<nb::tuple, nb::any, nb::ellipsis>;
 
 template <class T>
 std::vector<T> copied(const Values<T>& values) {
@@ -40,12 +39,12 @@ std::vector<T> copied(const Values<T>& values) {
 }
 
 // Key, line of the key, kind, line of the value, text, children.
-nb::tuple tuple_of(const YamlNode& node) {
-  Children children;
+Node tuple_of(const YamlNode& node) {
+  nb::list children;
   for (const YamlNode& child : node.children) children.append(tuple_of(child));
-  constexpr const char* kinds[] = {"null", "scalar", "sequence", "map"};
-  return nb::make_tuple(node.key, node.key_origin.line, kinds[static_cast<std::size_t>(node.kind)], node.origin.line, node.text,
-                        children);
+  constexpr std::array kinds{"null", "scalar", "sequence", "map"};
+  return nb::borrow<Node>(nb::make_tuple(node.key, node.key_origin.line, kinds[static_cast<std::size_t>(node.kind)],
+                                         node.origin.line, node.text, children));
 }
 
 std::vector<std::pair<std::string, std::string>> sources_of(const std::vector<std::string>& sources,

@@ -27,7 +27,7 @@ class Columns(Source):
         column = self._columns[title]
         if column.dtype.kind not in "biuf":
             raise InputError(f"{self.path}: {title} holds {column.dtype}; expected numbers")
-        values = column.astype(float)
+        values: np.ndarray = column.astype(float)
         if np.isinf(values).any():
             raise InputError(f"{self.place(int(np.argwhere(np.isinf(values))[0][0]))}: {title} holds an infinite value")
         return values

@@ -14,12 +14,20 @@ LARGEST = 1_000_000  # lines that a list may skip, components
 
 
 class Node:
-    """A node of the YAML file: its text, its items or its keys, and its line."""
+    """A node of the YAML file: its text, its items or its keys, and its line.
+
+    Args:
+        path: of the file
+        parts: as `_core.read_yaml` gives a node: key, line of the key, kind, line, text, children
+    """
 
     def __init__(self, path: str, parts: tuple[Any, ...]) -> None:
         self.path = path
-        self.key, self.key_line, self.kind, self.line, self.text, children = parts
-        self.children = [Node(path, child) for child in children]
+        self.key: str = parts[0]
+        self.kind: str = parts[2]
+        self.line: int = parts[3]
+        self.text: str = parts[4]
+        self.children = [Node(path, child) for child in parts[5]]
 
     def fail(self, message: str) -> NoReturn:
         """Raises InputError with file and line."""

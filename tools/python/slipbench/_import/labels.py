@@ -58,13 +58,13 @@ class Lookup:
             return str(self.block.need("value"))
         full = Path(file.path).absolute()
         if self.place == "folder":
-            level = self.block.need("folder")
+            level: int = self.block.need("folder")
             if level > len(full.parents) or not full.parents[level - 1].name:
                 raise InputError(f"{file.path}: has no folder {level} levels above it, which {self.block.path('folder')} asks for")
             return full.parents[level - 1].name
         if self.place == "file":
             match = self._pattern.search(file.name)
-            if not match or match[1] is None:
+            if not match or not match[1]:
                 raise InputError(f"{file.path}: the name {file.name!r} does not match {self.block.path('file')}: {self._pattern.pattern}")
             return match[1]
         return self._of_table(file, full)

@@ -194,7 +194,7 @@ class TextTable(Source):
     def values(self, title: str) -> np.ndarray:
         column = self._frame[title]
         if column.dtype.kind in "iuf":
-            values = column.to_numpy(float)
+            values: np.ndarray = column.to_numpy(float)
         else:
             values = self._numbers_of(title, column.astype(str).to_list())
         infinite = np.flatnonzero(np.isinf(values))
