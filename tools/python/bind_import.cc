@@ -57,8 +57,8 @@ std::vector<std::pair<std::string, std::string>> sources_of(const std::vector<st
 // One recording while Python describes it, and the writer that takes it.
 class MappedImport {
  public:
-  MappedImport(std::vector<std::string> sources, std::string map, std::string output, std::uint64_t seed, std::optional<double> rate,
-               const std::string& split_by)
+  MappedImport(std::vector<std::string> sources, std::string map, std::string output, std::uint64_t seed,
+               std::optional<double> rate, const std::string& split_by)
       : options_{std::move(sources), nullptr, std::move(output), seed, std::move(map), rate}, writer_(options_, split_by) {}
 
   // `rate` [Hz]: of samples without stamps; none: from the stamps, whose least difference is `resolution` [s].
@@ -111,7 +111,8 @@ void bind_import(nb::module_& module) {
   module.def("read_yaml", [](const std::string& path) { return tuple_of(SceneFile::load(path).root()); });
   module.def("is_plain_name", &is_plain_name);
   nb::class_<MappedImport>(module, "MappedImport")
-      .def(nb::init<std::vector<std::string>, std::string, std::string, std::uint64_t, std::optional<double>, const std::string&>(),
+      .def(nb::init<std::vector<std::string>, std::string, std::string, std::uint64_t, std::optional<double>,
+                    const std::string&>(),
            nb::arg("sources"), nb::arg("map"), nb::arg("output"), nb::arg("seed"), nb::arg("rate").none(), nb::arg("split_by"))
       .def("add_sensor", &MappedImport::add_sensor, nb::arg("name"), nb::arg("type"), nb::arg("frame"), nb::arg("time"),
            nb::arg("resolution"), nb::arg("rate").none(), nb::arg("rule"), nb::arg("states").none(), nb::arg("channels"))

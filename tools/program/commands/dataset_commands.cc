@@ -212,7 +212,8 @@ Examples:
   slipbench import mine --map columns.yaml -o mine.h5)",
                               "papillarray_ros, xela_ros, biotac_ros", import_formats_text()));
   arguments.texts("SOURCE ...", options.sources, "Files, and folders whose recordings are all meant").required();
-  arguments.read("--format NAME", fmt::format("{}, see below (default: what --map describes)", fmt::join(import_format_names(), " or ")),
+  arguments.read("--format NAME",
+                 fmt::format("{}, see below (default: what --map describes)", fmt::join(import_format_names(), " or ")),
                  [this](const std::string& name) { options.format = name == "csv" ? nullptr : &import_format(name); });
   arguments.text("--map MAP", options.map, "Description of the recordings (YAML file), or the name of one of the program's");
   arguments.quantity("--rate RATE", options.rate,

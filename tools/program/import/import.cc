@@ -76,7 +76,8 @@ std::filesystem::path common_folder(const std::vector<std::filesystem::path>& fo
   std::filesystem::path common = folders.front();
   for (const std::filesystem::path& folder : folders) {
     std::filesystem::path shared;
-    for (auto one = common.begin(), other = folder.begin(); one != common.end() && other != folder.end() && *one == *other; ++one, ++other)
+    for (auto one = common.begin(), other = folder.begin(); one != common.end() && other != folder.end() && *one == *other;
+         ++one, ++other)
       shared /= *one;
     common = shared;
   }
@@ -99,7 +100,8 @@ DatasetHeader header_of(const ImportOptions& options, const std::string& split_b
           .seed = options.seed,
           .command = canonical_import(options),
           .split = split,
-          .truth = options.format == nullptr ? "none: imported by a map" : fmt::format("none: imported from {}", options.format->name)};
+          .truth = options.format == nullptr ? "none: imported by a map"
+                                             : fmt::format("none: imported from {}", options.format->name)};
 }
 
 // "; times in ms would give 100 Hz" for a rate that no tactile sensor has; else empty. `mapped`: the user can say the unit.
@@ -187,7 +189,8 @@ ImportSummary RecordingWriter::finish(std::size_t sources) {
   return std::move(summary_);
 }
 
-std::vector<SourceFile> list_sources(const std::vector<std::string>& sources, const std::vector<std::string>& endings, bool bags) {
+std::vector<SourceFile> list_sources(const std::vector<std::string>& sources, const std::vector<std::string>& endings,
+                                     bool bags) {
   namespace fs = std::filesystem;
   std::vector<std::string> paths;
   std::vector<fs::path> folders;
@@ -207,8 +210,7 @@ std::vector<SourceFile> list_sources(const std::vector<std::string>& sources, co
   std::vector<SourceFile> files;
   std::set<fs::path> seen;
   for (const std::string& path : paths) {
-    if (!is_plain_name(path))
-      reject("{}: is no name that a dataset can hold; allowed: UTF-8 without control characters", path);
+    if (!is_plain_name(path)) reject("{}: is no name that a dataset can hold; allowed: UTF-8 without control characters", path);
     std::error_code error;
     if (!seen.insert(fs::canonical(path, error)).second) reject("{}: is named twice; allowed: each source once", path);
     files.push_back({path, fs::absolute(path).lexically_normal().lexically_relative(common_folder(folders)).string()});
@@ -247,9 +249,8 @@ ImportSummary import_recordings(const ImportOptions& options) {
   const std::vector<SourceFile> sources = list_sources(options.sources, {".csv"}, false);
   RecordingWriter writer(options, options.format->split_by);
   for (const SourceFile& file : sources) {
-    options.format->read(file, [&](TrialRecord record, std::size_t repeated_rows) {
-      writer.add(std::move(record), file.path, repeated_rows);
-    });
+    options.format->read(
+        file, [&](TrialRecord record, std::size_t repeated_rows) { writer.add(std::move(record), file.path, repeated_rows); });
   }
   return writer.finish(sources.size());
 }
