@@ -69,7 +69,14 @@ class ImportTest(unittest.TestCase):
         self.count += 1
         output = self.folder / f"out_{self.count}.h5"
         described = Map(read_map(str(self.write("map.yaml", map))))
-        writer = _core.MappedImport([str(source) for source in sources], "map.yaml", str(output), 1, None, "object" if described.object else "trial")
+        writer = _core.MappedImport(
+            [str(source) for source in sources],
+            "map.yaml",
+            str(output),
+            1,
+            None,
+            "object" if described.object else "trial",
+        )
         importer = Importer(described, writer)
         files = described.files([str(source) for source in sources])
         for file in files:
@@ -98,13 +105,28 @@ class Tables(ImportTest):
 
     def test_every_way_to_write_a_table_gives_the_same_values(self):
         ways = {
-            "commas": table(), "tabs": table("\t"), "semicolons": table(";"), "bars": table("|"), "blanks": table(" "),
-            "blanks in columns": table("   "), "decimal commas": table(";", ","), "decimal commas, blanks": table(" ", ","),
-            "quotes": table(quote='"'), "quotes, decimal commas": table(",", ",", '"'), "commas at the end": table(tail=",,"),
-            "of rows alone": table().replace("50\n", "50,\n"), "Windows": table(end="\r\n"), "old Mac": table(end="\r"),
-            "blank lines": "\n" + table().replace("\n0.01", "\n\n0.01") + "\n\n", "blanks after commas": table(", "),
-            "comment": "# logger 3, 12 N cell\n" + table(), "sep": "sep=;\n" + table(";"), "signs": table().replace("0.6", "+0.6"),
-            "mark": b"\xef\xbb\xbf" + table().encode(), "UTF-16": table().encode("utf-16"), "UTF-16 without a mark": table().encode("utf-16-le"),
+            "commas": table(),
+            "tabs": table("\t"),
+            "semicolons": table(";"),
+            "bars": table("|"),
+            "blanks": table(" "),
+            "blanks in columns": table("   "),
+            "decimal commas": table(";", ","),
+            "decimal commas, blanks": table(" ", ","),
+            "quotes": table(quote='"'),
+            "quotes, decimal commas": table(",", ",", '"'),
+            "commas at the end": table(tail=",,"),
+            "of rows alone": table().replace("50\n", "50,\n"),
+            "Windows": table(end="\r\n"),
+            "old Mac": table(end="\r"),
+            "blank lines": "\n" + table().replace("\n0.01", "\n\n0.01") + "\n\n",
+            "blanks after commas": table(", "),
+            "comment": "# logger 3, 12 N cell\n" + table(),
+            "sep": "sep=;\n" + table(";"),
+            "signs": table().replace("0.6", "+0.6"),
+            "mark": b"\xef\xbb\xbf" + table().encode(),
+            "UTF-16": table().encode("utf-16"),
+            "UTF-16 without a mark": table().encode("utf-16-le"),
             "exponents": table().replace("0.600", "6E-1"),
         }
         for name, text in ways.items():
@@ -115,11 +137,18 @@ class Tables(ImportTest):
 
     def test_keys_say_what_is_not_found(self):
         units = table().replace("f2\n", "f2\ns,N,N\n")
-        self.assertIn("a.csv:2: column 1, t: expected a number, found 's'; a row of units is left out by skip: [2]",
-                      self.refused(MAP % "", self.write("a.csv", units)))
+        self.assertIn(
+            "a.csv:2: column 1, t: expected a number, found 's'; a row of units is left out by skip: [2]",
+            self.refused(MAP % "", self.write("a.csv", units)),
+        )
         first = "a logger\n2026\n" + table()
-        for text, keys in ((units, "skip: [2]"), (first, "skip: 2"), ("% x\n" + table(), "comment: '%'"),
-                           (table(":"), "separator: ':'"), (table(";", ","), "separator: ;, decimal: ','")):
+        for text, keys in (
+            (units, "skip: [2]"),
+            (first, "skip: 2"),
+            ("% x\n" + table(), "comment: '%'"),
+            (table(":"), "separator: ':'"),
+            (table(";", ","), "separator: ;, decimal: ','"),
+        ):
             with self.subTest(keys):
                 values, _ = self.force(MAP % f", {keys}", self.write("a.csv", text))
                 self.assertEqual(values.shape, (3, 2))
@@ -132,20 +161,39 @@ class Tables(ImportTest):
             return table().replace(old, new)
 
         cases = {
-            "commas twice": (table(",", ","), "a.csv:2: has 6 cells; expected 3; commas seem to be both the separator and the decimal mark"),
+            "commas twice": (
+                table(",", ","),
+                "a.csv:2: has 6 cells; expected 3; commas seem to be both the separator and the decimal mark",
+            ),
             "word": (changed("0.600", "True"), "a.csv:3: column 2, f1: expected a number, found 'True'"),
             "unit": (changed("0.600", "0.6 N"), "a.csv:3: column 2, f1: expected a number, found '0.6 N'"),
-            "thousands": (changed("0.600", '"1,234.5"'), "found '1,234.5'; write numbers without marks between thousands"),
+            "thousands": (
+                changed("0.600", '"1,234.5"'),
+                "found '1,234.5'; write numbers without marks between thousands",
+            ),
             "Fortran": (changed("0.600", "0.6D1"), "found '0.6D1'; write the exponent with E"),
             "infinite": (changed("0.600", "inf"), "a.csv:3: column 2, f1: expected a number, found 'inf'"),
-            "titles": (table(titles=("T", "F1", "f2")), "a.csv:1: has no column 'f1'; did you mean 'F1'? found: T, F1, f2"),
-            "none": (table().partition("\n")[2], "the first line holds numbers: a table without titles needs header: false"),
-            "empty": ("", "a.csv:1: the file has no row"), "titles alone": ("t,f1,f2\n", "a.csv:1: the table has titles and no row"),
+            "titles": (
+                table(titles=("T", "F1", "f2")),
+                "a.csv:1: has no column 'f1'; did you mean 'F1'? found: T, F1, f2",
+            ),
+            "none": (
+                table().partition("\n")[2],
+                "the first line holds numbers: a table without titles needs header: false",
+            ),
+            "empty": ("", "a.csv:1: the file has no row"),
+            "titles alone": ("t,f1,f2\n", "a.csv:1: the table has titles and no row"),
             "one row": ("t,f1,f2\n0,1,2\n", "a.csv: has 1 samples; expected two or more, which give the rate"),
-            "back": (changed("0.02", "0.01"), "a.csv:4: column 1, time: 0.01 s comes after 0.01 s; expected rising times"),
+            "back": (
+                changed("0.02", "0.01"),
+                "a.csv:4: column 1, time: 0.01 s comes after 0.01 s; expected rising times",
+            ),
             "twice": (table(titles=("t", "f1", "f1")).replace("f1,f1", "f1,f1,f2"), "a.csv:1: has 2 columns 'f1'"),
             "bytes": (b"t,f1\0\xff" * 9, "a.csv: the file is not text"),
-            "no value": (changed("0.600", ""), "a.csv:3: column f1 has no value; expected a number in each row, or missing: gap"),
+            "no value": (
+                changed("0.600", ""),
+                "a.csv:3: column f1 has no value; expected a number in each row, or missing: gap",
+            ),
             "short": (table() + "0.03,1\n", "a.csv:5: column f2 has no value"),
         }
         for name, (text, message) in cases.items():
@@ -160,28 +208,46 @@ class Tables(ImportTest):
         pad = recordings[0].sensors["pad"]
         np.testing.assert_array_equal(np.asarray(pad.force)[:, 0], [0, 1, 2, 5, 6, 7, 9])
         # Rows 3 and 4 (lines 5, 6) between 0.02 s and 0.05 s; row 8 (line 10) between 0.07 s and 0.09 s.
-        self.assertIn(f"{path}: 3 of 10 samples have missing values and are left out: 2 at {path}:5, 0.03 s from 0.02 s on; "
-                      f"1 at {path}:10, 0.02 s from 0.07 s on", warnings)
+        self.assertIn(
+            f"{path}: 3 of 10 samples have missing values and are left out: 2 at {path}:5, 0.03 s from 0.02 s on; "
+            f"1 at {path}:10, 0.02 s from 0.07 s on",
+            warnings,
+        )
         pad = self.read(MAP % ", missing: nan", path)[0][0].sensors["pad"]
         self.assertEqual(np.argwhere(np.isnan(np.asarray(pad.force))).tolist(), [[3, 0], [4, 1], [8, 0]])
         self.assertTrue(slipbench.verify(self.folder / f"out_{self.count}.h5")["holds"])
 
     def test_times_have_a_unit_are_dates_or_follow_from_a_rate(self):
         def timed(cells, time):
-            return self.force(MAP.replace("{column: t}", time) % "", self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in cells])))[1]
+            return self.force(
+                MAP.replace("{column: t}", time) % "",
+                self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in cells])),
+            )[1]
 
         np.testing.assert_allclose(timed(["10", "20", "30"], "{column: t, unit: ms}"), [0.01, 0.02, 0.03])
         np.testing.assert_allclose(timed(["1", "2", "3"], "{column: t, scale: 0.5}"), [0.5, 1, 1.5])
         np.testing.assert_allclose(timed(["x", "y", "z"], "{rate: 50 Hz}"), [0, 0.02, 0.04])
         # 2026-02-03T10:00:00Z is 1,770,112,800 s after 1970.
-        np.testing.assert_allclose(timed(["2026-02-03T10:00:00.000", "2026-02-03T10:00:00.010", "2026-02-03T11:00:00.020+01:00"], "{column: t}"),
-                                   1770112800 + np.array([0, 0.01, 0.02]), rtol=0, atol=1e-6)
-        np.testing.assert_allclose(timed(["10:00:00.00", "10:00:00.01", "10:00:00.02"], "{column: t}"), [36000, 36000.01, 36000.02])
-        self.assertIn("has no key 'time'", self.refused(MAP.replace("time: {column: t}, ", "") % "", self.write("a.csv", table())))
+        np.testing.assert_allclose(
+            timed(
+                ["2026-02-03T10:00:00.000", "2026-02-03T10:00:00.010", "2026-02-03T11:00:00.020+01:00"], "{column: t}"
+            ),
+            1770112800 + np.array([0, 0.01, 0.02]),
+            rtol=0,
+            atol=1e-6,
+        )
+        np.testing.assert_allclose(
+            timed(["10:00:00.00", "10:00:00.01", "10:00:00.02"], "{column: t}"), [36000, 36000.01, 36000.02]
+        )
+        self.assertIn(
+            "has no key 'time'", self.refused(MAP.replace("time: {column: t}, ", "") % "", self.write("a.csv", table()))
+        )
 
     def test_a_rate_that_is_given_is_the_rate(self):
         path = self.write("a.csv", table())
-        self.assertEqual(self.read(MAP.replace("{column: t}", "{rate: 2 kHz}") % "", path)[0][0].sensors["pad"].rate, 2000.0)
+        self.assertEqual(
+            self.read(MAP.replace("{column: t}", "{rate: 2 kHz}") % "", path)[0][0].sensors["pad"].rate, 2000.0
+        )
 
 
 class Layouts(ImportTest):
@@ -191,10 +257,16 @@ class Layouts(ImportTest):
         titles = ["t", *(f"p{k} f{axis}" for axis in "xyz" for k in (0, 1, 10))]
         rows = [[f"{row}", *(str(k) for k in range(9))] for row in range(2)]
         path = self.write("a.csv", "\n".join(",".join(row) for row in [titles, *rows]))
-        values, _ = self.force("{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [p* fx, p* fy, p* fz]}}}", path)
+        values, _ = self.force(
+            "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [p* fx, p* fy, p* fz]}}}",
+            path,
+        )
         # Columns x of the pillars 0, 1, 10 are 0 to 2, y 3 to 5, z 6 to 8.
         np.testing.assert_array_equal(values[0], [[0, 3, 6], [1, 4, 7], [2, 5, 8]])
-        values, _ = self.force("{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, scale: 2, columns: [p1 fx .. p0 fy]}}}", path)
+        values, _ = self.force(
+            "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, scale: 2, columns: [p1 fx .. p0 fy]}}}",
+            path,
+        )
         np.testing.assert_array_equal(values[0], [2, 4, 6])
 
     def test_several_sensors_of_a_table_are_in_one_recording(self):
@@ -208,10 +280,22 @@ class Layouts(ImportTest):
             self.write(f"set/{folder}/cup_1.csv", table())
         folders = [self.folder / "set/slip", self.folder / "set/none"]
         for keys, states, objects in (
-                (", state: {folder: 1, values: {slip: gross, none: 1}, rule: the folder}, object: {file: '([a-z]+)_[0-9]+'}", {3, 1}, {"cup"}),
-                (", state: {table: {path: labels.csv, column: label}, values: {slip: 3, open: unknown}, rule: a table}, object: {folder: 1}",
-                 {3, None}, {"slip", "none"}),
-                (", state: {value: 1, rule: all are held}, object: {table: {path: labels.csv, column: object}}", {1}, {"cup"})):
+            (
+                ", state: {folder: 1, values: {slip: gross, none: 1}, rule: the folder}, object: {file: '([a-z]+)_[0-9]+'}",
+                {3, 1},
+                {"cup"},
+            ),
+            (
+                ", state: {table: {path: labels.csv, column: label}, values: {slip: 3, open: unknown}, rule: a table}, object: {folder: 1}",
+                {3, None},
+                {"slip", "none"},
+            ),
+            (
+                ", state: {value: 1, rule: all are held}, object: {table: {path: labels.csv, column: object}}",
+                {1},
+                {"cup"},
+            ),
+        ):
             with self.subTest(keys):
                 if "labels.csv" in keys:  # beside the recordings
                     self.write("set/slip/labels.csv", "file,label,object\ncup_1.csv,slip,cup\n")
@@ -222,11 +306,18 @@ class Layouts(ImportTest):
                 labels = [trial.labels.get("pad") for trial in trials]
                 self.assertEqual({None if label is None else int(label.state_paper[0]) for label in labels}, states)
                 self.assertEqual({trial.params["object"] for trial in trials}, objects)
-        path = self.write("a.csv", table(rows=[[*row[:2], label] for row, label in zip(ROWS, ("hold", "hold", "slip"), strict=True)]))
-        map = ("{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f1]}}, "
-               "state: {column: f2, values: {hold: non_slip, slip: gross}, rule: a button}}")
+        path = self.write(
+            "a.csv", table(rows=[[*row[:2], label] for row, label in zip(ROWS, ("hold", "hold", "slip"), strict=True)])
+        )
+        map = (
+            "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f1]}}, "
+            "state: {column: f2, values: {hold: non_slip, slip: gross}, rule: a button}}"
+        )
         self.assertEqual(self.read(map, path)[0][0].labels["pad"].state_paper.tolist(), [1, 1, 3])
-        self.assertIn("a.csv:4: column f2: the label 'slip' is not in state.values", self.refused(map.replace(", slip: gross", ""), path))
+        self.assertIn(
+            "a.csv:4: column f2: the label 'slip' is not in state.values",
+            self.refused(map.replace(", slip: gross", ""), path),
+        )
 
     def test_a_folder_of_texts_is_read(self):
         self.write("set/a.txt", table("\t"))
@@ -237,19 +328,32 @@ class Layouts(ImportTest):
         path = self.write("a.csv", table())
         lines = "sensor: pad\ntype: own\ntime: {column: t}\nchannels:\n  force: {unit: N, columns: [f1]}\n"
         for map, message in (
-                (lines.replace("type: own\n", ""), "map.yaml:1: the map has no key 'type'"),
-                (lines.replace("columns", "column"), "map.yaml:5: unknown key 'column' in channels.force; did you mean 'columns'? allowed: unit"),
-                (lines.replace("[f1]", "f1"), "map.yaml:5: channels.force.columns: expected a list of texts, found 'f1'"),
-                (lines.replace("column: t", "rate: 5 mm"), "map.yaml:3: time.rate: "),
-                (lines + "missing: skip\n", "map.yaml:6: missing: expected refuse or gap or nan, found 'skip'"),
-                (lines + "state: {rule: x}\n", "map.yaml:6: state: expected one of column, value, folder, file, table, found none of them"),
-                (lines + "state: {value: 7, rule: x}\n", "a.csv: expected a label of 0, 1, 2, 3"),
-                (lines + "sensors: {a: {type: own}}\n", "map.yaml:1: the map: expected one of sensor, sensors, found sensor and sensors"),
-                (lines + "skip: -1\n", "map.yaml:6: skip: expected a whole number from 1"),
-                ("a: [", "map.yaml:")):
+            (lines.replace("type: own\n", ""), "map.yaml:1: the map has no key 'type'"),
+            (
+                lines.replace("columns", "column"),
+                "map.yaml:5: unknown key 'column' in channels.force; did you mean 'columns'? allowed: unit",
+            ),
+            (lines.replace("[f1]", "f1"), "map.yaml:5: channels.force.columns: expected a list of texts, found 'f1'"),
+            (lines.replace("column: t", "rate: 5 mm"), "map.yaml:3: time.rate: "),
+            (lines + "missing: skip\n", "map.yaml:6: missing: expected refuse or gap or nan, found 'skip'"),
+            (
+                lines + "state: {rule: x}\n",
+                "map.yaml:6: state: expected one of column, value, folder, file, table, found none of them",
+            ),
+            (lines + "state: {value: 7, rule: x}\n", "a.csv: expected a label of 0, 1, 2, 3"),
+            (
+                lines + "sensors: {a: {type: own}}\n",
+                "map.yaml:1: the map: expected one of sensor, sensors, found sensor and sensors",
+            ),
+            (lines + "skip: -1\n", "map.yaml:6: skip: expected a whole number from 1"),
+            ("a: [", "map.yaml:"),
+        ):
             with self.subTest(message):
                 self.assertIn(message, self.refused(map, path))
-        with self.assertRaisesRegex(slipbench.InputError, "no such file, and no map of the program; found: biotac_ros, papillarray_ros, xela_ros"):
+        with self.assertRaisesRegex(
+            slipbench.InputError,
+            "no such file, and no map of the program; found: biotac_ros, papillarray_ros, xela_ros",
+        ):
             slipbench.import_recordings(path, map="nothing")
 
     def test_the_table_of_keys_is_whole(self):
@@ -262,10 +366,29 @@ class Layouts(ImportTest):
                 self.assertTrue(key.description)
 
     def test_a_missing_package_is_named(self):
-        request = json.dumps({"sources": [str(self.write("a.csv", table()))], "map": str(self.write("map.yaml", MAP % "")), "output": "", "seed": 1,
-                              "rate": None, "json": False, "install": "pip install x"})
-        told = subprocess.run([sys.executable, "-c", "import sys; sys.modules['pandas'] = None; from slipbench._import.__main__ import main; "
-                               "sys.exit(main(sys.argv[1]))", request], capture_output=True, text=True, check=False)
+        request = json.dumps(
+            {
+                "sources": [str(self.write("a.csv", table()))],
+                "map": str(self.write("map.yaml", MAP % "")),
+                "output": "",
+                "seed": 1,
+                "rate": None,
+                "json": False,
+                "install": "pip install x",
+            }
+        )
+        told = subprocess.run(
+            [
+                sys.executable,
+                "-c",
+                "import sys; sys.modules['pandas'] = None; from slipbench._import.__main__ import main; "
+                "sys.exit(main(sys.argv[1]))",
+                request,
+            ],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         self.assertEqual(told.returncode, 2)
         self.assertRegex(told.stderr, "import --map needs the Python package pandas, .* install it: pip install x")
 
@@ -278,8 +401,12 @@ class Arrays(ImportTest):
         np.savez(self.folder / "a.npz", t=np.array([0.0, 0.01]), force=force, serial=np.array([7]))
         map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [force]}}}"
         np.testing.assert_array_equal(self.force(map, self.folder / "a.npz")[0], force)
-        pa.parquet.write_table(pa.table({"t": [0.0, 0.01], "force": force.reshape(2, 9).tolist()}), self.folder / "a.parquet")
-        np.testing.assert_array_equal(self.force(map.replace("[force]", "[force], components: 3"), self.folder / "a.parquet")[0], force)
+        pa.parquet.write_table(
+            pa.table({"t": [0.0, 0.01], "force": force.reshape(2, 9).tolist()}), self.folder / "a.parquet"
+        )
+        np.testing.assert_array_equal(
+            self.force(map.replace("[force]", "[force], components: 3"), self.folder / "a.parquet")[0], force
+        )
         np.save(self.folder / "a.npy", force.reshape(2, 9))
         bare = "{sensor: pad, type: own, time: {rate: 10 Hz}, channels: {force: {unit: N, columns: [1 .. 9]}}}"
         np.testing.assert_array_equal(self.force(bare, self.folder / "a.npy")[0], force.reshape(2, 9))
@@ -299,15 +426,28 @@ class Bags(ImportTest):
         """Types and 4 messages of a PapillArray: pillar p carries (p, 0, 2) N and is displaced by (0, 0, row) mm, 1 ms apart."""
         store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_JAZZY)
         package = "papillarray_interfaces/msg"
-        store.register(get_types_from_msg(PILLAR, f"{package}/PillarState") | get_types_from_msg(SENSOR, f"{package}/SensorState"))
+        store.register(
+            get_types_from_msg(PILLAR, f"{package}/PillarState") | get_types_from_msg(SENSOR, f"{package}/SensorState")
+        )
         types = store.types
         header = {"seq": 0} if ros == 1 else {}
         made = []
         for row in range(4):
-            pillars = [types[f"{package}/PillarState"](id=p, dX=0, dY=0, dZ=row, fX=p, fY=0, fZ=2, in_contact=True, slip_state=1) for p in range(9)]
+            pillars = [
+                types[f"{package}/PillarState"](
+                    id=p, dX=0, dY=0, dZ=row, fX=p, fY=0, fZ=2, in_contact=True, slip_state=1
+                )
+                for p in range(9)
+            ]
             stamp = types["builtin_interfaces/msg/Time"](sec=5, nanosec=1_000_000 * row)
-            made.append(types[f"{package}/SensorState"](header=types["std_msgs/msg/Header"](stamp=stamp, frame_id="", **header), tus=1000 * row,
-                                                      pillars=pillars, gfX=0.0))
+            made.append(
+                types[f"{package}/SensorState"](
+                    header=types["std_msgs/msg/Header"](stamp=stamp, frame_id="", **header),
+                    tus=1000 * row,
+                    pillars=pillars,
+                    gfX=0.0,
+                )
+            )
         return store, f"{package}/SensorState", made
 
     def check(self, path):
@@ -353,21 +493,31 @@ class Bags(ImportTest):
         self.assertIn("has 2 topics, so that the map needs the key 'topic'", self.refused(map % "", bag))
         self.assertIn("has no topic '/hub_0/sensor_2'", self.refused(map % "topic: /hub_0/sensor_2,", bag))
         self.assertIn("has no topic of the type 'Other'", self.refused(map % "message: Other,", bag))
-        self.assertIn("no column is called 'pillars[*].fx' with a number for each *",
-                      self.refused(map.replace("fX", "fx") % "topic: /hub_0/sensor_0,", bag))
+        self.assertIn(
+            "no column is called 'pillars[*].fx' with a number for each *",
+            self.refused(map.replace("fX", "fx") % "topic: /hub_0/sensor_0,", bag),
+        )
         self.write("bad.bag", b"#ROSBAG V2.0\nno")
         self.assertIn("bad.bag: cannot be read as a bag", self.refused(map % "", self.folder / "bad.bag"))
 
     def test_items_of_a_list_are_sensors(self):
         store = get_typestore(Stores.ROS2_JAZZY)
-        store.register(get_types_from_msg("uint16 x\nuint16 y\nuint16 z\n", "xela_server_ros2/msg/Taxel")
-                       | get_types_from_msg("uint8 sensor_pos\nxela_server_ros2/Taxel[] taxels\n", "xela_server_ros2/msg/SensorFull")
-                       | get_types_from_msg("xela_server_ros2/SensorFull[] sensors\n", "xela_server_ros2/msg/SensStream"))
-        taxel, full, stream = (store.types[f"xela_server_ros2/msg/{name}"] for name in ("Taxel", "SensorFull", "SensStream"))
+        store.register(
+            get_types_from_msg("uint16 x\nuint16 y\nuint16 z\n", "xela_server_ros2/msg/Taxel")
+            | get_types_from_msg(
+                "uint8 sensor_pos\nxela_server_ros2/Taxel[] taxels\n", "xela_server_ros2/msg/SensorFull"
+            )
+            | get_types_from_msg("xela_server_ros2/SensorFull[] sensors\n", "xela_server_ros2/msg/SensStream")
+        )
+        taxel, full, stream = (
+            store.types[f"xela_server_ros2/msg/{name}"] for name in ("Taxel", "SensorFull", "SensStream")
+        )
         with Writer2(self.folder / "xela", version=9) as writer:
             connection = writer.add_connection("/xServTopic", stream.__msgtype__, typestore=store)
             for row in range(3):
-                message = stream(sensors=[full(sensor_pos=s, taxels=[taxel(x=s, y=k, z=row) for k in range(16)]) for s in (1, 2)])
+                message = stream(
+                    sensors=[full(sensor_pos=s, taxels=[taxel(x=s, y=k, z=row) for k in range(16)]) for s in (1, 2)]
+                )
                 writer.write(connection, 10_000_000 * row, store.serialize_cdr(message, stream.__msgtype__))
         output = self.folder / "xela.h5"
         slipbench.import_recordings(self.folder / "xela", output, map="xela_ros")
@@ -391,7 +541,9 @@ class Damaged(ImportTest):
             data = bytearray(text if isinstance(text, bytes) else text.encode())
             for _ in range(int(random.integers(1, 6))):
                 place = int(random.integers(len(data)))
-                data[place:place + int(random.integers(2))] = bytes(random.choice(list(alphabet), int(random.integers(3))).tolist())
+                data[place : place + int(random.integers(2))] = bytes(
+                    random.choice(list(alphabet), int(random.integers(3))).tolist()
+                )
             path = self.write("a.csv", bytes(data))
             with contextlib.suppress(slipbench.InputError):
                 found = TextTable(str(path))
@@ -402,7 +554,9 @@ class Damaged(ImportTest):
         for _ in range(400):
             data = bytearray(text.encode())
             place = int(random.integers(len(data)))
-            data[place:place + int(random.integers(9))] = bytes(random.choice(list(b"{}[]:,a \n1'-"), int(random.integers(4))).tolist())
+            data[place : place + int(random.integers(9))] = bytes(
+                random.choice(list(b"{}[]:,a \n1'-"), int(random.integers(4))).tolist()
+            )
             with contextlib.suppress(slipbench.InputError):
                 read_map(str(self.write("map.yaml", bytes(data))))
 

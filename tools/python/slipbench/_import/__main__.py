@@ -45,7 +45,9 @@ def map_path(name: str) -> str:
     own = MAPS / f"{name}.yaml"
     if Path(name).name == name and own.is_file():
         return str(own)
-    raise InputError(f"--map {name}: no such file, and no map of the program{nearest(name, sorted(path.stem for path in MAPS.glob('*.yaml')))}")
+    raise InputError(
+        f"--map {name}: no such file, and no map of the program{nearest(name, sorted(path.stem for path in MAPS.glob('*.yaml')))}"
+    )
 
 
 def run(request: Request, interrupt: Interrupt) -> None:
@@ -56,7 +58,9 @@ def run(request: Request, interrupt: Interrupt) -> None:
     files = map.files(request.sources)
     if not files:
         raise InputError(f"{', '.join(request.sources)}: holds tables of labels alone; expected recordings")
-    writer = _core.MappedImport(request.sources, request.map, request.output, request.seed, request.rate, "object" if map.object else "trial")
+    writer = _core.MappedImport(
+        request.sources, request.map, request.output, request.seed, request.rate, "object" if map.object else "trial"
+    )
     importer = Importer(map, writer)
     for file in files:
         interrupt.check()

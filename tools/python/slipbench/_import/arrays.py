@@ -59,7 +59,17 @@ def read_npz(path: str) -> Columns:
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
-    except (OSError, ValueError, EOFError, SyntaxError, OverflowError, TypeError, KeyError, zipfile.BadZipFile, NotImplementedError) as error:
+    except (
+        OSError,
+        ValueError,
+        EOFError,
+        SyntaxError,
+        OverflowError,
+        TypeError,
+        KeyError,
+        zipfile.BadZipFile,
+        NotImplementedError,
+    ) as error:
         raise InputError(f"{path}: cannot be read as arrays: {error}") from error
     rows = Counter(len(array) for array in arrays.values() if array.ndim and array.size)
     if not rows:
@@ -83,7 +93,11 @@ def read_parquet(path: str) -> Columns:
     for name, column in zip(table.column_names, table.columns, strict=True):
         if pa.types.is_timestamp(column.type):
             columns[name] = np.array([value.isoformat() for value in column.to_pylist()])
-        elif pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type) or pa.types.is_large_list(column.type):
+        elif (
+            pa.types.is_list(column.type)
+            or pa.types.is_fixed_size_list(column.type)
+            or pa.types.is_large_list(column.type)
+        ):
             try:
                 columns[name] = np.array(column.to_pylist(), dtype=float)
             except ValueError:

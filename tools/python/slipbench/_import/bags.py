@@ -55,13 +55,17 @@ class Topic(Columns):
         topics: list[Topic] = []
         while True:
             start = f"{each}[{len(topics)}]."
-            found = {title.removeprefix(start): column for title, column in self._columns.items() if title.startswith(start)}
+            found = {
+                title.removeprefix(start): column for title, column in self._columns.items() if title.startswith(start)
+            }
             if not found:
                 break
             found |= {title: column for title, column in self._columns.items() if not title.startswith(f"{each}[")}
             topics.append(Topic(self.path, f"{self.name}, {each}[{len(topics)}]", self._times.tolist(), found))
         if not topics:
-            raise InputError(f"{self.title_place()}: the messages have no list {each!r} of messages{nearest(each, self.titles)}")
+            raise InputError(
+                f"{self.title_place()}: the messages have no list {each!r} of messages{nearest(each, self.titles)}"
+            )
         return topics
 
 
@@ -108,12 +112,16 @@ class Bag:
                 raise InputError(f"{self.path}: has no topic {topic!r}{nearest(topic, list(self.topics))}")
             return [topic]
         if message:
-            found = [name for name, kind in self.topics.items() if kind == message or kind.rsplit("/", 1)[-1] == message]
+            found = [
+                name for name, kind in self.topics.items() if kind == message or kind.rsplit("/", 1)[-1] == message
+            ]
             if not found:
                 raise InputError(f"{self.path}: has no topic of the type {message!r}; found: {listed}")
             return sorted(found)
         if len(self.topics) != 1:
-            raise InputError(f"{self.path}: has {len(self.topics)} topics, so that the map needs the key 'topic'; found: {listed}")
+            raise InputError(
+                f"{self.path}: has {len(self.topics)} topics, so that the map needs the key 'topic'; found: {listed}"
+            )
         return list(self.topics)
 
     def read(self, name: str) -> Topic:
@@ -121,7 +129,9 @@ class Bag:
         times: list[int] = []
         rows: list[dict[str, Any]] = []
         try:
-            for connection, time, raw in self._reader.messages([one for one in self._reader.connections if one.topic == name]):
+            for connection, time, raw in self._reader.messages(
+                [one for one in self._reader.connections if one.topic == name]
+            ):
                 row: dict[str, Any] = {}
                 flatten(self._reader.deserialize(raw, connection.msgtype), "", row)
                 times.append(time)
@@ -133,6 +143,8 @@ class Bag:
         titles = list(rows[0])
         for k, row in enumerate(rows):
             if row.keys() != rows[0].keys():
-                raise InputError(f"{self.path}: topic {name}, message {k + 1}: has {len(row)} values and the first message {len(titles)}; "
-                                 "expected lists of one length")
+                raise InputError(
+                    f"{self.path}: topic {name}, message {k + 1}: has {len(row)} values and the first message {len(titles)}; "
+                    "expected lists of one length"
+                )
         return Topic(self.path, name, times, {title: np.array([row[title] for row in rows]) for title in titles})

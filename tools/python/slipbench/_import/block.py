@@ -40,7 +40,7 @@ class Node:
 
 
 def nearest(name: str, known: list[str]) -> str:
-    """"; did you mean 'b'? It has a, b, c", for an error about a name that is not known. At most ten names are listed."""
+    """ "; did you mean 'b'? It has a, b, c", for an error about a name that is not known. At most ten names are listed."""
     close = difflib.get_close_matches(name, known, 1) or [one for one in known if one.lower() == name.lower()][:1]
     shown = ", ".join(known[:10]) + (f" and {len(known) - 10} more" if len(known) > 10 else "")
     return (f"; did you mean {close[0]!r}?" if close else ";") + f" found: {shown}"
@@ -133,7 +133,11 @@ class Block:
         self._nodes = {child.key: child for child in node.children}
         for child in node.children:
             if child.key not in keys:
-                child.fail(f"unknown key {child.key!r} in {where or 'the map'}{nearest(child.key, list(keys))}".replace(" found: ", " allowed: "))
+                child.fail(
+                    f"unknown key {child.key!r} in {where or 'the map'}{nearest(child.key, list(keys))}".replace(
+                        " found: ", " allowed: "
+                    )
+                )
             self._values[child.key] = _value(child, keys[child.key], self.path(child.key))
         for key in keys.values():
             if key.required:
@@ -164,7 +168,9 @@ class Block:
         """Which one of several keys the block has. Raises InputError unless it is exactly one."""
         found = [key for key in keys if key in self]
         if len(found) != 1:
-            self.fail(f"{self.where or 'the map'}: expected one of {', '.join(keys)}, found {' and '.join(found) or 'none of them'}")
+            self.fail(
+                f"{self.where or 'the map'}: expected one of {', '.join(keys)}, found {' and '.join(found) or 'none of them'}"
+            )
         return found[0]
 
 

@@ -1,4 +1,4 @@
-"""Labels and objects of recordings: by a column, one value, a folder, a file's name, or a table with a row for each file."""
+"""Labels and objects of recordings: by a column, a value, a folder, a file name, or a table of files."""
 
 from __future__ import annotations
 
@@ -37,10 +37,14 @@ class Lookup:
             try:
                 self._pattern = re.compile(block.need("file"))
             except re.error as error:
-                block.fail(f"{block.path('file')}: expected a regular expression, found {block.get('file')!r}: {error}", "file")
+                block.fail(
+                    f"{block.path('file')}: expected a regular expression, found {block.get('file')!r}: {error}", "file"
+                )
             if self._pattern.groups != 1:
-                block.fail(f"{block.path('file')}: expected one group in brackets, found {self._pattern.groups} in {block.get('file')!r}",
-                           "file")
+                block.fail(
+                    f"{block.path('file')}: expected one group in brackets, found {self._pattern.groups} in {block.get('file')!r}",
+                    "file",
+                )
 
     @property
     def column(self) -> str | None:
@@ -60,12 +64,16 @@ class Lookup:
         if self.place == "folder":
             level: int = self.block.need("folder")
             if level > len(full.parents) or not full.parents[level - 1].name:
-                raise InputError(f"{file.path}: has no folder {level} levels above it, which {self.block.path('folder')} asks for")
+                raise InputError(
+                    f"{file.path}: has no folder {level} levels above it, which {self.block.path('folder')} asks for"
+                )
             return full.parents[level - 1].name
         if self.place == "file":
             match = self._pattern.search(file.name)
             if not match or not match[1]:
-                raise InputError(f"{file.path}: the name {file.name!r} does not match {self.block.path('file')}: {self._pattern.pattern}")
+                raise InputError(
+                    f"{file.path}: the name {file.name!r} does not match {self.block.path('file')}: {self._pattern.pattern}"
+                )
             return match[1]
         return self._of_table(file, full)
 
@@ -76,7 +84,10 @@ class Lookup:
             if path.is_file():
                 break
         else:
-            named.fail(f"{named.path('path')}: there is no file {named.need('path')!r} beside {file.path} and none beside the map", "path")
+            named.fail(
+                f"{named.path('path')}: there is no file {named.need('path')!r} beside {file.path} and none beside the map",
+                "path",
+            )
         if path not in self._tables:
             self._tables[path] = self._read(path, named)
         rows = self._tables[path]
@@ -108,7 +119,10 @@ class States(Lookup):
         self._values: dict[str, str] | None = block.get("values")
         for text, state in (self._values or {}).items():
             if self._number(state) is None and state != UNKNOWN:
-                block.fail(f"{block.path('values')}.{text}: expected {', '.join(STATES)}, 0, 1, 2, 3 or {UNKNOWN}, found {state!r}", "values")
+                block.fail(
+                    f"{block.path('values')}.{text}: expected {', '.join(STATES)}, 0, 1, 2, 3 or {UNKNOWN}, found {state!r}",
+                    "values",
+                )
 
     @staticmethod
     def _number(text: str) -> int | None:
@@ -119,15 +133,19 @@ class States(Lookup):
     def _state(self, text: str, place: str) -> int | None:
         if self._values is not None:
             if text not in self._values:
-                raise InputError(f"{place}: the label {text!r} is not in {self.block.path('values')}; found there: "
-                                 f"{', '.join(self._values)}")
+                raise InputError(
+                    f"{place}: the label {text!r} is not in {self.block.path('values')}; found there: "
+                    f"{', '.join(self._values)}"
+                )
             text = self._values[text]
         if text == UNKNOWN:
             return None
         number = self._number(text)
         if number is None:
-            raise InputError(f"{place}: expected a label of 0, 1, 2, 3 or {', '.join(STATES)}, found {text!r}"
-                             f"; say what texts mean in {self.block.path('values')}")
+            raise InputError(
+                f"{place}: expected a label of 0, 1, 2, 3 or {', '.join(STATES)}, found {text!r}"
+                f"; say what texts mean in {self.block.path('values')}"
+            )
         return number
 
     def of_rows(self, file: File, source: Source, kept: np.ndarray) -> np.ndarray | None:
@@ -141,7 +159,9 @@ class States(Lookup):
             if texts[row] not in known:
                 state = self._state(texts[row], f"{source.place(row)}: column {self.column}")
                 if state is None:
-                    raise InputError(f"{source.place(row)}: the label {texts[row]!r} is unknown; a column needs a label in each row")
+                    raise InputError(
+                        f"{source.place(row)}: the label {texts[row]!r} is unknown; a column needs a label in each row"
+                    )
                 known[texts[row]] = state
         return np.array([known[texts[row]] for row in kept.tolist()], np.uint8)
 
@@ -153,7 +173,9 @@ def object_of(lookup: Lookup, file: File, source: Source) -> str:
     else:
         names = sorted(set(source.texts(lookup.column)))
         if len(names) != 1:
-            raise InputError(f"{file.path}: column {lookup.column} has {len(names)} objects ({', '.join(names[:5])}); expected one in a file")
+            raise InputError(
+                f"{file.path}: column {lookup.column} has {len(names)} objects ({', '.join(names[:5])}); expected one in a file"
+            )
         name = names[0]
     if not _core.is_plain_name(name):
         raise InputError(f"{file.path}: the object is {name!r}; expected a name")

@@ -18,7 +18,16 @@ from slipbench._import.source import Source, stamps_of
 from slipbench.bin import _core
 
 # Which files of a folder are meant: those of the first of these kinds that it has.
-KINDS = ((".csv",), (".tsv", ".tab"), (".txt", ".dat"), (".parquet", ".pq"), (".npz",), (".npy",), (".mcap",), (".bag",))
+KINDS = (
+    (".csv",),
+    (".tsv", ".tab"),
+    (".txt", ".dat"),
+    (".parquet", ".pq"),
+    (".npz",),
+    (".npy",),
+    (".mcap",),
+    (".bag",),
+)
 BAGS = (".mcap", ".bag")
 MOST_RUNS = 5  # of missing samples that a warning lists
 FRAME = "as the recordings have it"
@@ -45,7 +54,9 @@ class Sensor:
         self.channels: dict[str, Block] = block.need("channels")
         for key, channel in self.channels.items():
             if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", key) or key == "t":
-                channel.fail(f"channels: expected a name of letters, digits and '_', no digit first, not t, found {key!r}")
+                channel.fail(
+                    f"channels: expected a name of letters, digits and '_', no digit first, not t, found {key!r}"
+                )
         self.time: Block | None = block.get("time", root.get("time"))
         if self.time is not None:
             self.time.only_one(("column", "rate"))
@@ -77,7 +88,9 @@ class Map:
             self.sensors = [Sensor(name, one, block) for name, one in block.need("sensors").items()]
             for sensor in self.sensors:
                 if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", sensor.name):
-                    sensor.block.fail(f"sensors: expected a name of letters, digits and '_', no digit first, found {sensor.name!r}")
+                    sensor.block.fail(
+                        f"sensors: expected a name of letters, digits and '_', no digit first, found {sensor.name!r}"
+                    )
         else:
             self.sensors = [Sensor(block.need("sensor"), block, block)]
         self.object = Lookup(block.need("object")) if "object" in block else None
@@ -105,7 +118,9 @@ class Map:
             for key, channel in sensor.channels.items():
                 titles += source.find_all(channel.need("columns"), f"channels.{key}.columns")[0]
             if sensor.time is None:
-                sensor.block.fail("the map has no key 'time'; expected time: {column: TITLE}, or time: {rate: 100 Hz} for a table without times")
+                sensor.block.fail(
+                    "the map has no key 'time'; expected time: {column: TITLE}, or time: {rate: 100 Hz} for a table without times"
+                )
             if "column" in sensor.time:
                 texts.append(source.find(sensor.time.need("column")))
             if sensor.states is not None and sensor.states.column is not None:
@@ -127,7 +142,9 @@ class Map:
         from slipbench._import.text import TextTable
 
         get = self.block.get
-        return TextTable(path, get("separator", ""), get("decimal", ""), get("header", True), get("skip", 0), get("comment", "#"))
+        return TextTable(
+            path, get("separator", ""), get("decimal", ""), get("header", True), get("skip", 0), get("comment", "#")
+        )
 
     def _read_bag(self, file: File) -> Iterator[tuple[str, Sensor, Source]]:
         from slipbench._import.bags import Bag
@@ -150,18 +167,27 @@ def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int]
     """Shape of a row, names of its values, and values [T, N] in the channel's unit."""
     titles, starred = source.find_all(channel.need("columns"), f"channels.{key}.columns")
     parts = [source.values(title) for title in titles]
-    names = [name for title, part in zip(titles, parts, strict=True)
-             for name in ([title] if part.ndim == 1 else [f"{title}[{k}]" for k in range(part[0].size)])]
+    names = [
+        name
+        for title, part in zip(titles, parts, strict=True)
+        for name in ([title] if part.ndim == 1 else [f"{title}[{k}]" for k in range(part[0].size)])
+    ]
     if len(names) * len(source) * 4 > LARGEST:
-        raise InputError(f"{source.path}: channel {key} takes more than {LARGEST // 1_000_000} MB; cut the file in parts")
+        raise InputError(
+            f"{source.path}: channel {key} takes more than {LARGEST // 1_000_000} MB; cut the file in parts"
+        )
     joined = np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1) * channel.get("scale", 1.0)
     large = np.argwhere(np.abs(joined) > np.finfo(np.float32).max)
     if large.size:
-        raise InputError(f"{source.place(int(large[0][0]))}: column {names[large[0][1]]}: expected a number that float32 holds, "
-                         f"found {joined[tuple(large[0])]:g}")
+        raise InputError(
+            f"{source.place(int(large[0][0]))}: column {names[large[0][1]]}: expected a number that float32 holds, "
+            f"found {joined[tuple(large[0])]:g}"
+        )
     components = channel.get("components", starred)
     if len(names) % components:
-        raise InputError(f"{source.title_place()}: has {len(names)} columns for channel {key}; expected a multiple of its {components} components")
+        raise InputError(
+            f"{source.title_place()}: has {len(names)} columns for channel {key}; expected a multiple of its {components} components"
+        )
     if len(parts) == 1 and parts[0].ndim > 2 and "components" not in channel:
         return list(parts[0].shape[1:]), names, joined
     return [len(names) // components, components] if components > 1 else [len(names)], names, joined
@@ -188,12 +214,14 @@ def _runs(rows: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _missing_text(source: Source, times: np.ndarray, rows: np.ndarray, done: str) -> str:
-    """"3 of 100 samples have missing values and are left out: 3 from FILE:12 on, 0.04 s from 1.2 s to 1.24 s"."""
+    """ "3 of 100 samples have missing values and are left out: 3 from FILE:12 on, 0.04 s from 1.2 s to 1.24 s"."""
     runs = _runs(rows)
     texts = []
     for first, last in runs[:MOST_RUNS]:
         before, after = max(first - 1, 0), min(last + 1, len(times) - 1)
-        texts.append(f"{last - first + 1} at {source.place(first)}, {times[after] - times[before]:.4g} s from {times[before]:.6g} s on")
+        texts.append(
+            f"{last - first + 1} at {source.place(first)}, {times[after] - times[before]:.4g} s from {times[before]:.6g} s on"
+        )
     more = f" and {len(runs) - MOST_RUNS} more gaps" if len(runs) > MOST_RUNS else ""
     return f"{len(rows)} of {len(times)} samples have missing values and {done}: {'; '.join(texts)}{more}"
 
@@ -234,32 +262,66 @@ class Importer:
         if late.size:
             row = int(late[0]) + 1
             column = "" if sensor.time is None else f"column {source.titles.index(sensor.time.need('column')) + 1}, "
-            raise InputError(f"{source.place(int(kept[row]))}: {column}time: {times[row]:.12g} s comes after {times[row - 1]:.12g} s; "
-                             "expected rising times")
+            raise InputError(
+                f"{source.place(int(kept[row]))}: {column}time: {times[row]:.12g} s comes after {times[row - 1]:.12g} s; "
+                "expected rising times"
+            )
         if np.abs(times).max() > 1e10:
-            raise InputError(f"{source.place(0)}: time: {np.abs(times).max():g} s; expected at most 1e10 s; set time.unit")
+            raise InputError(
+                f"{source.place(0)}: time: {np.abs(times).max():g} s; expected at most 1e10 s; set time.unit"
+            )
         self._writer.add_sensor(
-            name, sensor.type, sensor.block.get("frame", FRAME), np.ascontiguousarray(times), resolution, rate,
+            name,
+            sensor.type,
+            sensor.block.get("frame", FRAME),
+            np.ascontiguousarray(times),
+            resolution,
+            rate,
             sensor.states.block.need("rule") if sensor.states else "",
             sensor.states.of_rows(file, source, kept) if sensor.states else None,
-            [(key, sensor.channels[key].need("unit"), shape, titles, np.ascontiguousarray(values[kept], np.float32).ravel())
-             for key, (shape, titles, values) in channels.items()])
+            [
+                (
+                    key,
+                    sensor.channels[key].need("unit"),
+                    shape,
+                    titles,
+                    np.ascontiguousarray(values[kept], np.float32).ravel(),
+                )
+                for key, (shape, titles, values) in channels.items()
+            ],
+        )
 
-    def _kept(self, source: Source, sensor: Sensor, channels: dict[str, tuple[list[int], list[str], np.ndarray]], times: np.ndarray,
-              empty: np.ndarray) -> np.ndarray:
+    def _kept(
+        self,
+        source: Source,
+        sensor: Sensor,
+        channels: dict[str, tuple[list[int], list[str], np.ndarray]],
+        times: np.ndarray,
+        empty: np.ndarray,
+    ) -> np.ndarray:
         """The rows that become samples, by the key `missing`."""
         every = np.arange(len(times))
         if not empty.size:
             return every
         if self._policy == "refuse" or (self._policy == "nan" and np.isnan(times).any()):
             row = int(np.flatnonzero(np.isnan(times))[0]) if self._policy == "nan" else int(empty[0])
-            titles = [title for _, names, values in channels.values()
-                      for title, value in zip(names, values[row], strict=True) if np.isnan(value)]
+            titles = [
+                title
+                for _, names, values in channels.values()
+                for title, value in zip(names, values[row], strict=True)
+                if np.isnan(value)
+            ]
             if np.isnan(times[row]) and sensor.time is not None:
                 titles = [sensor.time.need("column")]
-            raise InputError(f"{source.place(row)}: column {titles[0]} has no value; expected a number in each row, or missing: gap in the "
-                             "map, which leaves out such rows, or missing: nan, which keeps the other values")
-        known = np.interp(every, np.flatnonzero(~np.isnan(times)), times[~np.isnan(times)]) if not np.isnan(times).all() else times
+            raise InputError(
+                f"{source.place(row)}: column {titles[0]} has no value; expected a number in each row, or missing: gap in the "
+                "map, which leaves out such rows, or missing: nan, which keeps the other values"
+            )
+        known = (
+            np.interp(every, np.flatnonzero(~np.isnan(times)), times[~np.isnan(times)])
+            if not np.isnan(times).all()
+            else times
+        )
         done = "are left out" if self._policy == "gap" else "are NaN in the dataset"
         self._writer.warn(source.path, _missing_text(source, known, empty, done))
         return np.setdiff1d(every, empty) if self._policy == "gap" else every

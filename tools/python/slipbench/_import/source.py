@@ -63,9 +63,13 @@ class Source:
     def find(self, title: str) -> str:
         """Returns `title`. Raises InputError unless there is exactly one such column."""
         if title not in self.titles:
-            raise InputError(f"{self.title_place()}: has no column {title!r}{nearest(title, self.titles)}{self.title_hint()}")
+            raise InputError(
+                f"{self.title_place()}: has no column {title!r}{nearest(title, self.titles)}{self.title_hint()}"
+            )
         if self.titles.count(title) > 1:
-            raise InputError(f"{self.title_place()}: has {self.titles.count(title)} columns {title!r}; titles that the map names must differ")
+            raise InputError(
+                f"{self.title_place()}: has {self.titles.count(title)} columns {title!r}; titles that the map names must differ"
+            )
         return title
 
     def find_all(self, columns: list[str], where: str) -> tuple[list[str], int]:
@@ -85,8 +89,10 @@ class Source:
             groups = [self._matches(title) for title in starred]
             for title, group in zip(starred, groups, strict=True):
                 if len(group) != len(groups[0]):
-                    raise InputError(f"{self.title_place()}: {starred[0]!r} is {len(groups[0])} columns and {title!r} is {len(group)}; "
-                                     "expected as many")
+                    raise InputError(
+                        f"{self.title_place()}: {starred[0]!r} is {len(groups[0])} columns and {title!r} is {len(group)}; "
+                        "expected as many"
+                    )
             return [title for row in zip(*groups, strict=True) for title in row], len(starred)
         found: list[str] = []
         for title in columns:
@@ -94,17 +100,23 @@ class Source:
                 first, last = (self.titles.index(self.find(end)) for end in title.split(RANGE, 1))
                 if last < first:
                     raise InputError(f"{self.title_place()}: {title!r} goes backwards; name the first column first")
-                found += self.titles[first:last + 1]
+                found += self.titles[first : last + 1]
             else:
                 found.append(self.find(title))
         return found, 1
 
     def _matches(self, title: str) -> list[str]:
         pattern = re.compile(r"(\d+)".join(re.escape(part) for part in title.split("*")))
-        found = [(tuple(int(number) for number in match.groups()), one) for one in self.titles if (match := pattern.fullmatch(one))]
+        found = [
+            (tuple(int(number) for number in match.groups()), one)
+            for one in self.titles
+            if (match := pattern.fullmatch(one))
+        ]
         if not found:
-            raise InputError(f"{self.title_place()}: no column is called {title!r} with a number for each *{nearest(title, self.titles)}"
-                             f"{self.title_hint()}")
+            raise InputError(
+                f"{self.title_place()}: no column is called {title!r} with a number for each *{nearest(title, self.titles)}"
+                f"{self.title_hint()}"
+            )
         return [self.find(one) for _, one in sorted(found)]
 
 
@@ -133,10 +145,14 @@ def stamps_of(source: Source, title: str, scale: float | None) -> tuple[np.ndarr
     filled = [text for text in texts if text.lower() not in MISSING]
     if filled and ":" in filled[0]:
         if scale is not None:
-            raise InputError(f"{source.place(0)}: column {title!r} has times as {filled[0]!r}, which need no unit and no scale")
-        times = np.array([np.nan if text.lower() in MISSING else _moment(source, title, row, text) for row, text in enumerate(texts)])
+            raise InputError(
+                f"{source.place(0)}: column {title!r} has times as {filled[0]!r}, which need no unit and no scale"
+            )
+        times = np.array(
+            [np.nan if text.lower() in MISSING else _moment(source, title, row, text) for row, text in enumerate(texts)]
+        )
         digits = max(len(match[1]) if (match := re.search(r":\d{2}[.,](\d+)", text)) else 0 for text in filled)
-        return times, 10.0 ** -digits
+        return times, 10.0**-digits
     times = source.values(title) * (scale or 1.0)
     numbers = [text for text in filled if re.fullmatch(r"[+-]?[\d.,]+([eE][+-]?\d{1,3})?", text)]
     return times, (resolution_of(numbers) if numbers else 0.0) * (scale or 1.0)
@@ -153,6 +169,8 @@ def _moment(source: Source, title: str, row: int, text: str) -> float:
         if moment.tzinfo is None:
             moment = datetime.fromisoformat(whole + "+00:00")
     except ValueError:
-        raise InputError(f"{source.place(row)}: column {title}: expected a time in ISO 8601 such as 2026-02-03T10:00:00.01, "
-                         f"found {text!r}") from None
+        raise InputError(
+            f"{source.place(row)}: column {title}: expected a time in ISO 8601 such as 2026-02-03T10:00:00.01, "
+            f"found {text!r}"
+        ) from None
     return moment.timestamp() + (float(f"0.{fraction}") if fraction else 0.0)

@@ -70,7 +70,9 @@ def find_separator(lines: list[str]) -> str:
         agree = sum(count == counts[0] for count in counts)
         if counts[0] > 1 and agree > max(most, 1 if len(counts) > 1 else 0, len(counts) // 2):
             best, most = separator, agree
-    if not best and len(lines) > 1:  # no separator agrees: the one of the header, so that the rows are refused by their number of cells
+    if (
+        not best and len(lines) > 1
+    ):  # no separator agrees: the one of the header, so that the rows are refused by their number of cells
         return next((one for one in SEPARATORS[:-1] if filled(cells_of(lines[0], one)) > 1), "")
     return best
 
@@ -95,28 +97,41 @@ class TextTable(Source):
         comment: text that lines begin with that are not read; "none": there are none
     """
 
-    def __init__(self, path: str, separator: str = "", decimal: str = "", header: bool = True, skip: int | list[int] = 0,
-                 comment: str = "#") -> None:
+    def __init__(
+        self,
+        path: str,
+        separator: str = "",
+        decimal: str = "",
+        header: bool = True,
+        skip: int | list[int] = 0,
+        comment: str = "#",
+    ) -> None:
         super().__init__(path)
         text = decoded(path)
         skipped = set(range(1, skip + 1)) if isinstance(skip, int) else set(skip)
-        numbered = [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip() and number not in skipped]
+        numbered = [
+            (number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip() and number not in skipped
+        ]
         if numbered and (said := re.fullmatch(r"sep=(.)", numbered[0][1].strip())):  # as Excel writes it
             separator, numbered = separator or said[1], numbered[1:]
         if comment != "none":
             numbered = [(number, line) for number, line in numbered if not line.lstrip().startswith(comment)]
         if not numbered:
-            raise InputError(f"{path}:1: the file has no row; expected {'titles and ' if header else ''}a row for each sample")
+            raise InputError(
+                f"{path}:1: the file has no row; expected {'titles and ' if header else ''}a row for each sample"
+            )
         longest = max(numbered, key=lambda one: len(one[1]))
         if len(longest[1]) > LONGEST:
-            raise InputError(f"{path}:{longest[0]}: the line has more than {LONGEST} characters; expected a table of text")
+            raise InputError(
+                f"{path}:{longest[0]}: the line has more than {LONGEST} characters; expected a table of text"
+            )
         sample = [line for _, line in numbered[:SAMPLE]]
         self._separator = {"tab": "\t", "blanks": " "}.get(separator, separator) or find_separator(sample)
         if len(self._separator) > 1:
             raise InputError(f"separator: expected one character, tab or blanks, found {separator!r}")
         self._decimal = decimal or find_decimal(sample[1:] if header else sample, self._separator)
         first = cells_of(numbered[0][1], self._separator)
-        self.titles = first[:filled(first)] if header else [str(k + 1) for k in range(filled(first))]
+        self.titles = first[: filled(first)] if header else [str(k + 1) for k in range(filled(first))]
         self._header_line = numbered[0][0]
         if header:
             numbered = numbered[1:]
@@ -160,15 +175,28 @@ class TextTable(Source):
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 frame = pd.read_csv(
-                    io.StringIO("\n".join(self._lines) + "\n"), header=None, names=list(order), index_col=False, usecols=used,
-                    sep=r"\s+" if self._separator == " " else self._separator or "\0", decimal=self._decimal, dtype=kinds,
-                    na_filter=False, skip_blank_lines=False, skipinitialspace=True, float_precision="round_trip", low_memory=False,
-                    engine="c")
+                    io.StringIO("\n".join(self._lines) + "\n"),
+                    header=None,
+                    names=list(order),
+                    index_col=False,
+                    usecols=used,
+                    sep=r"\s+" if self._separator == " " else self._separator or "\0",
+                    decimal=self._decimal,
+                    dtype=kinds,
+                    na_filter=False,
+                    skip_blank_lines=False,
+                    skipinitialspace=True,
+                    float_precision="round_trip",
+                    low_memory=False,
+                    engine="c",
+                )
         except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, OverflowError) as error:
             raise InputError(f"{self.path}: cannot be read as a table: {str(error).strip()}") from error
         if len(frame) != len(self._lines):
-            raise InputError(f"{self.path}: {len(self._lines)} lines give {len(frame)} rows; expected a row on each line, "
-                             "without line breaks inside quotes")
+            raise InputError(
+                f"{self.path}: {len(self._lines)} lines give {len(frame)} rows; expected a row on each line, "
+                "without line breaks inside quotes"
+            )
         for k in used:
             if k < count:
                 continue
@@ -184,7 +212,11 @@ class TextTable(Source):
     def _refuse_cells(self, row: int) -> None:
         cells = cells_of(self._lines[row], self._separator)
         cause = ""
-        if self._separator == "," and len(cells) > len(self.titles) and all(re.fullmatch(r"[+-]?\d+", cell) for cell in cells if cell):
+        if (
+            self._separator == ","
+            and len(cells) > len(self.titles)
+            and all(re.fullmatch(r"[+-]?\d+", cell) for cell in cells if cell)
+        ):
             cause = "; commas seem to be both the separator and the decimal mark, which cannot be told apart"
         raise InputError(f"{self.place(row)}: has {filled(cells)} cells; expected {len(self.titles)}{cause}")
 
@@ -224,7 +256,9 @@ class TextTable(Source):
             cause = "; write numbers without marks between thousands"
         elif re.fullmatch(r"[+-]?[\d.]+[dD][+-]?\d+", cell.strip()):
             cause = "; write the exponent with E"
-        raise InputError(f"{self.place(row)}: column {self.titles.index(title) + 1}, {title}: expected a number, found {cell!r}{cause}")
+        raise InputError(
+            f"{self.place(row)}: column {self.titles.index(title) + 1}, {title}: expected a number, found {cell!r}{cause}"
+        )
 
     def texts(self, title: str) -> list[str]:
         return [cell.strip() for cell in self._frame[title].astype(str).to_list()]
