@@ -106,7 +106,7 @@ class Rosbag2(ExportTest):
     def check_truth(self, topics, demo, sensor):
         group = demo["labels"][sensor]
         self.check_own(topics, f"/truth/{sensor}", group["t"], {name: group[name] for name in set(group) - {"t", "events"}})
-        _, messages, _ = topics.pop(f"/truth/{sensor}/events")
+        _, messages, _ = topics.pop(f"/truth/{sensor}/events")  # has no message where no unit changes its state
         for name in ("t", "unit", "kind"):
             self.assertEqual([getattr(one, name) for one in messages], group[f"events/{name}"][:].tolist(), name)
 

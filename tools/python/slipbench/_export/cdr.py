@@ -34,8 +34,8 @@ class Messages:
 
     def numbers(self, values: Any, kind: str) -> None:
         """Adds numbers of the numpy type `kind` ("<f4"): [count, ...], or a single number for all messages."""
-        array = np.ascontiguousarray(values, kind)
-        rows = array.reshape(1 if array.ndim == 0 else self.count, -1)
+        array = np.asarray(values, kind)
+        rows = np.ascontiguousarray(array.reshape(1 if array.ndim == 0 else self.count, int(np.prod(array.shape[1:]))))
         self._end += -self._end % array.itemsize
         self._parts.append((self._end, rows.view(np.uint8)))
         self._end += rows.shape[1] * array.itemsize
@@ -49,9 +49,8 @@ class Messages:
 
     def sequence(self, values: NDArray[Any], kind: str) -> None:
         """Adds a sequence of numbers: [count, elements]."""
-        rows = values.reshape(self.count, -1)
-        self.numbers(rows.shape[1], "<u4")
-        self.numbers(rows, kind)
+        self.numbers(int(np.prod(values.shape[1:])), "<u4")
+        self.numbers(values, kind)
 
     def stamp(self, times: NDArray[np.uint64]) -> None:
         """Adds builtin_interfaces/Time: whole seconds and the nanoseconds beyond them. `times`: [count] ns."""
