@@ -48,18 +48,21 @@ class Topic:
     messages: Messages
     about: dict[str, str] = field(default_factory=dict)
 
-    def records(self, channel: int) -> NDArray[np.uint8]:
-        """[messages, bytes]: a Message record a row."""
-        rows = np.zeros((len(self.times), MESSAGE.itemsize + self.messages.size), np.uint8)
+    @property
+    def record_size(self) -> int:
+        """Bytes of a Message record."""
+        return MESSAGE.itemsize + self.messages.size
+
+    def write_records(self, channel: int, rows: NDArray[np.uint8]) -> None:
+        """Lays a Message record out in each of the `rows` [messages, record_size], which must hold zeros."""
         head = np.empty(len(self.times), MESSAGE)
         head["opcode"] = Opcode.MESSAGE
-        head["length"] = rows.shape[1] - OPCODE_AND_LENGTH
+        head["length"] = self.record_size - OPCODE_AND_LENGTH
         head["channel"] = channel
         head["sequence"] = np.arange(len(self.times))
         head["log_time"] = head["publish_time"] = self.times
         rows[:, :MESSAGE.itemsize] = head.view(np.uint8).reshape(len(rows), MESSAGE.itemsize)
         self.messages.write_to(rows[:, MESSAGE.itemsize:])
-        return rows
 
 
 @dataclass(frozen=True)
@@ -77,10 +80,13 @@ def _blocks(topics: list[Topic]) -> list[_Block]:
         together[topic.times.tobytes()].append(number)
     blocks = []
     for numbers in together.values():
-        records = [topics[number].records(number + 1) for number in numbers]
-        ends = np.cumsum([0, *(part.shape[1] for part in records)])
-        places = {number + 1: int(end) for number, end in zip(numbers, ends, strict=False)}
-        blocks.append(_Block(topics[numbers[0]].times, np.concatenate(records, axis=1), places))
+        sizes = [topics[number].record_size for number in numbers]
+        rows = np.zeros((len(topics[numbers[0]].times), sum(sizes)), np.uint8)
+        places = {number + 1: sum(sizes[:place]) for place, number in enumerate(numbers)}
+        for number, size in zip(numbers, sizes, strict=True):
+            place = places[number + 1]
+            topics[number].write_records(number + 1, rows[:, place:place + size])
+        blocks.append(_Block(topics[numbers[0]].times, rows, places))
     return blocks
 
 

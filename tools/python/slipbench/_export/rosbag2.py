@@ -184,7 +184,9 @@ def _torque(force: NDArray[np.float64], displacement: NDArray[np.float64], label
     if labels is None or "unit_positions" not in labels.attrs:
         return np.full((len(force), 3), np.nan)
     tips = np.column_stack([labels.attrs["unit_positions"], labels.attrs["unit_heights"]]) + displacement
-    return np.asarray(1e3 * np.cross(tips - tips[:, [CENTRE]], force).sum(axis=1))
+    x, y, z = np.moveaxis(1e3 * (tips - tips[:, [CENTRE]]), -1, 0)
+    fx, fy, fz = np.moveaxis(force, -1, 0)
+    return np.stack([(y * fz - z * fy).sum(axis=1), (z * fx - x * fz).sum(axis=1), (x * fy - y * fx).sum(axis=1)], axis=1)
 
 
 def _sensor_state(number: int, sensor: str, channels: list[Series], labels: list[Series], group: Arrays | None, rule: str | None) -> Topic:
