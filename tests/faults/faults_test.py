@@ -96,7 +96,7 @@ def cases(bench):
         "benchmark": (["benchmark", "--sensor", "biotac_sp", "--trials", "1", "--untaught", "--quiet", "--submit", "OUT/a.json", "-o", "OUT/board.html"], []),
     }
     of_sensor = {"slip-csv": "biotac.h5", "myrmex-csv": "myrmex.h5", "myrmex-rotated": "myrmex.h5"}
-    for format in ("csv", "npz", "robomimic", "vendor-csv", "training-csv", "slip-csv", "myrmex-csv", "myrmex-rotated", "parquet", "mcap", "lerobot"):
+    for format in ("csv", "npz", "robomimic", "vendor-csv", "training-csv", "slip-csv", "myrmex-csv", "myrmex-rotated", "parquet", "mcap", "rosbag2", "lerobot"):
         out = "OUT/a.h5" if format == "robomimic" else "OUT/out"
         found[f"export {format}"] = (["export", bench.path(of_sensor.get(format, "two.h5")), "--format", format, "-o", out], [])
     return found

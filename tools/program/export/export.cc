@@ -171,6 +171,7 @@ constexpr std::array formats{
     FormatKind{ExportFormat::lerobot, "lerobot", true, true},
     FormatKind{ExportFormat::parquet, "parquet", true, true},
     FormatKind{ExportFormat::mcap, "mcap", true, true},
+    FormatKind{ExportFormat::rosbag2, "rosbag2", true, true},
     FormatKind{ExportFormat::vendor_csv, "vendor-csv", false, false, true, "", &export_vendor},
     FormatKind{ExportFormat::training_csv, "training-csv", false, false, true, "has 1000 rows a second", &export_training},
     FormatKind{ExportFormat::grasp_csv, "grasp-csv", false, false, true, "has a row a grasp"},
@@ -257,7 +258,7 @@ constexpr std::size_t beginning = 1 << 16;
 // zlib takes its input as a pointer to what is not const, and does not change it.
 Bytef* input_of(std::string_view bytes) { return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data())); }
 
-constexpr std::array python_formats{ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap};
+constexpr std::array python_formats{ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap, ExportFormat::rosbag2};
 
 // What Python is told (tools/python/slipbench/_export/request.py).
 Json request_of(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options) {

@@ -22,6 +22,7 @@ enum class ExportFormat {
   lerobot,         // a LeRobotDataset a rate; Python writes it
   parquet,         // a table of columns a sensor; Python writes it
   mcap,            // messages with their times, a file a trial; Python writes it
+  rosbag2,         // ROS 2 bags, a folder a trial; Python writes it
   vendor_csv,      // PapillArray: the log of the vendor's visualisation software
   slip_csv,        // BioTac SP: the public slip recordings, one file a trial
   grasp_csv,       // BioTac SP: the public grasps with three fingers, one file
@@ -54,7 +55,7 @@ using ExportProgress = std::function<void(std::size_t done, std::size_t total, s
 // Each file appears under its name only when it is whole. Throws InputError when the options contradict each other, the dataset
 // is damaged or does not fit the format, a trial has no recording, or a file cannot be written; files that were finished before stay, and
 // a folder in which none was is not left behind. `progress` is destroyed before an error is thrown.
-// lerobot, parquet and mcap are not written here, but by start_python_export().
+// lerobot, parquet, mcap and rosbag2 are not written here, but by start_python_export().
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
 

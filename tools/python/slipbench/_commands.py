@@ -77,7 +77,7 @@ def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = ""
     Args:
         dataset: path of the dataset's first file
         output: folder to write into
-        format: csv, npz, robomimic, lerobot, parquet, mcap, or another that `slipbench export --help` names
+        format: csv, npz, robomimic, lerobot, parquet, mcap, rosbag2, or another that `slipbench export --help` names
         labels: when a unit counts as slipping: strict, micro, paper or has_slipped; empty: every rule's state
         label_speed: tip speed above which paper and has_slipped say slip, "0.1 mm/s" or m/s; empty: 0.1 mm/s
         sensors: names of the sensors to export; empty: all

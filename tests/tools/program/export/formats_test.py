@@ -135,7 +135,7 @@ class Formats(ExportTest):
             with self.subTest(format=format):
                 _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "10 Hz", status=2)
                 self.assertRegex(told, f"{format} .*{reason}")
-        for format in ("parquet", "mcap", "lerobot", "npz"):
+        for format in ("parquet", "mcap", "rosbag2", "lerobot", "npz"):
             _, told = export(dataset, self.folder / "out", "--format", format, "--compress", status=2)
             self.assertRegex(told, f"{format} .*--compress.* csv")
         self.assertFalse((self.folder / "out").exists())

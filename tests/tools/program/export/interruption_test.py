@@ -15,7 +15,7 @@ from pathlib import Path
 
 from _made import PROGRAM, ROOT, ExportTest, contents, export
 
-FORMATS = ("lerobot", "mcap", "parquet")
+FORMATS = ("lerobot", "mcap", "parquet", "rosbag2")
 TRIALS = 3  # the export tells after the first what the others take
 NOTICE = "slipbench: stopping after this trial; once more to stop at once\n"
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)

@@ -19,7 +19,7 @@ def main(text: str) -> int:
     progress = Progress(request, Interrupt("stopping after this trial"))
     try:
         writer = importlib.import_module(f"slipbench._export.{request.format}")
-        with open_dataset(request.dataset) as data:
+        with open_dataset(request.dataset, check=False) as data:  # the program has compared the digests
             files = writer.write(data, request, progress)
         progress.end_notes()
         tell(request, files)

@@ -26,7 +26,7 @@ class Request:
     """As the program hands it over, in JSON; it has checked each of these.
 
     Attributes:
-        format: "lerobot", "mcap" or "parquet"
+        format: "lerobot", "mcap", "parquet" or "rosbag2"
         dataset: path of the dataset's first file
         out: folder to write into
         trials: numbers of the trials

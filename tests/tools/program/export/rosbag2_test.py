@@ -1,0 +1,209 @@
+"""`export --format rosbag2`: the package rosbags, which needs no ROS, reads every message back. Arguments: the project's root, the program."""
+
+import json
+import unittest
+
+import h5py
+import numpy as np
+from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from _made import ExportTest, contents, export, for_each_scene, make
+
+# What the driver's nodes and the standard packages define, written down once more: equal hashes are what ROS 2 compares.
+DRIVER = {
+    "papillarray_interfaces/msg/PillarState":
+        "int64 id\nfloat32 dx\nfloat32 dy\nfloat32 dz\nfloat32 fx\nfloat32 fy\nfloat32 fz\nbool in_contact\nint64 slip_state\n",
+    "papillarray_interfaces/msg/SensorState":
+        "std_msgs/Header header\nint64 tus\nPillarState[] pillars\nfloat32 gfx\nfloat32 gfy\nfloat32 gfz\nfloat32 gtx\nfloat32 gty\nfloat32 gtz\n"
+        "float32 friction_est\nfloat32 target_grip_force\nbool is_sd_active\nbool is_ref_loaded\nbool is_contact\n",
+}
+
+
+def read(folder):
+    """{topic: (times in ns, decoded messages, their raw bytes)}, the topics' types, and the store of those types."""
+    topics, types = {}, {}
+    with AnyReader([folder]) as reader:
+        for connection in reader.connections:
+            topics[connection.topic] = ([], [], [])
+            types[connection.topic] = connection.msgtype
+        for connection, time, raw in reader.messages():
+            times, messages, data = topics[connection.topic]
+            assert not times or time >= times[-1], f"{connection.topic}: {time} ns comes after {times[-1]} ns"
+            message = reader.deserialize(raw, connection.msgtype)
+            times.append(time)
+            messages.append(message)
+            data.append(bytes(raw))
+            if len(messages) <= 2:  # the serialiser of rosbags lays the message out in the same bytes
+                assert bytes(reader.typestore.serialize_cdr(message, connection.msgtype)) == bytes(raw), connection.topic
+        return topics, types, reader.typestore
+
+
+def nanoseconds(t):
+    return [round(1e9 * one) for one in t]
+
+
+def stamps(messages):
+    return [10**9 * one.header.stamp.sec + one.header.stamp.nanosec for one in messages]
+
+
+class Rosbag2(ExportTest):
+    def same(self, found, expected, what):
+        expected = expected.reshape(len(expected), -1)
+        found = np.asarray(found, expected.dtype).reshape(len(found), -1)
+        self.assertEqual(found.shape, expected.shape, what)
+        self.assertEqual(found.tobytes(), np.ascontiguousarray(expected).tobytes(), what)
+
+    def check_own(self, topics, topic, times, arrays):
+        found, messages, _ = topics.pop(topic)
+        self.assertEqual(found, nanoseconds(times), topic)
+        self.assertEqual(stamps(messages), found, topic)
+        for name, array in arrays.items():
+            self.same([np.reshape(getattr(one, name), -1) for one in messages], array[:], f"{topic}.{name}")
+            for word, code in json.loads(array.attrs.get("codes", "{}")).items():
+                self.assertEqual(getattr(messages[0], f"{name}_{word}".upper()), code)
+
+    def check_papillarray(self, topics, number, demo, sensor):
+        """The driver's message against the dataset, each rule written down anew."""
+        group, labels = demo["sensors"][sensor], demo["labels"][sensor]
+        found, messages, _ = topics.pop(f"/hub_0/sensor_{number}")
+        self.assertEqual(found, nanoseconds(group["t"]))
+        self.assertEqual(stamps(messages), found)
+        self.assertEqual([one.tus for one in messages], [time // 1000 for time in found])
+        force, metres = group["force"][:], group["displacement"][:]
+        self.assertEqual({tuple(pillar.id for pillar in one.pillars) for one in messages}, {tuple(range(9))})
+        self.same([[[p.fx, p.fy, p.fz] for p in one.pillars] for one in messages], force, "force")
+        self.same([[[p.dx, p.dy, p.dz] for p in one.pillars] for one in messages], (1e3 * metres.astype(float)).astype("f4"), "displacement in mm")
+        self.same([[p.in_contact for p in one.pillars] for one in messages], force[..., 2] >= 0.5, "contact from 0.5 N")
+        self.assertEqual([one.is_contact for one in messages], (force[..., 2] >= 0.5).any(axis=1).tolist())
+        np.testing.assert_allclose([[one.gfx, one.gfy, one.gfz] for one in messages], force.sum(axis=1, dtype=float), rtol=1e-6, atol=1e-6)
+        tips = np.concatenate([labels.attrs["unit_positions"], labels.attrs["unit_heights"][:, np.newaxis]], axis=1) + metres
+        torque = np.cross(1e3 * (tips - tips[:, 4:5]), force).sum(axis=1)
+        np.testing.assert_allclose([[one.gtx, one.gty, one.gtz] for one in messages], torque, rtol=1e-5, atol=1e-4)  # N mm; float32 of some 10 N mm
+        self.assertEqual({(one.friction_est, one.target_grip_force, one.is_sd_active) for one in messages}, {(-1.0, -1.0, True)})
+        states, true_force = labels["unit_state"][:], labels["force"][:].astype(float)
+        for pillar in range(9):
+            touched = False
+            for row, message in enumerate(messages):
+                state, loaded = states[row, pillar], np.hypot(*true_force[row, pillar, :2]) >= 0.05
+                touched = touched or state != 0
+                expected = (-1 if touched else -2) if state == 0 else 3 if state == 2 else 2 if loaded else 1
+                self.assertEqual(message.pillars[pillar].slip_state, expected, (row, pillar))
+                if pillar == 4:
+                    self.assertEqual(message.is_ref_loaded, bool(state != 0 and loaded))
+
+    def check_sensor(self, topics, demo, sensor):
+        group, together = demo["sensors"][sensor], {}
+        for channel in group.attrs["channels"]:
+            if f"{channel}_t" in group:
+                self.check_own(topics, f"/sensors/{sensor}/{channel}", group[f"{channel}_t"], {channel: group[channel]})
+            else:
+                together[channel] = group[channel]
+        if together:
+            self.check_own(topics, f"/sensors/{sensor}", group["t"], together)
+
+    def check_truth(self, topics, demo, sensor):
+        group = demo["labels"][sensor]
+        self.check_own(topics, f"/truth/{sensor}", group["t"], {name: group[name] for name in set(group) - {"t", "events"}})
+        _, messages, _ = topics.pop(f"/truth/{sensor}/events")  # has no message where no unit changes its state
+        for name in ("t", "unit", "kind"):
+            self.assertEqual([getattr(one, name) for one in messages], group[f"events/{name}"][:].tolist(), name)
+
+    def check_bodies(self, topics, demo):
+        times, poses, _ = topics.pop("/truth/tf")
+        for number, (body, group) in enumerate(demo["truth"].items()):
+            self.assertEqual(times, nanoseconds(group["t"]))
+            transforms = [one.transforms[number] for one in poses]
+            self.assertEqual({(one.header.frame_id, one.child_frame_id) for one in transforms}, {("world", body)})
+            self.assertEqual(stamps(transforms), times)
+            places = [(one.transform.translation, one.transform.rotation) for one in transforms]
+            self.same([[at.x, at.y, at.z, turn.w, turn.x, turn.y, turn.z] for at, turn in places], group["pose"][:], body)
+            _, twists, _ = topics.pop(f"/truth/velocity/{body}")
+            moving = [(one.twist.linear, one.twist.angular) for one in twists]
+            self.same([[v.x, v.y, v.z, w.x, w.y, w.z] for v, w in moving], group["velocity"][:], body)
+
+    @for_each_scene("rosbag2")
+    def test_every_value_comes_back(self, dataset, out):
+        with h5py.File(dataset) as file:
+            for name, demo in file["data"].items():
+                topics, types, store = read(out / name)
+                hub = 0
+                for sensor, group in demo["sensors"].items():
+                    if group.attrs["type"] == "papillarray":
+                        self.check_papillarray(topics, hub, demo, sensor)
+                        self.check_driver(types[f"/hub_0/sensor_{hub}"], store)
+                        hub += 1
+                    else:
+                        self.check_sensor(topics, demo, sensor)
+                    self.check_truth(topics, demo, sensor)
+                self.check_bodies(topics, demo)
+                if "control" in demo:
+                    self.check_own(topics, "/control", demo["control/t"], {array: demo["control"][array] for array in set(demo["control"]) - {"t"}})
+                self.assertEqual(topics, {})
+                self.check_package(out, types, store)
+
+    def check_driver(self, name, store):
+        """The type has the hash of the driver's, which ROS 2 compares before it delivers a message."""
+        self.assertEqual(name, "papillarray_interfaces/msg/SensorState")
+        driver = get_typestore(Stores.ROS2_HUMBLE)
+        for kind, text in DRIVER.items():
+            driver.register(get_types_from_msg(text, kind))
+        self.assertEqual(store.hash_rihs01(name), driver.hash_rihs01(name))
+
+    def check_package(self, out, types, store):
+        """slipbench_msgs holds the definitions of the bag; those of ROS 2 itself have ROS 2's hashes."""
+        package = get_typestore(Stores.ROS2_HUMBLE)
+        for path in (out / "slipbench_msgs/msg").glob("*.msg"):
+            package.register(get_types_from_msg(path.read_text(), f"slipbench_msgs/msg/{path.stem}"))
+            self.assertIn(f"msg/{path.stem}.msg", (out / "slipbench_msgs/CMakeLists.txt").read_text())
+        for kind in types.values():
+            if not kind.startswith("papillarray_interfaces"):
+                self.assertEqual(store.hash_rihs01(kind), package.hash_rihs01(kind), kind)
+
+    def test_the_file_is_whole_and_says_what_the_trial_was(self):
+        dataset = make("papillarray/stage.yaml")
+        out = self.folder / "out"
+        export(dataset, out, "--format", "rosbag2")
+        before = contents(out)
+        self.assertEqual({name for name in before if name.startswith("demo_1")}, {"demo_1/demo_1_0.mcap", "demo_1/metadata.yaml"})
+        with (out / "demo_1/demo_1_0.mcap").open("rb") as recording, h5py.File(dataset) as file:
+            reader = make_reader(recording, validate_crcs=True)
+            summary = reader.get_summary()
+            counts = {}
+            for _, channel, message in reader.iter_messages():
+                counts[channel.id] = counts.get(channel.id, 0) + 1
+                self.assertEqual(message.sequence, counts[channel.id] - 1)
+            self.assertEqual(summary.statistics.channel_message_counts, counts)
+            self.assertEqual(reader.get_header().profile, "ros2")
+            self.assertEqual({(one.encoding) for one in summary.schemas.values()}, {"ros2msg"})
+            for one, following in zip(summary.chunk_indexes, summary.chunk_indexes[1:]):
+                self.assertLess(one.message_end_time, following.message_start_time)
+            (metadata,) = reader.iter_metadata()
+            self.assertEqual((metadata.metadata["trial"], metadata.metadata["sha256"]), ("1", file["data/demo_1"].attrs["sha256"]))
+        export(dataset, out, "--format", "rosbag2")  # replaces its own files
+        self.assertEqual(contents(out), before)
+
+    def test_the_rule_of_labels_decides_the_drivers_code(self):
+        dataset = make("papillarray/stage.yaml")
+        export(dataset, self.folder / "out", "--format", "rosbag2", "--labels", "micro", "--trial", "0")
+        topics, _, _ = read(self.folder / "out/demo_0")
+        with h5py.File(dataset) as file:
+            states = file["data/demo_0/labels/pad/unit_state"][:]
+        found = np.array([[pillar.slip_state == 3 for pillar in one.pillars] for one in topics["/hub_0/sensor_0"][1]])
+        self.assertEqual(found.tolist(), (states >= 2).tolist())  # slip or partial
+        self.assertFalse(hasattr(topics["/truth/pad"][1][0], "state"))
+        self.assertTrue(hasattr(topics["/truth/pad"][1][0], "state_micro"))
+
+    def test_only_its_own_files_are_replaced(self):
+        out = self.folder / "out"
+        out.mkdir()
+        (out / "demo_1").mkdir()
+        (out / "demo_1/metadata.yaml").write_text("my notes")
+        _, said = export(make("papillarray/stage.yaml"), out, "--format", "rosbag2", status=2)
+        self.assertRegex(said, "metadata.yaml.*ROS 2 bag.*another folder")
+        self.assertEqual(contents(out), {"demo_1/metadata.yaml": b"my notes"})
+
+
+if __name__ == "__main__":
+    unittest.main()
