@@ -13,11 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
+import slipbench
 from slipbench import InputError
 from slipbench_studies import page, statistics, text
 from slipbench_studies.__main__ import module_of
 from slipbench_studies.catalogue import STUDIES, check_options, find_study
-from slipbench_studies.grid import Cell, check_only, chosen, run_grid
+from slipbench_studies.grid import Cell, check_only, chosen, make_dataset, run_grid
 from slipbench_studies.result import Chart, Curve, Options, Result, Table, plain, result_object
 
 PROGRAM = sys.argv.pop()
@@ -142,6 +143,14 @@ class Grids(unittest.TestCase):
         self.assertEqual(one, two)
         self.assertEqual([[row[:2] for row in rows] for rows in one], [[("slow", k) for k in range(len(one[0]))], [("fast", k) for k in range(len(one[1]))]])
         self.assertTrue(heard[0].startswith("slow (0 of "))
+
+    def test_a_dataset_holds_the_trials_of_a_cell(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = str(Path(folder) / "slow.h5")
+            make_dataset(path, self.CELLS[0], Options(seed=3, jobs=1), "trials")
+            with slipbench.open(path) as data:
+                stored = [data[trial].sha256 for trial in data]
+        self.assertEqual(stored, run_grid(self.CELLS[:1], Options(seed=3), lambda _, trial: trial.sha256)[0])
 
     def test_errors_name_the_command(self):
         def fail(cell, trial):

@@ -1,7 +1,9 @@
 """What studies that teach networks share: folds, networks that are kept. Argument: the program, which is not used."""
 
+import multiprocessing
 import sys
 import tempfile
+import time
 import unittest
 from dataclasses import replace
 from pathlib import Path
@@ -86,6 +88,22 @@ class Kept(unittest.TestCase):
             KeptNetworks(self.options, NAME)
         remove_kept(self.options.output)
         self.assertEqual((kept / "letter.txt").read_text(), "dear")
+
+    def test_an_error_ends_the_others_which_remove_their_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            def work(index):
+                if index == 0:
+                    while not any(Path(folder).iterdir()):
+                        time.sleep(0.01)
+                    raise InputError("the first")
+                with tempfile.TemporaryDirectory(dir=folder):
+                    time.sleep(300)
+
+            with self.assertRaisesRegex(InputError, "the first"):
+                train_all(NAME, ["a", "a"], Options(jobs=2), work)
+            for process in multiprocessing.active_children():
+                process.join()
+            self.assertEqual(list(Path(folder).iterdir()), [])
 
     def test_results_are_in_order_whatever_the_jobs(self):
         for jobs in (1, 2):
