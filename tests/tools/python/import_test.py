@@ -195,6 +195,7 @@ class Tables(ImportTest):
                 "a.csv:3: column f1 has no value; expected a number in each row, or missing: gap",
             ),
             "short": (table() + "0.03,1\n", "a.csv:5: column f2 has no value"),
+            "all short": ("t,f1,f2\n0,1\n1,2\n", "a.csv:2: column f2 has no value"),
         }
         for name, (text, message) in cases.items():
             with self.subTest(name):
