@@ -276,6 +276,15 @@ class Layouts(ImportTest):
         self.assertEqual(np.asarray(trial.sensors["a"].force).ravel().tolist(), np.float32([0.5, 0.6, 0.7]).tolist())
         self.assertEqual(np.asarray(trial.sensors["b"].force).ravel().tolist(), np.float32([1.25, 1.35, 1.45]).tolist())
 
+    def test_channels_have_the_shape_of_a_simulated_sensor(self):
+        map = (
+            "{sensor: tip, type: biotac_sp, time: {column: t}, channels: "
+            "{electrodes: {unit: counts, columns: [f1]}, pdc: {unit: counts, columns: [f2]}}}"
+        )
+        tip = self.read(map, self.write("a.csv", table()))[0][0].sensors["tip"]
+        self.assertEqual(np.shape(tip.electrodes), (3, 1))
+        self.assertEqual(np.shape(tip.pdc), (3,))
+
     def test_labels_and_objects_by_folder_file_table_and_column(self):
         for folder in ("slip", "none"):
             self.write(f"set/{folder}/cup_1.csv", table())
