@@ -572,4 +572,4 @@ class Damaged(ImportTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    unittest.main(argv=sys.argv[:1])
