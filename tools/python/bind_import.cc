@@ -74,7 +74,8 @@ class MappedImport {
     sensor.time = copied(time);
     if (states) sensor.labels.state_paper = copied(*states);
     for (const auto& [channel, unit, shape, names, values] : channels) {
-      sensor.channels.push_back({channel, unit, shape, copied(values)});
+      const bool scalar = shape == std::vector<std::size_t>{1} && is_scalar_channel(type, channel);
+      sensor.channels.push_back({channel, unit, scalar ? std::vector<std::size_t>{} : shape, copied(values)});
       sensor.channel_names.insert(sensor.channel_names.end(), names.begin(), names.end());
       if (sensor.channels.back().values.size() != sensor.time.size() * sensor.channels.back().row_size())
         reject("{}/{}: has {} values for {} samples of {}", name, channel, values.size(), sensor.time.size(),

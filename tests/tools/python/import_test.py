@@ -195,6 +195,7 @@ class Tables(ImportTest):
                 "a.csv:3: column f1 has no value; expected a number in each row, or missing: gap",
             ),
             "short": (table() + "0.03,1\n", "a.csv:5: column f2 has no value"),
+            "all short": ("t,f1,f2\n0,1\n1,2\n", "a.csv:2: column f2 has no value"),
         }
         for name, (text, message) in cases.items():
             with self.subTest(name):
@@ -274,6 +275,15 @@ class Layouts(ImportTest):
         trial = self.read(map, self.write("a.csv", table()))[0][0]
         self.assertEqual(np.asarray(trial.sensors["a"].force).ravel().tolist(), np.float32([0.5, 0.6, 0.7]).tolist())
         self.assertEqual(np.asarray(trial.sensors["b"].force).ravel().tolist(), np.float32([1.25, 1.35, 1.45]).tolist())
+
+    def test_channels_have_the_shape_of_a_simulated_sensor(self):
+        map = (
+            "{sensor: tip, type: biotac_sp, time: {column: t}, channels: "
+            "{electrodes: {unit: counts, columns: [f1]}, pdc: {unit: counts, columns: [f2]}}}"
+        )
+        tip = self.read(map, self.write("a.csv", table()))[0][0].sensors["tip"]
+        self.assertEqual(np.shape(tip.electrodes), (3, 1))
+        self.assertEqual(np.shape(tip.pdc), (3,))
 
     def test_labels_and_objects_by_folder_file_table_and_column(self):
         for folder in ("slip", "none"):
@@ -562,4 +572,4 @@ class Damaged(ImportTest):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    unittest.main(argv=sys.argv[:1])

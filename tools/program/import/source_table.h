@@ -51,6 +51,9 @@ TrialRecord make_recording(const Json& params, const std::string& object);
 SensorRecord make_imported_sensor(const std::string& name, const std::string& type, double rate, const std::string& frame,
                                   const std::vector<std::string>& channels);
 
+// True if a simulated sensor of this type has a channel of this name with one value a sample and no axis, such as pdc of a BioTac SP.
+bool is_scalar_channel(const std::string& type, const std::string& channel);
+
 // Whether a text can name an object or a file in a dataset: not empty, UTF-8, no control characters.
 bool is_plain_name(const std::string& text);
 

@@ -166,10 +166,10 @@ class TextTable(Source):
         count = len(self.titles)
         texts = set(texts)
         width = max(self._width(line) for line in self._lines)
-        names = [*self.titles, *(f"\0{k}" for k in range(count, width))]
-        order = range(max(width, count))
-        places = {title: k for k, title in enumerate(self.titles) if title in set(titles)}
-        kinds = {k: str for k in order if k >= count or names[k] in texts}
+        order = range(width)
+        wanted = {title: k for k, title in enumerate(self.titles) if title in set(titles)}
+        places = {title: k for title, k in wanted.items() if k < width}
+        kinds = {k: str for k in order if k >= count or self.titles[k] in texts}
         used = sorted([*places.values(), *(k for k in order if k >= count)])
         try:
             with warnings.catch_warnings():
@@ -203,6 +203,8 @@ class TextTable(Source):
             for row in np.flatnonzero((frame[k].astype(str).str.strip() != "").to_numpy())[:1]:
                 self._refuse_cells(int(row))
         self._frame = frame.rename(columns={k: title for title, k in places.items()})
+        for title in wanted.keys() - places.keys():  # no row is as long
+            self._frame[title] = ""
 
     def _width(self, line: str) -> int:
         if '"' in line or not self._separator:
