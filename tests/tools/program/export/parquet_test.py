@@ -73,7 +73,7 @@ class Parquet(ExportTest):
                     for array in demo["control"]:
                         columns = [column for column in table if column == array or column.startswith(f"{array}_")]
                         same(table[columns].to_numpy().reshape(demo["control"][array].shape), demo["control"][array][:], array)
-            self.assertEqual(set(contents(out)), files)
+            self.assertEqual(set(contents(out)), files | {"README.md"})
             trials = pandas.read_parquet(out / "trials.parquet")
             self.assertEqual([f"demo_{number}" for number in trials["trial"]], sorted(file["data"], key=lambda demo: int(demo[5:])))
             for part in ("train", "valid", "test"):
@@ -86,7 +86,7 @@ class Parquet(ExportTest):
         dataset = make("papillarray/stage.yaml")
         told, progress = export(dataset, self.folder / "a", "--format", "parquet")
         # Sensor, events, pad, surface, trials.
-        self.assertRegex(told, r"^written: 5 files, [\d.]+ [kM]B, in .*/a\n$")
+        self.assertRegex(told, r"^written: 6 files, [\d.]+ [kM]B, in .*/a\n$")
         self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n$")
         before = contents(self.folder / "a")
         told, progress = export(dataset, self.folder / "a", "--format", "parquet", "--json")  # replaces what is its own

@@ -13,6 +13,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from slipbench import Dataset, InputError, StoredTrial
+from slipbench._export.card import BEGINNING, write_card
 from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
 
@@ -124,8 +125,8 @@ def _trials_table(data: Dataset, request: Request) -> pa.Table:
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
-    """Writes trials.parquet and a file for each sensor, its events, each body and the loop; returns their names."""
-    with Output(request.out, "a Parquet file", lambda beginning: beginning.startswith(b"PAR1")) as output:
+    """Writes trials.parquet, a card and a file for each sensor, its events, each body and the loop; returns their names."""
+    with Output(request.out, "a Parquet file", lambda beginning: beginning.startswith((b"PAR1", BEGINNING.encode()))) as output:
         files = _Files(output)
         try:
             for done, number in enumerate(request.trials, 1):
@@ -136,5 +137,6 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
             files.close()
         table = _trials_table(data, request)
         pq.write_table(table, output.path("trials.parquet"), compression="zstd")
+        write_card(data, request, output)
         progress.check()
         return output.publish()
