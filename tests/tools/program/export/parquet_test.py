@@ -124,6 +124,7 @@ class Parquet(ExportTest):
         export(dataset, self.folder / "a", "--format", "parquet")
         file = pyarrow.parquet.ParquetFile(self.folder / "a/pad.parquet")
         self.assertEqual(file.schema_arrow.field("P0_FX").metadata[b"unit"], b"N")
+        self.assertEqual(json.loads(file.schema_arrow.field("label_state").metadata[b"codes"]), {"no_contact": 0, "non_slip": 1, "incipient": 2, "gross": 3})
         self.assertEqual(file.num_row_groups, 3)  # one a trial
         column = file.metadata.row_group(0).column(file.schema_arrow.get_field_index("P0_FX"))
         self.assertEqual((column.compression, set(column.encodings)), ("ZSTD", {"BYTE_STREAM_SPLIT", "RLE"}))

@@ -52,7 +52,7 @@ def card_text(data: Dataset, request: Request) -> str:
     trial = data[request.trials[0]]
     sensors = {name: trial.sensors[name] for name in request.sensors}
     kinds = sorted({str(sensor.attrs["type"]) for sensor in sensors.values()})
-    rates = "".join(_row(f"`{name}`", str(sensor.attrs["type"]), f"{request.rate or float(sensor.attrs['rate_hz']):g} Hz", str(sensor.attrs["frame"]))
+    rates = "".join(_row(f"`{name}`", str(sensor.attrs["type"]), f"{request.rate or float(sensor.attrs['rate_hz']):g} Hz", str(sensor.attrs.get("frame", "")))
                     for name, sensor in sensors.items())
     arrays, events = "", ""
     for one in _series(data, request):
