@@ -11,6 +11,7 @@ import sys
 import tempfile
 import time
 import unittest
+from itertools import cycle
 from pathlib import Path
 
 from _made import PROGRAM, ROOT, ExportTest, contents, export
@@ -66,7 +67,7 @@ class Interruption(ExportTest):
         return process.wait(timeout=60), text
 
     def test_a_signal_leaves_nothing(self):
-        for format, number in zip(FORMATS, SIGNALS, strict=True):  # what a format leaves does not depend on which signal it was
+        for format, number in zip(FORMATS, cycle(SIGNALS), strict=False):  # what a format leaves does not depend on which signal it was
             with self.subTest(format=format, signal=number.name):
                 status, told = self.interrupt(format, self.folder / format, has_written, number)
                 self.assertEqual((status, (self.folder / format).exists(), told), (130, False, NOTICE))

@@ -73,7 +73,7 @@ class Parquet(ExportTest):
                     for array in demo["control"]:
                         columns = [column for column in table if column == array or column.startswith(f"{array}_")]
                         same(table[columns].to_numpy().reshape(demo["control"][array].shape), demo["control"][array][:], array)
-            self.assertEqual(set(contents(out)), files)
+            self.assertEqual(set(contents(out)), files | {"README.md"})
             trials = pandas.read_parquet(out / "trials.parquet")
             self.assertEqual([f"demo_{number}" for number in trials["trial"]], sorted(file["data"], key=lambda demo: int(demo[5:])))
             for part in ("train", "valid", "test"):
@@ -86,7 +86,7 @@ class Parquet(ExportTest):
         dataset = make("papillarray/stage.yaml")
         told, progress = export(dataset, self.folder / "a", "--format", "parquet")
         # Sensor, events, pad, surface, trials.
-        self.assertRegex(told, r"^written: 5 files, [\d.]+ [kM]B, in .*/a\n$")
+        self.assertRegex(told, r"^written: 6 files, [\d.]+ [kM]B, in .*/a\n$")
         self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n$")
         before = contents(self.folder / "a")
         told, progress = export(dataset, self.folder / "a", "--format", "parquet", "--json")  # replaces what is its own
@@ -124,6 +124,7 @@ class Parquet(ExportTest):
         export(dataset, self.folder / "a", "--format", "parquet")
         file = pyarrow.parquet.ParquetFile(self.folder / "a/pad.parquet")
         self.assertEqual(file.schema_arrow.field("P0_FX").metadata[b"unit"], b"N")
+        self.assertEqual(json.loads(file.schema_arrow.field("label_state").metadata[b"codes"]), {"no_contact": 0, "non_slip": 1, "incipient": 2, "gross": 3})
         self.assertEqual(file.num_row_groups, 3)  # one a trial
         column = file.metadata.row_group(0).column(file.schema_arrow.get_field_index("P0_FX"))
         self.assertEqual((column.compression, set(column.encodings)), ("ZSTD", {"BYTE_STREAM_SPLIT", "RLE"}))

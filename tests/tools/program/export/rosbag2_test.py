@@ -5,6 +5,7 @@ import unittest
 
 import h5py
 import numpy as np
+import yaml
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -183,6 +184,31 @@ class Rosbag2(ExportTest):
             self.assertEqual((metadata.metadata["trial"], metadata.metadata["sha256"]), ("1", file["data/demo_1"].attrs["sha256"]))
         export(dataset, out, "--format", "rosbag2")  # replaces its own files
         self.assertEqual(contents(out), before)
+
+    def test_the_card_explains_every_code_and_array(self):
+        dataset = make("grasp/two_skins.yaml")
+        out = self.folder / "out"
+        export(dataset, out, "--format", "rosbag2")
+        _, front, text = (out / "README.md").read_text().split("---\n", 2)
+        about = yaml.safe_load(front)
+        self.assertEqual(about["task_categories"], ["robotics"])
+        self.assertLessEqual({"tactile-sensing", "slip-detection"}, set(about["tags"]))
+        with h5py.File(dataset) as file:
+            demo = file["data/demo_0"]
+            self.assertIn(file.attrs["scene"].rstrip(), text)
+            self.assertIn(f"`{demo.attrs['sha256']}`", text)
+            self.assertNotIn(str(self.folder), text)
+            arrays = {(f"labels of `{sensor}`", name): array for sensor, group in demo["labels"].items() for name, array in group.items()
+                      if name not in ("t", "events")}
+            arrays |= {(f"sensor `{sensor}`", name): group[name] for sensor, group in demo["sensors"].items() for name in group.attrs["channels"]}
+            for (owner, name), array in arrays.items():
+                (line,) = [line for line in text.splitlines() if line.startswith(f"| {owner} | `{name}` | {list(array.shape[1:])} |")]
+                for word, code in json.loads(array.attrs.get("codes", "{}")).items():
+                    self.assertIn(f"{code} {word}", line)
+                if "codes" not in array.attrs and array.attrs["unit"] != "1":
+                    self.assertIn(f"| {array.attrs['unit']} |", line)
+            self.assertRegex(text, r"`state` \| \[\] \| code \| .*rule strict: ")
+            self.assertRegex(text, r"`state_micro` \| \[\] \| code \| .*rule micro: ")
 
     def test_the_rule_of_labels_decides_the_drivers_code(self):
         dataset = make("papillarray/stage.yaml")

@@ -19,6 +19,7 @@ from mcap_protobuf.schema import build_file_descriptor_set
 from numpy.typing import NDArray
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
+from slipbench._export.card import BEGINNING, write_card
 from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
 
@@ -321,10 +322,10 @@ def _write_messages(file: IO[bytes], topics: list[Topic], library: str, about: d
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
-    """Writes demo_<k>.mcap for each trial and a layout for viewers; returns their names."""
+    """Writes demo_<k>.mcap for each trial, a layout for viewers and a card; returns their names."""
     parts, library = split_of(data), f"slipbench {data.version}"
     kind = "an MCAP file, or a layout for Foxglove"
-    with Output(request.out, kind, lambda beginning: beginning.startswith((MAGIC, b'{\n "configById"'))) as output:
+    with Output(request.out, kind, lambda beginning: beginning.startswith((MAGIC, b'{\n "configById"', BEGINNING.encode()))) as output:
         written = 0
         for done, number in enumerate(request.trials, 1):
             trial = data[number]
@@ -338,5 +339,6 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
                 _write_messages(file, topics, library, about)
             written += os.path.getsize(path)
             progress.update(done, written)
+        write_card(data, request, output)
         progress.check()
         return output.publish()

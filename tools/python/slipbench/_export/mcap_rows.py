@@ -105,7 +105,7 @@ class _File:
         self._compressor = zstandard.ZstdCompressor(level=LEVEL)
 
     def write(self, *records: McapRecord) -> None:
-        builder = RecordBuilder()
+        builder: Any = RecordBuilder()  # some of its methods have no types
         for record in records:
             record.write(builder)
         self._file.write(builder.end())
@@ -126,7 +126,7 @@ class _File:
                 entries["time"] = times
                 entries["offset"] = begin + place + rows.shape[1] * np.arange(len(times))
                 indexes[channel] = _index_record(channel, entries)
-            data.append(memoryview(rows.reshape(-1)))
+            data.append(rows.reshape(-1).data)
             begin += rows.size
         plain = b"".join(data)
         packed = self._compressor.compress(plain)
@@ -153,7 +153,8 @@ class _File:
             message_start_time=min((one.message_start_time for one in self._chunks), default=0),
             message_end_time=max((one.message_end_time for one in self._chunks), default=0), schema_count=len(schemas))
         start = self._file.tell()
-        summary, offsets = RecordBuilder(), []
+        summary: Any = RecordBuilder()
+        offsets = []
         groups: list[tuple[Opcode, list[Any]]] = [(Opcode.SCHEMA, schemas), (Opcode.CHANNEL, channels), (Opcode.STATISTICS, [statistics]),
                                                   (Opcode.CHUNK_INDEX, self._chunks), (Opcode.METADATA_INDEX, metadata)]
         for opcode, records in groups:
@@ -166,7 +167,7 @@ class _File:
         for offset in offsets:
             offset.write(summary)
         data = summary.end()
-        footer = RecordBuilder()
+        footer: Any = RecordBuilder()
         Footer(summary_start=start, summary_offset_start=offset_start, summary_crc=0).write(footer)
         content = footer.end()
         crc = zlib.crc32(content[:-4], zlib.crc32(data))  # its own field, which comes last, is left out

@@ -13,10 +13,12 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from slipbench import Dataset, InputError, StoredTrial
+from slipbench._export.card import BEGINNING, write_card
 from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
 
 Columns = dict[str, NDArray[Any]]
+About = dict[str, dict[str, str]]  # metadata of columns: unit, and the key of codes as JSON, word to number
 
 
 def encodings(schema: pa.Schema) -> dict[str, Any]:
@@ -42,10 +44,10 @@ class _Files:
         self._writers: dict[str, pq.ParquetWriter] = {}
         self._paths: dict[str, str] = {}
 
-    def append(self, name: str, trial: int, columns: Columns, about: dict[str, str]) -> None:
+    def append(self, name: str, trial: int, columns: Columns, about: About) -> None:
         rows = len(next(iter(columns.values())))
         arrays = {"trial": np.full(rows, trial, np.int32), **columns}
-        schema = pa.schema([pa.field(key, pa.from_numpy_dtype(values.dtype), metadata={"unit": about[key]} if about.get(key) else None)
+        schema = pa.schema([pa.field(key, pa.from_numpy_dtype(values.dtype), metadata=about.get(key))
                             for key, values in arrays.items()])
         if name not in self._writers:
             self._paths[name] = self._output.path(f"{name}.parquet")
@@ -62,21 +64,21 @@ class _Files:
         return sum(os.path.getsize(path) for path in self._paths.values())
 
 
-def _columns(series: list[Series], t: NDArray[np.float64]) -> tuple[Columns, dict[str, str]]:
+def _columns(series: list[Series], t: NDArray[np.float64]) -> tuple[Columns, About]:
     columns: Columns = {"t": t}
-    units = {"t": "s"}
+    about: About = {"t": {"unit": "s"}}
     for one in series:
         prefix = "label_" if one.kind == "labels" else ""
         if not one.is_sampled_at(t):
             columns[f"{one.name}_t"] = one.t
-            units[f"{one.name}_t"] = "s"
+            about[f"{one.name}_t"] = {"unit": "s"}
         for i, name in enumerate(one.columns):
             columns[prefix + name] = one.values[:, i]
-            units[prefix + name] = one.unit
-    return columns, units
+            about[prefix + name] = {"unit": one.unit} | ({"codes": one.codes} if one.codes else {})
+    return columns, about
 
 
-def _sensor_tables(number: int, trial: StoredTrial, sensor: str, request: Request) -> Iterator[tuple[str, Columns, dict[str, str]]]:
+def _sensor_tables(number: int, trial: StoredTrial, sensor: str, request: Request) -> Iterator[tuple[str, Columns, About]]:
     """A sensor's own table, with its labels, then one for each channel that is read at a rate of its own."""
     channels, labels = sensor_at(number, trial, sensor, request.labels, request.rate)
     t = trial.sensors[sensor]["t"][:] if request.rate is None else channels[0].t
@@ -87,12 +89,13 @@ def _sensor_tables(number: int, trial: StoredTrial, sensor: str, request: Reques
             yield f"{sensor}-{one.name}", *_columns([one], one.t)
 
 
-def _tables(number: int, trial: StoredTrial, request: Request) -> Iterator[tuple[str, Columns, dict[str, str]]]:
+def _tables(number: int, trial: StoredTrial, request: Request) -> Iterator[tuple[str, Columns, About]]:
     for sensor in request.sensors:
         yield from _sensor_tables(number, trial, sensor, request)
         if sensor in trial.labels and "events" in trial.labels[sensor]:
             events = trial.labels[sensor]
-            yield f"{sensor}-events", {name: events[f"events/{name}"][:] for name in ("t", "unit", "kind")}, {"t": "s"}
+            yield f"{sensor}-events", {name: events[f"events/{name}"][:] for name in ("t", "unit", "kind")}, {
+                "t": {"unit": "s"}, "kind": {"codes": str(events["events/kind"].attrs["codes"])}}
     for body in trial.bodies:
         series = [one for one in body_series(trial) if one.owner == body]
         yield f"body-{body}", *_columns(series, series[0].t)
@@ -124,17 +127,18 @@ def _trials_table(data: Dataset, request: Request) -> pa.Table:
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
-    """Writes trials.parquet and a file for each sensor, its events, each body and the loop; returns their names."""
-    with Output(request.out, "a Parquet file", lambda beginning: beginning.startswith(b"PAR1")) as output:
+    """Writes trials.parquet, a card and a file for each sensor, its events, each body and the loop; returns their names."""
+    with Output(request.out, "a Parquet file", lambda beginning: beginning.startswith((b"PAR1", BEGINNING.encode()))) as output:
         files = _Files(output)
         try:
             for done, number in enumerate(request.trials, 1):
-                for name, columns, units in _tables(number, data[number], request):
-                    files.append(name, number, columns, units)
+                for name, columns, about in _tables(number, data[number], request):
+                    files.append(name, number, columns, about)
                 progress.update(done, files.size())
         finally:
             files.close()
         table = _trials_table(data, request)
         pq.write_table(table, output.path("trials.parquet"), compression="zstd")
+        write_card(data, request, output)
         progress.check()
         return output.publish()

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
+from slipbench._export.card import BEGINNING, write_card
 from slipbench._export.cdr import Messages
 from slipbench._export.mcap_rows import MAGIC, Topic, write_mcap
 from slipbench._export.meanings import LABELS, codes_of
@@ -337,7 +338,7 @@ def _package(types: Types, version: str) -> Iterator[tuple[str, str]]:
 
 
 def _begins(beginning: bytes) -> bool:
-    return beginning.startswith((MAGIC, b"rosbag2_bagfile_information:", NOTICE.encode(), XML.encode(), CMAKE.encode()))
+    return beginning.startswith((MAGIC, b"rosbag2_bagfile_information:", NOTICE.encode(), XML.encode(), CMAKE.encode(), BEGINNING.encode()))
 
 
 def _write_trial(number: int, trial: StoredTrial, data: Dataset, request: Request, types: Types, output: Output, about: dict[str, str]) -> int:
@@ -353,7 +354,7 @@ def _write_trial(number: int, trial: StoredTrial, data: Dataset, request: Reques
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
-    """Writes a bag for each trial and the package of their messages; returns the names of the files."""
+    """Writes a bag for each trial, the package of their messages and a card; returns the names of the files."""
     parts, types = split_of(data), Types()
     with Output(request.out, "a file of a ROS 2 bag by slipbench", _begins) as output:
         written = 0
@@ -366,5 +367,6 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
         if types.texts:
             for name, text in _package(types, data.version):
                 Path(output.path(name)).write_text(text, encoding="utf-8")
+        write_card(data, request, output)
         progress.check()
         return output.publish()
