@@ -47,8 +47,6 @@ function(slipbench_install)
 
   install(DIRECTORY scenes DESTINATION ${SLIPBENCH_DATA_DIR} PATTERN "gallery.*" EXCLUDE PATTERN GALLERY.md EXCLUDE)
   install(FILES LICENSE NOTICE.md DESTINATION ${SLIPBENCH_DATA_DIR})
-  # What `slipbench reproduce` reads of the project beside the scenes.
-  install(FILES rtl/hd/syn/results.json DESTINATION ${SLIPBENCH_DATA_DIR}/rtl/hd/syn OPTIONAL)
   install(TARGETS slipbench slipbench-reader RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   if(SLIPBENCH_WITH_MUJOCO)
     install(FILES ${MuJoCo_LIBRARY} ${MuJoCo_LICENCES} DESTINATION ${SLIPBENCH_MUJOCO_DIR})

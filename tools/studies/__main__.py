@@ -2,14 +2,12 @@
 
 import importlib
 import json
-import os
 import signal
 import sys
-from collections.abc import Callable
 from typing import Any
 
 from slipbench import InputError
-from slipbench._program import SIGNALS
+from slipbench._program import SIGNALS, styled, write_result
 from slipbench_studies.catalogue import STUDIES, check_options, find_study
 from slipbench_studies.kept import remove_kept
 from slipbench_studies.result import Options, Result, result_object, say_nothing
@@ -42,6 +40,10 @@ def _say(text: str) -> None:
     print(f"slipbench: {text}", file=sys.stderr, flush=True)
 
 
+def _say_error(text: str) -> None:
+    print(f"{styled(sys.stderr, '1;31', 'slipbench:')} {text}", file=sys.stderr)
+
+
 def main(request: dict[str, Any]) -> int:
     """Runs the study that the request names, writes and prints its result. Without a name it prints the list.
 
@@ -54,37 +56,34 @@ def main(request: dict[str, Any]) -> int:
     name, as_json, quiet, install = (request.pop(key) for key in ("name", "json", "quiet", "install"))
     options = Options(**{**request, "only": tuple(request["only"]), "say": say_nothing if as_json or quiet else _say})
     if name in ("", "list"):
-        return _print(lambda: _print_list(as_json))
+        return write_result(lambda: _print_list(as_json))
     try:
+        for number in SIGNALS:  # the program has held them back until now
+            if signal.getsignal(number) != signal.SIG_IGN:
+                signal.signal(number, signal.default_int_handler)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
         check_options(find_study(name), options)
+        if options.output:
+            from slipbench_studies import page
+            page.check_charts(options.output)
         result = run(name, options)
         files: list[str] = []
         if options.output:
-            from slipbench_studies import page
             files = page.write(options.output, name, result)
             remove_kept(options.output)
     except ModuleNotFoundError as error:
-        _say(f"reproduce: {name} needs the Python package {error.name}, which {sys.executable} does not have; install it: {install}")
+        if error.name in ("torch", "onnx"):
+            _say_error(f"reproduce: {name}: {error}")
+            return 2
+        _say_error(f"reproduce: {name} needs the Python package {error.name}, which {sys.executable} does not have; install it: {install}")
         return 2
     except InputError as error:
-        _say(str(error))
+        _say_error(str(error))
         return 2
     except KeyboardInterrupt as interrupt:
         _say(str(interrupt) or "interrupted; nothing is kept")
         return 130
-    return _print(lambda: _print_result(name, result, files, as_json))
-
-
-def _print(write: Callable[[], None]) -> int:
-    """Prints to stdout; returns the exit status."""
-    try:
-        write()
-        sys.stdout.flush()
-    except OSError as error:
-        _say(f"cannot write to standard output: {error.strerror}")
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left cannot be written at exit either
-        return 2
-    return 0
+    return write_result(lambda: _print_result(name, result, files, as_json))
 
 
 def _print_list(as_json: bool) -> None:
@@ -106,8 +105,4 @@ def _print_result(name: str, result: Result, files: list[str], as_json: bool) ->
 
 
 if __name__ == "__main__":
-    for number in SIGNALS:  # the program has held them back until now
-        if signal.getsignal(number) != signal.SIG_IGN:
-            signal.signal(number, signal.default_int_handler)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
     sys.exit(main(json.loads(sys.argv[1])))

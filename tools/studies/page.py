@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import base64
+import glob
 import html
 import io
 import json
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -121,6 +123,22 @@ def chart_paths(output: str, count: int) -> list[Path]:
     return [page.with_name(f"{page.stem}-{k + 1}.{name}") for k in range(count) for name in FORMATS]
 
 
+def check_charts(output: str) -> None:
+    """Refuses files that stand where charts of FILE.html would, and are none.
+
+    Args:
+        output: FILE.html
+
+    Raises:
+        InputError: for the first such file
+    """
+    page = Path(output)
+    for path in sorted(page.parent.glob(f"{glob.escape(page.stem)}-*")):
+        is_chart = re.fullmatch(rf"{re.escape(page.stem)}-\d+\.({'|'.join(FORMATS)})", path.name)
+        if is_chart and GENERATOR.encode() not in path.read_bytes()[:4096]:
+            raise InputError(f"{path}: holds something else than a chart of {GENERATOR}; allowed: another -o")
+
+
 def write(output: str, name: str, result: Result) -> list[str]:
     """Writes the page, the object of result_object() beside it and each chart as SVG and PNG. Earlier files of this command are replaced.
 
@@ -136,9 +154,7 @@ def write(output: str, name: str, result: Result) -> list[str]:
         InputError: where a file cannot be written, or holds something else
     """
     paths = chart_paths(output, len(result.charts))
-    for path in paths:
-        if path.exists() and GENERATOR.encode() not in path.read_bytes()[:4096]:
-            raise InputError(f"{path}: holds something else than a chart of {GENERATOR}; allowed: another -o")
+    check_charts(output)
     files: list[str] = _core.write_result(output, result_page(name, result), json.dumps(result_object(name, result)))
     for path in paths:
         try:

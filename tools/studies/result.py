@@ -114,7 +114,7 @@ def say_nothing(_: str) -> None:
 
 @dataclass(frozen=True)
 class Options:
-    """What the command line asks for; the program has checked that the study takes it.
+    """What the command line asks for.
 
     Attributes:
         data: a dataset to use instead of a fresh one; empty: none

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import shutil
 import sys
 import textwrap
 
+from slipbench._program import text_width, watched
 from slipbench_studies.result import Result, Table
 
-WIDTH = 100  # columns, where there is no terminal
 BOLD, DIM, HEADING = "1", "2", "1;36"
 
 
@@ -61,6 +60,4 @@ def result_text(result: Result, colour: bool, width: int) -> str:
 
 def show(result: Result) -> None:
     """Prints a result on stdout, in colour where a person watches (no-color.org)."""
-    watched = sys.stdout.isatty() and os.environ.get("TERM") != "dumb"
-    width = shutil.get_terminal_size((WIDTH, 1)).columns if watched else WIDTH
-    sys.stdout.write(result_text(result, watched and not os.environ.get("NO_COLOR"), width))
+    sys.stdout.write(result_text(result, watched(sys.stdout) and not os.environ.get("NO_COLOR"), text_width()))

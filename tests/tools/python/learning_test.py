@@ -207,7 +207,7 @@ class Training(TrainingTest):
                               ({"held_out": 0.6}, "^held_out: expected a number from 0 to 0.5, found 0.6"), ({"held_out": math.nan}, "^held_out: "),
                               ({"held_out": "0.2"}, "^held_out: "), ({"dataset": []}, "^dataset: .*empty list"), ({"recipe": 3}, "^recipe: .*found int 3"),
                               ({"network": 3}, "^network: .*found int 3"), ({"network": lambda inputs, classes: None}, "^network: .*NoneType"),
-                              ({"recipe": short("myrmex_net1"), "alarms": "1/min"}, "^alarms: .*leave the argument out")):
+                              ({"recipe": short("myrmex_net1"), "alarms": "1/min"}, r"^alarms \(--alarms\): .*leave the argument out")):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
                 self.train(**more)
 

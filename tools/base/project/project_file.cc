@@ -8,20 +8,14 @@
 
 namespace slipbench {
 
-std::optional<std::string> find_project_file(const std::string& path) {
+std::string project_file(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::path data(own_path(SLIPBENCH_DATA));
   if (fs::exists(data / path, error)) return (data / path).string();
   const fs::path source = fs::canonical(data / "source", error);
   if (!error && fs::exists(source / path, error)) return (source / path).string();
-  return std::nullopt;
-}
-
-std::string project_file(const std::string& path) {
-  if (std::optional<std::string> found = find_project_file(path)) return *found;
-  reject("{}: neither installed with the program, in {}, nor in the source tree of a build folder", path,
-         own_path(SLIPBENCH_DATA));
+  reject("{}: neither installed with the program, in {}, nor in the source tree of a build folder", path, data.string());
 }
 
 }  // namespace slipbench

@@ -52,25 +52,26 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
 
 PythonModule::PythonModule(std::string name, std::string purpose, const std::string& extra)
     : name_(std::move(name)), purpose_(std::move(purpose)) {
-  const std::string package = extra.empty() ? "." : fmt::format("'.[{}]'", extra);
-  if (const char* const own = std::getenv("SLIPBENCH_PYTHON"); own != nullptr) {
-    program_ = own;
-    folder_ = own_path("../..");
-    install_ = extra.empty() ? "pip install slipbench" : fmt::format("pip install 'slipbench[{}]'", extra);
-  } else {
-    program_ = own_path("../../venv/bin/python3");
-    folder_ = own_path("../python");
-    install_ = "tools/setup/setup.sh build python test-python";
-  }
+  const std::string package = extra.empty() ? "slipbench" : fmt::format("'slipbench[{}]'", extra);
+  const char* const own = std::getenv("SLIPBENCH_PYTHON");
+  program_ = own != nullptr ? own : own_path("../../venv/bin/python3");
+  folder_ = own_path(own != nullptr ? "../.." : "../python");
+  install_ = own != nullptr ? "pip install " + package : "tools/setup/setup.sh build python test-python";
   const bool is_built = has_extension(folder_);
   if (is_built && has_module(folder_, name_)) return;
   if (is_built)
     reject("{} needs the Python module {}, which is not in {}; allowed: a build of slipbench's source tree, which has it",
            purpose_, name_, folder_);
+  std::error_code error;
+  if (std::filesystem::exists(own_path("../CMakeCache.txt"), error))
+    reject(
+        "{} needs Python's package slipbench, which is not in {}; build it: {}, then cmake --build --preset release --target "
+        "slipbench_python",
+        purpose_, folder_, install_);
   reject(
-      "{} needs Python's package slipbench, which is not in {}; build it: {}, then cmake --build --preset release --target "
-      "slipbench_python; or in an environment of your own: pip install {}",
-      purpose_, folder_, install_, package);
+      "{} needs Python's package slipbench, which is not in {}; allowed: the program slipbench of the package (pip install "
+      "{}), or that of a build of the source tree",
+      purpose_, folder_, package);
 }
 
 std::vector<std::string> PythonModule::words(std::string request) const {
@@ -98,24 +99,25 @@ void PythonModule::start(std::string request) const {
   reject_start(reason);
 }
 
-int PythonModule::run(std::string request, const std::atomic<bool>* interrupt) const {
+int PythonModule::run(std::string request, Errors errors, const std::atomic<bool>* interrupt) const {
   std::vector<std::string> all = words(std::move(request));
   const std::vector<char*> arguments = pointers_to(all);
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  if (errors == Errors::hidden) ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawnattr_t attributes;
+  ::posix_spawnattr_init(&attributes);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   pid_t child = -1;
-  const int error = ::posix_spawn(&child, program_.c_str(), &actions, nullptr, arguments.data(), environ);
+  const int error = ::posix_spawn(&child, program_.c_str(), &actions, &attributes, arguments.data(), environ);
+  ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
   if (error != 0) reject_start(error);
   constexpr std::chrono::milliseconds between_looks{50};
-  bool passed_on = false;
   int status = 0;
   while (::waitpid(child, &status, WNOHANG) == 0) {
-    if (!passed_on && interrupt != nullptr && *interrupt) {
-      ::kill(child, SIGTERM);
-      passed_on = true;
-    }
+    if (interrupt != nullptr && *interrupt) ::kill(-child, SIGKILL);
     std::this_thread::sleep_for(between_looks);
   }
   return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);

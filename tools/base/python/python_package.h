@@ -16,7 +16,7 @@ class PythonModule {
   // `name`: "slipbench._export", a package with a file __main__.py, or "slipbench._train", a file. `purpose`: what needs
   // it, with which errors begin ("--format parquet"). `extra`: of pip's `slipbench[EXTRA]`, what the module imports
   // beside the package; empty: nothing.
-  // Throws InputError with the commands that build the package where it is not installed or has no extension.
+  // Throws InputError with what would help where the package or the module is not there.
   PythonModule(std::string name, std::string purpose, const std::string& extra);
 
   // The command that installs what the module imports.
@@ -26,10 +26,12 @@ class PythonModule {
   // them (slipbench/_program.py, Interrupt), since Python takes a while to start. Throws InputError when it cannot start.
   [[noreturn]] void start(std::string request) const;
 
+  // Whether the module's stderr is shown.
+  enum class Errors { shown, hidden };
   // Runs it as a child process, whose stdout is discarded, and returns its exit status, 128 + the signal where one ended
-  // it. SIGTERM is passed on to the child once `interrupt` is set; a terminal's Ctrl-C reaches both. `interrupt` may be
-  // null. Throws InputError when it cannot start.
-  [[nodiscard]] int run(std::string request, const std::atomic<bool>* interrupt) const;
+  // it. The child is killed once `interrupt` is set, which may be null: what it writes must be worth nothing then. It has
+  // a process group of its own, so a terminal's Ctrl-C reaches this process alone. Throws InputError when it cannot start.
+  [[nodiscard]] int run(std::string request, Errors errors, const std::atomic<bool>* interrupt) const;
 
  private:
   [[nodiscard]] std::vector<std::string> words(std::string request) const;

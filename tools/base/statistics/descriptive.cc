@@ -111,13 +111,6 @@ double median_time(std::size_t passes, const std::function<void()>& pass) {
   return median(std::move(times));
 }
 
-Interval median_interval(std::vector<double> values) {
-  std::ranges::sort(values);
-  std::size_t r = 0;
-  while (r < values.size() && clopper_pearson(r, values.size()).high <= 0.5) ++r;
-  return r == 0 ? Interval{nan, nan} : Interval{values[r - 1], values[values.size() - r]};
-}
-
 std::vector<Interval> bootstrap_intervals(std::size_t groups, std::size_t draws, std::uint64_t seed,
                                           const std::function<std::vector<double>(std::span<const std::size_t>)>& figures) {
   if (draws == 0) throw std::logic_error("a bootstrap needs a draw");

@@ -52,11 +52,6 @@ double median(std::vector<double> values);
 // The median over `passes` of how long `pass` takes [s of the wall clock].
 double median_time(std::size_t passes, const std::function<void()>& pass);
 
-// The interval of 95 % of a median, whatever the distribution: between the r-th smallest and the r-th largest value, with the largest r for which
-// fewer than r values lie on one side of the median with a probability of at most 2.5 %, the number on a side being binomial with 1/2. NaN
-// of fewer than six values.
-Interval median_interval(std::vector<double> values);
-
 // How far figures of trials can be trusted that are no shares of trials.
 
 // Intervals of 95 % by the percentile bootstrap over groups (B. Efron, Ann. Stat. 7, 1979): as many groups as there are, drawn with

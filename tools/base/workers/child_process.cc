@@ -181,25 +181,4 @@ std::string run_in_child(const std::string& subject, const std::function<std::st
   }
 }
 
-std::vector<std::string> run_in_processes(std::size_t count, std::size_t jobs,
-                                          const std::function<std::string(std::size_t)>& work,
-                                          const std::function<void(std::size_t)>& begun, const std::atomic<bool>& interrupt,
-                                          const std::function<void(std::size_t, const std::string&)>& done) {
-  ChildProcesses children;
-  std::vector<std::string> results(count);
-  for (std::size_t next = 0; next < count || children.running() > 0;) {
-    end_if(&interrupt);
-    if (next < count && children.running() < std::max<std::size_t>(jobs, 1)) {
-      begun(next);
-      children.start(next, [&] { return work(next); });
-      ++next;
-    } else if (auto ended = children.wait_until(Clock::now() + between_looks)) {
-      const std::size_t index = ended->first;
-      results[index] = std::move(ended->second).result(fmt::format("work {} of {}", index + 1, count));
-      if (done) done(index, results[index]);
-    }
-  }
-  return results;
-}
-
 }  // namespace slipbench

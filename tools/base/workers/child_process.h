@@ -78,13 +78,4 @@ std::string run_in_child(const std::string& subject, const std::function<std::st
                          const std::atomic<bool>* interrupt, double limit = std::numeric_limits<double>::infinity(),
                          const Fork& fork = {});
 
-// Does work 0 to count - 1, up to `jobs` at a time, each in a child process of its own, and returns what each returned, in this order: whatever
-// `jobs`, each begins with the memory of this process as it is now. Calls begun(number) before each work begins, and done(number, result) when it has
-// ended; `done` may be empty. Rethrows what work threw: InputError as such, others as std::runtime_error; throws Interrupted once `interrupt` is set.
-// No child outlives it.
-std::vector<std::string> run_in_processes(std::size_t count, std::size_t jobs,
-                                          const std::function<std::string(std::size_t)>& work,
-                                          const std::function<void(std::size_t)>& begun, const std::atomic<bool>& interrupt,
-                                          const std::function<void(std::size_t, const std::string&)>& done = {});
-
 }  // namespace slipbench

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -92,19 +93,22 @@ std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::st
   const Json request{{"datasets", Json::array({dataset})},
                      {"recipe", lesson.recipe},
                      {"all", true},
+                     {"frame_by_frame", true},
                      {"output", output},
                      {"json", !teaching.say}};  // silent
-  const int status = PythonModule("slipbench._train", "benchmark: " + lesson.recipe, "").run(request.dump(), teaching.interrupt);
+  const int status = PythonModule("slipbench._train", "benchmark: " + lesson.recipe, "")
+                         .run(request.dump(), PythonModule::Errors::shown, teaching.interrupt);
   end_if(teaching.interrupt);
   if (status != 0) reject("benchmark: the training of {} ended with status {}", lesson.recipe, status);
   return output;
 }
 
-// Whether there is PyTorch, which describes a recipe as well.
+// Whether there are the package and PyTorch, without which no recipe is described.
 bool can_train(const Lesson& lesson, const Teaching& teaching) {
   try {
-    const PythonModule module("slipbench._recipe", "benchmark: " + lesson.recipe, "");
-    return module.run(Json{{"name", lesson.recipe}, {"json", true}}.dump(), teaching.interrupt) == 0;
+    const PythonModule module("slipbench._recipe", "benchmark", "");
+    return module.run(Json{{"name", lesson.recipe}, {"json", true}}.dump(), PythonModule::Errors::hidden, teaching.interrupt) ==
+           0;
   } catch (const InputError&) {  // there is no package
     return false;
   }
@@ -225,10 +229,12 @@ Entrant oracle_entrant() {
 
 Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const std::string& folder) {
   Taught taught;
+  std::optional<bool> trains;  // found out for the first of them
   for (const Lesson& lesson : lessons) {
     if (!teaching.sensor.empty() && lesson.sensor != teaching.sensor) continue;
     const std::string& name = lesson.recipe;
-    if (!network::engine_available() || !can_train(lesson, teaching)) {
+    if (!trains) trains = network::engine_available() && can_train(lesson, teaching);
+    if (!*trains) {
       taught.untaught.push_back({name, lesson.sensor, network::engine_available() ? no_training : no_engine});
       continue;
     }
@@ -238,7 +244,7 @@ Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const
     if (std::ranges::none_of(taught.data, known)) {
       taught.data.push_back({{"scene", lesson.scene}, {"trials", DatasetReader(dataset).trials().size()}, {"sha256", data}});
     }
-    if (teaching.say) teaching.say("teaching " + lesson.recipe);
+    if (teaching.say) teaching.say("training " + lesson.recipe);
     Entrant entrant = given_entrant(learnt(lesson, teaching, dataset, folder), {});
     entrant.name = name;
     entrant.kind = Kind::trained;

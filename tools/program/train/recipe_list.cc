@@ -9,7 +9,7 @@ namespace slipbench::train {
 namespace {
 
 constexpr std::array all{
-    RecipeLine{"gst_hd", "The hyperdimensional detector of a PapillArray, taught in a single pass; writes a folder"},
+    RecipeLine{"gst_hd", "The hyperdimensional detector of a PapillArray, trained in a single pass; writes a folder"},
     RecipeLine{"piezo_mlp", "Spectra of 20 ms, each by itself, through four layers of 32"},
     RecipeLine{"piezo_mlp_128", "The same with 128"},
     RecipeLine{"piezo_tcn", "The latest 29 spectra through four causal convolutions of 128, kernel 8"},

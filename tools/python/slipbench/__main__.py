@@ -9,7 +9,7 @@ from slipbench.bin import _core
 def main() -> int:
     """Runs the command line with this process's arguments; returns its exit status."""
     os.environ.setdefault("SLIPBENCH", f"{sys.executable} -m slipbench")  # how scripts that `cluster` writes start it again
-    os.environ.setdefault("SLIPBENCH_PYTHON", sys.executable)  # what writes the formats that need Arrow
+    os.environ.setdefault("SLIPBENCH_PYTHON", sys.executable)  # what commands that are done in Python are started with
     return _core.main(sys.argv[1:])
 
 

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import signal
+import sys
+from collections.abc import Callable
+from typing import TextIO
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+WIDTH = 100  # columns, where there is no terminal
+LEAST_WIDTH = 40  # columns: a narrower terminal breaks the lines itself
 
 
 class Interrupted(Exception):
@@ -43,3 +51,34 @@ class Interrupt:
         self._asked = True
         with contextlib.suppress(OSError):  # nothing can be done where stderr cannot be written
             os.write(2, (("\r\033[K" if os.isatty(2) else "") + self._notice).encode())
+
+
+def watched(stream: TextIO) -> bool:
+    """Whether a person watches the stream on a terminal."""
+    return stream.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def styled(stream: TextIO, code: str, text: str) -> str:
+    """Text in a colour or weight, where a person watches the stream and NO_COLOR is not set."""
+    return f"\033[{code}m{text}\033[0m" if watched(stream) and not os.environ.get("NO_COLOR") else text
+
+
+def text_width() -> int:
+    """Columns of text on stdout."""
+    return max(LEAST_WIDTH, min(WIDTH, shutil.get_terminal_size((WIDTH, 1)).columns)) if watched(sys.stdout) else WIDTH
+
+
+def write_result(write: Callable[[], None]) -> int:
+    """Prints the result of a command; returns the exit status. A reader who has gone ends the process by SIGPIPE, as it ends the program."""
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    try:
+        if sys.stdout is None:  # it was closed before Python began
+            raise OSError(9, "Bad file descriptor")
+        write()
+        sys.stdout.flush()
+    except OSError as error:
+        print(f"{styled(sys.stderr, '1;31', 'slipbench:')} cannot write to standard output: {error.strerror}", file=sys.stderr)
+        if sys.stdout is not None:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left cannot be written at exit either
+        return 2
+    return 0

@@ -5,13 +5,14 @@ from __future__ import annotations
 import inspect
 import json
 import re
-import shutil
+import signal
 import sys
 import textwrap
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from slipbench._program import Interrupt, Interrupted
+from slipbench._program import SIGNALS, styled, text_width, write_result
 
 if TYPE_CHECKING:
     from slipbench.learning import Input, Recipe, Training
@@ -56,51 +57,70 @@ def training_text(training: Training) -> str:
     return text
 
 
+def network_text(made: Callable[[int, int], Any]) -> str:
+    """The class of a recipe's network with the values that it is made with, and its description."""
+    kind, given = (made.func, made.keywords) if isinstance(made, partial) else (made, {})
+    defaults = {one.name: one.default for one in inspect.signature(kind).parameters.values() if one.default is not one.empty}
+    values = ", ".join(f"{key}={value}" for key, value in {**defaults, **given}.items() if isinstance(value, (int, str)))
+    return f"slipbench.learning.networks.{kind.__name__}{f'({values})' if values else ''}\n\n{inspect.getdoc(kind)}"
+
+
 def facts_of(recipe: Recipe) -> dict[str, str]:
     """What is said of a recipe, by heading."""
-    made = recipe.network
-    kind, options = (made.func, made.keywords) if isinstance(made, partial) else (made, {})
-    plain = ", ".join(f"{key}={value}" for key, value in options.items() if isinstance(value, (int, str)))
-    network = f"slipbench.learning.networks.{kind.__name__}{f'({plain})' if plain else ''}"
-    return {"Input": input_text(recipe.input), "Scaling": SCALINGS[recipe.scaling], "Network": f"{network}\n\n{inspect.getdoc(kind)}",
+    return {"Input": input_text(recipe.input), "Scaling": SCALINGS[recipe.scaling], "Network": network_text(recipe.network),
             "Networks": f"{recipe.members}, whose probabilities are averaged" if recipe.members > 1 else "1",
             "Classes": CLASSES[recipe.classes], "Training": training_text(recipe.training), "Labels": recipe.labels, "Split": recipe.split,
             "Source": recipe.source, "Assumed": recipe.assumed}
 
 
+def table_lines(rows: list[str]) -> list[str]:
+    """A Markdown table as columns of text."""
+    cells = [[cell.strip().strip("`") for cell in row.strip("|").split("|")] for row in rows if not re.fullmatch(r"[|\s:-]+", row)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    return ["  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells]
+
+
 def wrapped(text: str, width: int) -> str:
-    """Paragraphs within a width, two spaces from the edge; lines of tables stay as they are."""
+    """Paragraphs and tables within a width, two spaces from the edge."""
     lines: list[str] = []
-    for paragraph in re.split(r"\n(?=\|)|\n\n|(?<=\|)\n", text):
-        lines += [f"  {paragraph}"] if paragraph.startswith("|") else textwrap.wrap(" ".join(paragraph.split()), width, initial_indent="  ", subsequent_indent="  ")
+    for paragraph in text.split("\n\n"):
+        rows = paragraph.splitlines()
+        if rows[0].startswith("|"):
+            lines += table_lines(rows)
+        else:
+            lines += textwrap.wrap(" ".join(paragraph.split()), width, initial_indent="  ", subsequent_indent="  ")
     return "\n".join(lines)
 
 
-def main(request: dict[str, Any]) -> int:
-    """Prints the recipe that the request names, as JSON where it says so; returns the exit status."""
-    Interrupt("stopping")
-    try:
-        from slipbench._train import styled
-        from slipbench.learning import find_recipe
-    except ModuleNotFoundError as error:
-        if error.name not in ("torch", "onnx"):
-            raise
-        print(f"slipbench: describe {request['name']}: {error}", file=sys.stderr)
-        return 2
-    except Interrupted:
-        return 130
-    recipe = find_recipe(request["name"])
+def show(recipe: Recipe, as_json: bool) -> None:
+    """Prints a recipe on stdout."""
     facts = facts_of(recipe)
-    if request["json"]:
+    if as_json:
         entry = {"kind": "recipe", "name": recipe.name, "summary": recipe.summary, **{heading.lower(): text for heading, text in facts.items()}}
         print(json.dumps({"name": recipe.name, "entries": [entry]}, separators=(",", ":")))
-        return 0
-    width = min(shutil.get_terminal_size((100, 24)).columns, 100)
+        return
+    width = text_width()
     print(f"{styled(sys.stdout, '1;36', recipe.name)}  {styled(sys.stdout, '2', 'recipe')}\n{wrapped(recipe.summary, width)}")
     for heading, text in facts.items():
         print(f"\n{styled(sys.stdout, '1', heading)}\n{wrapped(text, width)}")
     print(f"\n{styled(sys.stdout, '1', 'On the command line')}\n  slipbench train DATA.h5 --recipe {recipe.name} -o detector.onnx")
-    return 0
+
+
+def main(request: dict[str, Any]) -> int:
+    """Prints the recipe that the request names, as JSON where it says so; returns the exit status."""
+    for number in SIGNALS:  # the program has held them back until now; nothing here needs tidying up
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
+    try:
+        from slipbench.learning import find_recipe
+    except ModuleNotFoundError as error:
+        if error.name not in ("torch", "onnx"):
+            raise
+        print(f"{styled(sys.stderr, '1;31', 'slipbench:')} describe {request['name']}: {error}", file=sys.stderr)
+        return 2
+    recipe = find_recipe(request["name"])
+    return write_result(lambda: show(recipe, request["json"]))
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TextIO
 
 from slipbench import InputError
-from slipbench._program import Interrupt, Interrupted
+from slipbench._program import Interrupt, Interrupted, styled
 
 if TYPE_CHECKING:
     from slipbench.learning import Report, Trained
@@ -38,6 +38,7 @@ class Request:
         turned: copies with turned images; None: the recipe's
         alarms: false ones a minute that are tolerated; None: was not given
         by_score: whether the operating point is that of the greatest score
+        frame_by_frame: whether each frame is called by itself, with the threshold of the greatest balanced accuracy
         output: path of the ONNX file
         resume: whether to go on with what a killed training has left
         json: whether stdout is to have one JSON object
@@ -56,14 +57,9 @@ class Request:
     turned: int | None = None
     alarms: float | None = None
     by_score: bool = False
+    frame_by_frame: bool = False
     resume: bool = False
     json: bool = False
-
-
-def styled(stream: TextIO, code: str, text: str) -> str:
-    """Text in a colour or weight, where a person watches the stream and NO_COLOR is not set."""
-    watched = stream.isatty() and os.environ.get("TERM") != "dumb" and not os.environ.get("NO_COLOR")
-    return f"\033[{code}m{text}\033[0m" if watched else text
 
 
 def clock_text(seconds: float) -> str:
@@ -167,7 +163,7 @@ def run(request: Request) -> None:
     interrupt = Interrupt("stopping; the last validation's state is kept")
     reporter = ProgressReporter(request, interrupt, find_recipe(request.recipe).members)
     trained = train(request.datasets, output=request.output, recipe=request.recipe, sensor=request.sensor, labels=request.labels, split=request.split,
-                    held_out=request.held_out, every_trial=request.all, seed=request.seed, steps=request.steps, turned=request.turned, alarms=request.alarms,
+                    held_out=request.held_out, every_trial=request.all, seed=request.seed, steps=request.steps, turned=request.turned, alarms=math.inf if request.frame_by_frame else request.alarms,
                     by_score=request.by_score, resume=request.resume, progress=reporter.show_validation, reading=reporter.show_read, before_step=interrupt.check)
     if request.json:
         described = trained.description
@@ -183,7 +179,7 @@ def main(text: str) -> int:
     try:
         run(request)
         return 0
-    except Interrupted:
+    except (Interrupted, KeyboardInterrupt):  # the latter from C++ code that reads data
         kept = os.path.exists(f"{request.output}.checkpoint-0")
         print(f"slipbench: interrupted: kept in {request.output}.checkpoint-0; the same command with --resume goes on" if kept
               else "slipbench: interrupted; nothing is kept", file=sys.stderr)

@@ -52,18 +52,6 @@ TEST(Median, IsTheMiddleOrTheMeanOfTwo) {
   EXPECT_TRUE(std::isnan(median({})));
 }
 
-// How many of n values lie below the median is binomial with 1/2. Outside of the outermost two of five it lies with 2/32, of six with 2/64; outside of
-// the second and the eighth of nine with 20/512, of the third and the seventh with 92/512.
-TEST(MedianInterval, IsWithinOrderStatistics) {
-  EXPECT_TRUE(std::isnan(median_interval({1, 2, 3, 4, 5}).low));
-  const Interval six = median_interval({6, 5, 4, 3, 2, 1});
-  EXPECT_DOUBLE_EQ(six.low, 1.0);
-  EXPECT_DOUBLE_EQ(six.high, 6.0);
-  const Interval nine = median_interval({1, 2, 3, 4, 5, 6, 7, 8, 9});
-  EXPECT_DOUBLE_EQ(nine.low, 2.0);
-  EXPECT_DOUBLE_EQ(nine.high, 8.0);
-}
-
 // All or none of n: the one bound solves p^n = 0.025.
 TEST(ClopperPearson, AllOrNone) {
   const Interval all = clopper_pearson(10, 10);

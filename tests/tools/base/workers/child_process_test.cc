@@ -18,7 +18,6 @@ using Clock = std::chrono::steady_clock;
 using Kind = ChildEnd::Kind;
 
 const std::atomic<bool> never{false};
-void nothing(std::size_t) {}
 
 constexpr double plenty = 60.0;  // s
 
@@ -120,73 +119,6 @@ TEST(RunInChild, ReturnsAndThrows) {
   EXPECT_THROW(run_in_child(
                    "a.h5", [] { return std::string(); }, &now),
                Interrupted);
-}
-
-TEST(RunInProcesses, HandsOverInOrder) {
-  // Odd work takes longer, so that even work finishes out of turn.
-  const auto work = [](std::size_t k) {
-    ::usleep(k % 2 == 0 ? 10 : 5000);
-    return std::to_string(k * k);
-  };
-  for (const std::size_t jobs : {1U, 2U, 5U}) {
-    std::vector<std::size_t> begun;
-    const std::vector<std::string> results = run_in_processes(
-        7, jobs, work, [&](std::size_t k) { begun.push_back(k); }, never);
-    EXPECT_THAT(results, ElementsAre("0", "1", "4", "9", "16", "25", "36"));
-    EXPECT_THAT(begun, ElementsAre(0, 1, 2, 3, 4, 5, 6));
-  }
-  EXPECT_TRUE(run_in_processes(0, 2, work, nothing, never).empty());
-}
-
-// The first waits for a byte that only the second writes.
-TEST(RunInProcesses, DoesAsManyAtATimeAsItIsTold) {
-  std::array<int, 2> ends{};
-  ASSERT_EQ(::pipe(ends.data()), 0);
-  const auto work = [&](std::size_t k) {
-    char byte = 'x';
-    const ssize_t count = k == 0 ? ::read(ends[0], &byte, 1) : ::write(ends[1], &byte, 1);
-    return std::to_string(count);
-  };
-  EXPECT_THAT(run_in_processes(2, 2, work, nothing, never), ElementsAre("1", "1"));
-  for (const int end : ends) ::close(end);
-}
-
-// What work leaves in memory is its own: the next does not see it, whatever the jobs.
-TEST(RunInProcesses, BeginsEachWithTheSameMemory) {
-  int value = 1;
-  const auto work = [&](std::size_t) { return std::to_string(value++); };
-  for (const std::size_t jobs : {1U, 3U})
-    EXPECT_THAT(run_in_processes(3, jobs, work, nothing, never), ElementsAre("1", "1", "1"));
-  EXPECT_EQ(value, 1);
-}
-
-TEST(RunInProcesses, ThrowsWhatWorkThrew) {
-  const auto failing = [](auto error) {
-    return [error](std::size_t k) -> std::string {
-      if (k == 1) throw error;
-      return "";
-    };
-  };
-  EXPECT_THROW(run_in_processes(3, 2, failing(InputError("bad")), nothing, never), InputError);
-  EXPECT_THROW(run_in_processes(3, 2, failing(std::runtime_error("worse")), nothing, never), std::runtime_error);
-  const auto dying = [](std::size_t) -> std::string { std::_Exit(3); };
-  EXPECT_THAT(refusal_of([&] { run_in_processes(1, 1, dying, nothing, never); }), HasSubstr("ended with status 3"));
-}
-
-// The second work is never begun, and the first, which would take a minute, is ended.
-TEST(RunInProcesses, AnInterruptEndsAll) {
-  std::atomic<bool> interrupt{false};
-  const auto work = [](std::size_t) {
-    ::sleep(60);
-    return std::string();
-  };
-  std::size_t begun = 0;
-  const auto note = [&](std::size_t) {
-    ++begun;
-    interrupt = true;
-  };
-  EXPECT_THROW(run_in_processes(2, 2, work, note, interrupt), Interrupted);
-  EXPECT_EQ(begun, 1U);
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ Examples:
   arguments.number("--turned N", turned_,
                    "Network of a Myrmex: copies of each trial with its images turned, 0 to 11 (default: 0)", 0, 11);
   arguments.text("--alarms RATE", alarms_,
-                 "False alarms that are borne, of trials that did not teach (default: 1/min; of gst_hd none is chosen)");
+                 "False alarms that are tolerated in the trials that validate (default: 1/min; of gst_hd none is chosen)");
   arguments.flag("--score", score_, "In place of --alarms, the operating point of the greatest score of open recordings");
   arguments.lines("--with FILE", with_, "One more dataset, such as of grasps beside a stage; may be repeated");
   arguments.flag("--all", all_,

@@ -149,7 +149,7 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
     check_output(path)
     chosen = _recipe(recipe, network, labels, split, steps, turned)
     if (by_score or alarms not in (None, math.inf)) and chosen.at_most > 0:
-        raise _core.InputError(f"{'by_score' if by_score else 'alarms'}: is evaluated on whole recordings, but {chosen.name} trains on frames drawn from them; "
+        raise _core.InputError(f"{'by_score (--score)' if by_score else 'alarms (--alarms)'}: is evaluated on whole recordings, but {chosen.name} trains on frames drawn from them; "
                                "leave the argument out")
     frame_by_frame = chosen.at_most > 0 or alarms == math.inf
     tolerated = None if by_score or frame_by_frame else alarms_per_minute("1/min" if alarms is None else alarms)
@@ -262,7 +262,7 @@ def _recipe(recipe: str | Recipe, network: nn.Module | Callable[[int, int], nn.M
         every = max(1, chosen.training.validate_every * steps // chosen.training.steps)
         chosen = replace(chosen, training=replace(chosen.training, steps=steps, validate_every=every))
     if turned and chosen.input.sensor != "myrmex":
-        raise _core.InputError(f"turned: is for images of a myrmex, and {chosen.name} reads a {chosen.input.sensor}; allowed: 0")
+        raise _core.InputError(f"turned (--turned): is for images of a myrmex, and {chosen.name} reads a {chosen.input.sensor}; allowed: 0")
     return replace(chosen, labels=labels or chosen.labels, split=split or chosen.split, turned=chosen.turned if turned is None else turned)
 
 
