@@ -17,7 +17,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Kind = ChildEnd::Kind;
 
-const std::atomic<bool> never{false};
 
 constexpr double plenty = 60.0;  // s
 
