@@ -54,6 +54,7 @@ print(f"{len(samples)} frames of {frames.size} values, {logits.argmax(axis=1).me
 frames.reset()
 engine.reset()
 first = next(frame for row in range(len(pad.channels["force"])) if (frame := frames.push({name: array[row] for name, array in pad.channels.items()})) is not None)
+assert engine.inputs == frames.size  # the network reads one frame a step
 assert np.array_equal(first, seen[0]) and np.array_equal(engine.run(first[None]), logits[:1])
 assert np.allclose(learning.answers(trained.networks[0], seen), logits, atol=1e-5)
 
