@@ -12,7 +12,7 @@ namespace slipbench {
 Commands command_table() {
   Commands commands = make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand,
                                     ImportCommand, VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand,
-                                    EvalCommand, BenchmarkCommand, CalibrateCommand>();
+                                    EvalCommand, DetectCommand, BenchmarkCommand, CalibrateCommand>();
   commands.push_back(std::make_unique<CommandElsewhere>("reproduce", "Reproduce a table of a paper", "slipbench-studies"));
   commands.push_back(std::make_unique<CostCommand>());
   for (auto& command : make_commands<ListCommand, DescribeCommand, DoctorCommand, PluginPathCommand>())
