@@ -29,6 +29,8 @@
 #include "tools/program/cli/command.h"
 #include "tools/program/commands/command_table.h"
 #include "tools/program/cost/kept_setting.h"
+#include "tools/program/commands/detectors/detector_commands.h"
+#include "tools/program/eval/detect.h"
 #include "tools/program/eval/evaluate.h"
 #include "tools/program/eval/replay.h"
 #include "tools/program/run/trial_run.h"
@@ -333,10 +335,27 @@ std::string evaluate(const std::string& type, const Pairs& parameters, const std
   options.split = split;
   options.all = all;
   options.trained = eval::training_of(options.detector);
-  options.labels = labels.empty() ? eval::learnt_labels(options.trained) : eval::parse_label_rule(labels);
+  if (!labels.empty()) options.labels = eval::parse_label_rule(labels);
   const nb::gil_scoped_release release;
   const std::lock_guard alone(hdf5_in_use);
   return eval::evaluate(options).dump();
+}
+
+// The result and the files written. `output`: empty: none.
+std::pair<std::string, std::vector<std::string>> detect(const std::string& type, const Pairs& parameters,
+                                                        const std::vector<std::string>& recordings, const std::string& sensor,
+                                                        const std::string& output) {
+  eval::DetectOptions options;
+  options.detector = eval::chosen_detector(type, overrides_of(parameters));
+  options.recordings = recordings;
+  options.sensor = sensor;
+  const nb::gil_scoped_release release;
+  const std::lock_guard alone(hdf5_in_use);
+  if (!output.empty()) eval::check_detect_output(output);
+  const Json result = eval::detect(options);
+  std::vector<std::string> files;
+  if (!output.empty()) files = eval::write_detection(output, result);
+  return {result.dump(), files};
 }
 
 std::vector<std::string> dataset_files(const std::string& path, bool content) {
@@ -398,6 +417,10 @@ void bind_scene(nb::module_& module) {
       .def("check", &Scene::check, nb::arg("draws"), nb::arg("seed").none(), nb::arg("jobs"), nb::arg("folder"),
            nb::arg("isolate"), nb::arg("limit_s"));
   module.def("evaluate", &evaluate);
+  module.def("detect", &detect);
+  module.def("print_detection", [](const std::string& result, const std::vector<std::string>& files, bool json) {
+    print_detection(Json::parse(result), files, json);
+  });
   module.def("evenly_spaced", [](const Times& times, double resolution) { return evenly_spaced(span_of(times), resolution); });
   module.def("timing_text", [](const Times& times, double resolution) {
     return timing_text(timing_of(span_of(times), resolution), span_of(times).front());

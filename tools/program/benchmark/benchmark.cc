@@ -41,7 +41,7 @@ constexpr std::size_t most_groups = 6;
 // The whole slip counts from its first part on, and what sticks again under the shear that is left judges nobody: each rule by which a detector
 // may have learnt calls it otherwise. In a loop a firmer grip is to end what is said.
 eval::TruthRule rule_of(Track track) {
-  constexpr std::array rules{eval::TruthRule::masked, eval::TruthRule::micro, eval::TruthRule::paper};
+  constexpr std::array rules{eval::TruthRule::masked, eval::TruthRule::micro, eval::TruthRule::recorded};
   return rules.at(static_cast<std::size_t>(track));
 }
 

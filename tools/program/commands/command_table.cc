@@ -9,9 +9,9 @@ namespace slipbench {
 
 Commands command_table() {
   return make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand, ImportCommand,
-                       VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand, BenchmarkCommand,
-                       CalibrateCommand, ReproduceCommand, CostCommand, ListCommand, DescribeCommand, DoctorCommand,
-                       PluginPathCommand>();
+                       VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand, DetectCommand,
+                       BenchmarkCommand, CalibrateCommand, ReproduceCommand, CostCommand, ListCommand, DescribeCommand,
+                       DoctorCommand, PluginPathCommand>();
 }
 
 }  // namespace slipbench

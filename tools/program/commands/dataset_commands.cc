@@ -199,7 +199,8 @@ int ExportCommand::run() {
 void ImportCommand::declare(Arguments& arguments) {
   arguments.about("import", "Read recordings of real sensors into a dataset",
                   fmt::format(R"(
-A dataset of recordings has the readings and no truth. What the recordings say of slip is their state_paper.
+A dataset of recordings has the readings and no truth. What the recordings say of slip are their recorded labels,
+by which `slipbench eval` judges (--labels recorded).
 
 --map describes the recordings of any sensor: which columns, arrays or fields of messages are which channel, times, labels, objects.
 It reads tables (.csv, .tsv, .txt, .dat), Parquet, .npz, .npy, MCAP and bags of ROS 1 and ROS 2. Besides a file of your own, MAP can be one

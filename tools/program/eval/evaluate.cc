@@ -6,7 +6,6 @@
 #include <map>
 #include <tuple>
 #include <utility>
-#include <variant>
 
 #include <fmt/format.h>
 
@@ -19,8 +18,8 @@
 #include "tools/base/record/encoder.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
+#include "tools/program/eval/recorded_trial.h"
 #include "tools/program/eval/replay.h"
-#include "tools/program/run/recorded_scene.h"
 
 namespace slipbench::eval {
 namespace {
@@ -72,9 +71,6 @@ Replayed with_threshold(const Replayed& said, const network::Alarm& alarm, doubl
   return other;
 }
 
-// A dataset that is no simulation's has no scene.
-bool has_scene(const DatasetReader& reader) { return !reader.header().scene.empty(); }
-
 // Swept values that say which thing is touched.
 std::string object_of(const std::string& params) {
   const Json swept = Json::parse(params, nullptr, false);
@@ -121,51 +117,14 @@ Facts facts_of(const Scene* scene, const TrialRecord& record, const SensorRecord
   return facts;
 }
 
-// The names of a trial's sensors in the scene's order, which a file does not keep.
-std::vector<std::string> ordered_sensors(const DatasetReader& reader, std::size_t trial) {
-  std::vector<std::string> names = reader.sensors(trial);
-  if (names.size() < 2 || !has_scene(reader)) return names;
-  const SceneFile scene = SceneFile::from_text(reader.header().scene, reader.files().front() + ": scene");
-  const YamlNode* sensors = scene.root().find("sensors");
-  if (sensors == nullptr) return names;
-  const auto place = [sensors](const std::string& name) {
-    return std::ranges::find(sensors->children, name, &YamlNode::key) - sensors->children.begin();
-  };
-  std::ranges::stable_sort(names, {}, place);
-  return names;
-}
-
-std::size_t chosen_sensor(const std::vector<std::string>& names, const std::string& wanted) {
-  if (wanted.empty() && names.size() == 1) return 0;
-  const auto found = std::ranges::find(names, wanted);
-  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-  reject("{}{}",
-         wanted.empty() ? std::string("has several sensors, which one? say it with --sensor") : "no sensor " + quote(wanted),
-         allowed_names(wanted, names));
-}
-
-std::vector<SensorRecord> in_order(TrialRecord& record, const std::vector<std::string>& names) {
-  std::vector<SensorRecord> sensors;
-  for (const std::string& name : names) {
-    sensors.push_back(std::move(*std::ranges::find(record.sensors, name, &SensorRecord::name)));
-  }
-  record.sensors.clear();
-  return sensors;
-}
-
-Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Options& options, const Catalogues& catalogues,
-                    const network::Alarm& alarm) {
-  reader.check_recorded(trial);
-  TrialRecord record = reader.read_trial(trial);
-  const std::vector<std::string> names = ordered_sensors(reader, trial);
-  const std::size_t sensor = chosen_sensor(names, options.sensor);
-  const std::vector<SensorRecord> sensors = in_order(record, names);
-  const Replayed replayed = replay(options.detector, sensors, sensor, record.seed, trial);
-  std::optional<Scene> scene;
-  if (has_scene(reader)) scene = recorded_scene(recorded_file(reader), record, catalogues);
-  const Scene* const known = scene ? &*scene : nullptr;
+Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Options& options, TruthRule labels,
+                    const Catalogues& catalogues, const network::Alarm& alarm) {
+  const RecordedTrial recorded = recorded_trial(reader, trial, options.detector, options.sensor, catalogues);
+  const TrialRecord& record = recorded.record;
+  const SensorRecord& sensor = recorded.sensor();
+  const Replayed& replayed = recorded.replayed;
   Judged result;
-  const Truth truth = truth_of(known, record, sensors[sensor], options.labels);
+  const Truth truth = recorded.truth(labels);
   result.judgement = judged(trial, truth, replayed);
   if (!result.judgement.positives.empty() || !result.judgement.negatives.empty()) {
     for (const double threshold : alarm_thresholds())
@@ -176,34 +135,16 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
     result.named.resize(std::max(result.named.size(), static_cast<std::size_t>(number) + 1));
     ++result.named[static_cast<std::size_t>(number)];
   }
-  result.judgement.twin = truth_sha256(sensors[sensor].labels);
-  result.facts = facts_of(known, record, sensors[sensor]);
+  result.judgement.twin = truth_sha256(sensor.labels);
+  result.facts = facts_of(recorded.scene ? &*recorded.scene : nullptr, record, sensor);
   result.grasp = record.outcome.grasp;
-  result.sensor = {{"name", names[sensor]}, {"type", sensors[sensor].type}, {"rate_hz", sensors[sensor].rate}};
-  if (record.control && !record.control->detector.empty() && record.control->sensor == names[sensor]) {
+  result.sensor = {{"name", sensor.name}, {"type", sensor.type}, {"rate_hz", sensor.rate}};
+  if (record.control && !record.control->detector.empty() && record.control->sensor == sensor.name) {
     result.loop_detector = record.control->detector;
     const auto same = [](std::uint8_t one, PadState other) { return one == static_cast<std::uint8_t>(other); };
     result.as_in_loop = std::ranges::equal(record.control->detector_class, replayed.seen, same);
   }
   return result;
-}
-
-Json parameters_json(const Parameters& parameters) {
-  Json json = Json::object();
-  for (const auto& [name, value] : parameters.values()) {
-    std::visit(
-        [&json, &key = name](const auto& held) {
-          if constexpr (std::is_same_v<std::decay_t<decltype(held)>, double>) {
-            json[key] = std::isfinite(held) ? Json(held) : Json(fmt::format("{}", held));
-          } else if constexpr (std::is_same_v<std::decay_t<decltype(held)>, NumberTable>) {
-            json[key] = held.rows;
-          } else {
-            json[key] = held;
-          }
-        },
-        value);
-  }
-  return json;
 }
 
 // What a trial is put with, and where that stands among the groups.
@@ -366,15 +307,6 @@ Json loop_json(const std::vector<Judged>& trials) {
 bool is_memories(const DetectorScene& detector) { return detector.type == "gst_hd" || detector.type == "gst_hd_rtl"; }
 bool is_trained(const DetectorScene& detector) { return detector.type == "network" || is_memories(detector); }
 
-// Samples that are called slip and do not slip, or the other way round.
-std::size_t wrong_frames(const Confusion& frames) {
-  std::size_t wrong = 0;
-  for (std::size_t truth = 0; truth < frames.size(); ++truth) {
-    for (std::size_t seen = 0; seen < frames.size(); ++seen) wrong += (truth >= 2) != (seen >= 2) ? frames[truth][seen] : 0;
-  }
-  return wrong;
-}
-
 Json trial_json(const Judged& trial) {
   const Judgement& judgement = trial.judgement;
   std::size_t frames = 0;
@@ -446,9 +378,10 @@ Json training_warnings(const Options& options, std::size_t learnt, std::size_t j
 std::string evaluated(const Options& options) {
   const DatasetReader reader = whole_dataset(options.dataset);
   for (const std::size_t trial : reader.trials()) reader.check_recorded(trial);
-  if (options.labels != TruthRule::paper) {
-    reader.check_truth("eval --labels " + label_rule_name(options.labels), "--labels paper, what the recordings' own set says");
-  }
+  const bool recordings = !reader.header().truth.empty();
+  const TruthRule labels = options.labels.value_or(recordings ? TruthRule::recorded : learnt_labels(options.trained));
+  if (labels != TruthRule::recorded)
+    reader.check_truth("eval --labels " + label_rule_name(labels), "--labels recorded, the labels of the recordings");
   const std::map<std::size_t, std::string> part_of = reader.split();
   const std::set<std::string> seen = seen_trials(options.detector, options.trained);
   std::size_t learnt = 0;  // trials judged on which it was trained
@@ -468,7 +401,7 @@ std::string evaluated(const Options& options) {
     }
     try {
       trials.push_back(
-          judged_trial(reader, trial, options, catalogues, network ? network->description().alarm : network::Alarm{}));
+          judged_trial(reader, trial, options, labels, catalogues, network ? network->description().alarm : network::Alarm{}));
     } catch (const InputError& error) {
       reject("{}: trial {}: {}", reader.files()[reader.file_of(trial)], trial, error.what());
     }
@@ -485,7 +418,7 @@ std::string evaluated(const Options& options) {
                {"detector", {{"type", options.detector.type}, {"parameters", parameters_json(options.detector.parameters)}}},
                {"dataset", options.dataset},
                {"sensor", trials.front().sensor},
-               {"labels", label_rule_name(options.labels)},
+               {"labels", label_rule_name(labels)},
                {"truth", reader.header().truth},
                {"split", options.split.empty() ? "all" : options.split},
                {"left_out", left_out},
@@ -547,10 +480,19 @@ std::set<std::string> seen_trials(const DetectorScene& detector, const std::stri
   return {told.begin(), told.end()};
 }
 
+std::string detector_name(const Json& detector) {
+  const Json parameters = detector.value("parameters", Json::object());
+  const auto type = detector.at("type").get<std::string>();
+  for (const char* key : {"model", "memories"}) {
+    if (const std::string file = parameters.value(key, ""); !file.empty()) return type + " " + file;
+  }
+  return type;
+}
+
 std::string truth_note(const Json& result) {
   const auto truth = result.at("truth").get<std::string>();
   return truth.empty() ? truth
-                       : fmt::format("truth {}: where a name here says true, it is the label of the recordings' own set", truth);
+                       : fmt::format("truth {}: where a name here says true, it is the recorded label", truth);
 }
 
 Json evaluate(const Options& options) { return Json::parse(evaluated(options)); }

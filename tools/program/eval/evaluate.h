@@ -1,6 +1,7 @@
 // `slipbench eval`: any detector on any dataset of its sensor.
 #pragma once
 
+#include <optional>
 #include <set>
 
 #include "tools/base/page/page.h"
@@ -11,7 +12,7 @@ namespace slipbench::eval {
 struct Options {
   DetectorScene detector;
   std::string dataset;
-  TruthRule labels = TruthRule::strict;
+  std::optional<TruthRule> labels = {};  // empty: `recorded` for recordings; else that of the detector's training, or strict
   std::string sensor;  // the scene's name; empty: the only one
   std::string split;   // "train", "valid" or "test" of the dataset's masks; empty: every trial
   // What the detector says of its training, JSON (training_of()): trials whose digests stand in
@@ -58,6 +59,9 @@ inline constexpr const char* result_key = "slipbench_eval";
 // Times in s. Throws InputError, naming file and trial: no whole dataset, outcomes alone, no such sensor or split, what replay() and truth_of()
 // refuse.
 Json evaluate(const Options& options);
+
+// A detector as results name it: its type, and the file or folder of a network or of memories. `detector`: {type, parameters}.
+std::string detector_name(const Json& detector);
 
 // What a reader of a result must know where `truth` is not empty; empty where it is.
 std::string truth_note(const Json& result);

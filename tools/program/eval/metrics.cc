@@ -17,8 +17,6 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-constexpr std::array<const char*, 4> state_words{"no_contact", "non_slip", "incipient", "gross"};
-
 // Sums over trials.
 struct Pool {
   Summary counts;
@@ -109,12 +107,13 @@ Estimate auc_of(std::span<const Judgement> trials, const std::vector<std::vector
   return {found.value, found.interval};
 }
 
-constexpr std::array<hd::Word<TruthRule>, 6> rules{{{"strict", TruthRule::strict},
+constexpr std::array<hd::Word<TruthRule>, 7> rules{{{"strict", TruthRule::strict},
                                                     {"micro", TruthRule::micro},
                                                     {"paper", TruthRule::paper},
                                                     {"latched", TruthRule::latched},
                                                     {"masked", TruthRule::masked},
-                                                    {"has_slipped", TruthRule::has_slipped}}};
+                                                    {"has_slipped", TruthRule::has_slipped},
+                                                    {"recorded", TruthRule::recorded}}};
 
 std::vector<PadState> latched(std::vector<PadState> states) {
   PadState held = PadState::no_contact;
@@ -176,6 +175,24 @@ bool turns(const Scene* scene) {
 
 }  // namespace
 
+double alarm_time(const std::vector<double>& time, const Replayed& replayed, std::size_t row) {
+  const bool new_here = row == 0 || replayed.seen_since[row] > time[row - 1];
+  return new_here ? replayed.seen_since[row] : time[row];
+}
+
+std::vector<SeenAlarm> alarms_of(const std::vector<double>& time, const Replayed& replayed) {
+  std::vector<SeenAlarm> alarms;
+  bool seen_before = false;
+  for (std::size_t row = 0; row < time.size(); ++row) {
+    const bool seen = slips(replayed.seen[row]);
+    if (seen && !seen_before) alarms.push_back({alarm_time(time, replayed, row), time.back()});
+    if (seen) alarms.back().probability = std::fmax(alarms.back().probability, replayed.probability[row]);
+    if (!seen && seen_before) alarms.back().end = time[row];
+    seen_before = seen;
+  }
+  return alarms;
+}
+
 Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed, double grace) {
   const std::size_t rows = truth.time.size();
   if (truth.state.size() != rows || replayed.seen.size() != rows) throw std::logic_error("truth and answers differ in length");
@@ -205,8 +222,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
     if (!truth.counts(time)) continue;
     if (slips(seen) && std::isnan(result.alarm_time)) {
       // One that was there before it counted is an alarm from the sample on from which it counts.
-      const bool new_here = row == 0 || replayed.seen_since[row] > truth.time[row - 1];
-      result.alarm_time = new_here ? replayed.seen_since[row] : time;
+      result.alarm_time = alarm_time(truth.time, replayed, row);
     }
     if (!judges || rows == 1) continue;  // one sample lasts no time: its period is the nominal rate's
     if (state == PadState::non_slip) {
@@ -231,6 +247,14 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
     result.delay = delay <= rounding ? 0.0 : delay;
   }
   return result;
+}
+
+std::size_t wrong_frames(const Confusion& frames) {
+  std::size_t wrong = 0;
+  for (std::size_t truth = 0; truth < frames.size(); ++truth) {
+    for (std::size_t seen = 0; seen < frames.size(); ++seen) wrong += (truth >= 2) != (seen >= 2) ? frames[truth][seen] : 0;
+  }
+  return wrong;
 }
 
 Summary summarised(std::span<const Judgement> trials, bool with_intervals) {
@@ -310,6 +334,10 @@ std::vector<PadState> label_states(const SensorRecord& sensor, TruthRule rule, b
     case TruthRule::masked: return checked_states(sensor, sensor.labels.state_micro);
     case TruthRule::paper: return checked_states(sensor, sensor.labels.state_paper);
     case TruthRule::latched: return latched(checked_states(sensor, sensor.labels.state_micro));
+    case TruthRule::recorded:
+      if (sensor.labels.truth)
+        reject("sensor {}: is simulated and has no recorded labels; allowed: strict, micro, paper, latched, masked", sensor.name);
+      return checked_states(sensor, sensor.labels.state_paper);  // the array's name in the file
     case TruthRule::has_slipped: break;
   }
   if (sensor.type != "papillarray") {

@@ -12,6 +12,9 @@
 
 namespace slipbench::eval {
 
+// The names of PadState in results.
+inline constexpr std::array state_words{"no_contact", "non_slip", "incipient", "gross"};
+
 // By which rule a sensor's pad slips in a sample.
 enum class TruthRule {
   strict,       // labels/state: a unit slips when all of it slips
@@ -20,6 +23,7 @@ enum class TruthRule {
   latched,      // micro, and what has slipped stays so until the whole pad loses contact, though it may have come to rest
   masked,       // micro, and what sticks again after a slip, before contact is lost, is neither right nor wrong
   has_slipped,  // of a PapillArray alone: a pillar whose tip was fast (SlipRule) stays so until it loses contact
+  recorded,     // the labels of an imported recording, which were made by hand or by its own set
 };
 
 // "strict", ... The parser throws InputError with the nearest name.
@@ -57,6 +61,17 @@ struct Truth {
 // label_states(), and for a guided grasp without a controller, which says when it is lifted.
 Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor, TruthRule rule);
 
+// When the alarm that is seen in a sample began [s]: as its estimate was there, where that was after the sample before.
+double alarm_time(const std::vector<double>& time, const Replayed& replayed, std::size_t row);
+
+// From the first sample that sees slip to the first that does not.
+struct SeenAlarm {
+  double begin = 0.0, end = 0.0;  // s: alarm_time(); the first sample without it, or the trial's last
+  double probability = std::numeric_limits<double>::quiet_NaN();  // the highest meanwhile; NaN: the detector has none
+};
+// The alarms of a trial in order, whether they count or not. `time`: [T] s, the samples of the sensor.
+std::vector<SeenAlarm> alarms_of(const std::vector<double>& time, const Replayed& replayed);
+
 // How a detector did in one trial.
 struct Judgement {
   std::size_t trial = 0;
@@ -80,6 +95,9 @@ struct Judgement {
 // `grace` [s]: an alarm that begins less than that before the first slip is neither early nor false, and is seen without delay. Throws
 // std::logic_error where both have not the same samples.
 Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed, double grace = 0.0);
+
+// Samples that are called slip and do not slip, or the other way round.
+std::size_t wrong_frames(const Confusion& frames);
 
 // A figure of a set of trials.
 struct Figure {

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from slipbench.bin._core import InputError, version as __version__
 from slipbench._commands import PathLike, export, import_recordings, merge, report, verify
 from slipbench._data import Arrays, Dataset, StoredBody, StoredControl, StoredLabels, StoredSensor, StoredTrial, Windows, open
+from slipbench._detect import detect
 from slipbench._own import (Command, Controller, Detector, Estimate, Frame, Layout, OwnSensor, SensorSource, Slip, Source, State, controller, detector,
                             sensor)
 from slipbench._scene import Check, Scene, Sweep, describe, evaluate, list_names, scenes
@@ -27,7 +28,7 @@ __all__ = [
     "Arrays", "Body", "Check", "Command", "Contact", "Control", "Controller", "Dataset", "Detector", "Estimate",
     "Frame", "InputError", "Labels", "Layout", "OwnSensor", "RandomStream", "Scene", "Sensor", "SensorSource", "Slip",
     "Source", "State", "StoredBody", "StoredControl", "StoredLabels", "StoredSensor", "StoredTrial", "Sweep", "Trial",
-    "Windows", "__version__", "controller", "describe", "detector", "evaluate", "export", "import_recordings",
+    "Windows", "__version__", "controller", "describe", "detect", "detector", "evaluate", "export", "import_recordings",
     "list_names", "merge", "open", "parse_quantity", "report", "scenes", "sensor", "train", "verify",
 ]
 

@@ -386,7 +386,8 @@ def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: Mapp
     """Judges a detector on the trials of the file `dataset`: what `slipbench eval DETECTOR DATASET --json` prints.
 
     `detector`: a name that a scene may say, one of one's own among them, FILE.onnx, or a folder of memories. `parameters`: of the detector, by name.
-    `labels`: the truth to judge by, strict, micro, masked, paper, latched or has_slipped; empty: what a network has learnt by, else strict. `sensor`: which one it reads; empty: the only one. `split`:
+    `labels`: the truth to judge by, strict, micro, masked, paper, latched, has_slipped or recorded (the labels of imported recordings);
+    empty: recorded for recordings, else what a network has learnt by, or strict. `sensor`: which one it reads; empty: the only one. `split`:
     "train", "valid" or "test" of the dataset's masks; empty: all of them. `all_trials`: also those that the detector was trained on. The recording is
     read, and the detector run, in a child process.
     """

@@ -295,8 +295,9 @@ TEST(CommandLine, HelpIsTextToPrint) {
 }
 
 const std::vector<std::string> command_names{"run",       "sweep",     "check",   "report", "view",     "export", "import",
-                                             "verify",    "merge",     "cluster", "hd",     "train",    "eval",   "benchmark",
-                                             "calibrate", "reproduce", "cost",    "list",   "describe", "doctor", "plugin-path"};
+                                             "verify",    "merge",     "cluster", "hd",     "train",    "eval",   "detect",
+                                             "benchmark", "calibrate", "reproduce", "cost", "list",     "describe", "doctor",
+                                             "plugin-path"};
 
 TEST(CommandLine, EveryCommandExplainsItself) {
   for (const std::string& name : command_names) {
@@ -376,6 +377,7 @@ TEST(CommandLine, ARefusalSaysWhatIsAllowed) {
       {{"train", "a.h5", "-o", "m", "--context", "--no-context"}, "train", {"--context", "--no-context"}},
       {{"eval", "m"}, "eval", {"FILE"}},
       {{"eval", "m", "a.h5", "--labels", "stric"}, "", {"stric", "strict"}},
+      {{"detect", "m"}, "detect", {"RECORDING"}},
       {{"eval", "m", "a.h5", "--split", "tests"}, "eval", {"--split", "tests", "test"}},
       {{"export", "a.h5", "--format", "vendor-csv"}, "export", {"--output"}},
   };

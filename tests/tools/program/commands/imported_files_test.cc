@@ -83,7 +83,10 @@ TEST_F(ImportedFiles, WhatNeedsTheTruthIsRefused) {
   expect_refusal({"export", data_, "--format", "myrmex-rotated", "-o", folder_ / "out"}, {"myrmex"});
   expect_refusal({"report", data_, "-o", folder_ / "a.html"}, {"report", truth, origin});
   expect_refusal({"train", data_, "-o", folder_ / "memories"}, {truth, origin});
-  expect_refusal({"eval", "force_ratio", data_}, {"eval --labels strict", truth, origin});
+  for (const char* rule : {"strict", "paper"}) {
+    expect_refusal({"eval", "force_ratio", data_, "--labels", rule},
+                   {std::string("eval --labels ") + rule, truth, origin, "recorded"});
+  }
   for (const char* left : {"out", "a.html", "memories"}) EXPECT_FALSE(std::filesystem::exists(folder_ / left)) << left;
 }
 
@@ -123,7 +126,7 @@ TEST_F(ImportedFiles, AreJudgedByTheirOwnLabels) {
     const ChildResult imported = run_program_file({"import", set, "--format", format.name, "-o", file});
     ASSERT_EQ(imported.status, 0) << imported.err;
     const ChildResult judged =
-        run_program_file({"eval", format.network, file, "--labels", "paper", "--sensor", format.sensor, "--json"});
+        run_program_file({"eval", format.network, file, "--labels", "recorded", "--sensor", format.sensor, "--json"});
     ASSERT_EQ(judged.status, 0) << format.name << ": " << judged.err;
     const auto result = nlohmann::json::parse(judged.out);
     EXPECT_EQ(result["truth"], "none: imported from " + format.name);
@@ -157,22 +160,22 @@ TEST_F(ImportedFiles, ANetworkReadsEvenSamplesOnly) {
   ASSERT_EQ(imported.status, 0) << imported.err;
   EXPECT_THAT(imported.err, HasSubstr("slipbench: warning: " + std::string(folder_ / "bursts.csv") +
                                       ": its samples are not evenly spaced: 108.9"));  // 99 steps in 0.909 s
-  expect_refusal({"eval", network, bursts, "--labels", "paper"}, {"trial 0", "sensor pad", "Hz"});
+  expect_refusal({"eval", network, bursts, "--labels", "recorded"}, {"trial 0", "sensor pad", "Hz"});
   ASSERT_EQ(run_program_file({"import", folder_ / "lost.csv", "--format", "papillarray-csv", "-o", lost}).status, 0);
-  expect_refusal({"eval", network, lost, "--labels", "paper"}, {"trial 0", "sensor pad", "990 Hz", "1000 Hz", "0.002 s"});
+  expect_refusal({"eval", network, lost, "--labels", "recorded"}, {"trial 0", "sensor pad", "990 Hz", "1000 Hz", "0.002 s"});
   // A detector of single samples has no rate to go by.
-  EXPECT_EQ(run_program_file({"eval", "force_ratio", lost, "--labels", "paper"}).status, 0);
+  EXPECT_EQ(run_program_file({"eval", "force_ratio", lost, "--labels", "recorded"}).status, 0);
   const ChildResult again =
       run_program_file({"import", folder_ / "lost.csv", "--format", "papillarray-csv", "--rate", "1 kHz", "-o", resampled});
   ASSERT_EQ(again.status, 0) << again.err;
   EXPECT_THAT(again.out, HasSubstr("resampled at 1 kHz by straight lines between samples"));
   EXPECT_THAT(again.err, HasSubstr("1 of 101 samples at 1 kHz lie in gaps"));
-  const ChildResult judged = run_program_file({"eval", network, resampled, "--labels", "paper", "--json"});
+  const ChildResult judged = run_program_file({"eval", network, resampled, "--labels", "recorded", "--json"});
   EXPECT_EQ(judged.status, 0) << judged.err;
 }
 
 TEST_F(ImportedFiles, ANetworkHasToBeNamed) {
-  expect_refusal({"eval", "network", data_, "--labels", "paper"}, {"eval", "FILE.onnx"});
+  expect_refusal({"eval", "network", data_, "--labels", "recorded"}, {"eval", "FILE.onnx"});
 }
 #endif
 

@@ -14,6 +14,7 @@
 #include "tools/program/benchmark/benchmark.h"
 #include "tools/program/calibrate/calibrate.h"
 #include "tools/program/cli/command.h"
+#include "tools/program/eval/detect.h"
 #include "tools/program/eval/evaluate.h"
 #include "tools/program/train/network/split.h"
 #include "tools/program/train/train_hd.h"
@@ -59,9 +60,25 @@ struct EvalCommand final : Command {
   std::string detector;                   // a name, FILE.onnx or a folder
   std::vector<Override> parameters;       // of it, by name
   std::string output;                     // HTML file; empty: none
-  eval::Options options;                  // but for the detector and, until run(), labels
-  std::optional<eval::TruthRule> labels;  // empty: what a network learnt by, else strict
+  eval::Options options;                  // but for the detector
 };
+
+// `detect`: the alarms of a slip detector in recordings.
+struct DetectCommand final : Command {
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::string detector;              // a name, FILE.onnx or a folder
+  std::vector<Override> parameters;  // of it, by name
+  std::string output;                // empty: none
+  eval::DetectOptions options;       // but for the detector
+
+ private:
+  [[noreturn]] void detect_in_python();
+};
+
+// The result of a detection on stdout. `files`: which were written. `json`: one JSON object, in which they are `files`.
+void print_detection(Json result, const std::vector<std::string>& files, bool json);
 
 // `benchmark`: a board of slip detectors, and submissions to it.
 struct BenchmarkCommand final : Command {

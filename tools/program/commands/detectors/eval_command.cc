@@ -30,10 +30,11 @@ namespace {
 constexpr std::array<hd::Word<std::string_view>, 4> splits{
     {{"all", ""}, {"train", "train"}, {"valid", "valid"}, {"test", "test"}}};
 
-std::string eval_command_text(const EvalCommand& command) {
+// `labels`: the rule that was judged by.
+std::string eval_command_text(const EvalCommand& command, const std::string& labels) {
   std::string text = "slipbench eval " + shell_word(command.detector) + " " + shell_word(command.options.dataset);
   for (const Override& change : command.parameters) text += " --set " + shell_word(change.path + "=" + change.value);
-  text += " --labels " + eval::label_rule_name(command.options.labels);
+  text += " --labels " + labels;
   if (!command.options.sensor.empty()) text += " --sensor " + shell_word(command.options.sensor);
   if (!command.options.split.empty()) text += " --split " + command.options.split;
   if (command.options.all) text += " --all";
@@ -102,7 +103,8 @@ learn_gst_hd are those that ship with the program. Trials of this dataset that a
 are stored; where the detector does not record them, the output says so.
 
 Labels: strict (a unit slips when all of it does), micro (when a part of it does), paper (the rule of the sensor's paper), latched (micro, and what
-has slipped stays so until contact is lost), masked (micro, without the frames that stick again after a slip), has_slipped (of a PapillArray: a pillar whose tip was fast stays so until it loses contact).
+has slipped stays so until contact is lost), masked (micro, without the frames that stick again after a slip), has_slipped (of a PapillArray: a pillar whose tip was fast stays so until it loses contact),
+recorded (of `slipbench import`: the labels of the recordings).
 
 Examples:
   slipbench eval memories hexapod.h5 --labels paper
@@ -112,9 +114,9 @@ Examples:
   arguments.text("FILE", options.dataset, "Dataset (HDF5) of the detector's sensor").required();
   arguments.sets(parameters, "A parameter of the detector, e.g. ratio=0.35");
   arguments.read("--labels RULE",
-                 fmt::format("Truth to judge by: {} (default: what a network learnt by, else strict)",
+                 fmt::format("Truth to judge by: {} (default: recorded for recordings; else what a network learnt by, or strict)",
                              fmt::join(eval::label_rule_names(), ", ")),
-                 [this](const std::string& name) { labels = eval::parse_label_rule(name); });
+                 [this](const std::string& name) { options.labels = eval::parse_label_rule(name); });
   arguments.text("--sensor NAME", options.sensor, "The scene's name of the sensor (default: the only one)");
   arguments.word("--split PART", options.split, "Trials to judge, by the dataset's masks: {} (default: all)", splits);
   arguments.flag("--all", options.all, "Also trials that the detector was trained on");
@@ -124,15 +126,11 @@ Examples:
 int EvalCommand::run() {
   if (!output.empty()) page::check_page_files(output, eval::page_kind);
   options.detector = eval::chosen_detector(detector, parameters);
-  if (labels) options.labels = *labels;
   std::string step;
   options.trained = eval::training_of(options.detector);
-  if (const std::unique_ptr<network::Engine> engine = eval::network_of(options.detector)) {
-    if (!labels) options.labels = eval::learnt_labels(options.trained);
-    step = step_text(*engine);
-  }
+  if (const std::unique_ptr<network::Engine> engine = eval::network_of(options.detector)) step = step_text(*engine);
   Json result = eval::evaluate(options);
-  result["command"] = eval_command_text(*this);
+  result["command"] = eval_command_text(*this, result.at("labels").get<std::string>());
   std::vector<std::string> files;
   if (!output.empty()) files = page::write_page_files(output, eval::page_kind, eval::eval_page(result, output), result);
   if (json) return print_json(result);

@@ -1,0 +1,99 @@
+"""`slipbench detect`: alarms of recordings with and without labels, as tables and as a page."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import slipbench
+
+RATE = 100  # Hz
+MAP = """{{sensor: pad, type: papillarray, time: {{column: t}},
+ channels: {{force: {{unit: N, shape: [9, 3], columns: [f0 .. f26]}}}}{labels}}}"""
+LABELS = ", state: {column: slip, values: {0: non_slip, 1: gross}}"
+
+
+def write_log(path):
+    """3 s of nine pillars under 1 N each, whose shear is 0.1 N but for 0.6 N from 1 s to 2 s. The label says slip from 1.1 s to 2 s."""
+    time = np.arange(3 * RATE) / RATE
+    shear = np.where((time >= 1) & (time < 2), 0.6, 0.1)
+    columns = {"t": time}
+    for k in range(27):
+        columns[f"f{k}"] = [shear, 0 * time, 0 * time + 1][k % 3]
+    columns["slip"] = ((time >= 1.1) & (time < 2)).astype(int)
+    pd.DataFrame(columns).to_csv(path, index=False)
+
+
+class DetectTest(unittest.TestCase):
+    """One log, imported with and without its labels; the detector alarms where shear exceeds 0.35 of the load."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.place = Path(cls.folder.name)
+        write_log(cls.place / "log.csv")
+        for name, labels in (("labelled", LABELS), ("plain", "")):
+            (cls.place / f"{name}.yaml").write_text(MAP.format(labels=labels))
+            slipbench.import_recordings(cls.place / "log.csv", cls.place / f"{name}.h5", map=cls.place / f"{name}.yaml")
+
+    def detect(self, name, output=""):
+        return slipbench.detect("force_ratio", self.place / f"{name}.h5", output and self.place / output, parameters={"ratio": 0.35})
+
+    def test_alarms_are_those_of_eval_with_or_without_labels(self):
+        judged = slipbench.evaluate("force_ratio", self.place / "labelled.h5", parameters={"ratio": 0.35})
+        self.assertEqual(judged["labels"], "recorded")
+        labelled, plain = self.detect("labelled")["trials"][0], self.detect("plain")["trials"][0]
+        self.assertEqual(labelled["alarms"], plain["alarms"])
+        self.assertEqual(labelled["samples"]["state"], plain["samples"]["state"])
+        self.assertEqual(len(plain["alarms"]), 1)
+        self.assertEqual(plain["alarms"][0]["begin_s"], judged["trials"][0]["alarm_time_s"])
+        self.assertAlmostEqual(plain["alarms"][0]["begin_s"], 1.0, delta=0.05)  # the shear rises at 1 s
+        self.assertEqual(labelled["wrong_share"], judged["trials"][0]["wrong"] / judged["trials"][0]["frames"])
+        self.assertIsNone(plain["wrong_share"])
+        self.assertIsNone(plain["samples"]["label"])
+        self.assertAlmostEqual(plain["alarms_per_minute"], 60 / 2.99)  # one alarm from the first sample to the last, 2.99 s
+
+    def test_tables_and_json_hold_the_same(self):
+        result = self.detect("labelled", "a.csv")
+        self.assertEqual([Path(file).name for file in result["files"]], ["a.csv", "a_samples.csv"])
+        self.detect("labelled", "a.parquet")
+        for name in ("a", "a_samples"):
+            table = pd.read_parquet(self.place / f"{name}.parquet")
+            texts = pd.read_csv(self.place / f"{name}.csv", keep_default_na=False, na_values={"probability": ""})
+            self.assertEqual(list(table), list(texts))
+            for column in ("trial", "begin_s", "end_s", "time_s", "state", "slip", "label"):
+                if column in table:
+                    self.assertEqual(table[column].tolist(), texts[column].tolist(), column)
+        self.detect("labelled", "b.json")
+        self.assertEqual(json.loads((self.place / "b.json").read_text())["trials"], result["trials"])
+
+    def test_the_page_shows_signals_and_alarms(self):
+        self.detect("plain", "a.html")
+        page = (self.place / "a.html").read_text()
+        for part in ("There are no labels", "force: 8 of 27 values", "bar alarm", "trial 0"):
+            self.assertIn(part, page)
+
+    def test_only_its_own_files_are_replaced(self):
+        for name in ("c.csv", "c.json", "c.html", "c.parquet"):
+            (self.place / name).write_text("mine")
+            with self.assertRaisesRegex(slipbench.InputError, name):
+                self.detect("plain", name)
+            self.assertEqual((self.place / name).read_text(), "mine")
+        with self.assertRaisesRegex(slipbench.InputError, r"ends with \.txt; allowed: \.csv, \.json, \.html or \.parquet"):
+            self.detect("plain", "a.txt")
+
+    def test_the_program_writes_parquet(self):
+        words = ["detect", "force_ratio", "plain.h5", "--set", "ratio=0.35", "-o", "d.parquet", "--json"]
+        done = subprocess.run([sys.executable, "-m", "slipbench", *words], cwd=self.place, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["files"], ["d.parquet", "d_samples.parquet"])
+        self.assertEqual(len(pd.read_parquet(self.place / "d.parquet")), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,95 @@
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/base/python/python_package.h"
+#include "tools/program/cli/arguments.h"
+#include "tools/program/cli/terminal.h"
+#include "tools/program/commands/detectors/detector_commands.h"
+#include "tools/program/eval/replay.h"
+#include "tools/program/sweep/run_sweep.h"
+
+namespace slipbench {
+namespace {
+
+constexpr std::size_t most_trials_shown = 20;
+
+std::string detect_command_text(const DetectCommand& command) {
+  std::string text = "slipbench detect " + shell_word(command.detector);
+  for (const std::string& recording : command.options.recordings) text += " " + shell_word(recording);
+  for (const Override& change : command.parameters) text += " --set " + shell_word(change.path + "=" + change.value);
+  if (!command.options.sensor.empty()) text += " --sensor " + shell_word(command.options.sensor);
+  return text;
+}
+
+}  // namespace
+
+void print_detection(Json result, const std::vector<std::string>& files, bool json) {
+  if (json) {
+    result["files"] = files;
+    print_json(result);
+    return;
+  }
+  const Style style = style_for(stdout);
+  const Json& sensor = result.at("sensor");
+  std::string text = style.heading(fmt::format("{} on {} ({})", printable(eval::detector_name(result.at("detector"))),
+                                               printable(sensor.at("name").get<std::string>()),
+                                               printable(sensor.at("type").get<std::string>()))) +
+                     "\n";
+  Table table(eval::detections_table(result, most_trials_shown));
+  text += table.text(style);
+  if (const std::size_t trials = result.at("trials").size(); trials > most_trials_shown)
+    text += fmt::format("  {} more trials; -o FILE writes all\n", trials - most_trials_shown);
+  fmt::print("{}", text);
+  print_written(files);
+}
+
+void DetectCommand::declare(Arguments& arguments) {
+  arguments.about("detect", "Run a slip detector on recordings", R"(
+Shows when the detector alarms, and writes its state and probability at each sample. The recordings need no labels; where they have labels,
+the share of wrong samples is shown too. The alarms are those that `slipbench eval` judges.
+
+-o writes one of:
+  FILE.csv      a row an alarm; FILE_samples.csv beside it has a row a sample: time, state, probability, label
+  FILE.parquet  the same two tables, for pandas, polars and DuckDB
+  FILE.json     both in one object
+  FILE.html     a page with the signals, the probability and the alarms, the worst trials first, and FILE.json beside it
+
+DETECTOR is as in `slipbench eval`. `slipbench import` makes recordings of logs.
+
+Examples:
+  slipbench detect force_ratio recorded.h5 -o alarms.html
+  slipbench detect cl_gst_hd recorded.h5 -o alarms.csv)");
+  arguments.text("DETECTOR", detector, "A detector's name, FILE.onnx, or a folder of memories").required();
+  arguments.texts("RECORDING ...", options.recordings, "Datasets (HDF5) of the detector's sensor").required();
+  arguments.sets(parameters, "A parameter of the detector, e.g. ratio=0.35");
+  arguments.text("--sensor NAME", options.sensor, "The name of the sensor in the recordings (default: the only one)");
+  arguments.file("-o,--output FILE", output, "File to write, .csv, .parquet, .json or .html (default: none)");
+}
+
+int DetectCommand::run() {
+  if (!output.empty()) eval::check_detect_output(output);
+  options.detector = eval::chosen_detector(detector, parameters);
+  if (output.ends_with(".parquet")) detect_in_python();
+  Json result = eval::detect(options);
+  result["command"] = detect_command_text(*this);
+  std::vector<std::string> files;
+  if (!output.empty()) files = eval::write_detection(output, result);
+  print_detection(std::move(result), files, json);
+  return exit_good;
+}
+
+// Parquet is written there.
+void DetectCommand::detect_in_python() {
+  const PythonModule module("slipbench._detect", "detect -o FILE.parquet", "export");
+  Json set = Json::object();
+  for (const Override& change : parameters) set[change.path] = change.value;
+  const Json request{{"detector", detector}, {"recordings", options.recordings}, {"parameters", set},
+                     {"sensor", options.sensor}, {"output", output}, {"json", json}, {"install", module.install()}};
+  take_stdout_back();
+  module.start(request.dump());
+}
+
+}  // namespace slipbench

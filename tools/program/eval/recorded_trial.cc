@@ -1,0 +1,87 @@
+#include "tools/program/eval/recorded_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "tools/base/files/reject.h"
+#include "tools/program/run/recorded_scene.h"
+
+namespace slipbench::eval {
+namespace {
+
+// A dataset that is no simulation's has no scene.
+bool has_scene(const DatasetReader& reader) { return !reader.header().scene.empty(); }
+
+// The names of a trial's sensors in the scene's order, which a file does not keep.
+std::vector<std::string> ordered_sensors(const DatasetReader& reader, std::size_t trial) {
+  std::vector<std::string> names = reader.sensors(trial);
+  if (names.size() < 2 || !has_scene(reader)) return names;
+  const SceneFile scene = SceneFile::from_text(reader.header().scene, reader.files().front() + ": scene");
+  const YamlNode* sensors = scene.root().find("sensors");
+  if (sensors == nullptr) return names;
+  const auto place = [sensors](const std::string& name) {
+    return std::ranges::find(sensors->children, name, &YamlNode::key) - sensors->children.begin();
+  };
+  std::ranges::stable_sort(names, {}, place);
+  return names;
+}
+
+std::size_t chosen_sensor(const std::vector<std::string>& names, const std::string& wanted) {
+  if (wanted.empty() && names.size() == 1) return 0;
+  const auto found = std::ranges::find(names, wanted);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  reject("{}{}",
+         wanted.empty() ? std::string("has several sensors, which one? say it with --sensor") : "no sensor " + quote(wanted),
+         allowed_names(wanted, names));
+}
+
+std::vector<SensorRecord> in_order(TrialRecord& record, const std::vector<std::string>& names) {
+  std::vector<SensorRecord> sensors;
+  for (const std::string& name : names) {
+    sensors.push_back(std::move(*std::ranges::find(record.sensors, name, &SensorRecord::name)));
+  }
+  record.sensors.clear();
+  return sensors;
+}
+
+}  // namespace
+
+Truth RecordedTrial::truth(TruthRule rule) const { return truth_of(scene ? &*scene : nullptr, record, sensor(), rule); }
+
+RecordedTrial recorded_trial(const DatasetReader& reader, std::size_t trial, const DetectorScene& detector,
+                             const std::string& sensor, const Catalogues& catalogues) {
+  reader.check_recorded(trial);
+  RecordedTrial result;
+  result.record = reader.read_trial(trial);
+  const std::vector<std::string> names = ordered_sensors(reader, trial);
+  result.read = chosen_sensor(names, sensor);
+  result.sensors = in_order(result.record, names);
+  result.replayed = replay(detector, result.sensors, result.read, result.record.seed, trial);
+  if (has_scene(reader)) result.scene = recorded_scene(recorded_file(reader), result.record, catalogues);
+  return result;
+}
+
+Json parameters_json(const Parameters& parameters) {
+  Json json = Json::object();
+  for (const auto& [name, value] : parameters.values()) {
+    std::visit(
+        [&json, &key = name](const auto& held) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(held)>, double>) {
+            json[key] = std::isfinite(held) ? Json(held) : Json(fmt::format("{}", held));
+          } else if constexpr (std::is_same_v<std::decay_t<decltype(held)>, NumberTable>) {
+            json[key] = held.rows;
+          } else {
+            json[key] = held;
+          }
+        },
+        value);
+  }
+  return json;
+}
+
+}  // namespace slipbench::eval

@@ -1,0 +1,112 @@
+"""The alarms of a detector in recordings, and their tables as Parquet."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from slipbench._commands import PathLike, _paths
+from slipbench._scene import overrides_of
+from slipbench.bin import _core
+
+
+def detect(
+    detector: str,
+    recordings: PathLike | Sequence[PathLike],
+    output: PathLike = "",
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    sensor: str = "",
+) -> dict[str, Any]:
+    """Runs a detector on recordings, with or without labels, as `slipbench detect`.
+
+    The alarms are those that `evaluate()` judges on the same recordings.
+
+    Args:
+        detector: a name that a scene may say, a class of one's own among them, FILE.onnx, or a folder of memories
+        recordings: path of a dataset's first file, or several of them
+        output: FILE.csv, FILE.parquet, FILE.json or FILE.html; empty: nothing is written
+        parameters: of the detector, by name
+        sensor: which one it reads; empty: the only one
+
+    Returns:
+        What `slipbench detect --json` prints. "trials" has of each trial its "alarms", a list of {"begin_s", "end_s", "probability"}, and its
+        "samples": "time_s" in s, "state" and "label" as words, "probability" from 0 to 1, None where there is none. "worst" has places in
+        "trials", the worst first. "files" are the files written.
+
+    Raises:
+        InputError: a recording or detector cannot be read, they do not fit each other, or `output` cannot be written
+        ModuleNotFoundError: FILE.parquet without the package pyarrow
+    """
+    files = [os.fspath(path) for path in _paths(recordings, "recordings")]
+    target = os.fspath(output)
+    parquet = target.endswith(".parquet")
+    if parquet:
+        import pyarrow  # noqa: F401  # before the work begins
+    text, written = _core.detect(detector, overrides_of(parameters), files, sensor, "" if parquet else target)
+    result: dict[str, Any] = json.loads(text)
+    result["files"] = write_parquet(target, result) if parquet else written
+    return result
+
+
+def samples_path(path: str) -> str:
+    """FILE_samples.parquet of FILE.parquet."""
+    return str(Path(path).with_name(Path(path).stem + "_samples.parquet"))
+
+
+def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
+    """Writes the alarms, a row each, and beside them the samples, a row each.
+
+    Args:
+        path: FILE.parquet
+        result: of detect()
+
+    Returns:
+        the names of both files
+
+    Raises:
+        InputError: a file cannot be written, or is no earlier table of this command
+    """
+    import pyarrow as pa
+    from pyarrow import parquet as pq
+
+    text, number, key = pa.string(), pa.float64(), {b"slipbench_detect": b"1"}
+    place = [("recording", text), ("trial", pa.int64()), ("object", text)]
+    alarms = pa.schema([*place, ("alarm", pa.int64()), ("begin_s", number), ("end_s", number), ("probability", number)], metadata=key)
+    samples = pa.schema([*place, ("time_s", number), ("state", text), ("slip", pa.bool_()), ("probability", number), ("label", text)], metadata=key)
+    targets = {path: alarms, samples_path(path): samples}
+    for name in targets:
+        if Path(name).exists():
+            try:
+                earlier = key.items() <= (pq.read_schema(name).metadata or {}).items()
+            except (OSError, pa.ArrowInvalid):
+                earlier = False
+            if not earlier:
+                raise _core.InputError(f"cannot write {name}: it holds something else than a table of slipbench detect; allowed: another -o")
+    try:
+        with pq.ParquetWriter(path, alarms) as alarm_file, pq.ParquetWriter(samples_path(path), samples) as sample_file:
+            for trial in result["trials"]:
+                where = {name: trial[name] for name in ("recording", "trial", "object")}
+                rows = [{**where, "alarm": k + 1, **alarm} for k, alarm in enumerate(trial["alarms"])]
+                alarm_file.write_table(pa.Table.from_pylist(rows, alarms))
+                columns = trial["samples"]
+                count = len(columns["time_s"])
+                sample_file.write_table(
+                    pa.table(
+                        {
+                            **{name: [value] * count for name, value in where.items()},
+                            "time_s": columns["time_s"],
+                            "state": columns["state"],
+                            "slip": [state in ("incipient", "gross") for state in columns["state"]],
+                            "probability": columns["probability"],
+                            "label": columns["label"] or [None] * count,
+                        },
+                        schema=samples,
+                    )
+                )
+    except OSError as error:
+        raise _core.InputError(f"cannot write {path}: {error.strerror or error}") from error
+    return list(targets)
