@@ -90,7 +90,7 @@ void read_memories(const Texts& paths, const Texts& texts) {
 template <void (*read)(const SourceFile&, const AddRecording&)>
 void import_by(const Texts& paths, const Texts&) {
   static TrialEncoder encoder;
-  const SourceFile file{paths[0], fs::path(paths[0]).filename().string(), paths.size() > 1 ? paths[1] : ""};
+  const SourceFile file{paths[0], fs::path(paths[0]).filename().string()};
   read(file, [](const TrialRecord& record, std::size_t) { static_cast<void>(encoder.encode(record)); });
 }
 
@@ -104,7 +104,6 @@ const std::vector<Reader> readers{
     {"biotacsp-dos", {"n/box1.csv"}, &import_by<&read_biotacsp_dos>},
     {"papillarray-csv", {"log.csv"}, &import_by<&read_papillarray_csv>},
     {"training-csv", {"rotation/demo_3-v_4.0-slip.csv"}, &import_by<&read_training_csv>},
-    {"csv", {"own.csv", "map.yaml"}, &import_by<&read_mapped_csv>},
 };
 
 const Reader& chosen() {

@@ -44,4 +44,5 @@ NB_MODULE(_core, module) {
   slipbench::python::bind_studies(module);
   slipbench::python::bind_values(module);
   slipbench::python::bind_learning(module);
+  slipbench::python::bind_import(module);
 }

@@ -27,5 +27,6 @@ void bind_environments(nanobind::module_& module);
 void bind_studies(nanobind::module_& module);
 void bind_values(nanobind::module_& module);
 void bind_learning(nanobind::module_& module);
+void bind_import(nanobind::module_& module);
 
 }  // namespace slipbench::python

@@ -22,7 +22,7 @@ with tempfile.TemporaryDirectory() as name:
     # By name: the package of a build has links to the folders of all that it is built from.
     folders = sorted(init.parent for init in package.parent.glob("slipbench_studies/**/__init__.py"))
     studies = [file for folder in folders for file in sorted(folder.glob("*.py"))]
-    parts = [file for part in ("_export", "learning") for file in sorted((package / part).glob("*.py"))]
+    parts = [file for part in ("_export", "_import", "learning") for file in sorted((package / part).glob("*.py"))]
     files = [*sorted(package.glob("*.py")), *studies, *parts, package / "bin/_core.pyi", package / "py.typed"]
     print([path.name for path in files])
     ends.append(0 if files[-1].is_file() else "the package has no py.typed")

@@ -10,12 +10,14 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/own_library.h"
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
+#include "tools/base/python/python_package.h"
 #include "tools/base/record/json.h"
 #include "tools/base/workers/interrupt_guard.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -196,48 +198,80 @@ int ExportCommand::run() {
 void ImportCommand::declare(Arguments& arguments) {
   arguments.about("import", "Read recordings of real sensors into a dataset",
                   fmt::format(R"(
-The dataset has the readings, and in place of the truth a sentence that says so. What the recordings say of slip is their state_paper.
+A dataset of recordings has the readings and no truth. What the recordings say of slip is their state_paper.
 
-Formats:
+--map describes the recordings of any sensor: which columns, arrays or fields of messages are which channel, times, labels, objects.
+It reads tables (.csv, .tsv, .txt, .dat), Parquet, .npz, .npy, MCAP and bags of ROS 1 and ROS 2. Besides a file of your own, MAP can be one
+of the maps of the program: {}.
+
+Formats without a map:
 {}
 Examples:
   slipbench import logs --format papillarray-csv -o recorded.h5
   slipbench import training --format training-csv -o published.h5 --seed 3
-  slipbench import mine --format csv --map columns.yaml -o mine.h5)",
-                              import_formats_text()));
-  arguments.texts("SOURCE ...", options.sources, "Files, and folders whose .csv files are all meant").required();
-  arguments
-      .read("--format NAME", fmt::format("{}, see below", fmt::join(import_format_names(), " or ")),
-            [this](const std::string& name) { options.format = &import_format(name); })
-      .required();
-  arguments.file("--map FILE.yaml", options.map, "Of the format csv: which column is what");
+  slipbench import mine --map columns.yaml -o mine.h5)",
+                              "papillarray_ros, xela_ros, biotac_ros", import_formats_text()));
+  arguments.texts("SOURCE ...", options.sources, "Files, and folders whose recordings are all meant").required();
+  arguments.read("--format NAME",
+                 fmt::format("{}, see below (default: what --map describes)", fmt::join(import_format_names(), " or ")),
+                 [this](const std::string& name) { options.format = name == "csv" ? nullptr : &import_format(name); });
+  arguments.text("--map MAP", options.map, "Description of the recordings (YAML file), or the name of one of the program's");
   arguments.quantity("--rate RATE", options.rate,
                      "Resample at this rate, e.g. '100 Hz': straight lines between samples, no filter (default: as recorded)",
                      Quantity::frequency);
   arguments.file("-o,--output FILE.h5", options.output, "Dataset to write (default: none, the sources are only checked)");
   arguments.number("--seed N", options.seed, "Of the split into training, validation and test (default: 1)", 0);
+  arguments.then([this] {
+    if (options.format == nullptr && options.map.empty())
+      reject("import: needs --map MAP, which describes the recordings, or --format {}", fmt::join(import_format_names(), ", "));
+    if (options.format != nullptr && !options.map.empty())
+      reject("import: --map {}: the format {} has no map; name either --map or --format", options.map,
+             format_name(*options.format));
+  });
 }
 
 int ImportCommand::run() {
+  if (options.format == nullptr) import_by_map();
   const ImportSummary summary = [this] {
     const InterruptGuard guard("stopping; nothing is kept");
     const InterruptScope scope(&InterruptGuard::flag());
     return import_recordings(options);
   }();
+  print_import(summary, options, json);
+  return exit_good;
+}
+
+// Goes on in Python.
+void ImportCommand::import_by_map() {
+  const PythonModule module("slipbench._import", "import --map", "import");
+  const Json request{{"sources", options.sources},
+                     {"map", options.map},
+                     {"output", options.output},
+                     {"seed", options.seed},
+                     {"rate", options.rate ? Json(*options.rate) : Json()},
+                     {"json", json},
+                     {"install", module.install()}};
+  take_stdout_back();
+  module.start(request.dump());
+}
+
+void print_import(const ImportSummary& summary, const ImportOptions& options, bool json) {
   const std::size_t shown = std::min(summary.warnings.size(), most_import_warnings);
   print_warnings({summary.warnings.begin(), summary.warnings.begin() + static_cast<std::ptrdiff_t>(shown)});
   if (shown < summary.warnings.size()) {
     say(stderr,
         fmt::format("slipbench: {} more warnings of this kind; --json prints all of them\n", summary.warnings.size() - shown));
   }
-  if (json)
-    return print_json({{"sources", summary.sources},
-                       {"trials", summary.trials},
-                       {"samples", summary.samples},
-                       {"repeated_rows", summary.repeated_rows},
-                       {"objects", summary.objects},
-                       {"warnings", warnings_json(summary.warnings)},
-                       {"files", summary.files}});
+  if (json) {
+    print_json({{"sources", summary.sources},
+                {"trials", summary.trials},
+                {"samples", summary.samples},
+                {"repeated_rows", summary.repeated_rows},
+                {"objects", summary.objects},
+                {"warnings", warnings_json(summary.warnings)},
+                {"files", summary.files}});
+    return;
+  }
   fmt::print("{} recordings of {} files, {} samples{}\n", summary.trials, summary.sources, summary.samples,
              summary.objects.empty() ? "" : fmt::format(", {} objects", summary.objects.size()));
   if (summary.repeated_rows > 0)
@@ -251,7 +285,6 @@ int ImportCommand::run() {
   } else {
     fmt::print("{} slipbench verify {}\n", style_for(stdout).dim("next:"), shell_word(summary.files.front()));
   }
-  return exit_good;
 }
 
 void VerifyCommand::declare(Arguments& arguments) {

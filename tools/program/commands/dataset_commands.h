@@ -36,7 +36,13 @@ struct ImportCommand final : Command {
   int run() override;
 
   ImportOptions options;
+
+ private:
+  [[noreturn]] void import_by_map();
 };
+
+// The result of an import on stdout, its warnings on stderr. `json`: one JSON object.
+void print_import(const ImportSummary& summary, const ImportOptions& options, bool json);
 
 // `verify`: is a dataset what it says?
 struct VerifyCommand final : Command {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "detectors/hd/words.h"
 #include "sim/core/process/interrupted.h"
@@ -19,7 +20,7 @@ namespace slipbench {
 namespace {
 
 // All formats in the order of the help, a line each.
-constexpr std::array<ImportFormat, 5> import_catalogue{{
+constexpr std::array<ImportFormat, 4> import_catalogue{{
     {"bts3v2", "grasps with three BioTac SP, a row a grasp: object, whether it slipped, 72 electrodes before the lift", "object",
      &read_bts3v2},
     {"biotacsp-dos", "a BioTac SP that slides, turns or rests, CLASS/OBJECT<number>.csv: 24 electrodes, 100 rows a second",
@@ -28,46 +29,59 @@ constexpr std::array<ImportFormat, 5> import_catalogue{{
      &read_papillarray_csv},
     {"training-csv", "the PapillArray's published training files: 73 columns, no header, a file a recording", "trial",
      &read_training_csv},
-    {"csv", "tables of your own with a header, a file a recording; --map says what their columns are", "trial", &read_mapped_csv},
 }};
 
-// A link to a folder is not followed.
-void add_folder(const std::string& folder, std::vector<SourceFile>& files) {
-  namespace fs = std::filesystem;
-  std::vector<SourceFile> found;
-  try {
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
-      if (entry.is_regular_file() && entry.path().extension() == ".csv")
-        found.push_back({entry.path().string(), entry.path().lexically_relative(folder).string()});
-    }
-  } catch (const fs::filesystem_error& error) {
-    reject("{}: cannot be read: {}", folder, error.code().message());
-  }
-  if (found.empty()) reject("{}: holds no file .csv; allowed: a source file, or a folder with some", folder);
-  std::ranges::sort(found, {}, &SourceFile::name);
-  files.insert(files.end(), found.begin(), found.end());
+bool is_bag(const std::filesystem::path& folder) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(folder / "metadata.yaml", error);
 }
 
-std::vector<SourceFile> source_files(const std::vector<std::string>& sources) {
-  namespace fs = std::filesystem;
-  std::vector<SourceFile> files;
-  for (const std::string& source : sources) {
-    std::error_code error;
-    if (!fs::exists(source, error)) reject("{}: no such file or folder", source);
-    if (fs::is_directory(source, error)) {
-      add_folder(source, files);
-    } else {
-      files.push_back({source, fs::path(source).filename().string()});
+// Sources below a folder. A link to a folder is not followed.
+class FolderScan {
+ public:
+  FolderScan(std::string folder, const std::vector<std::string>& endings, bool bags)
+      : folder_(std::move(folder)), endings_(endings), bags_(bags) {}
+
+  std::vector<std::string> paths() {
+    namespace fs = std::filesystem;
+    try {
+      for (auto entry = fs::recursive_directory_iterator(folder_); entry != fs::recursive_directory_iterator(); ++entry)
+        if (is_source(*entry, entry)) found_.push_back(entry->path().string());
+    } catch (const fs::filesystem_error& error) {
+      reject("{}: cannot be read: {}", folder_, error.code().message());
     }
+    if (found_.empty())
+      reject("{}: the folder holds no file {}; name a file, or a folder with some", folder_, fmt::join(endings_, ", "));
+    std::ranges::sort(found_);
+    return std::move(found_);
   }
-  std::set<fs::path> seen;
-  for (const SourceFile& file : files) {
-    if (!is_plain_name(file.path))
-      reject("{}: is no name that a dataset can hold; allowed: UTF-8 without control characters", file.path);
-    std::error_code error;
-    if (!seen.insert(fs::canonical(file.path, error)).second) reject("{}: is named twice; allowed: each source once", file.path);
+
+ private:
+  bool is_source(const std::filesystem::directory_entry& entry, std::filesystem::recursive_directory_iterator& at) const {
+    if (bags_ && entry.is_directory() && is_bag(entry.path())) {
+      at.disable_recursion_pending();
+      return true;
+    }
+    return entry.is_regular_file() && std::ranges::find(endings_, entry.path().extension().string()) != endings_.end();
   }
-  return files;
+
+  std::string folder_;
+  const std::vector<std::string>& endings_;
+  bool bags_;
+  std::vector<std::string> found_;
+};
+
+// The folder that all of these paths are below.
+std::filesystem::path common_folder(const std::vector<std::filesystem::path>& folders) {
+  std::filesystem::path common = folders.front();
+  for (const std::filesystem::path& folder : folders) {
+    std::filesystem::path shared;
+    for (auto one = common.begin(), other = folder.begin(); one != common.end() && other != folder.end() && *one == *other;
+         ++one, ++other)
+      shared /= *one;
+    common = shared;
+  }
+  return common;
 }
 
 std::string canonical_import(const ImportOptions& options) {
@@ -75,17 +89,19 @@ std::string canonical_import(const ImportOptions& options) {
   for (const std::string& source : options.sources) command += " " + shell_word(source);
   if (!options.map.empty()) command += " --map " + shell_word(options.map);
   if (options.rate) command += fmt::format(" --rate '{} Hz'", *options.rate);
-  return command + fmt::format(" --format {} --seed {}", options.format->name, options.seed);
+  if (options.format != nullptr) command += fmt::format(" --format {}", options.format->name);
+  return command + fmt::format(" --seed {}", options.seed);
 }
 
-DatasetHeader header_of(const ImportOptions& options) {
-  const SplitRule split{options.format->split_by, {0.70, 0.15, 0.15}, "as import does"};
+DatasetHeader header_of(const ImportOptions& options, const std::string& split_by) {
+  const SplitRule split{split_by, {0.70, 0.15, 0.15}, "as import does"};
   return {.version = SLIPBENCH_VERSION,
           .scene = "",
           .seed = options.seed,
           .command = canonical_import(options),
           .split = split,
-          .truth = fmt::format("none: imported from {}", options.format->name)};
+          .truth = options.format == nullptr ? "none: imported by a map"
+                                             : fmt::format("none: imported from {}", options.format->name)};
 }
 
 // "; times in ms would give 100 Hz" for a rate that no tactile sensor has; else empty. `mapped`: the user can say the unit.
@@ -93,61 +109,114 @@ std::string unit_hint(double rate, bool mapped) {
   constexpr double slowest = 5.0;  // Hz
   struct Unit {
     const char* name;
-    const char* scale;
     double length;  // s
   };
-  constexpr std::array<Unit, 3> units{{{"ms", "1e-3", 1e-3}, {"us", "1e-6", 1e-6}, {"ns", "1e-9", 1e-9}}};
+  constexpr std::array<Unit, 3> units{{{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
   if (rate >= slowest) return "";
   const auto* unit = std::ranges::find_if(units, [&](const Unit& one) { return rate / one.length >= slowest; });
   if (unit == units.end()) return "";
   return fmt::format("; times in {} would give {}{}", unit->name, format_quantity(rate / unit->length, Quantity::frequency),
-                     mapped ? fmt::format(" (time: {{scale: {}}} in the column map)", unit->scale) : "");
+                     mapped ? fmt::format(" (time: {{unit: {}}} in the map)", unit->name) : "");
 }
 
-// About the time stamps of a recording as it was read. All its sensors have the same ones.
-void add_timing_warnings(const TrialRecord& record, const SourceFile& file, bool mapped, std::vector<Warning>& warnings) {
-  const SensorRecord& sensor = record.sensors.front();
+}  // namespace
+
+struct RecordingWriter::Target {
+  Target(const ImportOptions& options, const std::string& split_by) : writer(options.output, header_of(options, split_by)) {}
+
+  DatasetWriter writer;
+  TrialEncoder encoder;
+};
+
+RecordingWriter::RecordingWriter(const ImportOptions& options, const std::string& split_by) : options_(options) {
+  if (!options.output.empty()) target_ = std::make_unique<Target>(options, split_by);
+}
+
+RecordingWriter::~RecordingWriter() = default;
+
+void RecordingWriter::warn(const std::string& path, const std::string& text) {
+  summary_.warnings.push_back({path, path + ": " + text});
+}
+
+// About the time stamps of a sensor as they were read.
+void RecordingWriter::warn_of_timing(const SensorRecord& sensor, const std::string& path, const std::string& subject) {
   if (!sensor.timing) return;
-  const auto warn = [&](const std::string& text) { warnings.push_back({file.path, file.path + ": " + text}); };
-  if (const std::string hint = unit_hint(sensor.rate, mapped); !hint.empty())
-    warn(fmt::format("has one sample every {:.4g} s{}", 1.0 / sensor.rate, hint));
+  if (const std::string hint = unit_hint(sensor.rate, options_.format == nullptr); !hint.empty())
+    warn(path, fmt::format("{}has one sample every {:.4g} s{}", subject, 1.0 / sensor.rate, hint));
   if (!steps_vary(*sensor.timing)) return;
   const std::string timing = timing_text(*sensor.timing, sensor.time.front());
   if (evenly_spaced(sensor.time, sensor.timing->resolution)) {
-    warn("the steps between its samples vary: " + timing);
+    warn(path, fmt::format("{}the steps between its samples vary: {}", subject, timing));
   } else {
-    warn("its samples are not evenly spaced: " + timing +
-         "; detectors that count samples refuse it unless it is imported with --rate RATE");
+    warn(path, fmt::format("{}its samples are not evenly spaced: {}; detectors that count samples refuse it unless it is "
+                           "imported with --rate RATE",
+                           subject, timing));
   }
 }
 
 // Resamples a recording and notes it in its params.
-void resample_and_note(TrialRecord& record, double rate, const SourceFile& file, std::vector<Warning>& warnings) {
-  const std::size_t in_gaps = resample(record, rate, file.path);
+void RecordingWriter::resample_and_note(TrialRecord& record, const std::string& path) {
+  const double rate = *options_.rate;
+  const std::size_t in_gaps = resample(record, rate, path);
   Json params = Json::parse(record.params);
   params["resampled"] = {{"rate_hz", rate}, {"samples_in_gaps", in_gaps}};
   record.params = params.dump();
   if (in_gaps > 0)
-    warnings.push_back(
-        {file.path, fmt::format("{}: {} of {} samples at {} lie in gaps of the recording and are on straight lines "
-                                "across them",
-                                file.path, in_gaps, record.num_samples(), format_quantity(rate, Quantity::frequency))});
+    warn(path, fmt::format("{} of {} samples at {} lie in gaps of the recording and are on straight lines across them", in_gaps,
+                           record.num_samples(), format_quantity(rate, Quantity::frequency)));
 }
 
-// A dataset of which nothing is left unless it was finished.
-class Target {
- public:
-  explicit Target(const ImportOptions& options) : writer_(options.output, header_of(options)) {}
+void RecordingWriter::add(TrialRecord record, const std::string& path, std::size_t repeated_rows) {
+  record.trial = summary_.trials++;
+  record.seed = options_.seed;
+  for (const SensorRecord& sensor : record.sensors) {
+    const bool first = &sensor == &record.sensors.front();
+    // The sensors of a table share its stamps, which are reported once.
+    if (first || sensor.time != record.sensors.front().time)
+      warn_of_timing(sensor, path, first ? "" : fmt::format("sensor {}: ", sensor.name));
+  }
+  if (options_.rate) resample_and_note(record, path);
+  summary_.samples += record.num_samples();
+  summary_.repeated_rows += repeated_rows;
+  if (!record.material.empty()) ++summary_.objects[record.material];
+  end_if_interrupted();
+  if (target_) target_->writer.append(target_->encoder.encode(record));
+}
 
-  void add(const TrialRecord& record) { writer_.append(encoder_.encode(record)); }
-  std::vector<std::string> finish() { return writer_.commit(); }
+ImportSummary RecordingWriter::finish(std::size_t sources) {
+  summary_.sources = sources;
+  if (target_) summary_.files = target_->writer.commit();
+  return std::move(summary_);
+}
 
- private:
-  DatasetWriter writer_;
-  TrialEncoder encoder_;
-};
-
-}  // namespace
+std::vector<SourceFile> list_sources(const std::vector<std::string>& sources, const std::vector<std::string>& endings,
+                                     bool bags) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> paths;
+  std::vector<fs::path> folders;
+  for (const std::string& source : sources) {
+    std::error_code error;
+    if (!fs::exists(source, error)) reject("{}: no such file or folder", source);
+    const fs::path full = fs::absolute(source).lexically_normal();
+    if (fs::is_directory(source, error) && !(bags && is_bag(source))) {
+      folders.push_back(full.has_filename() ? full : full.parent_path());
+      const std::vector<std::string> found = FolderScan(source, endings, bags).paths();
+      paths.insert(paths.end(), found.begin(), found.end());
+    } else {
+      folders.push_back(full.parent_path());
+      paths.push_back(source);
+    }
+  }
+  std::vector<SourceFile> files;
+  std::set<fs::path> seen;
+  for (const std::string& path : paths) {
+    if (!is_plain_name(path)) reject("{}: is no name that a dataset can hold; allowed: UTF-8 without control characters", path);
+    std::error_code error;
+    if (!seen.insert(fs::canonical(path, error)).second) reject("{}: is named twice; allowed: each source once", path);
+    files.push_back({path, fs::absolute(path).lexically_normal().lexically_relative(common_folder(folders)).string()});
+  }
+  return files;
+}
 
 std::vector<std::string> import_format_names() { return hd::names_of(import_catalogue); }
 
@@ -168,7 +237,7 @@ std::string import_formats_text() {
 
 void for_each_recording(const std::vector<std::string>& sources, const ImportFormat& format,
                         const std::function<void(TrialRecord record, const std::string& source)>& take) {
-  for (const SourceFile& file : source_files(sources)) {
+  for (const SourceFile& file : list_sources(sources, {".csv"}, false)) {
     format.read(file, [&](TrialRecord record, std::size_t /*repeated_rows*/) {
       end_if_interrupted();
       take(std::move(record), file.path);
@@ -177,29 +246,13 @@ void for_each_recording(const std::vector<std::string>& sources, const ImportFor
 }
 
 ImportSummary import_recordings(const ImportOptions& options) {
-  std::vector<SourceFile> sources = source_files(options.sources);
-  if (!options.map.empty() && options.format->read != &read_mapped_csv)
-    reject("--map {}: the format {} has no column map; allowed: --format csv", options.map, options.format->name);
-  for (SourceFile& file : sources) file.map = options.map;
-  ImportSummary summary;
-  summary.sources = sources.size();
-  std::optional<Target> target;
-  if (!options.output.empty()) target.emplace(options);
+  const std::vector<SourceFile> sources = list_sources(options.sources, {".csv"}, false);
+  RecordingWriter writer(options, options.format->split_by);
   for (const SourceFile& file : sources) {
-    options.format->read(file, [&](TrialRecord record, std::size_t repeated_rows) {
-      record.trial = summary.trials++;
-      record.seed = options.seed;
-      add_timing_warnings(record, file, options.format->read == &read_mapped_csv, summary.warnings);
-      if (options.rate) resample_and_note(record, *options.rate, file, summary.warnings);
-      summary.samples += record.num_samples();
-      summary.repeated_rows += repeated_rows;
-      if (!record.material.empty()) ++summary.objects[record.material];
-      end_if_interrupted();
-      if (target) target->add(record);
-    });
+    options.format->read(
+        file, [&](TrialRecord record, std::size_t repeated_rows) { writer.add(std::move(record), file.path, repeated_rows); });
   }
-  if (target) summary.files = target->finish();
-  return summary;
+  return writer.finish(sources.size());
 }
 
 }  // namespace slipbench

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/core/error.h"
 #include "sim/core/math/decade.h"
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
@@ -133,6 +134,19 @@ bool is_plain_name(const std::string& text) {
     return false;
   }
   return !text.empty() && printable(text) == text;
+}
+
+bool is_scalar_channel(const std::string& type, const std::string& channel) {
+  const std::vector<Entry> known = pad_catalogues().sensors;
+  const auto entry = std::ranges::find(known, type, &Entry::name);
+  if (entry == known.end()) return false;
+  try {
+    const std::unique_ptr<Sensor> sensor = make_sensor({"pad", type, defaults_of(entry->parameters), {}}, 0, 0);
+    const auto found = std::ranges::find(sensor->channels(), channel, &Channel::name);
+    return found != sensor->channels().end() && found->shape.empty();
+  } catch (const InputError&) {  // a type that is nothing by its defaults, such as a plugin without its library
+    return false;
+  }
 }
 
 SensorRecord make_imported_sensor(const std::string& name, const std::string& type, double rate, const std::string& frame,

@@ -17,9 +17,8 @@ namespace slipbench {
 // What a format of recordings is, and what the formats share.
 
 struct SourceFile {
-  std::string path;      // as messages name it
-  std::string name;      // below the folder that the user named: "n/case112.csv"
-  std::string map = {};  // the column map of the format csv; empty: none
+  std::string path;  // as messages name it
+  std::string name;  // below the folder that the user named, or below the one that holds all of several sources: "n/case112.csv"
 };
 
 // Takes the next recording, and how many rows of its source were left out because they say the one before again, word for word. Number and
@@ -39,7 +38,11 @@ void read_bts3v2(const SourceFile& file, const AddRecording& add);
 void read_biotacsp_dos(const SourceFile& file, const AddRecording& add);
 void read_papillarray_csv(const SourceFile& file, const AddRecording& add);
 void read_training_csv(const SourceFile& file, const AddRecording& add);
-void read_mapped_csv(const SourceFile& file, const AddRecording& add);  // also throws InputError "MAP:LINE: ..."
+
+// The files that are meant by files and folders, in the order of their names in each folder. `endings`: of the files that are meant in a folder, ".csv".
+// `bags`: a folder with a file metadata.yaml is one source, a bag of ROS 2. Throws InputError for a source that does not exist or is named twice, and
+// for a folder without such files.
+std::vector<SourceFile> list_sources(const std::vector<std::string>& sources, const std::vector<std::string>& endings, bool bags);
 
 // A recording without sensors and without a single truth. `object`: what the split goes by; empty: nothing.
 TrialRecord make_recording(const Json& params, const std::string& object);
@@ -47,6 +50,9 @@ TrialRecord make_recording(const Json& params, const std::string& object);
 // A sensor without samples that has the given channels of those which a simulated one of this type has, under the same names.
 SensorRecord make_imported_sensor(const std::string& name, const std::string& type, double rate, const std::string& frame,
                                   const std::vector<std::string>& channels);
+
+// True if a simulated sensor of this type has a channel of this name with one value a sample and no axis, such as pdc of a BioTac SP.
+bool is_scalar_channel(const std::string& type, const std::string& channel);
 
 // Whether a text can name an object or a file in a dataset: not empty, UTF-8, no control characters.
 bool is_plain_name(const std::string& text);

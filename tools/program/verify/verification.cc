@@ -324,9 +324,11 @@ void check_times(const TrialRecord& record, Verification& verification) {
 
 void check_values(const TrialRecord& record, Verification& verification) {
   for (const SensorRecord& sensor : record.sensors) {
+    // A recording that was imported with `missing: nan` has NaN for values that its source lacks.
+    const auto missing = [recorded = !sensor.labels.truth](std::size_t) { return recorded; };
     for (const SensorColumn& channel : sensor.channels) {
       const std::size_t rows = channel.time ? channel.time->size() : sensor.time.size();
-      check_finite(channel.values, rows, {record.trial, sensor_group(sensor.name) + "/" + channel.name}, verification, never);
+      check_finite(channel.values, rows, {record.trial, sensor_group(sensor.name) + "/" + channel.name}, verification, missing);
     }
     if (sensor.labels.truth) check_label_values(sensor, record.trial, verification);
   }

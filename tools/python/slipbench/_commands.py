@@ -96,15 +96,15 @@ def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = ""
                                       "rate": rate, "split": split, "trial": trial, "compress": compress})
 
 
-def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike = "", *, format: str, map: PathLike = "", rate: str | float = "",
-                      seed: int | None = None) -> dict[str, Any]:
+def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike = "", *, format: str = "", map: PathLike = "",
+                      rate: str | float = "", seed: int | None = None) -> dict[str, Any]:
     """Reads recordings of real sensors into a dataset, as `slipbench import`.
 
     Args:
-        sources: a file, a folder whose .csv files are all meant, or several of them
+        sources: a file, a folder whose recordings are all meant, or several of them
         output: dataset to write; empty: none, the sources are only checked
-        format: bts3v2, biotacsp-dos, papillarray-csv, training-csv or csv
-        map: of the format csv, a YAML file that says which column is what
+        format: bts3v2, biotacsp-dos, papillarray-csv or training-csv; empty: what `map` describes
+        map: a YAML file that describes tables, arrays or bags, or the name of a map of the program: papillarray_ros, xela_ros or biotac_ros
         rate: resample at this rate, "100 Hz" or Hz: straight lines between samples, no filter; empty: as recorded
         seed: of the split into training, validation and test; None: 1
 

@@ -10,10 +10,12 @@
 #include "sim/core/process/interrupted.h"
 #include "tests/expect.h"
 #include "tests/tools/base/record/test_records.h"
+#include "tools/base/dataset/reader.h"
 #include "tools/base/dataset/writer.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/export/export.h"
 #include "tools/program/import/import.h"
+#include "tools/program/import/source_table.h"
 #include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::calibrate::calibrate_test {
@@ -299,13 +301,17 @@ sweep: {motion: [{direction: 0 deg}, {direction: 100 deg, compression: 0.4 mm}, 
   sweep.scene_path = wanted.scene_path;
   sweep.output = path("made.h5");
   run_sweep(sweep, program_catalogues(), {});
-  ExportOptions tables;
-  tables.format = ExportFormat::csv;
-  export_dataset(path("made.h5"), path("csv"), tables);
-  std::ofstream(path("map.yaml")) << R"({sensor: skin, type: taxels, time: {column: "t [s]"}, channels: {
-  force: {unit: N, components: 3, columns: ["T0_FX [N] .. T15_FZ [N]"]},
-  counts: {unit: counts, columns: ["T0_C [counts] .. T15_C [counts]"]}}})";
-  wanted.recordings = import_recordings({{path("csv")}, &import_format("csv"), path("mine.h5"), 1, path("map.yaml")}).files;
+  RecordingWriter writer({.sources = {"made"}, .output = path("mine.h5"), .map = "map.yaml"}, "trial");
+  const DatasetReader made(path("made.h5"));
+  for (const std::size_t trial : made.trials()) {
+    TrialRecord recording = make_recording({{"file", std::to_string(trial)}}, "");
+    recording.sensors.push_back(made.read_sensor(trial, "skin"));
+    recording.sensors.back().labels = LabelRecord();
+    recording.sensors.back().labels.truth = false;
+    recording.body_time = recording.sensors.back().time;
+    writer.add(std::move(recording), "made", 0);
+  }
+  wanted.recordings = writer.finish(1).files;
   wanted.synthetic_truth = false;
   const Json result = fitted(wanted);
   for (const auto& [key, value] : truth)

@@ -89,6 +89,20 @@ TEST_F(Import, SlideIsAFileOfTheFoldersClass) {
   EXPECT_EQ(params(0), nlohmann::json::parse(R"({"object": "case", "class": "n", "number": "7", "file": "n/case7.csv"})"));
 }
 
+// Two folders that each hold a file of the same name.
+TEST_F(Import, FilesOfSeveralFoldersKeepTheFoldersNames) {
+  for (const char* name : {"set/n/case1.csv", "set/t/case1.csv"}) source(name, slide_header() + slide_row(0));
+  run({path("set/n"), path("set/t")}, "biotacsp-dos");
+  EXPECT_EQ(params(0)["file"], "n/case1.csv");
+  EXPECT_EQ(params(1)["file"], "t/case1.csv");
+  EXPECT_THAT(refusal_of([&] { list_sources({path("set")}, {".txt", ".dat"}, true); }), mentions({path("set"), ".txt, .dat"}));
+  std::filesystem::create_directory(path("set/bag"));
+  source("set/bag/metadata.yaml", "");
+  const std::vector<SourceFile> files = list_sources({path("set")}, {".csv"}, true);
+  ASSERT_THAT(files, SizeIs(3));
+  EXPECT_EQ(files[0].name, "bag");
+}
+
 TEST_F(Import, FilesOfAFolderComeInTheOrderOfTheirNames) {
   for (const char* name : {"set/s/b1.csv", "set/e/z1.csv", "set/e/a1.csv"}) source(name, slide_header() + slide_row(0));
   run({path("set")}, "biotacsp-dos");
@@ -355,20 +369,36 @@ TEST_F(RoundTrip, OfTheTrainingFiles) {
 
 using namespace slipbench::testing;
 
-// Tables of one column against a time column that a map names.
+// Recordings of one channel that counts the samples, as a map's reader hands them to the writer.
 struct Timed : Import {
-  // Rows of `force` at the stamps, written with so many decimals.
-  std::string table(const std::string& name, const std::vector<double>& times, int decimals) {
-    std::string text = "t,f\n";
-    for (std::size_t k = 0; k < times.size(); ++k) text += fmt::format("{:.{}f},{}\n", times[k], decimals, k);
-    return source(name, text);
+  static TrialRecord record(const std::vector<double>& times, double resolution) {
+    SensorRecord sensor;
+    sensor.name = "pad";
+    sensor.type = "meter";
+    sensor.labels.truth = false;
+    sensor.time = times;
+    sensor.rate = rate_of(times, resolution);
+    sensor.timing = timing_of(times, resolution);
+    sensor.channels = {{"force", "N", {1}, {}}};
+    sensor.channel_names = {"f"};
+    for (std::size_t k = 0; k < times.size(); ++k) sensor.channels[0].values.push_back(static_cast<float>(k));
+    TrialRecord record = make_recording({{"file", "a.csv"}}, "");
+    record.body_time = times;
+    record.sensors.push_back(std::move(sensor));
+    return record;
   }
-  std::string map(const std::string& time = "column: t") {
-    return source("map.yaml", "{sensor: pad, type: meter, time: {" + time + "}, channels: {force: {unit: N, columns: [f]}}}\n");
+  // Stamps as a table has them with so many decimals.
+  ImportSummary written(const std::vector<double>& times, int decimals, std::optional<double> rate = {}) {
+    std::vector<double> stamps;
+    for (const double time : times) stamps.push_back(std::stod(fmt::format("{:.{}f}", time, decimals)));
+    return written(record(stamps, std::pow(10.0, -decimals)), rate);
   }
-  [[nodiscard]] ImportSummary at_rate(const std::string& file, double rate) {
-    return import_recordings({{file}, &import_format("csv"), path("out.h5"), 7, map(), rate});
+  ImportSummary written(TrialRecord record, std::optional<double> rate = {}) {
+    RecordingWriter writer({{file}, nullptr, path("out.h5"), 7, "map.yaml", rate}, "trial");
+    writer.add(std::move(record), file, 0);
+    return writer.finish(1);
   }
+  const std::string file = "a.csv";
   [[nodiscard]] SensorRecord pad() const { return DatasetReader(path("out.h5")).read_sensor(0, "pad"); }
   static std::vector<double> clock(double rate, std::size_t count) {
     std::vector<double> times;
@@ -383,17 +413,16 @@ struct Timed : Import {
   }
 };
 
-// The last digit of the stamps is their resolution, after scaling.
 TEST_F(Timed, RateIsThatOfTheClockWithinTheStampsDigits) {
   for (const auto& [rate, decimals] :
        std::vector<std::pair<double, int>>{{44'100.0, 9}, {2e6, 9}, {700e3, 9}, {30.0, 9}, {444.0, 3}}) {
-    const ImportSummary summary = run({table("a.csv", clock(rate, 3000), decimals)}, "csv", "out.h5", map());
+    const ImportSummary summary = written(clock(rate, 3000), decimals);
     EXPECT_EQ(pad().rate, rate);
     EXPECT_THAT(summary.warnings, IsEmpty()) << rate;
   }
-  std::string nanoseconds = "t,f\n";
-  for (int k = 0; k < 600; ++k) nanoseconds += fmt::format("{},{}\n", 1581073084690542592L + 10'000'000L * k, k);
-  run({source("ns.csv", nanoseconds)}, "csv", "out.h5", map("column: t, scale: 1e-9"));
+  std::vector<double> since_1970;
+  for (int k = 0; k < 600; ++k) since_1970.push_back(1e-9 * static_cast<double>(1581073084690542592L + 10'000'000L * k));
+  written(record(since_1970, 1e-9));
   EXPECT_EQ(pad().rate, 100.0);
 }
 
@@ -406,18 +435,26 @@ TEST_F(Timed, ResolutionIsThatOfTheLastDigit) {
 }
 
 TEST_F(Timed, WarnsOfTimesInAnotherUnit) {
-  const std::string file = table("a.csv", clock(0.1, 60), 0);  // 0, 10, 20: 100 Hz in ms
-  const ImportSummary summary = run({file}, "csv", "out.h5", map());
+  const ImportSummary summary = written(clock(0.1, 60), 0);  // 0, 10, 20: 100 Hz in ms
   ASSERT_THAT(summary.warnings, SizeIs(1));
   EXPECT_EQ(summary.warnings[0].text,
-            file + ": has one sample every 10 s; times in ms would give 100 Hz (time: {scale: 1e-3} in the column map)");
-  EXPECT_THAT(run({file}, "csv", "out.h5", map("column: t, scale: 1e-3")).warnings, IsEmpty());
+            file + ": has one sample every 10 s; times in ms would give 100 Hz (time: {unit: ms} in the map)");
+  EXPECT_THAT(written(clock(100.0, 60), 2).warnings, IsEmpty());
+}
+
+// A table's sensors share its stamps; those of a bag have their own.
+TEST_F(Timed, WarnsOfEachSensorsOwnStamps) {
+  TrialRecord two = record(clock(100.0, 60), 1e-3);
+  two.sensors.push_back(record(with_gap(), 1e-3).sensors.front());
+  two.sensors.back().name = "skin";
+  const ImportSummary summary = written(std::move(two));
+  ASSERT_THAT(summary.warnings, SizeIs(1));
+  EXPECT_THAT(summary.warnings[0].text, HasSubstr(file + ": sensor skin: its samples are not evenly spaced: "));
 }
 
 // Values count the rows, so that they show the time: row k was recorded at k/100 s before the gap and at k/100 s + 0.5 s after it.
 TEST_F(Timed, ResamplingTakesValuesBetweenTheSamples) {
-  const std::string file = table("a.csv", with_gap(), 3);
-  const ImportSummary summary = at_rate(file, 80.0);
+  const ImportSummary summary = written(with_gap(), 3, 80.0);
   const SensorRecord sensor = pad();
   EXPECT_EQ(sensor.rate, 80.0);
   ASSERT_THAT(sensor.time, SizeIs(88));  // 1.09 s: 87 steps of 12.5 ms
@@ -434,16 +471,15 @@ TEST_F(Timed, ResamplingTakesValuesBetweenTheSamples) {
   ASSERT_THAT(summary.warnings, SizeIs(2));
   EXPECT_EQ(summary.warnings[1].text,
             file + ": 40 of 88 samples at 80 Hz lie in gaps of the recording and are on straight lines across them");
-  EXPECT_THAT(DatasetReader(path("out.h5")).header().command, HasSubstr(" --rate '80 Hz' --format csv"));
+  EXPECT_THAT(DatasetReader(path("out.h5")).header().command, HasSubstr(" --map map.yaml --rate '80 Hz' --seed 7"));
   EXPECT_TRUE(verify_datasets({path("out.h5")}).holds);
 }
 
 TEST_F(Timed, ResamplingStaysBelowTheRecordingsRate) {
-  const std::string file = table("a.csv", clock(99.99, 500), 6);
-  EXPECT_EQ(at_rate(file, 100.0).samples, 500u);
+  EXPECT_EQ(written(clock(99.99, 500), 6, 100.0).samples, 500u);
   EXPECT_EQ(pad().rate, 100.0);
-  EXPECT_THAT(refusal_of([&] { static_cast<void>(at_rate(file, 102.0)); }), refused_at(file, {"102 Hz", "99.99 Hz", "1 %"}));
-  EXPECT_THAT(refusal_of([&] { static_cast<void>(at_rate(file, 0.1)); }), refused_at(file, {"0.1 Hz"}));
+  EXPECT_THAT(refusal_of([&] { written(clock(99.99, 500), 6, 102.0); }), refused_at(file, {"102 Hz", "99.99 Hz", "1 %"}));
+  EXPECT_THAT(refusal_of([&] { written(clock(99.99, 500), 6, 0.1); }), refused_at(file, {"0.1 Hz"}));
   const std::string grasp = source("grasp.csv", grasp_header() + grasp_row("coke", "0", 1));
   EXPECT_THAT(refusal_of([&] {
                 import_recordings({{grasp}, &import_format("bts3v2"), "", 7, "", 10.0});
@@ -551,30 +587,6 @@ TEST_F(ImportErrors, SourceIsNotReplaced) {
   EXPECT_THAT(refusal_of([&] { run({file}, "bts3v2", "a.csv"); }), mentions({"exists", "dataset"}));
   EXPECT_EQ(bytes_of(file), before);
   EXPECT_THAT(names(), ElementsAre("a.csv"));
-}
-
-TEST_F(ImportErrors, TablesByAColumnMapAreChecked) {
-  const std::string map =
-                        "{sensor: skin, type: taxels, time: {column: t, scale: 1e-3}, state: {column: slip, rule: a button},\n"
-                        "channels: {force: {unit: N, scale: 1e-3, components: 3, columns: [a .. c]}}}\n",
-                    table = "t,a,b,c,slip\n5,1,2,3,1\n7,4,5,6,3\n";
-  const auto refused = [&](const std::string& mapped, const std::string& text, int line, const std::vector<std::string>& words) {
-    const std::string file = source("a.csv", text), columns = source("map.yaml", mapped);
-    EXPECT_THAT(refusal_of([&] { run({file}, "csv", "out.h5", columns); }),
-                refused_at(place(mapped == map ? file : columns, line), words));
-    EXPECT_EQ(names(), (std::vector<std::string>{"a.csv", "map.yaml"}));
-  };
-  refused(with(map, "type: taxels, ", ""), table, 1, {"column map", "type"});
-  refused(with(map, "components", "component"), table, 2, {"channels.force", "component", "components"});
-  refused(with(map, "[a .. c]", "a"), table, 2, {"channels.force.columns", "a"});
-  refused(map, with(table, "c,", "d,"), 1, {"column", "c"});
-  refused(map, with(table, "7,", "5,"), 3, {"column 1", "0.005 s"});
-  refused(map, with(table, "6,3", "6,4"), 3, {"slip", "4", "0, 1, 2, 3"});
-
-  run({source("a.csv", table)}, "csv", "out.h5", source("map.yaml", map));
-  const SensorRecord skin = DatasetReader(path("out.h5")).read_sensor(0, "skin");
-  EXPECT_THAT(skin.channels.at(0).values, ElementsAre(1e-3F, 2e-3F, 3e-3F, 4e-3F, 5e-3F, 6e-3F));
-  EXPECT_THAT(skin.labels.state_paper, ElementsAre(1, 3));
 }
 
 }  // namespace

@@ -100,9 +100,8 @@ struct ImportTest : FolderTest {
     std::ofstream(path(name), std::ios::binary) << text;
     return path(name);
   }
-  ImportSummary run(const std::vector<std::string>& sources, const std::string& format, const std::string& out = "out.h5",
-                    const std::string& map = "") {
-    return import_recordings({sources, &import_format(format), path(out), 7, map});
+  ImportSummary run(const std::vector<std::string>& sources, const std::string& format, const std::string& out = "out.h5") {
+    return import_recordings({sources, &import_format(format), path(out), 7});
   }
 };
 

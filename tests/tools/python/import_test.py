@@ -1,0 +1,575 @@
+"""`import --map`: tables as instruments write them, arrays, bags; labels and objects; messages with file and line."""
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet
+import slipbench
+from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import StoragePlugin, Writer as Writer2
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from slipbench._import.block import read_map
+from slipbench._import.keys import BLOCKS
+from slipbench._import.recordings import Importer, Map
+from slipbench._import.text import TextTable
+from slipbench.bin import _core
+
+ROWS = [["0.00", "0.500", "1.250"], ["0.01", "0.600", "1.350"], ["0.02", "0.700", "1.450"]]
+CHANNELS = "channels: {force: {unit: N, columns: [f1, f2]}}"
+MAP = "{sensor: pad, type: own, time: {column: t}, " + CHANNELS + "%s}"
+
+
+def table(separator=",", decimal=".", quote="", end="\n", rows=ROWS, tail="", titles=("t", "f1", "f2")):
+    """A table of three columns as an instrument writes it."""
+    lines = [separator.join(quote + title + quote for title in titles) + tail]
+    lines += [separator.join(quote + cell.replace(".", decimal) + quote for cell in row) + tail for row in rows]
+    return end.join(lines) + end
+
+
+@contextlib.contextmanager
+def printed(path):
+    """Gives what C++ and Python print meanwhile, as a function to be called afterwards."""
+    sys.stdout.flush()
+    kept = os.dup(1)
+    with path.open("wb") as file:
+        os.dup2(file.fileno(), 1)
+    try:
+        yield path.read_text
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+
+
+class ImportTest(unittest.TestCase):
+    """A folder for each test."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.count = 0
+
+    def write(self, name, text):
+        """Writes a file, whose text may be bytes."""
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    def read(self, map, *sources):
+        """Imports in this process; returns the recordings and the texts of the warnings."""
+        self.count += 1
+        output = self.folder / f"out_{self.count}.h5"
+        described = Map(read_map(str(self.write("map.yaml", map))))
+        writer = _core.MappedImport(
+            [str(source) for source in sources],
+            "map.yaml",
+            str(output),
+            1,
+            None,
+            "object" if described.object else "trial",
+        )
+        importer = Importer(described, writer)
+        files = described.files([str(source) for source in sources])
+        for file in files:
+            importer.add(file)
+        with printed(self.folder / "printed") as text:
+            writer.finish(len(files), json=True)
+        data = slipbench.open(output)
+        self.addCleanup(data.close)
+        return list(data.values()), [warning["text"] for warning in json.loads(text())["warnings"]]
+
+    def force(self, map, *sources):
+        """The only recording's values and stamps of the sensor `pad`."""
+        pad = self.read(map, *sources)[0][0].sensors["pad"]
+        return np.asarray(pad.force), np.asarray(pad.t)
+
+    def refused(self, map, *sources):
+        """The message of the refusal, after which nothing is left."""
+        with self.assertRaises(slipbench.InputError) as caught:
+            self.read(map, *sources)
+        self.assertFalse((self.folder / f"out_{self.count}.h5").exists())
+        return str(caught.exception)
+
+
+class Tables(ImportTest):
+    """Separators, decimal marks, encodings, cells."""
+
+    def test_every_way_to_write_a_table_gives_the_same_values(self):
+        ways = {
+            "commas": table(),
+            "tabs": table("\t"),
+            "semicolons": table(";"),
+            "bars": table("|"),
+            "blanks": table(" "),
+            "blanks in columns": table("   "),
+            "decimal commas": table(";", ","),
+            "decimal commas, blanks": table(" ", ","),
+            "quotes": table(quote='"'),
+            "quotes, decimal commas": table(",", ",", '"'),
+            "commas at the end": table(tail=",,"),
+            "of rows alone": table().replace("50\n", "50,\n"),
+            "Windows": table(end="\r\n"),
+            "old Mac": table(end="\r"),
+            "blank lines": "\n" + table().replace("\n0.01", "\n\n0.01") + "\n\n",
+            "blanks after commas": table(", "),
+            "comment": "# logger 3, 12 N cell\n" + table(),
+            "sep": "sep=;\n" + table(";"),
+            "signs": table().replace("0.6", "+0.6"),
+            "mark": b"\xef\xbb\xbf" + table().encode(),
+            "UTF-16": table().encode("utf-16"),
+            "UTF-16 without a mark": table().encode("utf-16-le"),
+            "exponents": table().replace("0.600", "6E-1"),
+        }
+        for name, text in ways.items():
+            with self.subTest(name):
+                values, times = self.force(MAP % "", self.write("a.csv", text))
+                np.testing.assert_array_equal(values, np.array([[0.5, 1.25], [0.6, 1.35], [0.7, 1.45]], np.float32))
+                np.testing.assert_array_equal(times, [0, 0.01, 0.02])
+
+    def test_keys_say_what_is_not_found(self):
+        units = table().replace("f2\n", "f2\ns,N,N\n")
+        self.assertIn(
+            "a.csv:2: column 1, t: expected a number, found 's'; a row of units is left out by skip: [2]",
+            self.refused(MAP % "", self.write("a.csv", units)),
+        )
+        first = "a logger\n2026\n" + table()
+        for text, keys in (
+            (units, "skip: [2]"),
+            (first, "skip: 2"),
+            ("% x\n" + table(), "comment: '%'"),
+            (table(":"), "separator: ':'"),
+            (table(";", ","), "separator: ;, decimal: ','"),
+        ):
+            with self.subTest(keys):
+                values, _ = self.force(MAP % f", {keys}", self.write("a.csv", text))
+                self.assertEqual(values.shape, (3, 2))
+        bare = "{sensor: pad, type: own, header: false, time: {column: 1}, channels: {force: {unit: N, columns: [2 .. 3]}}}"
+        values, _ = self.force(bare, self.write("a.csv", table().partition("\n")[2]))
+        self.assertEqual(values.shape, (3, 2))
+
+    def test_a_table_that_cannot_be_read_is_refused_with_its_line(self):
+        def changed(old, new):
+            return table().replace(old, new)
+
+        cases = {
+            "commas twice": (
+                table(",", ","),
+                "a.csv:2: has 6 cells; expected 3; commas seem to be both the separator and the decimal mark",
+            ),
+            "word": (changed("0.600", "True"), "a.csv:3: column 2, f1: expected a number, found 'True'"),
+            "unit": (changed("0.600", "0.6 N"), "a.csv:3: column 2, f1: expected a number, found '0.6 N'"),
+            "thousands": (
+                changed("0.600", '"1,234.5"'),
+                "found '1,234.5'; write numbers without marks between thousands",
+            ),
+            "Fortran": (changed("0.600", "0.6D1"), "found '0.6D1'; write the exponent with E"),
+            "infinite": (changed("0.600", "inf"), "a.csv:3: column 2, f1: expected a number, found 'inf'"),
+            "titles": (
+                table(titles=("T", "F1", "f2")),
+                "a.csv:1: has no column 'f1'; did you mean 'F1'? found: T, F1, f2",
+            ),
+            "none": (
+                table().partition("\n")[2],
+                "the first line holds numbers: a table without titles needs header: false",
+            ),
+            "empty": ("", "a.csv:1: the file has no row"),
+            "titles alone": ("t,f1,f2\n", "a.csv:1: the table has titles and no row"),
+            "one row": ("t,f1,f2\n0,1,2\n", "a.csv: has 1 samples; expected two or more, which give the rate"),
+            "back": (
+                changed("0.02", "0.01"),
+                "a.csv:4: column 1, time: 0.01 s comes after 0.01 s; expected rising times",
+            ),
+            "twice": (table(titles=("t", "f1", "f1")).replace("f1,f1", "f1,f1,f2"), "a.csv:1: has 2 columns 'f1'"),
+            "bytes": (b"t,f1\0\xff" * 9, "a.csv: the file is not text"),
+            "no value": (
+                changed("0.600", ""),
+                "a.csv:3: column f1 has no value; expected a number in each row, or missing: gap",
+            ),
+            "short": (table() + "0.03,1\n", "a.csv:5: column f2 has no value"),
+            "all short": ("t,f1,f2\n0,1\n1,2\n", "a.csv:2: column f2 has no value"),
+        }
+        for name, (text, message) in cases.items():
+            with self.subTest(name):
+                self.assertIn(message, self.refused(MAP % "", self.write("a.csv", text)))
+
+    def test_missing_cells_are_gaps_or_nan_and_reported_with_place_and_length(self):
+        rows = [[f"{k / 100:.2f}", f"{k}", "1"] for k in range(10)]
+        rows[3][1], rows[4][2], rows[8][1] = "", "NaN", "NA"
+        path = self.write("a.csv", table(rows=rows))
+        recordings, warnings = self.read(MAP % ", missing: gap", path)
+        pad = recordings[0].sensors["pad"]
+        np.testing.assert_array_equal(np.asarray(pad.force)[:, 0], [0, 1, 2, 5, 6, 7, 9])
+        # Rows 3 and 4 (lines 5, 6) between 0.02 s and 0.05 s; row 8 (line 10) between 0.07 s and 0.09 s.
+        self.assertIn(
+            f"{path}: 3 of 10 samples have missing values and are left out: 2 at {path}:5, 0.03 s from 0.02 s on; "
+            f"1 at {path}:10, 0.02 s from 0.07 s on",
+            warnings,
+        )
+        pad = self.read(MAP % ", missing: nan", path)[0][0].sensors["pad"]
+        self.assertEqual(np.argwhere(np.isnan(np.asarray(pad.force))).tolist(), [[3, 0], [4, 1], [8, 0]])
+        self.assertTrue(slipbench.verify(self.folder / f"out_{self.count}.h5")["holds"])
+
+    def test_times_have_a_unit_are_dates_or_follow_from_a_rate(self):
+        def timed(cells, time):
+            return self.force(
+                MAP.replace("{column: t}", time) % "",
+                self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in cells])),
+            )[1]
+
+        np.testing.assert_allclose(timed(["10", "20", "30"], "{column: t, unit: ms}"), [0.01, 0.02, 0.03])
+        np.testing.assert_allclose(timed(["1", "2", "3"], "{column: t, scale: 0.5}"), [0.5, 1, 1.5])
+        np.testing.assert_allclose(timed(["x", "y", "z"], "{rate: 50 Hz}"), [0, 0.02, 0.04])
+        # 2026-02-03T10:00:00Z is 1,770,112,800 s after 1970.
+        np.testing.assert_allclose(
+            timed(
+                ["2026-02-03T10:00:00.000", "2026-02-03T10:00:00.010", "2026-02-03T11:00:00.020+01:00"], "{column: t}"
+            ),
+            1770112800 + np.array([0, 0.01, 0.02]),
+            rtol=0,
+            atol=1e-6,
+        )
+        np.testing.assert_allclose(
+            timed(["10:00:00.00", "10:00:00.01", "10:00:00.02"], "{column: t}"), [36000, 36000.01, 36000.02]
+        )
+        self.assertIn(
+            "has no key 'time'", self.refused(MAP.replace("time: {column: t}, ", "") % "", self.write("a.csv", table()))
+        )
+
+    def test_a_rate_that_is_given_is_the_rate(self):
+        path = self.write("a.csv", table())
+        self.assertEqual(
+            self.read(MAP.replace("{column: t}", "{rate: 2 kHz}") % "", path)[0][0].sensors["pad"].rate, 2000.0
+        )
+
+
+class Layouts(ImportTest):
+    """Columns, sensors, labels, objects, files."""
+
+    def test_columns_are_ranges_and_patterns(self):
+        titles = ["t", *(f"p{k} f{axis}" for axis in "xyz" for k in (0, 1, 10))]
+        rows = [[f"{row}", *(str(k) for k in range(9))] for row in range(2)]
+        path = self.write("a.csv", "\n".join(",".join(row) for row in [titles, *rows]))
+        values, _ = self.force(
+            "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [p* fx, p* fy, p* fz]}}}",
+            path,
+        )
+        # Columns x of the pillars 0, 1, 10 are 0 to 2, y 3 to 5, z 6 to 8.
+        np.testing.assert_array_equal(values[0], [[0, 3, 6], [1, 4, 7], [2, 5, 8]])
+        values, _ = self.force(
+            "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, scale: 2, columns: [p1 fx .. p0 fy]}}}",
+            path,
+        )
+        np.testing.assert_array_equal(values[0], [2, 4, 6])
+
+    def test_several_sensors_of_a_table_are_in_one_recording(self):
+        map = "{time: {rate: 100 Hz}, sensors: {a: {type: own, channels: {force: {unit: N, columns: [f1]}}}, b: {type: own, channels: {force: {unit: N, columns: [f2]}}}}}"
+        trial = self.read(map, self.write("a.csv", table()))[0][0]
+        self.assertEqual(np.asarray(trial.sensors["a"].force).ravel().tolist(), np.float32([0.5, 0.6, 0.7]).tolist())
+        self.assertEqual(np.asarray(trial.sensors["b"].force).ravel().tolist(), np.float32([1.25, 1.35, 1.45]).tolist())
+
+    def test_channels_have_the_shape_of_a_simulated_sensor(self):
+        map = (
+            "{sensor: tip, type: biotac_sp, time: {column: t}, channels: "
+            "{electrodes: {unit: counts, columns: [f1]}, pdc: {unit: counts, columns: [f2]}}}"
+        )
+        tip = self.read(map, self.write("a.csv", table()))[0][0].sensors["tip"]
+        self.assertEqual(np.shape(tip.electrodes), (3, 1))
+        self.assertEqual(np.shape(tip.pdc), (3,))
+
+    def test_labels_and_objects_by_folder_file_table_and_column(self):
+        for folder in ("slip", "none"):
+            self.write(f"set/{folder}/cup_1.csv", table())
+        folders = [self.folder / "set/slip", self.folder / "set/none"]
+        for keys, states, objects in (
+            (
+                ", state: {folder: 1, values: {slip: gross, none: 1}, rule: the folder}, object: {file: '([a-z]+)_[0-9]+'}",
+                {3, 1},
+                {"cup"},
+            ),
+            (
+                ", state: {table: {path: labels.csv, column: label}, values: {slip: 3, open: unknown}, rule: a table}, object: {folder: 1}",
+                {3, None},
+                {"slip", "none"},
+            ),
+            (
+                ", state: {value: 1, rule: all are held}, object: {table: {path: labels.csv, column: object}}",
+                {1},
+                {"cup"},
+            ),
+        ):
+            with self.subTest(keys):
+                if "labels.csv" in keys:  # beside the recordings
+                    self.write("set/slip/labels.csv", "file,label,object\ncup_1.csv,slip,cup\n")
+                    self.write("set/none/labels.csv", "file,label,object\ncup_1,open,cup\n")
+                trials, _ = self.read(MAP % keys, *folders)
+                found = {trial.params["file"]: trial for trial in trials}
+                self.assertEqual(set(found), {"slip/cup_1.csv", "none/cup_1.csv"})
+                labels = [trial.labels.get("pad") for trial in trials]
+                self.assertEqual({None if label is None else int(label.state_paper[0]) for label in labels}, states)
+                self.assertEqual({trial.params["object"] for trial in trials}, objects)
+        path = self.write(
+            "a.csv", table(rows=[[*row[:2], label] for row, label in zip(ROWS, ("hold", "hold", "slip"), strict=True)])
+        )
+        map = (
+            "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f1]}}, "
+            "state: {column: f2, values: {hold: non_slip, slip: gross}, rule: a button}}"
+        )
+        self.assertEqual(self.read(map, path)[0][0].labels["pad"].state_paper.tolist(), [1, 1, 3])
+        self.assertIn(
+            "a.csv:4: column f2: the label 'slip' is not in state.values",
+            self.refused(map.replace(", slip: gross", ""), path),
+        )
+
+    def test_a_folder_of_texts_is_read(self):
+        self.write("set/a.txt", table("\t"))
+        self.write("set/b.txt", table("\t"))
+        self.assertEqual(len(self.read(MAP % "", self.folder / "set")[0]), 2)
+
+    def test_a_map_is_checked_with_its_line(self):
+        path = self.write("a.csv", table())
+        lines = "sensor: pad\ntype: own\ntime: {column: t}\nchannels:\n  force: {unit: N, columns: [f1]}\n"
+        for map, message in (
+            (lines.replace("type: own\n", ""), "map.yaml:1: the map has no key 'type'"),
+            (
+                lines.replace("columns", "column"),
+                "map.yaml:5: unknown key 'column' in channels.force; did you mean 'columns'? allowed: unit",
+            ),
+            (lines.replace("[f1]", "f1"), "map.yaml:5: channels.force.columns: expected a list of texts, found 'f1'"),
+            (lines.replace("column: t", "rate: 5 mm"), "map.yaml:3: time.rate: "),
+            (lines + "missing: skip\n", "map.yaml:6: missing: expected refuse or gap or nan, found 'skip'"),
+            (
+                lines + "state: {rule: x}\n",
+                "map.yaml:6: state: expected one of column, value, folder, file, table, found none of them",
+            ),
+            (lines + "state: {value: 7, rule: x}\n", "a.csv: expected a label of 0, 1, 2, 3"),
+            (
+                lines + "sensors: {a: {type: own}}\n",
+                "map.yaml:1: the map: expected one of sensor, sensors, found sensor and sensors",
+            ),
+            (lines + "skip: -1\n", "map.yaml:6: skip: expected a whole number from 1"),
+            ("a: [", "map.yaml:"),
+        ):
+            with self.subTest(message):
+                self.assertIn(message, self.refused(map, path))
+        with self.assertRaisesRegex(
+            slipbench.InputError,
+            "no such file, and no map of the program; found: biotac_ros, papillarray_ros, xela_ros",
+        ):
+            slipbench.import_recordings(path, map="nothing")
+
+    def test_the_table_of_keys_is_whole(self):
+        kinds = {"text", "name", "number", "integer", "boolean", "texts", "lines", "rate", "words", "block", "blocks"}
+        for block, keys in BLOCKS.items():
+            self.assertEqual(len({key.name for key in keys}), len(keys), block)
+            for key in keys:
+                self.assertIn(key.kind, kinds)
+                self.assertEqual(key.kind in ("block", "blocks"), key.block in BLOCKS)
+                self.assertTrue(key.description)
+
+    def test_a_missing_package_is_named(self):
+        request = json.dumps(
+            {
+                "sources": [str(self.write("a.csv", table()))],
+                "map": str(self.write("map.yaml", MAP % "")),
+                "output": "",
+                "seed": 1,
+                "rate": None,
+                "json": False,
+                "install": "pip install x",
+            }
+        )
+        told = subprocess.run(
+            [
+                sys.executable,
+                "-c",
+                "import sys; sys.modules['pandas'] = None; from slipbench._import.__main__ import main; "
+                "sys.exit(main(sys.argv[1]))",
+                request,
+            ],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        self.assertEqual(told.returncode, 2)
+        self.assertRegex(told.stderr, "import --map needs the Python package pandas, .* install it: pip install x")
+
+
+class Arrays(ImportTest):
+    """.npz, .npy and Parquet."""
+
+    def test_arrays_keep_their_shape(self):
+        force = np.arange(18, dtype=float).reshape(2, 3, 3)
+        np.savez(self.folder / "a.npz", t=np.array([0.0, 0.01]), force=force, serial=np.array([7]))
+        map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [force]}}}"
+        np.testing.assert_array_equal(self.force(map, self.folder / "a.npz")[0], force)
+        pa.parquet.write_table(
+            pa.table({"t": [0.0, 0.01], "force": force.reshape(2, 9).tolist()}), self.folder / "a.parquet"
+        )
+        np.testing.assert_array_equal(
+            self.force(map.replace("[force]", "[force], components: 3"), self.folder / "a.parquet")[0], force
+        )
+        np.save(self.folder / "a.npy", force.reshape(2, 9))
+        bare = "{sensor: pad, type: own, time: {rate: 10 Hz}, channels: {force: {unit: N, columns: [1 .. 9]}}}"
+        np.testing.assert_array_equal(self.force(bare, self.folder / "a.npy")[0], force.reshape(2, 9))
+        for name in ("a.npz", "a.npy", "a.parquet"):
+            self.write(name, b"not it")
+            self.assertIn(f"{name}: cannot be read", self.refused(map, self.folder / name))
+
+
+PILLAR = "int64 id\nfloat32 dX\nfloat32 dY\nfloat32 dZ\nfloat32 fX\nfloat32 fY\nfloat32 fZ\nbool in_contact\nint64 slip_state\n"
+SENSOR = "std_msgs/Header header\nint64 tus\npapillarray_interfaces/PillarState[] pillars\nfloat32 gfX\n"
+
+
+class Bags(ImportTest):
+    """Bags that rosbags has written."""
+
+    def messages(self, ros):
+        """Types and 4 messages of a PapillArray: pillar p carries (p, 0, 2) N and is displaced by (0, 0, row) mm, 1 ms apart."""
+        store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_JAZZY)
+        package = "papillarray_interfaces/msg"
+        store.register(
+            get_types_from_msg(PILLAR, f"{package}/PillarState") | get_types_from_msg(SENSOR, f"{package}/SensorState")
+        )
+        types = store.types
+        header = {"seq": 0} if ros == 1 else {}
+        made = []
+        for row in range(4):
+            pillars = [
+                types[f"{package}/PillarState"](
+                    id=p, dX=0, dY=0, dZ=row, fX=p, fY=0, fZ=2, in_contact=True, slip_state=1
+                )
+                for p in range(9)
+            ]
+            stamp = types["builtin_interfaces/msg/Time"](sec=5, nanosec=1_000_000 * row)
+            made.append(
+                types[f"{package}/SensorState"](
+                    header=types["std_msgs/msg/Header"](stamp=stamp, frame_id="", **header),
+                    tus=1000 * row,
+                    pillars=pillars,
+                    gfX=0.0,
+                )
+            )
+        return store, f"{package}/SensorState", made
+
+    def check(self, path):
+        """Both sensors of a bag by the program's own map."""
+        output = self.folder / f"{path.name}.h5"
+        slipbench.import_recordings(path, output, map="papillarray_ros")
+        with slipbench.open(output) as data:
+            trial = data[0]
+            self.assertEqual(set(trial.sensors), {"pad_hub_0_sensor_0", "pad_hub_0_sensor_1"})
+            pad = trial.sensors["pad_hub_0_sensor_1"]
+            np.testing.assert_allclose(pad.t, [0, 0.001, 0.002, 0.003])
+            self.assertEqual(np.asarray(pad.force).tolist(), [[[p, 0, 2] for p in range(9)]] * 4)
+            np.testing.assert_array_equal(np.asarray(pad.displacement)[:, 4, 2], np.float32([0, 0.001, 0.002, 0.003]))
+
+    def test_bags_of_both_ros_are_read(self):
+        store, kind, made = self.messages(1)
+        with Writer1(self.folder / "one.bag") as writer:
+            for topic in ("/hub_0/sensor_0", "/hub_0/sensor_1"):
+                connection = writer.add_connection(topic, kind, typestore=store)
+                for row, message in enumerate(made):
+                    writer.write(connection, row * 1_000_000, store.serialize_ros1(message, kind))
+        self.check(self.folder / "one.bag")
+        for plugin in (StoragePlugin.SQLITE3, StoragePlugin.MCAP):
+            store, kind, made = self.messages(2)
+            path = self.folder / f"bag_{plugin.name}"
+            with Writer2(path, version=9, storage_plugin=plugin) as writer:
+                for topic in ("/hub_0/sensor_0", "/hub_0/sensor_1"):
+                    connection = writer.add_connection(topic, kind, typestore=store)
+                    for row, message in enumerate(made):
+                        writer.write(connection, row * 1_000_000, store.serialize_cdr(message, kind))
+            self.check(path)
+        self.check(next(path.glob("*.mcap")))
+
+    def test_topics_are_named_or_found(self):
+        self.test_bags_of_both_ros_are_read()
+        bag = self.folder / "one.bag"
+        map = "{sensor: pad, type: own, %s channels: {force: {unit: N, columns: ['pillars[*].fX']}}}"
+        values, times = self.force(map % "topic: /hub_0/sensor_0,", bag)
+        self.assertEqual(values[0].tolist(), list(range(9)))
+        np.testing.assert_allclose(times, [0, 0.001, 0.002, 0.003])  # when the messages were received
+        _, times = self.force(map % "topic: /hub_0/sensor_0, time: {column: header.stamp},", bag)
+        np.testing.assert_allclose(times, [5, 5.001, 5.002, 5.003])
+        self.assertIn("has 2 topics, so that the map needs the key 'topic'", self.refused(map % "", bag))
+        self.assertIn("has no topic '/hub_0/sensor_2'", self.refused(map % "topic: /hub_0/sensor_2,", bag))
+        self.assertIn("has no topic of the type 'Other'", self.refused(map % "message: Other,", bag))
+        self.assertIn(
+            "no column is called 'pillars[*].fx' with a number for each *",
+            self.refused(map.replace("fX", "fx") % "topic: /hub_0/sensor_0,", bag),
+        )
+        self.write("bad.bag", b"#ROSBAG V2.0\nno")
+        self.assertIn("bad.bag: cannot be read as a bag", self.refused(map % "", self.folder / "bad.bag"))
+
+    def test_items_of_a_list_are_sensors(self):
+        store = get_typestore(Stores.ROS2_JAZZY)
+        store.register(
+            get_types_from_msg("uint16 x\nuint16 y\nuint16 z\n", "xela_server_ros2/msg/Taxel")
+            | get_types_from_msg(
+                "uint8 sensor_pos\nxela_server_ros2/Taxel[] taxels\n", "xela_server_ros2/msg/SensorFull"
+            )
+            | get_types_from_msg("xela_server_ros2/SensorFull[] sensors\n", "xela_server_ros2/msg/SensStream")
+        )
+        taxel, full, stream = (
+            store.types[f"xela_server_ros2/msg/{name}"] for name in ("Taxel", "SensorFull", "SensStream")
+        )
+        with Writer2(self.folder / "xela", version=9) as writer:
+            connection = writer.add_connection("/xServTopic", stream.__msgtype__, typestore=store)
+            for row in range(3):
+                message = stream(
+                    sensors=[full(sensor_pos=s, taxels=[taxel(x=s, y=k, z=row) for k in range(16)]) for s in (1, 2)]
+                )
+                writer.write(connection, 10_000_000 * row, store.serialize_cdr(message, stream.__msgtype__))
+        output = self.folder / "xela.h5"
+        slipbench.import_recordings(self.folder / "xela", output, map="xela_ros")
+        with slipbench.open(output) as data:
+            sensors = data[0].sensors
+            self.assertEqual(set(sensors), {"skin_xServTopic_sensors_0", "skin_xServTopic_sensors_1"})
+            counts = np.asarray(sensors["skin_xServTopic_sensors_1"].counts)
+            self.assertEqual(counts.shape, (3, 16, 3))
+            self.assertEqual(counts[2, 5].tolist(), [2, 5, 2])
+
+
+class Damaged(ImportTest):
+    """Tables and maps with changed bytes: read, or refused with a message."""
+
+    def test_changed_bytes_are_read_or_refused(self):
+        random = np.random.default_rng(1)
+        texts = [table(), table(";", ","), table(quote='"'), table(end="\r\n"), table().encode("utf-16")]
+        alphabet = b'0123456789.,;\t "+-eE:TN\n\r#\xff\0x'
+        for turn in range(400):
+            text = texts[turn % len(texts)]
+            data = bytearray(text if isinstance(text, bytes) else text.encode())
+            for _ in range(int(random.integers(1, 6))):
+                place = int(random.integers(len(data)))
+                data[place : place + int(random.integers(2))] = bytes(
+                    random.choice(list(alphabet), int(random.integers(3))).tolist()
+                )
+            path = self.write("a.csv", bytes(data))
+            with contextlib.suppress(slipbench.InputError):
+                found = TextTable(str(path))
+                found.load(found.titles, found.titles[:1])
+                for title in found.titles:
+                    found.values(title)
+        text = f"sensor: pad\ntype: own\ntime: {{column: t, unit: ms}}\n{CHANNELS}\nskip: [1, 2]\nstate: {{column: s, rule: r}}\n"
+        for _ in range(400):
+            data = bytearray(text.encode())
+            place = int(random.integers(len(data)))
+            data[place : place + int(random.integers(9))] = bytes(
+                random.choice(list(b"{}[]:,a \n1'-"), int(random.integers(4))).tolist()
+            )
+            with contextlib.suppress(slipbench.InputError):
+                read_map(str(self.write("map.yaml", bytes(data))))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,125 @@
+// Bindings for `import --map`: sources, YAML with lines, and the writer of recordings.
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include "sim/scene/parser.h"
+#include "sim/scene/yaml_tree.h"
+#include "tools/base/files/reject.h"
+#include "tools/program/commands/dataset_commands.h"
+#include "tools/program/import/source_table.h"
+#include "tools/python/module.h"
+
+namespace nb = nanobind;
+
+namespace slipbench::python {
+namespace {
+
+template <class T>
+using Values = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+// Name, unit, shape of a row, names of its values, values [T, shape...].
+using ChannelParts = std::tuple<std::string, std::string, std::vector<std::size_t>, std::vector<std::string>, Values<float>>;
+using Node = nb::typed<nb::tuple, nb::any, nb::ellipsis>;
+
+template <class T>
+std::vector<T> copied(const Values<T>& values) {
+  return {values.data(), values.data() + values.size()};
+}
+
+// Key, line of the key, kind, line of the value, text, children.
+Node tuple_of(const YamlNode& node) {
+  nb::list children;
+  for (const YamlNode& child : node.children) children.append(tuple_of(child));
+  constexpr std::array kinds{"null", "scalar", "sequence", "map"};
+  return nb::borrow<Node>(nb::make_tuple(node.key, node.key_origin.line, kinds[static_cast<std::size_t>(node.kind)],
+                                         node.origin.line, node.text, children));
+}
+
+std::vector<std::pair<std::string, std::string>> sources_of(const std::vector<std::string>& sources,
+                                                            const std::vector<std::string>& endings) {
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const SourceFile& file : list_sources(sources, endings, true)) files.emplace_back(file.path, file.name);
+  return files;
+}
+
+// One recording while Python describes it, and the writer that takes it.
+class MappedImport {
+ public:
+  MappedImport(std::vector<std::string> sources, std::string map, std::string output, std::uint64_t seed,
+               std::optional<double> rate, const std::string& split_by)
+      : options_{std::move(sources), nullptr, std::move(output), seed, std::move(map), rate}, writer_(options_, split_by) {}
+
+  // `rate` [Hz]: of samples without stamps; none: from the stamps, whose least difference is `resolution` [s].
+  void add_sensor(const std::string& name, const std::string& type, const std::string& frame, const Values<double>& time,
+                  double resolution, std::optional<double> rate, const std::string& rule,
+                  const std::optional<Values<std::uint8_t>>& states, const std::vector<ChannelParts>& channels) {
+    SensorRecord sensor;
+    sensor.name = name;
+    sensor.type = type;
+    sensor.frame = frame;
+    sensor.labels.truth = false;
+    sensor.labels.rule = rule;
+    sensor.time = copied(time);
+    if (states) sensor.labels.state_paper = copied(*states);
+    for (const auto& [channel, unit, shape, names, values] : channels) {
+      const bool scalar = shape == std::vector<std::size_t>{1} && is_scalar_channel(type, channel);
+      sensor.channels.push_back({channel, unit, scalar ? std::vector<std::size_t>{} : shape, copied(values)});
+      sensor.channel_names.insert(sensor.channel_names.end(), names.begin(), names.end());
+      if (sensor.channels.back().values.size() != sensor.time.size() * sensor.channels.back().row_size())
+        reject("{}/{}: has {} values for {} samples of {}", name, channel, values.size(), sensor.time.size(),
+               sensor.channels.back().row_size());
+    }
+    sensor.rate = rate ? *rate : rate_of(sensor.time, resolution);
+    if (!rate) sensor.timing = timing_of(sensor.time, resolution);
+    sensors_.push_back(std::move(sensor));
+  }
+  // The recording of the sensors that were added since the last one. `params`: JSON.
+  void add(const std::string& path, const std::string& params, const std::string& object) {
+    TrialRecord record = make_recording(Json::parse(params), object);
+    record.sensors = std::exchange(sensors_, {});
+    record.body_time = record.sensors.front().time;
+    writer_.add(std::move(record), path, 0);
+  }
+  void warn(const std::string& path, const std::string& text) { writer_.warn(path, text); }
+  // Prints the result of the import as the program does.
+  void finish(std::size_t sources, bool json) {
+    print_import(writer_.finish(sources), options_, json);
+    std::fflush(stdout);
+  }
+
+ private:
+  ImportOptions options_;
+  RecordingWriter writer_;
+  std::vector<SensorRecord> sensors_;
+};
+
+}  // namespace
+
+void bind_import(nb::module_& module) {
+  module.def("list_sources", &sources_of, nb::arg("sources"), nb::arg("endings"));
+  module.def("read_yaml", [](const std::string& path) { return tuple_of(SceneFile::load(path).root()); });
+  module.def("is_plain_name", &is_plain_name);
+  nb::class_<MappedImport>(module, "MappedImport")
+      .def(nb::init<std::vector<std::string>, std::string, std::string, std::uint64_t, std::optional<double>,
+                    const std::string&>(),
+           nb::arg("sources"), nb::arg("map"), nb::arg("output"), nb::arg("seed"), nb::arg("rate").none(), nb::arg("split_by"))
+      .def("add_sensor", &MappedImport::add_sensor, nb::arg("name"), nb::arg("type"), nb::arg("frame"), nb::arg("time"),
+           nb::arg("resolution"), nb::arg("rate").none(), nb::arg("rule"), nb::arg("states").none(), nb::arg("channels"))
+      .def("add", &MappedImport::add, nb::arg("path"), nb::arg("params"), nb::arg("object"))
+      .def("warn", &MappedImport::warn, nb::arg("path"), nb::arg("text"))
+      .def("finish", &MappedImport::finish, nb::arg("sources"), nb::arg("json"));
+}
+
+}  // namespace slipbench::python

@@ -1,0 +1,92 @@
+"""`python -m slipbench._import REQUEST`: started by the program. Exit status 2 for bad input, with its message."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from slipbench import InputError
+from slipbench._import.block import nearest, read_map
+from slipbench._program import Interrupt, Interrupted
+from slipbench.bin import _core
+
+MAPS = Path(__file__).parent / "maps"
+
+
+@dataclass(frozen=True)
+class Request:
+    """As the program hands it over, in JSON.
+
+    Attributes:
+        sources: files and folders
+        map: YAML file, or the name of a map of the program
+        output: dataset to write; empty: the sources are only checked
+        seed: of the split
+        rate: Hz, at which recordings are resampled; None: as recorded
+        json: whether stdout is to have one JSON object
+        install: the command that installs what the readers need
+    """
+
+    sources: list[str]
+    map: str
+    output: str
+    seed: int
+    rate: float | None
+    json: bool
+    install: str
+
+
+def map_path(name: str) -> str:
+    """The path of a map: a file, or a map of the program by its name. Raises InputError where there is neither."""
+    if Path(name).is_file():
+        return name
+    own = MAPS / f"{name}.yaml"
+    if Path(name).name == name and own.is_file():
+        return str(own)
+    raise InputError(
+        f"--map {name}: no such file, and no map of the program{nearest(name, sorted(path.stem for path in MAPS.glob('*.yaml')))}"
+    )
+
+
+def run(request: Request, interrupt: Interrupt) -> None:
+    """Imports the recordings and prints the result."""
+    from slipbench._import.recordings import Importer, Map
+
+    map = Map(read_map(map_path(request.map)))
+    files = map.files(request.sources)
+    if not files:
+        raise InputError(f"{', '.join(request.sources)}: holds tables of labels alone; expected recordings")
+    writer = _core.MappedImport(
+        request.sources, request.map, request.output, request.seed, request.rate, "object" if map.object else "trial"
+    )
+    importer = Importer(map, writer)
+    for file in files:
+        interrupt.check()
+        importer.add(file)
+    interrupt.check()
+    writer.finish(len(files), request.json)
+
+
+def main(text: str) -> int:
+    """Does what the request asks for; returns the exit status."""
+    request = Request(**json.loads(text))
+    try:
+        run(request, Interrupt("stopping; nothing is kept"))
+        return 0
+    except Interrupted:
+        print("slipbench: interrupted; nothing is kept", file=sys.stderr)
+        return 130
+    except ModuleNotFoundError as error:
+        message = f"import --map needs the Python package {error.name}, which {sys.executable} does not have; install it: {request.install}"
+    except InputError as error:
+        message = str(error)
+    except OSError as error:
+        message = f"{error.filename or request.output}: {error.strerror or error}"
+    print(f"slipbench: {message}", file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

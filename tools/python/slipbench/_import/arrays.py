@@ -1,0 +1,107 @@
+"""Arrays of NumPy and tables of Parquet."""
+
+from __future__ import annotations
+
+import zipfile
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from slipbench import InputError
+from slipbench._import.source import Source
+
+
+class Columns(Source):
+    """Columns in memory, each [T, ...] in numbers or [T] in texts."""
+
+    def __init__(self, path: str, columns: dict[str, Any]) -> None:
+        super().__init__(path)
+        self._columns = columns
+        self.titles = list(columns)
+
+    def __len__(self) -> int:
+        return len(next(iter(self._columns.values())))
+
+    def values(self, title: str) -> np.ndarray:
+        column = self._columns[title]
+        if column.dtype.kind not in "biuf":
+            raise InputError(f"{self.path}: {title} holds {column.dtype}; expected numbers")
+        values: np.ndarray = column.astype(float)
+        if np.isinf(values).any():
+            raise InputError(f"{self.place(int(np.argwhere(np.isinf(values))[0][0]))}: {title} holds an infinite value")
+        return values
+
+    def texts(self, title: str) -> list[str]:
+        column = self._columns[title]
+        if column.ndim != 1:
+            raise InputError(f"{self.path}: {title} has {column.ndim} dimensions; expected one value a row")
+        if column.dtype.kind == "f":
+            return ["" if np.isnan(value) else f"{value!r}" for value in column.tolist()]
+        return [str(value) for value in column.tolist()]
+
+
+def read_npy(path: str) -> Columns:
+    """An array [T, N], whose columns are called 1 to N, or a structured array [T], by the names of its fields."""
+    try:
+        array = np.load(path, allow_pickle=False, mmap_mode="r")
+    except (OSError, ValueError, EOFError, SyntaxError, OverflowError, TypeError) as error:
+        raise InputError(f"{path}: cannot be read as an array: {error}") from error
+    if not isinstance(array, np.ndarray) or array.ndim == 0 or array.size == 0:
+        raise InputError(f"{path}: expected an array with a row for each sample")
+    if array.dtype.names:
+        return Columns(path, {name: array[name] for name in array.dtype.names})
+    return Columns(path, {str(k + 1): column for k, column in enumerate(array.reshape(len(array), -1).T)})
+
+
+def read_npz(path: str) -> Columns:
+    """Arrays by their names. Those with another number of rows than most, such as constants, are left out."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    except (
+        OSError,
+        ValueError,
+        EOFError,
+        SyntaxError,
+        OverflowError,
+        TypeError,
+        KeyError,
+        zipfile.BadZipFile,
+        NotImplementedError,
+    ) as error:
+        raise InputError(f"{path}: cannot be read as arrays: {error}") from error
+    rows = Counter(len(array) for array in arrays.values() if array.ndim and array.size)
+    if not rows:
+        raise InputError(f"{path}: has no array with a row for each sample; found: {', '.join(list(arrays)[:10])}")
+    most = max(rows, key=lambda count: (rows[count], count))
+    return Columns(path, {name: array for name, array in arrays.items() if array.ndim and len(array) == most})
+
+
+def read_parquet(path: str) -> Columns:
+    """The columns of a Parquet file; lists of one length are arrays."""
+    import pyarrow as pa
+    import pyarrow.parquet
+
+    try:
+        table = pyarrow.parquet.read_table(path)
+    except (OSError, pa.ArrowException) as error:
+        raise InputError(f"{path}: cannot be read as Parquet: {error}") from error
+    if table.num_rows == 0:
+        raise InputError(f"{path}: the table has no row")
+    columns: dict[str, Any] = {}
+    for name, column in zip(table.column_names, table.columns, strict=True):
+        if pa.types.is_timestamp(column.type):
+            columns[name] = np.array([value.isoformat() for value in column.to_pylist()])
+        elif (
+            pa.types.is_list(column.type)
+            or pa.types.is_fixed_size_list(column.type)
+            or pa.types.is_large_list(column.type)
+        ):
+            try:
+                columns[name] = np.array(column.to_pylist(), dtype=float)
+            except ValueError:
+                raise InputError(f"{path}: the lists of column {name!r} differ in length") from None
+        else:
+            columns[name] = column.to_numpy()
+    return Columns(path, columns)

@@ -1,0 +1,189 @@
+"""Blocks of a map: YAML checked by the table of keys, with file and line in every error."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from typing import Any, NoReturn
+
+from slipbench import InputError, parse_quantity
+from slipbench._import.keys import BLOCKS, Key
+from slipbench.bin import _core
+
+LARGEST = 1_000_000  # lines that a list may skip, components
+
+
+class Node:
+    """A node of the YAML file: its text, its items or its keys, and its line.
+
+    Args:
+        path: of the file
+        parts: as `_core.read_yaml` gives a node: key, line of the key, kind, line, text, children
+    """
+
+    def __init__(self, path: str, parts: tuple[Any, ...]) -> None:
+        self.path = path
+        self.key: str = parts[0]
+        self.kind: str = parts[2]
+        self.line: int = parts[3]
+        self.text: str = parts[4]
+        self.children = [Node(path, child) for child in parts[5]]
+
+    def fail(self, message: str) -> NoReturn:
+        """Raises InputError with file and line."""
+        raise InputError(f"{self.path}:{max(self.line, 1)}: {message}")
+
+    @property
+    def described(self) -> str:
+        """What is written: a text in quotes, "a map", "a list", "nothing"."""
+        return {"scalar": repr(self.text), "sequence": "a list", "map": "a map"}.get(self.kind, "nothing")
+
+
+def nearest(name: str, known: list[str]) -> str:
+    """ "; did you mean 'b'? It has a, b, c", for an error about a name that is not known. At most ten names are listed."""
+    close = difflib.get_close_matches(name, known, 1) or [one for one in known if one.lower() == name.lower()][:1]
+    shown = ", ".join(known[:10]) + (f" and {len(known) - 10} more" if len(known) > 10 else "")
+    return (f"; did you mean {close[0]!r}?" if close else ";") + f" found: {shown}"
+
+
+def _scalar(node: Node, where: str, expected: str) -> str:
+    if node.kind != "scalar":
+        node.fail(f"{where}: expected {expected}, found {node.described}")
+    return node.text
+
+
+def _number(node: Node, where: str) -> float:
+    try:
+        value = float(_scalar(node, where, "a number"))
+    except ValueError:
+        value = 0.0
+    if not 1e-30 < abs(value) < 1e30:
+        node.fail(f"{where}: expected a number other than 0, found {node.described}")
+    return value
+
+
+def _integer(node: Node, where: str) -> int:
+    text = _scalar(node, where, "a whole number")
+    if not re.fullmatch(r"[0-9]{1,7}", text) or not 1 <= int(text) <= LARGEST:
+        node.fail(f"{where}: expected a whole number from 1 to {LARGEST}, found {node.described}")
+    return int(text)
+
+
+def _value(node: Node, key: Key, where: str) -> Any:
+    """The value of a key, by its kind."""
+    if key.kind == "blocks":
+        if node.kind != "map" or not node.children:
+            node.fail(f"{where}: expected blocks by their names, found {node.described}")
+        return {child.key: Block(child, key.block, f"{where}.{child.key}") for child in node.children}
+    if key.kind == "block":
+        return Block(node, key.block, where)
+    if key.kind == "texts":
+        if node.kind != "sequence" or not node.children:
+            node.fail(f"{where}: expected a list of texts, found {node.described}")
+        return [_scalar(child, where, "a text") for child in node.children]
+    if key.kind == "words":
+        if node.kind != "map" or not node.children:
+            node.fail(f"{where}: expected texts by texts, found {node.described}")
+        return {child.key: _scalar(child, f"{where}.{child.key}", "a text") for child in node.children}
+    if key.kind == "lines":
+        if node.kind == "sequence":
+            return [_integer(child, where) for child in node.children]
+        return _integer(node, where)
+    if key.kind == "number":
+        return _number(node, where)
+    if key.kind == "integer":
+        return _integer(node, where)
+    text = _scalar(node, where, key.description)
+    if key.kind == "boolean":
+        if text not in ("true", "false"):
+            node.fail(f"{where}: expected true or false, found {text!r}")
+        return text == "true"
+    if key.kind == "rate":
+        try:
+            rate = parse_quantity(text, "Hz")
+        except InputError as error:
+            node.fail(f"{where}: {error}")
+        if not 1e-6 <= rate <= 1e9:
+            node.fail(f"{where}: expected a rate such as '100 Hz', found {text!r}")
+        return rate
+    if key.kind == "name" and not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", text):
+        node.fail(f"{where}: expected letters, digits and '_', no digit first, found {text!r}")
+    if key.choices and text not in key.choices:
+        node.fail(f"{where}: expected {' or '.join(key.choices)}, found {text!r}")
+    if not text or not _core.is_plain_name(text):
+        node.fail(f"{where}: expected a text of one line, found {text!r}")
+    return text
+
+
+class Block:
+    """A block whose keys were checked against BLOCKS.
+
+    Args:
+        node: what the file has there
+        kind: name of the block in BLOCKS
+        where: path of the keys that lead here, for messages; empty for the whole map
+    """
+
+    def __init__(self, node: Node, kind: str, where: str = "") -> None:
+        self.node, self.where = node, where
+        keys = {key.name: key for key in BLOCKS[kind]}
+        if node.kind != "map":
+            node.fail(f"{where or 'the map'}: expected the keys {', '.join(keys)}, found {node.described}")
+        self._values: dict[str, Any] = {}
+        self._nodes = {child.key: child for child in node.children}
+        for child in node.children:
+            if child.key not in keys:
+                child.fail(
+                    f"unknown key {child.key!r} in {where or 'the map'}{nearest(child.key, list(keys))}".replace(
+                        " found: ", " allowed: "
+                    )
+                )
+            self._values[child.key] = _value(child, keys[child.key], self.path(child.key))
+        for key in keys.values():
+            if key.required:
+                self.need(key.name)
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._values
+
+    def get(self, key: str, default: Any = None) -> Any:
+        """The value of a key, or the default."""
+        return self._values.get(key, default)
+
+    def need(self, key: str) -> Any:
+        """The value of a key. Raises InputError where the map does not have it."""
+        if key not in self._values:
+            self.node.fail(f"{self.where or 'the map'} has no key {key!r}")
+        return self._values[key]
+
+    def path(self, key: str) -> str:
+        """The key with those that lead to it."""
+        return f"{self.where}.{key}" if self.where else key
+
+    def fail(self, message: str, key: str = "") -> NoReturn:
+        """Raises InputError with file and line of the key, or of the block."""
+        self._nodes.get(key, self.node).fail(message)
+
+    def only_one(self, keys: tuple[str, ...]) -> str:
+        """Which one of several keys the block has. Raises InputError unless it is exactly one."""
+        found = [key for key in keys if key in self]
+        if len(found) != 1:
+            self.fail(
+                f"{self.where or 'the map'}: expected one of {', '.join(keys)}, found {' and '.join(found) or 'none of them'}"
+            )
+        return found[0]
+
+
+def read_map(path: str) -> Block:
+    """Reads and checks a map.
+
+    Args:
+        path: YAML file
+
+    Returns:
+        The block "map" of it.
+
+    Raises:
+        InputError: file:line, the key, what was found and what is expected.
+    """
+    return Block(Node(path, _core.read_yaml(path)), "map")

@@ -1,0 +1,131 @@
+"""The keys of a map, declared once: maps are checked by this table, and their JSON Schema is made from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+STATES = {"no_contact": 0, "non_slip": 1, "incipient": 2, "gross": 3}
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key of a block of the map.
+
+    Attributes:
+        name: as it is written
+        kind: "text"; "name" (letters, digits and "_"); "number"; "integer" (1 or more); "boolean"; "texts" (a list);
+            "lines" (a number of lines, or a list of line numbers); "rate" ("100 Hz"); "words" (texts by texts);
+            "block" (the keys of `block`); "blocks" (such blocks, each under a name)
+        default: what holds without the key, for the reader; empty: nothing
+        description: one sentence
+        choices: of a text; empty: any
+        block: name of the block in BLOCKS, for the kinds "block" and "blocks"
+        required: whether the block needs the key
+    """
+
+    name: str
+    kind: str
+    default: str
+    description: str
+    choices: tuple[str, ...] = ()
+    block: str = ""
+    required: bool = False
+
+
+_SENSOR = (
+    Key("type", "text", "", "type of the sensor, as in a scene: papillarray, taxels, or a type of your own"),
+    Key("frame", "text", "as the recordings have it", "a sentence that says what the axes are"),
+    Key("time", "block", "of a bag: when a message was received", "the times of the samples", block="time"),
+    Key("channels", "blocks", "", "the channels by their names", block="channel"),
+    Key(
+        "state",
+        "block",
+        "no labels",
+        "the label of each sample: no contact, non-slip, incipient or gross slip",
+        block="state",
+    ),
+    Key("topic", "text", "the only one", "topic of a bag or of an MCAP file"),
+    Key("message", "text", "", "type of message in a bag; each topic of this type is a sensor of its own"),
+    Key(
+        "each",
+        "text",
+        "",
+        "list in a message, each item of which is a sensor of its own; columns are fields of an item",
+    ),
+)
+_PLACES = (
+    Key("column", "text", "", "title of the column"),
+    Key("value", "text", "", "one value for all recordings"),
+    Key("folder", "integer", "", "name of a folder above the file: 1 is the folder that holds it, 2 the one above"),
+    Key("file", "text", "", "regular expression for the file's name, whose first group is the value"),
+    Key("table", "block", "", "a table with a row for each file", block="table"),
+)
+BLOCKS: dict[str, tuple[Key, ...]] = {
+    "map": (
+        Key("sensor", "name", "", "name of the only sensor; its keys then stand beside it"),
+        Key("sensors", "blocks", "", "several sensors by their names", block="sensor"),
+        *_SENSOR,
+        Key(
+            "object",
+            "block",
+            "no objects",
+            "name of the object; recordings of one object stay in one part of the split",
+            block="object",
+        ),
+        Key(
+            "separator",
+            "text",
+            "found",
+            "between the cells: a character, tab, or blanks (any number of spaces and tabs)",
+        ),
+        Key("decimal", "text", "found", "the decimal mark", choices=(".", ",")),
+        Key(
+            "header", "boolean", "true", "whether the first line holds titles; without them columns are called 1, 2, 3"
+        ),
+        Key("skip", "lines", "none", "lines that are not read: the first N, or a list of line numbers"),
+        Key("comment", "text", "#", "a line that begins with this text is not read; none: all lines are read"),
+        Key(
+            "missing",
+            "text",
+            "refuse",
+            "empty cells, NaN and NA: refuse the file; gap: leave out the sample; nan: keep NaN",
+            choices=("refuse", "gap", "nan"),
+        ),
+    ),
+    "sensor": _SENSOR,
+    "time": (
+        Key("column", "text", "", "title of the column: numbers, ISO 8601, or a time of day as 12:30:00.5"),
+        Key("unit", "text", "s", "unit of a column of numbers", choices=tuple(TIME_UNITS)),
+        Key("scale", "number", "1", "length of the column's unit in seconds, where `unit` has no name for it"),
+        Key("rate", "rate", "", "rate of samples without times, such as 100 Hz"),
+    ),
+    "channel": (
+        Key("unit", "text", "", "unit of the values in the dataset", required=True),
+        Key("scale", "number", "1", "factor from a cell to `unit`"),
+        Key("components", "integer", "1, or the number of titles with *", "components of a unit, such as 3 of a force"),
+        Key(
+            "columns",
+            "texts",
+            "",
+            "titles; 'A .. B' is A, B and all between them; * stands for a number, and several titles with * are taken in turn",
+            required=True,
+        ),
+    ),
+    "state": (
+        *_PLACES,
+        Key(
+            "values",
+            "words",
+            "0 to 3, or their names",
+            "the state of each text that is found: no_contact, non_slip, incipient, gross, 0 to 3, or unknown",
+        ),
+        Key("rule", "text", "", "a sentence that says what the labels go by", required=True),
+    ),
+    "object": _PLACES,
+    "table": (
+        Key("path", "text", "", "file name, beside the recordings or beside the map", required=True),
+        Key("file", "text", "file", "title of the column of file names"),
+        Key("column", "text", "", "title of the column of values", required=True),
+    ),
+}

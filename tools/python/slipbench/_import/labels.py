@@ -1,0 +1,182 @@
+"""Labels and objects of recordings: by a column, a value, a folder, a file name, or a table of files."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from slipbench import InputError
+from slipbench._import.block import Block
+from slipbench._import.keys import STATES
+from slipbench._import.source import Source
+from slipbench.bin import _core
+
+PLACES = ("column", "value", "folder", "file", "table")
+UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True)
+class File:
+    """A source: its path as messages name it, and its name below the folder that the user named."""
+
+    path: str
+    name: str
+
+
+class Lookup:
+    """A block `state` or `object` of a map."""
+
+    def __init__(self, block: Block) -> None:
+        self.block = block
+        self.place = block.only_one(PLACES)
+        self._tables: dict[Path, dict[str, str]] = {}
+        if self.place == "file":
+            try:
+                self._pattern = re.compile(block.need("file"))
+            except re.error as error:
+                block.fail(
+                    f"{block.path('file')}: expected a regular expression, found {block.get('file')!r}: {error}", "file"
+                )
+            if self._pattern.groups != 1:
+                block.fail(
+                    f"{block.path('file')}: expected one group in brackets, found {self._pattern.groups} in {block.get('file')!r}",
+                    "file",
+                )
+
+    @property
+    def column(self) -> str | None:
+        """Title of the column that has the values; None: they are the same in a whole file."""
+        return self.block.need("column") if self.place == "column" else None
+
+    @property
+    def table(self) -> str | None:
+        """File name of the table of files; None: there is none."""
+        return self.block.need("table").need("path") if self.place == "table" else None
+
+    def of_file(self, file: File) -> str:
+        """The value of a whole file. Raises InputError where the file has none."""
+        if self.place == "value":
+            return str(self.block.need("value"))
+        full = Path(file.path).absolute()
+        if self.place == "folder":
+            level: int = self.block.need("folder")
+            if level > len(full.parents) or not full.parents[level - 1].name:
+                raise InputError(
+                    f"{file.path}: has no folder {level} levels above it, which {self.block.path('folder')} asks for"
+                )
+            return full.parents[level - 1].name
+        if self.place == "file":
+            match = self._pattern.search(file.name)
+            if not match or not match[1]:
+                raise InputError(
+                    f"{file.path}: the name {file.name!r} does not match {self.block.path('file')}: {self._pattern.pattern}"
+                )
+            return match[1]
+        return self._of_table(file, full)
+
+    def _of_table(self, file: File, full: Path) -> str:
+        named = self.block.need("table")
+        for folder in (full.parent, Path(named.node.path).absolute().parent):
+            path = folder / named.need("path")
+            if path.is_file():
+                break
+        else:
+            named.fail(
+                f"{named.path('path')}: there is no file {named.need('path')!r} beside {file.path} and none beside the map",
+                "path",
+            )
+        if path not in self._tables:
+            self._tables[path] = self._read(path, named)
+        rows = self._tables[path]
+        for name in (file.name, full.name, full.stem):
+            if name in rows:
+                return rows[name]
+        raise InputError(f"{file.path}: the table {path} has no row for {full.name!r}")
+
+    @staticmethod
+    def _read(path: Path, named: Block) -> dict[str, str]:
+        from slipbench._import.text import TextTable
+
+        table = TextTable(str(path))
+        titles = [table.find(named.get("file", "file")), table.find(named.need("column"))]
+        table.load(titles, titles)
+        rows: dict[str, str] = {}
+        for row, (name, value) in enumerate(zip(table.texts(titles[0]), table.texts(titles[1]), strict=True)):
+            if name in rows:
+                raise InputError(f"{table.place(row)}: names the file {name!r} a second time")
+            rows[name] = value
+        return rows
+
+
+class States(Lookup):
+    """The block `state` of a map."""
+
+    def __init__(self, block: Block) -> None:
+        super().__init__(block)
+        self._values: dict[str, str] | None = block.get("values")
+        for text, state in (self._values or {}).items():
+            if self._number(state) is None and state != UNKNOWN:
+                block.fail(
+                    f"{block.path('values')}.{text}: expected {', '.join(STATES)}, 0, 1, 2, 3 or {UNKNOWN}, found {state!r}",
+                    "values",
+                )
+
+    @staticmethod
+    def _number(text: str) -> int | None:
+        if text in STATES:
+            return STATES[text]
+        return int(float(text)) if re.fullmatch(r"[0-3](\.0*)?", text) else None
+
+    def _state(self, text: str, place: str) -> int | None:
+        if self._values is not None:
+            if text not in self._values:
+                raise InputError(
+                    f"{place}: the label {text!r} is not in {self.block.path('values')}; found there: "
+                    f"{', '.join(self._values)}"
+                )
+            text = self._values[text]
+        if text == UNKNOWN:
+            return None
+        number = self._number(text)
+        if number is None:
+            raise InputError(
+                f"{place}: expected a label of 0, 1, 2, 3 or {', '.join(STATES)}, found {text!r}"
+                f"; say what texts mean in {self.block.path('values')}"
+            )
+        return number
+
+    def of_rows(self, file: File, source: Source, kept: np.ndarray) -> np.ndarray | None:
+        """The states of the rows `kept`, uint8; None: unknown in this file."""
+        if self.column is None:
+            state = self._state(self.of_file(file), file.path)
+            return None if state is None else np.full(len(kept), state, np.uint8)
+        texts = source.texts(self.column)
+        known: dict[str, int] = {}
+        for row in kept.tolist():
+            if texts[row] not in known:
+                state = self._state(texts[row], f"{source.place(row)}: column {self.column}")
+                if state is None:
+                    raise InputError(
+                        f"{source.place(row)}: the label {texts[row]!r} is unknown; a column needs a label in each row"
+                    )
+                known[texts[row]] = state
+        return np.array([known[texts[row]] for row in kept.tolist()], np.uint8)
+
+
+def object_of(lookup: Lookup, file: File, source: Source) -> str:
+    """The object of a recording. Raises InputError where a column has more than one in a file."""
+    if lookup.column is None:
+        name = lookup.of_file(file)
+    else:
+        names = sorted(set(source.texts(lookup.column)))
+        if len(names) != 1:
+            raise InputError(
+                f"{file.path}: column {lookup.column} has {len(names)} objects ({', '.join(names[:5])}); expected one in a file"
+            )
+        name = names[0]
+    if not _core.is_plain_name(name):
+        raise InputError(f"{file.path}: the object is {name!r}; expected a name")
+    return name

@@ -1,0 +1,327 @@
+"""From sources to recordings by a map."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from slipbench import InputError
+from slipbench._import.arrays import read_npy, read_npz, read_parquet
+from slipbench._import.block import Block
+from slipbench._import.keys import TIME_UNITS
+from slipbench._import.labels import File, Lookup, States, object_of
+from slipbench._import.source import Source, stamps_of
+from slipbench.bin import _core
+
+# Which files of a folder are meant: those of the first of these kinds that it has.
+KINDS = (
+    (".csv",),
+    (".tsv", ".tab"),
+    (".txt", ".dat"),
+    (".parquet", ".pq"),
+    (".npz",),
+    (".npy",),
+    (".mcap",),
+    (".bag",),
+)
+BAGS = (".mcap", ".bag")
+MOST_RUNS = 5  # of missing samples that a warning lists
+FRAME = "as the recordings have it"
+LARGEST = 1_000_000_000  # bytes of a recording
+
+
+def list_files(sources: list[str]) -> list[File]:
+    """The recordings that files and folders mean, in the order of their names."""
+    endings: set[str] = set()
+    for source in sources:
+        if Path(source).is_dir() and not (Path(source) / "metadata.yaml").is_file():
+            found = {path.suffix for path in Path(source).rglob("*")}
+            endings |= set(next((kind for kind in KINDS if found & set(kind)), ()))
+    every = [ending for kind in KINDS for ending in kind]
+    return [File(*one) for one in _core.list_sources(sources, sorted(endings) or every)]
+
+
+class Sensor:
+    """A sensor of the map, or the map itself where it has only one."""
+
+    def __init__(self, name: str, block: Block, root: Block) -> None:
+        self.name, self.block = name, block
+        self.type = block.need("type")
+        self.channels: dict[str, Block] = block.need("channels")
+        for key, channel in self.channels.items():
+            if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", key) or key == "t":
+                channel.fail(
+                    f"channels: expected a name of letters, digits and '_', no digit first, not t, found {key!r}"
+                )
+        self.time: Block | None = block.get("time", root.get("time"))
+        if self.time is not None:
+            self.time.only_one(("column", "rate"))
+            if "unit" in self.time and "scale" in self.time:
+                self.time.fail("time: expected unit or scale, found both")
+            if self.time.get("scale", 1.0) < 0:
+                self.time.fail(f"time.scale: expected a positive number, found {self.time.get('scale')}", "scale")
+        labels = block.get("state", root.get("state"))
+        self.states = None if labels is None else States(labels)
+
+    @property
+    def scale(self) -> float | None:
+        """Length of the unit of the times in seconds; None: the map says none."""
+        if self.time is None or not ("unit" in self.time or "scale" in self.time):
+            return None
+        return float(self.time.get("scale") or TIME_UNITS[self.time.need("unit")])
+
+
+class Map:
+    """A map whose keys were checked, as the reader of files."""
+
+    def __init__(self, block: Block) -> None:
+        self.block = block
+        block.only_one(("sensor", "sensors"))
+        if "sensors" in block:
+            for key in ("type", "channels", "topic", "message", "each", "frame"):
+                if key in block:
+                    block.fail(f"{key} stands beside 'sensors'; expected it in a sensor", key)
+            self.sensors = [Sensor(name, one, block) for name, one in block.need("sensors").items()]
+            for sensor in self.sensors:
+                if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", sensor.name):
+                    sensor.block.fail(
+                        f"sensors: expected a name of letters, digits and '_', no digit first, found {sensor.name!r}"
+                    )
+        else:
+            self.sensors = [Sensor(block.need("sensor"), block, block)]
+        self.object = Lookup(block.need("object")) if "object" in block else None
+        if (comment := block.get("comment")) is not None and comment != comment.strip():
+            block.fail(f"comment: expected a text without blanks around it, found {comment!r}", "comment")
+
+    def files(self, sources: list[str]) -> list[File]:
+        """The recordings; tables of labels and objects are left out."""
+        lookups = [sensor.states for sensor in self.sensors] + [self.object]
+        tables = {lookup.table for lookup in lookups if lookup is not None and lookup.table}
+        return [file for file in list_files(sources) if Path(file.path).name not in tables]
+
+    def read(self, file: File) -> Iterator[tuple[str, Sensor, Source]]:
+        """The sensors of a file: name, its block of the map, its columns."""
+        path = Path(file.path)
+        if path.is_dir() or path.suffix in BAGS:
+            yield from self._read_bag(file)
+            return
+        if not path.is_file():
+            raise InputError(f"{file.path}: is not a plain file")
+        source = self._open(file.path)
+        titles: list[str] = []
+        texts: list[str] = []
+        for sensor in self.sensors:
+            for key, channel in sensor.channels.items():
+                titles += source.find_all(channel.need("columns"), f"channels.{key}.columns")[0]
+            if sensor.time is None:
+                sensor.block.fail(
+                    "the map has no key 'time'; expected time: {column: TITLE}, or time: {rate: 100 Hz} for a table without times"
+                )
+            if "column" in sensor.time:
+                texts.append(source.find(sensor.time.need("column")))
+            if sensor.states is not None and sensor.states.column is not None:
+                texts.append(source.find(sensor.states.column))
+        if self.object is not None and self.object.column is not None:
+            texts.append(source.find(self.object.column))
+        source.load(titles + texts, texts)
+        for sensor in self.sensors:
+            yield sensor.name, sensor, source
+
+    def _open(self, path: str) -> Source:
+        suffix = Path(path).suffix
+        if suffix in (".parquet", ".pq"):
+            return read_parquet(path)
+        if suffix == ".npz":
+            return read_npz(path)
+        if suffix == ".npy":
+            return read_npy(path)
+        from slipbench._import.text import TextTable
+
+        get = self.block.get
+        return TextTable(
+            path, get("separator", ""), get("decimal", ""), get("header", True), get("skip", 0), get("comment", "#")
+        )
+
+    def _read_bag(self, file: File) -> Iterator[tuple[str, Sensor, Source]]:
+        from slipbench._import.bags import Bag
+
+        bag = Bag(file.path)
+        try:
+            for sensor in self.sensors:
+                names = bag.find(sensor.block.get("topic", ""), sensor.block.get("message", ""))
+                topics = [bag.read(name) for name in names]
+                each = sensor.block.get("each")
+                found = [item for topic in topics for item in (topic.items(each) if each else [topic])]
+                for topic in found:
+                    label = re.sub(r"[^A-Za-z0-9_]+", "_", topic.name).strip("_")
+                    yield sensor.name if len(found) == 1 else f"{sensor.name}_{label}", sensor, topic
+        finally:
+            bag.close()
+
+
+def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int], list[str], np.ndarray]:
+    """Shape of a row, names of its values, and values [T, N] in the channel's unit."""
+    titles, starred = source.find_all(channel.need("columns"), f"channels.{key}.columns")
+    parts = [source.values(title) for title in titles]
+    names = [
+        name
+        for title, part in zip(titles, parts, strict=True)
+        for name in ([title] if part.ndim == 1 else [f"{title}[{k}]" for k in range(part[0].size)])
+    ]
+    if len(names) * len(source) * 4 > LARGEST:
+        raise InputError(
+            f"{source.path}: channel {key} takes more than {LARGEST // 1_000_000} MB; cut the file in parts"
+        )
+    joined = np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1) * channel.get("scale", 1.0)
+    large = np.argwhere(np.abs(joined) > np.finfo(np.float32).max)
+    if large.size:
+        raise InputError(
+            f"{source.place(int(large[0][0]))}: column {names[large[0][1]]}: expected a number that float32 holds, "
+            f"found {joined[tuple(large[0])]:g}"
+        )
+    components = channel.get("components", starred)
+    if len(names) % components:
+        raise InputError(
+            f"{source.title_place()}: has {len(names)} columns for channel {key}; expected a multiple of its {components} components"
+        )
+    if len(parts) == 1 and parts[0].ndim > 2 and "components" not in channel:
+        return list(parts[0].shape[1:]), names, joined
+    return [len(names) // components, components] if components > 1 else [len(names)], names, joined
+
+
+def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | None]:
+    """Times of all rows [s], NaN where one is missing; their resolution [s]; the rate [Hz] where the map says it."""
+    if sensor.time is None:
+        clock = source.clock()
+        if clock is None:
+            raise InputError(f"{source.path}: has no times of its own; the map needs the key 'time'")
+        return clock * 1e-9, 1e-9, None
+    if "rate" in sensor.time:
+        rate = float(sensor.time.need("rate"))
+        return np.arange(len(source)) / rate, 0.0, rate
+    times, resolution = stamps_of(source, source.find(sensor.time.need("column")), sensor.scale)
+    return times, resolution, None
+
+
+def _runs(rows: np.ndarray) -> list[tuple[int, int]]:
+    """First and last of each run of consecutive numbers."""
+    cuts = np.flatnonzero(np.diff(rows) > 1) + 1
+    return [(int(run[0]), int(run[-1])) for run in np.split(rows, cuts) if run.size]
+
+
+def _missing_text(source: Source, times: np.ndarray, rows: np.ndarray, done: str) -> str:
+    """ "3 of 100 samples have missing values and are left out: 3 from FILE:12 on, 0.04 s from 1.2 s to 1.24 s"."""
+    runs = _runs(rows)
+    texts = []
+    for first, last in runs[:MOST_RUNS]:
+        before, after = max(first - 1, 0), min(last + 1, len(times) - 1)
+        texts.append(
+            f"{last - first + 1} at {source.place(first)}, {times[after] - times[before]:.4g} s from {times[before]:.6g} s on"
+        )
+    more = f" and {len(runs) - MOST_RUNS} more gaps" if len(runs) > MOST_RUNS else ""
+    return f"{len(rows)} of {len(times)} samples have missing values and {done}: {'; '.join(texts)}{more}"
+
+
+class Importer:
+    """Reads files by a map and hands their recordings over to the writer."""
+
+    def __init__(self, map: Map, writer: _core.MappedImport) -> None:
+        self._map, self._writer = map, writer
+        self._policy = map.block.get("missing", "refuse")
+
+    def add(self, file: File) -> None:
+        """Adds the recording of a file. Raises InputError with file and line."""
+        named = ""
+        names: list[str] = []
+        for name, sensor, source in self._map.read(file):
+            if name in names:
+                raise InputError(f"{file.path}: gives two sensors called {name!r}; name them in the map")
+            names.append(name)
+            if not named and self._map.object is not None:
+                named = object_of(self._map.object, file, source)
+            self._add_sensor(file, name, sensor, source)
+        self._writer.add(file.path, json.dumps({"file": file.name} | ({"object": named} if named else {})), named)
+
+    def _add_sensor(self, file: File, name: str, sensor: Sensor, source: Source) -> None:
+        times, resolution, rate = _times(source, sensor)
+        channels = {key: _channel_values(source, key, channel) for key, channel in sensor.channels.items()}
+        empty = np.isnan(times)
+        for _, _, values in channels.values():
+            empty |= np.isnan(values).any(axis=1)
+        kept = self._kept(source, sensor, channels, times, np.flatnonzero(empty))
+        if len(kept) < len(times):
+            rate = None  # the rows that are left have gaps
+        times = times[kept]
+        if len(times) < (1 if rate else 2):
+            raise InputError(f"{file.path}: has {len(times)} samples; expected two or more, which give the rate")
+        late = np.flatnonzero(~(np.diff(times) > 0))
+        if late.size:
+            row = int(late[0]) + 1
+            column = "" if sensor.time is None else f"column {source.titles.index(sensor.time.need('column')) + 1}, "
+            raise InputError(
+                f"{source.place(int(kept[row]))}: {column}time: {times[row]:.12g} s comes after {times[row - 1]:.12g} s; "
+                "expected rising times"
+            )
+        if np.abs(times).max() > 1e10:
+            raise InputError(
+                f"{source.place(0)}: time: {np.abs(times).max():g} s; expected at most 1e10 s; set time.unit"
+            )
+        self._writer.add_sensor(
+            name,
+            sensor.type,
+            sensor.block.get("frame", FRAME),
+            np.ascontiguousarray(times),
+            resolution,
+            rate,
+            sensor.states.block.need("rule") if sensor.states else "",
+            sensor.states.of_rows(file, source, kept) if sensor.states else None,
+            [
+                (
+                    key,
+                    sensor.channels[key].need("unit"),
+                    shape,
+                    titles,
+                    np.ascontiguousarray(values[kept], np.float32).ravel(),
+                )
+                for key, (shape, titles, values) in channels.items()
+            ],
+        )
+
+    def _kept(
+        self,
+        source: Source,
+        sensor: Sensor,
+        channels: dict[str, tuple[list[int], list[str], np.ndarray]],
+        times: np.ndarray,
+        empty: np.ndarray,
+    ) -> np.ndarray:
+        """The rows that become samples, by the key `missing`."""
+        every = np.arange(len(times))
+        if not empty.size:
+            return every
+        if self._policy == "refuse" or (self._policy == "nan" and np.isnan(times).any()):
+            row = int(np.flatnonzero(np.isnan(times))[0]) if self._policy == "nan" else int(empty[0])
+            titles = [
+                title
+                for _, names, values in channels.values()
+                for title, value in zip(names, values[row], strict=True)
+                if np.isnan(value)
+            ]
+            if np.isnan(times[row]) and sensor.time is not None:
+                titles = [sensor.time.need("column")]
+            raise InputError(
+                f"{source.place(row)}: column {titles[0]} has no value; expected a number in each row, or missing: gap in the "
+                "map, which leaves out such rows, or missing: nan, which keeps the other values"
+            )
+        known = (
+            np.interp(every, np.flatnonzero(~np.isnan(times)), times[~np.isnan(times)])
+            if not np.isnan(times).all()
+            else times
+        )
+        done = "are left out" if self._policy == "gap" else "are NaN in the dataset"
+        self._writer.warn(source.path, _missing_text(source, known, empty, done))
+        return np.setdiff1d(every, empty) if self._policy == "gap" else every

@@ -1,0 +1,176 @@
+"""What all readers hand over: columns by their titles, and where each row stands."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from datetime import datetime
+
+import numpy as np
+
+from slipbench import InputError
+from slipbench._import.block import nearest
+
+MISSING = ("", "nan", "-nan", "+nan", "na", "n/a", "null", "none", "-")  # cells without a value, in lower case
+RANGE = " .. "
+CLOCK = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)")
+
+
+class Source:
+    """Columns by their titles. A column has one value a row, or an array of any shape.
+
+    Attributes:
+        path: of the file
+        titles: of its columns
+    """
+
+    titles: list[str]
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self.titles = []
+
+    def __len__(self) -> int:
+        raise NotImplementedError
+
+    def load(self, titles: Iterable[str], texts: Iterable[str]) -> None:
+        """Reads the columns `titles`, of them `texts` as texts, where they were not read with the header."""
+
+    def values(self, title: str) -> np.ndarray:
+        """A column as float64 [T, ...]; a missing value is NaN. Raises InputError for a cell that is not a number."""
+        raise NotImplementedError
+
+    def texts(self, title: str) -> list[str]:
+        """A column as texts."""
+        raise NotImplementedError
+
+    def clock(self) -> np.ndarray | None:
+        """Times of the rows in ns of the recorder's clock; None: there are none."""
+        return None
+
+    def place(self, row: int) -> str:
+        """Where a row stands, "FILE:LINE" or "FILE: row 7"."""
+        return f"{self.path}: row {row + 1}"
+
+    def title_place(self) -> str:
+        """Where the titles stand."""
+        return self.path
+
+    def title_hint(self) -> str:
+        """What an error about an unknown title adds."""
+        return ""
+
+    def find(self, title: str) -> str:
+        """Returns `title`. Raises InputError unless there is exactly one such column."""
+        if title not in self.titles:
+            raise InputError(
+                f"{self.title_place()}: has no column {title!r}{nearest(title, self.titles)}{self.title_hint()}"
+            )
+        if self.titles.count(title) > 1:
+            raise InputError(
+                f"{self.title_place()}: has {self.titles.count(title)} columns {title!r}; titles that the map names must differ"
+            )
+        return title
+
+    def find_all(self, columns: list[str], where: str) -> tuple[list[str], int]:
+        """The titles that a channel's `columns` mean, in the order of its values.
+
+        Args:
+            columns: titles, "A .. B", and titles with *
+            where: the key, for messages
+
+        Returns:
+            The titles, and the number of components that * says: 1 without.
+        """
+        starred = [title for title in columns if "*" in title and title not in self.titles]
+        if starred:
+            if len(starred) < len(columns):
+                raise InputError(f"{where}: titles with * and without cannot stand in one list")
+            groups = [self._matches(title) for title in starred]
+            for title, group in zip(starred, groups, strict=True):
+                if len(group) != len(groups[0]):
+                    raise InputError(
+                        f"{self.title_place()}: {starred[0]!r} is {len(groups[0])} columns and {title!r} is {len(group)}; "
+                        "expected as many"
+                    )
+            return [title for row in zip(*groups, strict=True) for title in row], len(starred)
+        found: list[str] = []
+        for title in columns:
+            if RANGE in title and title not in self.titles:
+                first, last = (self.titles.index(self.find(end)) for end in title.split(RANGE, 1))
+                if last < first:
+                    raise InputError(f"{self.title_place()}: {title!r} goes backwards; name the first column first")
+                found += self.titles[first : last + 1]
+            else:
+                found.append(self.find(title))
+        return found, 1
+
+    def _matches(self, title: str) -> list[str]:
+        pattern = re.compile(r"(\d+)".join(re.escape(part) for part in title.split("*")))
+        found = [
+            (tuple(int(number) for number in match.groups()), one)
+            for one in self.titles
+            if (match := pattern.fullmatch(one))
+        ]
+        if not found:
+            raise InputError(
+                f"{self.title_place()}: no column is called {title!r} with a number for each *{nearest(title, self.titles)}"
+                f"{self.title_hint()}"
+            )
+        return [self.find(one) for _, one in sorted(found)]
+
+
+def resolution_of(cells: Iterable[str]) -> float:
+    """The least difference that numbers written like these can have: 0.001 of "1.250", 1 of "7"."""
+    least = np.inf
+    for cell in set(re.sub(r"\d", "0", cell) if "e" not in cell.lower() else cell for cell in cells):
+        mantissa, _, exponent = cell.lower().replace(",", ".").partition("e")
+        decimals = len(mantissa.partition(".")[2])
+        least = min(least, float(f"1e{int(exponent or 0) - decimals}"))
+    return float(least)
+
+
+def stamps_of(source: Source, title: str, scale: float | None) -> tuple[np.ndarray, float]:
+    """The times of a column.
+
+    Args:
+        source: the table
+        title: of the column
+        scale: length of its unit in seconds; None: the map says none, and the column may be ISO 8601 or a time of day
+
+    Returns:
+        Times [T] s, NaN where one is missing, and their resolution [s].
+    """
+    texts = source.texts(title)
+    filled = [text for text in texts if text.lower() not in MISSING]
+    if filled and ":" in filled[0]:
+        if scale is not None:
+            raise InputError(
+                f"{source.place(0)}: column {title!r} has times as {filled[0]!r}, which need no unit and no scale"
+            )
+        times = np.array(
+            [np.nan if text.lower() in MISSING else _moment(source, title, row, text) for row, text in enumerate(texts)]
+        )
+        digits = max(len(match[1]) if (match := re.search(r":\d{2}[.,](\d+)", text)) else 0 for text in filled)
+        return times, 10.0**-digits
+    times = source.values(title) * (scale or 1.0)
+    numbers = [text for text in filled if re.fullmatch(r"[+-]?[\d.,]+([eE][+-]?\d{1,3})?", text)]
+    return times, (resolution_of(numbers) if numbers else 0.0) * (scale or 1.0)
+
+
+def _moment(source: Source, title: str, row: int, text: str) -> float:
+    """Seconds since 1970 of ISO 8601, since midnight of a time of day."""
+    if clock := CLOCK.fullmatch(text):
+        return 3600.0 * int(clock[1]) + 60.0 * int(clock[2]) + float(clock[3].replace(",", "."))
+    # datetime has microseconds: the fraction is added by itself.
+    whole, fraction, zone = re.fullmatch(r"([^.,]*)(?:[.,](\d+))?(.*)", text, re.DOTALL).groups()  # type: ignore[union-attr]
+    try:
+        moment = datetime.fromisoformat(whole + zone)
+        if moment.tzinfo is None:
+            moment = datetime.fromisoformat(whole + "+00:00")
+    except ValueError:
+        raise InputError(
+            f"{source.place(row)}: column {title}: expected a time in ISO 8601 such as 2026-02-03T10:00:00.01, "
+            f"found {text!r}"
+        ) from None
+    return moment.timestamp() + (float(f"0.{fraction}") if fraction else 0.0)

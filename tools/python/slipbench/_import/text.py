@@ -1,0 +1,266 @@
+"""Text tables: separator and decimal mark are found, pandas parses, errors name file and line."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+import warnings
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from slipbench import InputError
+from slipbench._import.source import MISSING, Source
+
+SEPARATORS = ("\t", ";", "|", ",", " ")  # in the order in which they are preferred; the last stands for any blanks
+NAMES = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks", "": "one column"}
+SAMPLE = 100  # lines that separator and decimal mark are found by
+LARGEST = 2_000_000_000  # bytes of a table, which is in memory as a whole
+LONGEST = 1_000_000  # characters of a line
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+COMMA_NUMBER = re.compile(r"[+-]?(\d+,\d+|,\d+)([eE][+-]?\d+)?")
+MINUS = "\N{MINUS SIGN}"
+
+
+def decoded(path: str) -> str:
+    """The text of a file in UTF-8, UTF-16 with or without a mark, or Latin 1."""
+    if Path(path).stat().st_size > LARGEST:
+        raise InputError(f"{path}: the table has more than {LARGEST / 1e9:.0f} GB; cut it in parts")
+    data = Path(path).read_bytes()
+    encodings = ["utf-8-sig", "latin-1"]
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        encodings = ["utf-16"]
+    elif data[1:200:2].count(0) > 80 or (len(data) > 3 and data[1] == data[3] == 0):
+        encodings = ["utf-16-le"]
+    for encoding in encodings:
+        try:
+            text = data.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if "\0" not in text:
+            return text.replace("\r\n", "\n").replace("\r", "\n")
+    raise InputError(f"{path}: the file is not text: it has bytes of value 0")
+
+
+def cells_of(line: str, separator: str) -> list[str]:
+    """The cells of a line, without quotes and without blanks around them."""
+    if separator == " ":
+        line, separator = " ".join(line.split()), " "
+    if not separator:
+        return [line.strip().strip('"')]
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
+
+
+def filled(cells: list[str]) -> int:
+    """Number of cells without the empty ones at the end."""
+    count = len(cells)
+    while count and not cells[count - 1]:
+        count -= 1
+    return count
+
+
+def find_separator(lines: list[str]) -> str:
+    """The separator by which most lines have as many cells as the first; empty: the table has one column."""
+    best, most = "", 0
+    for separator in SEPARATORS:
+        counts = [filled(cells_of(line, separator)) for line in lines]
+        agree = sum(count == counts[0] for count in counts)
+        if counts[0] > 1 and agree > max(most, 1 if len(counts) > 1 else 0, len(counts) // 2):
+            best, most = separator, agree
+    if (
+        not best and len(lines) > 1
+    ):  # no separator agrees: the one of the header, so that the rows are refused by their number of cells
+        return next((one for one in SEPARATORS[:-1] if filled(cells_of(lines[0], one)) > 1), "")
+    return best
+
+
+def find_decimal(lines: list[str], separator: str) -> str:
+    """The decimal mark of the cells: a comma where cells have one and no cell has a point."""
+    cells = [cell for line in lines for cell in cells_of(line, separator)]
+    commas = any(COMMA_NUMBER.fullmatch(cell) for cell in cells)
+    points = any("." in cell and NUMBER.fullmatch(cell) for cell in cells)
+    return "," if commas and not points else "."
+
+
+class TextTable(Source):
+    """A text table whose header is read; load() reads the columns.
+
+    Args:
+        path: of the file
+        separator: between cells, "blanks" or "tab"; empty: found
+        decimal: mark; empty: found
+        header: whether the first line holds titles
+        skip: number of first lines, or the numbers of lines, that are not read
+        comment: text that lines begin with that are not read; "none": there are none
+    """
+
+    def __init__(
+        self,
+        path: str,
+        separator: str = "",
+        decimal: str = "",
+        header: bool = True,
+        skip: int | list[int] = 0,
+        comment: str = "#",
+    ) -> None:
+        super().__init__(path)
+        text = decoded(path)
+        skipped = set(range(1, skip + 1)) if isinstance(skip, int) else set(skip)
+        numbered = [
+            (number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip() and number not in skipped
+        ]
+        if numbered and (said := re.fullmatch(r"sep=(.)", numbered[0][1].strip())):  # as Excel writes it
+            separator, numbered = separator or said[1], numbered[1:]
+        if comment != "none":
+            numbered = [(number, line) for number, line in numbered if not line.lstrip().startswith(comment)]
+        if not numbered:
+            raise InputError(
+                f"{path}:1: the file has no row; expected {'titles and ' if header else ''}a row for each sample"
+            )
+        longest = max(numbered, key=lambda one: len(one[1]))
+        if len(longest[1]) > LONGEST:
+            raise InputError(
+                f"{path}:{longest[0]}: the line has more than {LONGEST} characters; expected a table of text"
+            )
+        sample = [line for _, line in numbered[:SAMPLE]]
+        self._separator = {"tab": "\t", "blanks": " "}.get(separator, separator) or find_separator(sample)
+        if len(self._separator) > 1:
+            raise InputError(f"separator: expected one character, tab or blanks, found {separator!r}")
+        self._decimal = decimal or find_decimal(sample[1:] if header else sample, self._separator)
+        first = cells_of(numbered[0][1], self._separator)
+        self.titles = first[: filled(first)] if header else [str(k + 1) for k in range(filled(first))]
+        self._header_line = numbered[0][0]
+        if header:
+            numbered = numbered[1:]
+        self._numbers = [number for number, _ in numbered]
+        self._lines = [line for _, line in numbered]
+        self._numeric_header = header and bool(first) and all(self._is_number(cell) for cell in self.titles)
+        self._frame = pd.DataFrame()
+
+    def _is_number(self, cell: str) -> bool:
+        return bool(NUMBER.fullmatch(cell.replace(self._decimal, ".")))
+
+    def place(self, row: int) -> str:
+        return f"{self.path}:{self._numbers[row]}" if row < len(self._numbers) else self.path
+
+    def title_place(self) -> str:
+        return f"{self.path}:{self._header_line}"
+
+    def title_hint(self) -> str:
+        if self._numeric_header:
+            return "; the first line holds numbers: a table without titles needs header: false, and its columns are called 1, 2, 3"
+        return f"; read with {NAMES.get(self._separator, repr(self._separator))} between the cells"
+
+    def load(self, titles: Iterable[str], texts: Iterable[str]) -> None:
+        """Reads columns.
+
+        Args:
+            titles: of all columns that are needed
+            texts: those of `titles` that are read as texts
+        """
+        if not self._lines:
+            raise InputError(f"{self.title_place()}: the table has titles and no row")
+        count = len(self.titles)
+        texts = set(texts)
+        width = max(self._width(line) for line in self._lines)
+        order = range(width)
+        wanted = {title: k for k, title in enumerate(self.titles) if title in set(titles)}
+        places = {title: k for title, k in wanted.items() if k < width}
+        kinds = {k: str for k in order if k >= count or self.titles[k] in texts}
+        used = sorted([*places.values(), *(k for k in order if k >= count)])
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                frame = pd.read_csv(
+                    io.StringIO("\n".join(self._lines) + "\n"),
+                    header=None,
+                    names=list(order),
+                    index_col=False,
+                    usecols=used,
+                    sep=r"\s+" if self._separator == " " else self._separator or "\0",
+                    decimal=self._decimal,
+                    dtype=kinds,
+                    na_filter=False,
+                    skip_blank_lines=False,
+                    skipinitialspace=True,
+                    float_precision="round_trip",
+                    low_memory=False,
+                    engine="c",
+                )
+        except (pd.errors.ParserError, pd.errors.EmptyDataError, ValueError, OverflowError) as error:
+            raise InputError(f"{self.path}: cannot be read as a table: {str(error).strip()}") from error
+        if len(frame) != len(self._lines):
+            raise InputError(
+                f"{self.path}: {len(self._lines)} lines give {len(frame)} rows; expected a row on each line, "
+                "without line breaks inside quotes"
+            )
+        for k in used:
+            if k < count:
+                continue
+            for row in np.flatnonzero((frame[k].astype(str).str.strip() != "").to_numpy())[:1]:
+                self._refuse_cells(int(row))
+        self._frame = frame.rename(columns={k: title for title, k in places.items()})
+        for title in wanted.keys() - places.keys():  # no row is as long
+            self._frame[title] = ""
+
+    def _width(self, line: str) -> int:
+        if '"' in line or not self._separator:
+            return len(cells_of(line, self._separator))
+        return len(line.split()) if self._separator == " " else line.count(self._separator) + 1
+
+    def _refuse_cells(self, row: int) -> None:
+        cells = cells_of(self._lines[row], self._separator)
+        cause = ""
+        if (
+            self._separator == ","
+            and len(cells) > len(self.titles)
+            and all(re.fullmatch(r"[+-]?\d+", cell) for cell in cells if cell)
+        ):
+            cause = "; commas seem to be both the separator and the decimal mark, which cannot be told apart"
+        raise InputError(f"{self.place(row)}: has {filled(cells)} cells; expected {len(self.titles)}{cause}")
+
+    def __len__(self) -> int:
+        return len(self._lines)
+
+    def values(self, title: str) -> np.ndarray:
+        column = self._frame[title]
+        if column.dtype.kind in "iuf":
+            values: np.ndarray = column.to_numpy(float)
+        else:
+            values = self._numbers_of(title, column.astype(str).to_list())
+        infinite = np.flatnonzero(np.isinf(values))
+        if infinite.size:
+            self._refuse(title, int(infinite[0]), self.texts(title)[infinite[0]])
+        return values
+
+    def _numbers_of(self, title: str, cells: list[str]) -> np.ndarray:
+        values = np.empty(len(cells))
+        for row, cell in enumerate(cells):
+            text = cell.strip().replace(MINUS, "-")
+            if self._decimal == ",":
+                text = text.replace(".", "\0").replace(",", ".")  # a point in such a table separates thousands
+            if NUMBER.fullmatch(text):
+                values[row] = float(text)
+            elif text.lower() in MISSING:
+                values[row] = np.nan
+            else:
+                self._refuse(title, row, cell)
+        return values
+
+    def _refuse(self, title: str, row: int, cell: str) -> None:
+        cause = ""
+        if row == 0 and all(not self._is_number(one) for one in cells_of(self._lines[0], self._separator)):
+            cause = f"; a row of units is left out by skip: [{self._numbers[0]}]"
+        elif re.fullmatch(r"[+-]?\d{1,3}([,.' ]\d{3})+([.,]\d*)?", cell.strip()):
+            cause = "; write numbers without marks between thousands"
+        elif re.fullmatch(r"[+-]?[\d.]+[dD][+-]?\d+", cell.strip()):
+            cause = "; write the exponent with E"
+        raise InputError(
+            f"{self.place(row)}: column {self.titles.index(title) + 1}, {title}: expected a number, found {cell!r}{cause}"
+        )
+
+    def texts(self, title: str) -> list[str]:
+        return [cell.strip() for cell in self._frame[title].astype(str).to_list()]
