@@ -15,7 +15,7 @@ Commands command_table() {
                                     EvalCommand, BenchmarkCommand, CalibrateCommand>();
   commands.push_back(std::make_unique<CommandElsewhere>("reproduce", "Reproduce a table of a paper", "slipbench-studies"));
   commands.push_back(std::make_unique<CostCommand>());
-  for (auto& command : make_commands<ListCommand, DescribeCommand, DoctorCommand, PluginPathCommand>())
+  for (auto& command : make_commands<ListCommand, DescribeCommand, SchemaCommand, DoctorCommand, PluginPathCommand>())
     commands.push_back(std::move(command));
   return commands;
 }

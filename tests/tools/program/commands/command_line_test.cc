@@ -328,7 +328,7 @@ TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
 
 const std::vector<std::string> command_names{"run",       "sweep",     "check",   "report", "view",     "export", "import",
                                              "verify",    "merge",     "cluster", "hd",     "train",    "eval",   "benchmark",
-                                             "calibrate", "reproduce", "cost",    "list",   "describe", "doctor", "plugin-path"};
+                                             "calibrate", "reproduce", "cost",    "list",   "describe", "schema", "doctor", "plugin-path"};
 
 TEST(CommandLine, EveryCommandExplainsItself) {
   for (const std::string& name : command_names) {
