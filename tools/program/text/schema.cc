@@ -31,13 +31,9 @@ constexpr const char* identifier = "^[A-Za-z_][A-Za-z0-9_]*$";
 constexpr const char* decimal = R"((\d+\.?\d*|\.\d+)([eE][+-]?\d+)?)";
 
 // Names of the definitions, in the order of enum Quantity.
-constexpr std::array quantity_names{"number",        "length",
-                                    "time",          "speed",
-                                    "acceleration",  "angle",
-                                    "angular_speed", "angular_acceleration",
-                                    "frequency",     "force",
-                                    "mass",          "stiffness",
-                                    "damping",       "pressure"};
+constexpr std::array quantity_names{
+    "number",    "length", "time", "speed",     "acceleration", "angle",   "angular_speed", "angular_acceleration",
+    "frequency", "force",  "mass", "stiffness", "damping",      "pressure"};
 
 // What the sign of a text such as "4 mm" may be; bounds other than 0 cannot be told from a text with a unit.
 enum class Sign { any, non_negative, positive };
@@ -49,10 +45,14 @@ Sign sign_of(const Range& range) {
 
 Json reference(const std::string& definition) { return {{"$ref", "#/$defs/" + definition}}; }
 
+// YAML reads the texts true and false as booleans.
 template <class Texts>
 Json any_of_texts(const Texts& texts) {
   Json list = Json::array();
-  for (const auto& text : texts) list.push_back(std::string(text));
+  for (const std::string_view text : texts) {
+    list.push_back(text);
+    if (text == "true" || text == "false") list.push_back(text == "true");
+  }
   return {{"enum", std::move(list)}};
 }
 
@@ -159,8 +159,7 @@ class SceneSchema {
   Json quantity_text(Quantity quantity, Sign sign) {
     const char* const prefix = sign == Sign::positive ? "positive_" : sign == Sign::non_negative ? "non_negative_" : "";
     const std::string name = prefix + std::string(quantity_names.at(static_cast<std::size_t>(quantity)));
-    if (!defs_.contains(name))
-      defs_[name] = {{"type", "string"}, {"pattern", quantity_pattern(unit_patterns(quantity), sign)}};
+    if (!defs_.contains(name)) defs_[name] = {{"type", "string"}, {"pattern", quantity_pattern(unit_patterns(quantity), sign)}};
     return reference(name);
   }
 
@@ -215,7 +214,8 @@ class SceneSchema {
 
   // With its sentence, what is allowed, and its default.
   Json parameter(const ParameterSpec& spec) {
-    Json schema = described(value(spec), fmt::format("{}{}Allowed: {}.", spec.doc, spec.doc.empty() ? "" : " ", allowed_text(spec)));
+    Json schema =
+        described(value(spec), fmt::format("{}{}Allowed: {}.", spec.doc, spec.doc.empty() ? "" : " ", allowed_text(spec)));
     schema["default"] = default_of_parameter(spec);
     return schema;
   }
@@ -247,8 +247,7 @@ class SceneSchema {
     Json rules = Json::array();
     const auto add = [&](const std::string& name, const Json& schema) {
       names.push_back(name);
-      rules.push_back(
-          {{"if", {{"properties", {{selector, {{"const", name}}}}}, {"required", {selector}}}}, {"then", schema}});
+      rules.push_back({{"if", {{"properties", {{selector, {{"const", name}}}}}, {"required", {selector}}}}, {"then", schema}});
     };
     for (const Entry& entry : entries) {
       Json keys{{selector, {{"const", entry.name}}}};
@@ -300,8 +299,9 @@ class SceneSchema {
       Json electronics = any_of_texts(std::array{"ideal", "typical"});
       if (found != catalogues_.electronics.end() && !found->second.empty())
         electronics = {{"anyOf", {std::move(electronics), list(found->second, "electronics")}}};
-      defs_["sensor_" + entry.name]["properties"]["electronics"] = described(
-          std::move(electronics), "Errors of the electronics: ideal has none, typical all parts at their defaults, or a list of parts.");
+      defs_["sensor_" + entry.name]["properties"]["electronics"] =
+          described(std::move(electronics),
+                    "Errors of the electronics: ideal has none, typical all parts at their defaults, or a list of parts.");
     }
     return {{"type", "object"},
             {"minProperties", 1},
@@ -337,9 +337,10 @@ class SceneSchema {
   }
 
   Json friction() {
-    return closed_object({{"static", parameter(coefficient("static", "Coefficient of static friction."))},
-                          {"kinetic", parameter(coefficient("kinetic", "Coefficient of kinetic friction, at most the static one."))},
-                          {"scale", parameter(scale_spec)}});
+    return closed_object(
+        {{"static", parameter(coefficient("static", "Coefficient of static friction."))},
+         {"kinetic", parameter(coefficient("kinetic", "Coefficient of kinetic friction, at most the static one."))},
+         {"scale", parameter(scale_spec)}});
   }
 
   // The material's are the defaults.
@@ -382,9 +383,8 @@ class SceneSchema {
 
   static Json controls() {
     const Json value = reference("any_quantity");
-    Json points{{"type", "array"},
-                {"minItems", 1},
-                {"items", {{"type", "array"}, {"minItems", 2}, {"maxItems", 2}, {"items", value}}}};
+    Json points{
+        {"type", "array"}, {"minItems", 1}, {"items", {{"type", "array"}, {"minItems", 2}, {"maxItems", 2}, {"items", value}}}};
     return {{"type", "object"}, {"additionalProperties", {{"anyOf", {value, std::move(points)}}}}};
   }
 
@@ -405,9 +405,9 @@ class SceneSchema {
     values["controller"] = loop_part("controller", catalogues_.controllers, Json::object());
     values["controls"] = controls();
     values["description"] = reference("text");
-    values["detector"] =
-        loop_part("detector", catalogues_.detectors,
-                  {{"sensor", described(reference("text"), "Name of the sensor that it reads, needed where there are several.")}});
+    values["detector"] = loop_part(
+        "detector", catalogues_.detectors,
+        {{"sensor", described(reference("text"), "Name of the sensor that it reads, needed where there are several.")}});
     values["duration"] = plain(duration_spec);
     values["effects"] = list(catalogues_.effects, "effect");
     values["expect"] = expect();
@@ -442,19 +442,23 @@ class SceneSchema {
     const Json grasp = has_any({"grip", "box"}), forces = has_any({"bodies", "box", "grip", "model"}), swept = has_any({"sweep"});
     Json rules = Json::array();
     rules.push_back(has_any({"sensors", "sweep"}));
-    rules.push_back({{"if", grasp},
-                     {"then", {{"properties", {{"motion", arm}, {"bodies", false}, {"controls", false}, {"model", false}, {"hold", false}}}}},
-                     {"else",
-                      {{"if", swept},
-                       {"then", {{"properties", {{"motion", either}}}}},
-                       {"else", {{"properties", {{"motion", stage}, {"controller", none}, {"scatter", false}}}}}}}});
-    rules.push_back({{"if", forces},
-                     {"then", {{"properties", {{"surface", material_alone}}}}},
-                     {"else",
-                      {{"if", negated(swept)},
-                       {"then", {{"properties", {{"controls", false}, {"gravity", false}, {"hold", false}}}}}}}});
-    rules.push_back({{"if", negated({{"anyOf", {swept, {{"properties", {{"fidelity", {{"const", "mujoco_contact"}}}}}, {"required", {"fidelity"}}}}}})},
-                     {"then", {{"properties", {{"contact", {{"const", "none"}}}}}}}});
+    rules.push_back(
+        {{"if", grasp},
+         {"then", {{"properties", {{"motion", arm}, {"bodies", false}, {"controls", false}, {"model", false}, {"hold", false}}}}},
+         {"else",
+          {{"if", swept},
+           {"then", {{"properties", {{"motion", either}}}}},
+           {"else", {{"properties", {{"motion", stage}, {"controller", none}, {"scatter", false}}}}}}}});
+    rules.push_back(
+        {{"if", forces},
+         {"then", {{"properties", {{"surface", material_alone}}}}},
+         {"else",
+          {{"if", negated(swept)}, {"then", {{"properties", {{"controls", false}, {"gravity", false}, {"hold", false}}}}}}}});
+    rules.push_back(
+        {{"if",
+          negated(
+              {{"anyOf", {swept, {{"properties", {{"fidelity", {{"const", "mujoco_contact"}}}}}, {"required", {"fidelity"}}}}}})},
+         {"then", {{"properties", {{"contact", {{"const", "none"}}}}}}}});
     return rules;
   }
 
@@ -468,8 +472,7 @@ class SceneSchema {
       Json required = Json::array();
       for (const auto& list : {kind.required, kind.optional}) {
         for (const std::string_view key : list) {
-          keys[std::string(key)] =
-              key == "values" ? Json{{"type", "array"}, {"minItems", 1}} : reference("any_quantity");
+          keys[std::string(key)] = key == "values" ? Json{{"type", "array"}, {"minItems", 1}} : reference("any_quantity");
         }
       }
       for (const std::string_view key : kind.required) required.push_back(std::string(key));
@@ -477,7 +480,8 @@ class SceneSchema {
       then["required"] = std::move(required);
       rules.push_back({{"if", {{"properties", {{"draw", {{"const", std::string(kind.name)}}}}}}}, {"then", std::move(then)}});
     }
-    return {{"type", "object"}, {"properties", {{"draw", any_of_texts(names)}}}, {"required", {"draw"}}, {"allOf", std::move(rules)}};
+    return {
+        {"type", "object"}, {"properties", {{"draw", any_of_texts(names)}}}, {"required", {"draw"}}, {"allOf", std::move(rules)}};
   }
 
   // An axis of values that fit `item`, or a draw.
@@ -527,9 +531,8 @@ class SceneSchema {
     for (const char* path : {"motion.kind", "surface.shape", "detector.type", "controller.type", "detector.sensor"})
       properties[path] = swept_value(reference("text"));
     Json schema = closed_object(std::move(properties));
-    schema["patternProperties"] = {
-        {R"(^(sensors|bodies|effects|controls|hold)\.)", reference("axis")},
-        {fmt::format(R"(^({})\.[a-z_A-Z0-9]+\.)", fmt::join(sections, "|")), reference("axis")}};
+    schema["patternProperties"] = {{R"(^(sensors|bodies|effects|controls|hold)\.)", reference("axis")},
+                                   {fmt::format(R"(^({})\.[a-z_A-Z0-9]+\.)", fmt::join(sections, "|")), reference("axis")}};
     return schema;
   }
 
