@@ -19,6 +19,37 @@ constexpr std::string_view contact_fidelity = "mujoco_contact";
 // The motions of a grasp's arm, the usual one first, which are no motions of a stage.
 constexpr std::array<std::string_view, 2> arm_motions{"lift", guided_motion_name};
 
+constexpr std::array<SceneKey, 28> keys{{
+    {"accuracy", "Largest errors that the results may have, from which the step is found; none: the step is given."},
+    {"bodies", "Bodies that forces move, by their names."},
+    {"box", "The box that a grasp lifts."},
+    {"contact", "MuJoCo's own contact, with fidelity: mujoco_contact."},
+    {"controller", "The controller of the gripper."},
+    {"controls", "Controls of the model's actuators: a number, or points of time and value."},
+    {"description", "A text for the reader."},
+    {"detector", "The slip detector and the sensor that it reads."},
+    {"duration", "Length of a trial."},
+    {"effects", "Effects of the contact beyond Coulomb friction: names, or one {name: {parameters}} each."},
+    {"expect", "What must come out of the trials."},
+    {"fidelity", "Model of the pads."},
+    {"field_solver", "How the pads' springs enter a step."},
+    {"friction", "Coefficients of friction in place of the material's, and a factor on both."},
+    {"gravity", "Acceleration of gravity, downwards."},
+    {"grip", "How a grasp's fingers close and hold."},
+    {"hold", "A body that must not move against what holds it."},
+    {"integrator", "How MuJoCo steps the bodies."},
+    {"model", "Path of an MJCF file with bodies and actuators, from the scene's own folder."},
+    {"motion", "How the pad or the arm moves."},
+    {"scatter", "What the trials of a grasp draw at random."},
+    {"seed", "Of all random numbers; 0 where it is left out."},
+    {"sensors", "The sensors by their names."},
+    {"slipbench", "Version of the schema: 1."},
+    {"split", "How a dataset of the trials is divided for learning."},
+    {"surface", "Shape and material of what the sensors touch."},
+    {"sweep", "Values that differ between trials, by their paths."},
+    {"time_step", "Step of the simulation; auto: found."},
+}};
+
 class SceneReader : EntryReader {
  public:
   SceneReader(const YamlNode& root, const Catalogues& catalogues, Trace* trace)
@@ -26,10 +57,7 @@ class SceneReader : EntryReader {
 
   Scene read(const YamlNode& root) {
     require_map(root, "the scene", "keys with values, 'slipbench: 1' first");
-    check_keys(root, "the scene", {"accuracy", "bodies",   "box",       "contact",    "controller", "controls",     "description",
-                                   "detector", "duration", "effects",   "expect",     "fidelity",   "field_solver", "friction",
-                                   "gravity",  "grip",     "hold",      "integrator", "model",      "motion",       "scatter",
-                                   "seed",     "sensors",  "slipbench", "split",      "surface",    "sweep",        "time_step"});
+    check_keys(root, "the scene", names_of(keys));
     read_version(root);
     Scene scene;
     scene.grasp = read_grasp(root);  // first: its protocol is the default of others
@@ -343,6 +371,8 @@ class SceneReader : EntryReader {
 };
 
 }  // namespace
+
+std::span<const SceneKey> scene_keys() { return keys; }
 
 Scene read_scene(const YamlNode& root, const Catalogues& catalogues, Trace* trace) {
   return SceneReader(root, catalogues, trace).read(root);

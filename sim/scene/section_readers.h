@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -169,6 +170,15 @@ std::string named_part(const YamlNode& node, const std::string& list, const std:
                        const std::string& selector, const std::vector<Entry>& entries);
 
 // From a tree of YAML values to a checked Scene.
+
+// A key that stands at the root of a scene.
+struct SceneKey {
+  std::string_view name;
+  std::string_view doc;  // one sentence, what it holds
+};
+
+// All of them, in alphabetical order.
+std::span<const SceneKey> scene_keys();
 
 // Reads the tree of a scene without its key `sweep`. Throws InputError at the first thing that is wrong. `trace` may be null.
 // Throws InputError naming the root's line where a default name (the motion 'stage', say) is not in its catalogue.

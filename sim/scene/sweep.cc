@@ -17,28 +17,9 @@
 namespace slipbench {
 namespace {
 
-constexpr std::size_t max_cells = 1'000'000;
 constexpr std::size_t max_paths = 1000;
 constexpr int max_redraws = 1000;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-struct DrawKind {
-  std::string_view name;
-  Draw::Kind kind;
-  std::vector<std::string_view> required;
-  std::vector<std::string_view> optional;
-};
-
-const std::vector<DrawKind>& draw_kinds() {
-  static const std::vector<DrawKind> kinds{
-      {"choice", Draw::Kind::choice, {"values"}, {}},
-      {"log_uniform", Draw::Kind::log_uniform, {"min", "max"}, {}},
-      {"lognormal", Draw::Kind::lognormal, {"median", "sd"}, {"min", "max"}},
-      {"normal", Draw::Kind::normal, {"mean", "sd"}, {"min", "max"}},
-      {"uniform", Draw::Kind::uniform, {"min", "max"}, {}},
-  };
-  return kinds;
-}
 
 void mark_drawn(YamlNode& node) {
   node.origin.drawn = true;
@@ -229,17 +210,27 @@ void collect(const YamlNode& value, const std::string& path, std::vector<std::st
   for (const YamlNode& child : value.children) collect(child, path.empty() ? child.key : path + "." + child.key, leaves);
 }
 
-// What a sweep must leave alone.
-bool is_fixed(std::string_view key) {
-  constexpr std::array<std::string_view, 6> fixed{"accuracy", "expect", "seed", "slipbench", "split", "sweep"};
-  return std::ranges::find(fixed, key) != fixed.end();
-}
-
 [[noreturn]] void refuse_fixed(const YamlNode& node) {
   fail(node.key_origin, quote(node.key) + " cannot be swept; allowed: any other key of the scene");
 }
 
 }  // namespace
+
+const std::vector<DrawKind>& draw_kinds() {
+  static const std::vector<DrawKind> kinds{
+      {"choice", Draw::Kind::choice, {"values"}, {}},
+      {"log_uniform", Draw::Kind::log_uniform, {"min", "max"}, {}},
+      {"lognormal", Draw::Kind::lognormal, {"median", "sd"}, {"min", "max"}},
+      {"normal", Draw::Kind::normal, {"mean", "sd"}, {"min", "max"}},
+      {"uniform", Draw::Kind::uniform, {"min", "max"}, {}},
+  };
+  return kinds;
+}
+
+bool is_fixed(std::string_view key) {
+  constexpr std::array<std::string_view, 6> fixed{"accuracy", "expect", "seed", "slipbench", "split", "sweep"};
+  return std::ranges::find(fixed, key) != fixed.end();
+}
 
 std::vector<std::string> leaves_of(const SweptPath& swept) {
   std::vector<std::string> found;

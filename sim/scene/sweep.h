@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/core/quantity.h"
@@ -30,6 +31,19 @@ struct Draw {
   Origin origin;
 };
 
+// A kind of draw: its name and the numbers that it needs and may have.
+struct DrawKind {
+  std::string_view name;
+  Draw::Kind kind;
+  std::vector<std::string_view> required;
+  std::vector<std::string_view> optional;
+};
+
+const std::vector<DrawKind>& draw_kinds();
+
+// Whether a sweep must leave this key of the scene alone.
+bool is_fixed(std::string_view key);
+
 // One entry of `sweep`: an axis of the grid, or a draw.
 struct SweptPath {
   std::string path;  // empty, as the parts: the axis `scene`, whose maps are merged into the scene itself
@@ -42,6 +56,9 @@ struct SweptPath {
 
 // Every path that the entry sets: a map on an axis stands for the keys in it.
 std::vector<std::string> leaves_of(const SweptPath& swept);
+
+// Most draws of a cell that a scene may ask for, and most cells of the grid.
+inline constexpr std::size_t max_cells = 1'000'000;
 
 class Sweep {
  public:

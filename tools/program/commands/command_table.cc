@@ -11,7 +11,7 @@ Commands command_table() {
   return make_commands<RunCommand, SweepCommand, CheckCommand, ReportCommand, ViewCommand, ExportCommand, ImportCommand,
                        VerifyCommand, MergeCommand, ClusterCommand, HdCommand, TrainCommand, EvalCommand, DetectCommand,
                        BenchmarkCommand, CalibrateCommand, ReproduceCommand, CostCommand, ListCommand, DescribeCommand,
-                       DoctorCommand, PluginPathCommand>();
+                       SchemaCommand, DoctorCommand, PluginPathCommand>();
 }
 
 }  // namespace slipbench

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -27,6 +28,7 @@
 #include "tools/program/plugin/plugin_builds.h"
 #include "tools/program/sweep/run_sweep.h"
 #include "tools/program/text/describe.h"
+#include "tools/program/text/schema.h"
 #include "tools/program/text/sweep_text.h"
 #include "tools/program/train/recipe_list.h"
 #include "tools/program/verify/verify.h"
@@ -381,6 +383,28 @@ int DescribeCommand::run() {
   const Style style = style_for(stdout);
   for (std::size_t i = 0; i < found.size(); ++i)
     fmt::print("{}{}", i == 0 ? "" : "\n", describe_text(found[i], catalogues, style, terminal_width(stdout)));
+  return exit_good;
+}
+
+void SchemaCommand::declare(Arguments& arguments) {
+  arguments.about("schema", "Print the JSON Schema of scenes or of import maps", R"(
+Editors check and complete files by it. A file names its schema in its first line, with the path from its own folder:
+# yaml-language-server: $schema=scene.schema.json
+The output is JSON with and without --json.
+
+Examples:
+  slipbench schema > scene.schema.json
+  slipbench schema map > map.schema.json)");
+  arguments.text("KIND", of, "scene, or map: of import --map (default: scene)");
+}
+
+int SchemaCommand::run() {
+  constexpr std::array<std::string_view, 2> kinds{"map", "scene"};
+  if (std::ranges::find(kinds, of) == kinds.end()) reject("schema: unknown kind {}{}", quote(of), allowed_names(of, kinds));
+  take_stdout_back();
+  if (of == "map") PythonModule("slipbench._import.schema", "schema map", "").start("");
+  constexpr int indent = 1;
+  fmt::print("{}\n", scene_schema(program_catalogues()).dump(indent));
   return exit_good;
 }
 

@@ -67,6 +67,14 @@ struct DescribeCommand final : Command {
   std::string name;
 };
 
+// `schema`: what scenes and import maps may hold, for editors.
+struct SchemaCommand final : Command {
+  void declare(Arguments& arguments) override;
+  int run() override;
+
+  std::string of = "scene";
+};
+
 // `doctor` and `plugin-path`: what is installed, and where.
 struct DoctorCommand final : Command {
   void declare(Arguments& arguments) override;

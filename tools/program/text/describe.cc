@@ -61,35 +61,6 @@ std::string bound_text(const ParameterSpec& spec, double value) {
   return spec.type == ParameterType::integer ? fmt::format("{}", value) : format_quantity(value, spec.quantity);
 }
 
-std::string allowed_text(const ParameterSpec& spec) {
-  if (spec.type == ParameterType::choice) return fmt::format("{}", fmt::join(spec.choices, ", "));
-  if (spec.type == ParameterType::flag) return "true, false";
-  if (spec.type == ParameterType::path) {
-    const char* const separator = spec.choices.empty() ? "" : ", ";
-    return fmt::format("{}{}{}, or a path from the scene's own folder", spec.default_text, separator,
-                       fmt::join(spec.choices, ", "));
-  }
-  if (spec.type == ParameterType::map) {
-    return spec.choices.empty() ? "numbers, texts and booleans by name, as the library declares them"
-                                : fmt::format("names of your own, each with one of {}", fmt::join(spec.choices, ", "));
-  }
-  if (spec.type == ParameterType::table) {
-    std::string columns;
-    for (const TableColumn& column : spec.columns) {
-      columns += " " + column.name;
-      if (column.quantity != Quantity::none) columns += fmt::format(" [{}]", si_symbol(column.quantity));
-    }
-    return fmt::format("{}, rows of{}, or the path of a CSV file{}", spec.default_text, columns.empty() ? " numbers" : columns,
-                       columns.empty() ? "" : " with a header of these names");
-  }
-  const bool below = std::isfinite(spec.range.min);
-  const bool above = std::isfinite(spec.range.max);
-  const std::string lower = below ? fmt::format("{} {}", spec.range.open_min ? ">" : ">=", bound_text(spec, spec.range.min)) : "";
-  const std::string upper = above ? "<= " + bound_text(spec, spec.range.max) : "";
-  if (below && above) return lower + " and " + upper;
-  return below || above ? lower + upper : "any value";
-}
-
 // The parameters at their defaults as YAML lines.
 std::string parameter_lines(const Entry& entry, std::size_t indent) {
   std::string text;
@@ -185,6 +156,35 @@ constexpr std::array figures{Figure{"recall of slip", recall_of_slip, &Evaluatio
                              Figure{"accuracy of the best constant answer", constant_accuracy, &Evaluation::all}};
 
 }  // namespace
+
+std::string allowed_text(const ParameterSpec& spec) {
+  if (spec.type == ParameterType::choice) return fmt::format("{}", fmt::join(spec.choices, ", "));
+  if (spec.type == ParameterType::flag) return "true, false";
+  if (spec.type == ParameterType::path) {
+    const char* const separator = spec.choices.empty() ? "" : ", ";
+    return fmt::format("{}{}{}, or a path from the scene's own folder", spec.default_text, separator,
+                       fmt::join(spec.choices, ", "));
+  }
+  if (spec.type == ParameterType::map) {
+    return spec.choices.empty() ? "numbers, texts and booleans by name, as the library declares them"
+                                : fmt::format("names of your own, each with one of {}", fmt::join(spec.choices, ", "));
+  }
+  if (spec.type == ParameterType::table) {
+    std::string columns;
+    for (const TableColumn& column : spec.columns) {
+      columns += " " + column.name;
+      if (column.quantity != Quantity::none) columns += fmt::format(" [{}]", si_symbol(column.quantity));
+    }
+    return fmt::format("{}, rows of{}, or the path of a CSV file{}", spec.default_text, columns.empty() ? " numbers" : columns,
+                       columns.empty() ? "" : " with a header of these names");
+  }
+  const bool below = std::isfinite(spec.range.min);
+  const bool above = std::isfinite(spec.range.max);
+  const std::string lower = below ? fmt::format("{} {}", spec.range.open_min ? ">" : ">=", bound_text(spec, spec.range.min)) : "";
+  const std::string upper = above ? "<= " + bound_text(spec, spec.range.max) : "";
+  if (below && above) return lower + " and " + upper;
+  return below || above ? lower + upper : "any value";
+}
 
 std::span<const CatalogueKind> catalogue_kinds() { return kinds; }
 

@@ -294,10 +294,10 @@ TEST(CommandLine, HelpIsTextToPrint) {
   EXPECT_TRUE(parse({"--version"}).version);
 }
 
-const std::vector<std::string> command_names{"run",       "sweep",     "check",   "report", "view",     "export", "import",
-                                             "verify",    "merge",     "cluster", "hd",     "train",    "eval",   "detect",
-                                             "benchmark", "calibrate", "reproduce", "cost", "list",     "describe", "doctor",
-                                             "plugin-path"};
+const std::vector<std::string> command_names{"run",    "sweep",    "check",     "report",    "view",       "export",
+                                             "import", "verify",   "merge",     "cluster",   "hd",         "train",
+                                             "eval",   "detect",   "benchmark", "calibrate", "reproduce",  "cost",
+                                             "list",   "describe", "schema",    "doctor",    "plugin-path"};
 
 TEST(CommandLine, EveryCommandExplainsItself) {
   for (const std::string& name : command_names) {
