@@ -8,7 +8,9 @@
 
 #include "sim/core/error.h"
 #include "sim/core/process/interrupted.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/workers/interrupt_guard.h"
+#include "tools/program/calibrate/snapshots.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
@@ -51,13 +53,19 @@ and so on. Its trials are draws, and means over a group are compared. What the s
 --synthetic-truth simulates the recordings from values drawn between the bounds, with the scene's electronics, and shows how well it finds
 them: status 1 where a value is missed by more than twice its interval.
 
+--snapshots needs no scene: REAL are recordings with the force and the displacement of every unit, in any order. It fits a stiffness matrix to
+each unit by least squares and prints k_normal, k_tangential and, for a PapillArray, the scales of coupling, gain and noise, with standard errors.
+
 Formats:
 {}
 Examples:
   slipbench calibrate pad.yaml logs --format papillarray-csv --fit 'sensors.pad.k_normal: {{min: 2 N/mm, max: 12 N/mm}}' -o mine.yaml
-  slipbench calibrate scenes/papillarray/recordings.yaml --synthetic-truth --fit 'motion.tilt.0: {{min: -2 deg, max: 2 deg}}')",
+  slipbench calibrate scenes/papillarray/recordings.yaml --synthetic-truth --fit 'motion.tilt.0: {{min: -2 deg, max: 2 deg}}'
+  slipbench calibrate --snapshots snapshots.h5)",
                               import_formats_text()));
-  arguments.texts("SCENE REAL ...", words_, "Scene file (YAML), then datasets, or with --format CSV files and folders")
+  arguments
+      .texts("SCENE REAL ...", words_,
+             "Scene file (YAML), unless --snapshots is given, then datasets, or with --format CSV files and folders")
       .required();
   arguments.lines("--fit KEY:BOUNDS ...", fits_,
                   "What is fitted, e.g. 'friction.static: {min: 0.2, max: 1}'; several may follow");
@@ -67,12 +75,33 @@ Examples:
                  "Unknown motion: recordings by a label, a value for each cell of the grid, e.g. class=n,e,s",
                  [this](const std::string& text) { options.groups = calibrate::parse_groups(text); });
   arguments.flag("--synthetic-truth", options.synthetic_truth, "In place of REAL: recordings of drawn parameters");
+  arguments.flag("--snapshots", snapshots_, "Stiffness, coupling and noise from force against displacement");
+  arguments.text("--sensor NAME", sensor_, "Sensor of the snapshots (default: the only one with force and displacement)");
+  arguments.quantity("--idle LENGTH", idle_, "Units that moved less are idle (default: 20 um)", Quantity::length);
   arguments.overrides(options.overrides, options.seed);
-  arguments.number("--starts N", options.starts, "Searches from different points, 1 to 64 (default: 4)", 1, 64);
+  arguments.number("--starts N", starts_, "Searches from different points, 1 to 64 (default: 4)", 1, 64);
   arguments.jobs(jobs_);
   arguments.flag("--quiet", quiet, "No progress and no summary");
   arguments.file("-o,--output FILE.yaml", output, "Fitted scene to write, with FILE.html and FILE.json beside it");
   arguments.then([this] {
+    if (snapshots_) {
+      for (const auto& [given, name] : {std::pair{!fits_.empty(), "--fit"},
+                                        {options.groups.has_value(), "--groups"},
+                                        {options.synthetic_truth, "--synthetic-truth"},
+                                        {!options.overrides.empty(), "--set"},
+                                        {options.seed.has_value(), "--seed"},
+                                        {starts_.has_value(), "--starts"},
+                                        {jobs_.has_value(), "--jobs"},
+                                        {!output.empty(), "-o"}}) {
+        if (given) reject("calibrate: --snapshots fits a fixed law without a scene and cannot be combined with {}", name);
+      }
+      options.recordings = words_;
+      return;
+    }
+    for (const auto& [given, name] : {std::pair{!sensor_.empty(), "--sensor"}, {idle_.has_value(), "--idle"}}) {
+      if (given) reject("calibrate: {} needs --snapshots", name);
+    }
+    options.starts = starts_.value_or(options.starts);
     options.scene_path = words_.front();
     options.recordings.assign(words_.begin() + 1, words_.end());
     if (options.recordings.empty() != options.synthetic_truth)
@@ -86,7 +115,21 @@ Examples:
   });
 }
 
+int CalibrateCommand::fit_snapshots() const {
+  const Json result = calibrate::fit_snapshots(calibrate::read_recordings(options.recordings, options.format), sensor_,
+                                               idle_.value_or(calibrate::default_idle));
+  if (json) {
+    print_json(result);
+  } else if (!quiet) {
+    const Style style = style_for(stdout);
+    fmt::print("{}{}{}", Table(calibrate::snapshot_key_table(result)).text(style),
+               Table(calibrate::snapshot_unit_table(result)).text(style), calibrate::snapshot_text(result));
+  }
+  return exit_good;
+}
+
 int CalibrateCommand::run() {
+  if (snapshots_) return fit_snapshots();
   std::vector<std::string> inputs = options.recordings;
   inputs.push_back(options.scene_path);
   if (!output.empty()) calibrate::check_calibration_target(output, inputs);

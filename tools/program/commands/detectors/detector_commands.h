@@ -107,9 +107,15 @@ struct CalibrateCommand final : Command {
   std::string output;  // YAML file; empty: nothing is written
 
  private:
-  std::vector<std::string> words_;  // SCENE REAL...
+  int fit_snapshots() const;
+
+  std::vector<std::string> words_;  // SCENE REAL..., with --snapshots REAL... alone
   std::vector<std::string> fits_;
   std::optional<std::size_t> jobs_;
+  std::optional<std::size_t> starts_;
+  bool snapshots_ = false;
+  std::string sensor_;          // of the snapshots; empty: the only one
+  std::optional<double> idle_;  // m
 };
 
 // `hd replay`: quantised input, step by step.
