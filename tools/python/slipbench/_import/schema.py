@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import sys
+import signal
 from typing import Any
 
 from slipbench._import.block import LARGEST
@@ -89,5 +89,5 @@ def map_schema() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    json.dump(map_schema(), sys.stdout, indent=1, ensure_ascii=False)
-    print()
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `slipbench schema map | head` ends without an error
+    print(json.dumps(map_schema(), indent=1))
