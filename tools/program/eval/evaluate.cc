@@ -491,8 +491,7 @@ std::string detector_name(const Json& detector) {
 
 std::string truth_note(const Json& result) {
   const auto truth = result.at("truth").get<std::string>();
-  return truth.empty() ? truth
-                       : fmt::format("truth {}: where a name here says true, it is the recorded label", truth);
+  return truth.empty() ? truth : fmt::format("truth {}: where a name here says true, it is the recorded label", truth);
 }
 
 Json evaluate(const Options& options) { return Json::parse(evaluated(options)); }

@@ -17,7 +17,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Kind = ChildEnd::Kind;
 
-
 constexpr double plenty = 60.0;  // s
 
 ChildEnd ended(const std::function<std::string()>& action, double limit = plenty) {
