@@ -326,9 +326,9 @@ TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
   EXPECT_THAT(help, HasSubstr(line + '\n'));
 }
 
-const std::vector<std::string> command_names{"run",       "sweep",     "check",   "report", "view",     "export", "import",
-                                             "verify",    "merge",     "cluster", "hd",     "train",    "eval",   "benchmark",
-                                             "calibrate", "reproduce", "cost",    "list",   "describe", "schema", "doctor", "plugin-path"};
+const std::vector<std::string> command_names{
+    "run",   "sweep", "check",     "report",    "view",      "export", "import", "verify",   "merge",  "cluster", "hd",
+    "train", "eval",  "benchmark", "calibrate", "reproduce", "cost",   "list",   "describe", "schema", "doctor",  "plugin-path"};
 
 TEST(CommandLine, EveryCommandExplainsItself) {
   for (const std::string& name : command_names) {
