@@ -79,7 +79,8 @@ RIGHT = (
     STAGE + "motion: {speed: 4000 \u00b5m/s, acceleration: 2 m/s^2}",
     STAGE + "effects: [ageing, stribeck: {speed: 1 mm/s}]",
     STAGE + "sweep: {grip.preset: [5 N, 6 N], motion.kind: [lift]}",
-    STAGE + "motion: {tilt: [0, 0]}\nsweep: {motion.tilt.0: {draw: normal, mean: 0 deg, sd: 1 deg}, motion: [{speed: 1 mm/s}]}",
+    STAGE
+    + "motion: {tilt: [0, 0]}\nsweep: {motion.tilt.0: {draw: normal, mean: 0 deg, sd: 1 deg}, motion: [{gap: 1 mm}]}",
     STAGE + "sweep: {scene: [{motion: {speed: 1 mm/s}}], trials: 5}",
     STAGE + "time_step: auto\nfield_solver: auto\nintegrator: auto\ncontact: none",
     STAGE + "detector: {type: none}\ncontroller: {type: none}",
