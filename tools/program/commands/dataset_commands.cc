@@ -146,6 +146,7 @@ Formats of any sensor:
   lerobot       a LeRobotDataset v3.0 a sensor rate: observations, actions, labels as features beside them
   parquet       a table of columns a sensor, with all trials, for pandas, polars and DuckDB
   mcap          one recording a trial, every sensor, label, pose and command at its own rate, for Foxglove and Lichtblick
+  rosbag2       one ROS 2 bag a trial, with the messages of the PapillArray's driver and the truth on topics of its own
 Formats of the PapillArray:
   vendor-csv    the log layout of the sensor vendor's own software, one file a trial
   training-csv  73 columns, no header, 1000 Hz, one file a trial: time, then contact, slip, displacement, force of each pillar
@@ -178,6 +179,8 @@ Examples:
       Quantity::frequency);
   arguments.text("--split PART", options.split, "Only the trials of train, valid or test (default: all)");
   arguments.number("--trial K", options.trial, "Trial to export (default: all)", 0);
+  arguments.text("--licence NAME", options.licence,
+                 "Licence of the data, for the dataset card, e.g. cc-by-4.0 (default: none stated)");
   arguments.flag("--compress", options.compress, "Write .csv.gz instead of .csv, and the arrays of robomimic compressed");
 }
 

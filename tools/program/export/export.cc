@@ -277,7 +277,23 @@ Json request_of(const std::string& dataset_path, const std::string& out_dir, con
           {"trials", trials},
           {"sensors", sensors},
           {"rate", or_null(options.rate)},
-          {"labels", options.slip_rule ? Json(slip_rule_name(*options.slip_rule)) : Json()}};
+          {"labels", options.slip_rule ? Json(slip_rule_name(*options.slip_rule)) : Json()},
+          {"licence", options.licence}};
+}
+
+void check_licence(const ExportOptions& options) {
+  if (!is_python_format(options.format)) {
+    std::vector<std::string> names;
+    for (const ExportFormat format : python_formats) names.push_back(export_format_name(format));
+    reject("{} has no dataset card for a licence; expected --licence with {}", export_format_name(options.format),
+           fmt::join(names, ", "));
+  }
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '+';
+  };
+  if (!std::ranges::all_of(options.licence, is_plain))
+    reject("--licence: expected a name such as cc-by-4.0, of letters, digits, '-', '.' and '+', found {}",
+           quote(options.licence));
 }
 
 // Throws InputError when the options contradict each other.
@@ -309,6 +325,7 @@ void check_export_options(const ExportOptions& options) {
   if (!options.sensors.empty() && options.format == ExportFormat::grasp_csv) {
     throw InputError("the layout of grasp-csv has the sensors ff, mf and th; allowed: --sensors with the other formats");
   }
+  if (!options.licence.empty()) check_licence(options);
   const std::vector<std::string> splits{"train", "valid", "test"};
   if (!options.split.empty() && std::ranges::find(splits, options.split) == splits.end()) {
     reject("unknown split {}{}", quote(options.split), allowed_names(options.split, splits));

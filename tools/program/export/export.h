@@ -41,6 +41,7 @@ struct ExportOptions {
   std::optional<std::size_t> trial;  // empty: all
   std::optional<double> rate = {};   // Hz, of the rows; empty: the slowest sensor's in robomimic, else each one's own
   std::string split = {};            // "train", "valid" or "test": its trials alone; empty: all
+  std::string licence = {};          // of the data, for the dataset card: "cc-by-4.0"; empty: the card states none
   bool compress = false;             // files of text by gzip, with .gz behind the name; the arrays of robomimic by HDF5's deflate
 };
 

@@ -71,7 +71,8 @@ def report(dataset: PathLike, output: PathLike = "", *, trial: int | None = None
 
 
 def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = "", label_speed: str | float = "", sensors: str | Sequence[str] = (),
-           rate: str | float = "", split: str = "", trial: int | None = None, compress: bool = False) -> dict[str, Any]:
+           rate: str | float = "", split: str = "", trial: int | None = None, licence: str = "",
+           compress: bool = False) -> dict[str, Any]:
     """Writes a dataset in another format, as `slipbench export`.
 
     Args:
@@ -84,6 +85,7 @@ def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = ""
         rate: of the rows, "100 Hz" or Hz: the latest values, held; empty: each sensor's own
         split: only the trials of train, valid or test; empty: all
         trial: number of the only trial to export; None: all
+        licence: of the data, for the dataset card of lerobot, parquet, mcap and rosbag2, "cc-by-4.0"; empty: none is stated
         compress: write .csv.gz instead of .csv, and the arrays of robomimic compressed
 
     Returns:
@@ -93,7 +95,7 @@ def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = ""
         InputError: the program's own message.
     """
     return _run("export", [dataset], {"output": output, "format": format, "labels": labels, "label-speed": label_speed, "sensors": _several(sensors),
-                                      "rate": rate, "split": split, "trial": trial, "compress": compress})
+                                      "rate": rate, "split": split, "trial": trial, "licence": licence, "compress": compress})
 
 
 def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike = "", *, format: str = "", map: PathLike = "",

@@ -70,6 +70,7 @@ class LeRobot(ExportTest):
         self.assertEqual(list(episodes["dataset_from_index"]), [0, *ends[:-1]])
         self.assertEqual(list(episodes["dataset_to_index"]), list(ends))
         self.assertEqual(list(episodes["episode_index"]), list(range(len(episodes))))
+        self.assertEqual(str(episodes["trial"].dtype), "int64")
         frames = np.concatenate([np.arange(length) for length in episodes["length"]])
         np.testing.assert_array_equal(table["index"], np.arange(len(table)))
         np.testing.assert_array_equal(table["frame_index"], frames)
@@ -97,6 +98,7 @@ class LeRobot(ExportTest):
                 splits[part] = f"{len(order)}:{len(order) + len(members)}"
             order += members
         self.assertEqual(info["splits"], splits)
+        self.assertEqual([f"demo_{number}" for number in episodes["trial"]], order)
         for episode, name in enumerate(order):
             demo, part = file["data"][name], table.slice(episodes["dataset_from_index"][episode], episodes["length"][episode])
             expected = {feature: (times, values) for feature, times, values in arrays(demo, sensors)}

@@ -16,7 +16,7 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from _made import SCENES, ExportTest, contents, export, for_each_scene, make
 
-LAYOUT, CARD = "foxglove-layout.json", "README.md"
+LAYOUT, CARDS = "foxglove-layout.json", ("README.md", "croissant.json")
 
 
 def read(path):
@@ -133,7 +133,7 @@ class Mcap(ExportTest):
     @for_each_scene("mcap")
     def test_every_value_comes_back(self, dataset, out):
         with h5py.File(dataset) as file:
-            self.assertEqual(set(contents(out)), {LAYOUT, CARD, *(f"{name}.mcap" for name in file["data"])})
+            self.assertEqual(set(contents(out)), {LAYOUT, *CARDS, *(f"{name}.mcap" for name in file["data"])})
             for name, demo in file["data"].items():
                 topics, channels = read(out / f"{name}.mcap")
                 for sensor in demo["sensors"]:
@@ -171,7 +171,7 @@ class Mcap(ExportTest):
         dataset = make("papillarray/stage.yaml")
         out = self.folder / "out"
         told, progress = export(dataset, out, "--format", "mcap")
-        self.assertRegex(told, r"^written: 5 files, [\d.]+ [kM]B, in .*/out\n$")  # three trials, the layout and the card
+        self.assertRegex(told, r"^written: 6 files, [\d.]+ [kM]B, in .*/out\n$")  # three trials, the layout, the card and croissant.json
         self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n$")
         with h5py.File(dataset) as file, (out / "demo_1.mcap").open("rb") as recording:
             demo = file["data/demo_1"]
@@ -215,7 +215,7 @@ class Mcap(ExportTest):
     def test_the_options_choose(self):
         both = make("grasp/two_skins.yaml")
         export(both, self.folder / "out", "--format", "mcap", "--sensors", "skin", "--labels", "micro", "--trial", "1")
-        self.assertEqual(set(contents(self.folder / "out")), {LAYOUT, CARD, "demo_1.mcap"})
+        self.assertEqual(set(contents(self.folder / "out")), {LAYOUT, *CARDS, "demo_1.mcap"})
         topics, _ = read(self.folder / "out/demo_1.mcap")
         self.assertEqual(set(topics), {"/poses", "/velocities", "/control", "/sensors/skin", "/labels/skin", "/labels/skin/events"})
         fields = {field.name for field in topics["/labels/skin"][1][0].DESCRIPTOR.fields}

@@ -1,5 +1,6 @@
 """`export --format parquet`: pandas and pyarrow read the dataset's values back, bit for bit. Arguments: the project's root, the program."""
 
+import hashlib
 import json
 import os
 import unittest
@@ -73,7 +74,7 @@ class Parquet(ExportTest):
                     for array in demo["control"]:
                         columns = [column for column in table if column == array or column.startswith(f"{array}_")]
                         same(table[columns].to_numpy().reshape(demo["control"][array].shape), demo["control"][array][:], array)
-            self.assertEqual(set(contents(out)), files | {"README.md"})
+            self.assertEqual(set(contents(out)), files | {"README.md", "croissant.json"})
             trials = pandas.read_parquet(out / "trials.parquet")
             self.assertEqual([f"demo_{number}" for number in trials["trial"]], sorted(file["data"], key=lambda demo: int(demo[5:])))
             for part in ("train", "valid", "test"):
@@ -86,7 +87,7 @@ class Parquet(ExportTest):
         dataset = make("papillarray/stage.yaml")
         told, progress = export(dataset, self.folder / "a", "--format", "parquet")
         # Sensor, events, pad, surface, trials.
-        self.assertRegex(told, r"^written: 6 files, [\d.]+ [kM]B, in .*/a\n$")
+        self.assertRegex(told, r"^written: 7 files, [\d.]+ [kM]B, in .*/a\n$")
         self.assertRegex(progress, r"^3 trials, about [\d.]+ [kM]B\n$")
         before = contents(self.folder / "a")
         told, progress = export(dataset, self.folder / "a", "--format", "parquet", "--json")  # replaces what is its own
@@ -159,6 +160,20 @@ class Parquet(ExportTest):
         self.assertIn("needs the Python package pyarrow", told)
         self.assertIn("install it: tools/setup/setup.sh build python test-python", told)
         self.assertFalse((self.folder / "out").exists())
+
+    def test_the_origin_is_in_every_file_and_every_column_has_a_type(self):
+        dataset, out = make("papillarray/stage.yaml"), self.folder / "out"
+        export(dataset, out, "--format", "parquet")
+        with h5py.File(dataset) as file:
+            digests = "".join(f"{file[f'data/demo_{k}'].attrs['sha256']}\n" for k in range(3))
+            scene, seed = file.attrs["scene"], str(file.attrs["seed"])
+        for path in out.glob("*.parquet"):
+            schema = pyarrow.parquet.read_schema(path)
+            self.assertEqual(schema.metadata[b"scene"].decode(), scene)
+            self.assertEqual(schema.metadata[b"seed"].decode(), seed)
+            self.assertEqual(schema.metadata[b"trials_sha256"].decode(), hashlib.sha256(digests.encode()).hexdigest())
+            self.assertNotIn(b" /", schema.metadata[b"command"])
+            self.assertFalse([field.name for field in schema if pyarrow.types.is_null(field.type)])
 
 
 if __name__ == "__main__":

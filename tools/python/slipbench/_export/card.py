@@ -7,11 +7,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from slipbench import Dataset
+from slipbench._export import croissant
 from slipbench._export.meanings import LABELS, codes_of
 from slipbench._export.request import Output, Request
 from slipbench._export.series import Series, body_series, control_series, label_series, sensor_series
 
 BEGINNING = "---\n# Written by slipbench export.\n"
+CARDS = (BEGINNING.encode(), croissant.BEGINNING.encode())  # how README.md and croissant.json begin
 PLACES = {"sensors": "sensor", "labels": "labels of", "truth": "body", "control": "control loop"}
 
 
@@ -32,9 +34,9 @@ def _meaning(series: Series) -> str:
     return f"{text}{': ' if text and key else ''}{key}"
 
 
-def _without_folders(command: str) -> str:
-    """The command with the last part of each path, since the folders are those of another machine."""
-    return re.sub(r"(?<!\S)/\S*/", "", command)
+def without_folders(command: str) -> str:
+    """The command with the last part of each absolute path, since the folders are those of another machine."""
+    return re.sub(r"""(?<![^\s'"=])/[^\s'"]*/""", "", command)
 
 
 def _series(data: Dataset, request: Request) -> Iterator[Series]:
@@ -47,11 +49,29 @@ def _series(data: Dataset, request: Request) -> Iterator[Series]:
     yield from control_series(trial)
 
 
+def _kinds(data: Dataset, request: Request) -> list[str]:
+    """Types of the sensors."""
+    sensors = data[request.trials[0]].sensors
+    return sorted({str(sensors[name].attrs["type"]) for name in request.sensors})
+
+
+def _title(kinds: list[str]) -> str:
+    return f"slipbench recordings of {', '.join(kinds)}"
+
+
+def _keywords(kinds: list[str], request: Request) -> list[str]:
+    return ["robotics", "tactile-sensing", "slip-detection", *kinds, *(["LeRobot"] if request.format == "lerobot" else [])]
+
+
+def _citation(data: Dataset) -> str:
+    return f"The slipbench authors: slipbench, a physics testbench for tactile slip detection, version {data.version}."
+
+
 def card_text(data: Dataset, request: Request) -> str:
     """README.md of the export that `request` describes."""
     trial = data[request.trials[0]]
     sensors = {name: trial.sensors[name] for name in request.sensors}
-    kinds = sorted({str(sensor.attrs["type"]) for sensor in sensors.values()})
+    kinds = _kinds(data, request)
     rates = "".join(_row(f"`{name}`", str(sensor.attrs["type"]), f"{request.rate or float(sensor.attrs['rate_hz']):g} Hz", str(sensor.attrs.get("frame", "")))
                     for name, sensor in sensors.items())
     arrays, events = "", ""
@@ -63,19 +83,33 @@ def card_text(data: Dataset, request: Request) -> str:
             kind = trial.labels[name]["events"]["kind"]
             key = Series("labels", name, "kind", "1", str(kind.attrs["codes"]), ("kind",), (), kind[:], kind[:])
             events += _row(f"events of `{name}`", "`kind`", "[]", "code", _meaning(key))
-    tags = "".join(f"- {tag}\n" for tag in ["robotics", "tactile-sensing", "slip-detection", *kinds])
-    return (f"{BEGINNING}pretty_name: slipbench recordings of {', '.join(kinds)}\ntask_categories:\n- robotics\ntags:\n{tags}---\n\n"
+    tags = "".join(f"- {tag}\n" for tag in _keywords(kinds, request))
+    front = f"pretty_name: {_title(kinds)}\n" + (f"license: {request.licence}\n" if request.licence else "")
+    front += f"task_categories:\n- robotics\ntags:\n{tags}"
+    if request.format == "lerobot":
+        front += "configs:\n- config_name: default\n  data_files: data/*/*.parquet\n"
+    return (f"{BEGINNING}{front}---\n\n"
             f"# Recordings of {', '.join(kinds)} with labels of slip\n\n"
             f"{len(request.trials)} trials, written by `slipbench export --format {request.format}`.\n\n"
             f"## Sensors\n\n{_row('sensor', 'type', 'rate', 'axes')}{_row(*['---'] * 4)}{rates}\n"
             f"## Arrays\n\nShapes are those of one sample. Codes are listed with their meaning.\n\n"
             f"{_row('of', 'array', 'shape', 'unit', 'meaning')}{_row(*['---'] * 5)}{arrays}{events}\n"
             f"## Origin\n\n{_row('what', 'value')}{_row('---', '---')}{_row('version', f'slipbench {data.version}')}{_row('seed', str(data.seed))}"
-            f"{_row('command', f'`{_without_folders(data.command)}`')}{_row(f'SHA-256 of trial {request.trials[0]}', f'`{trial.sha256}`')}\n"
+            f"{_row('command', f'`{without_folders(data.command)}`')}{_row(f'SHA-256 of trial {request.trials[0]}', f'`{trial.sha256}`')}\n"
             f"The scene:\n\n{_fence(data.scene)}\n"
-            f"## Citation\n\nThe slipbench authors: slipbench, a physics testbench for tactile slip detection, version {data.version}.\n")
+            f"## Citation\n\n{_citation(data)}\n")
 
 
 def write_card(data: Dataset, request: Request, output: Output) -> None:
-    """Writes README.md among the files of `output`."""
+    """Writes README.md and croissant.json among the files of `output`, after all others."""
     Path(output.path("README.md")).write_text(card_text(data, request), encoding="utf-8")
+    text = croissant_text(data, request, output.files())
+    Path(output.path("croissant.json")).write_text(text, encoding="utf-8")
+
+
+def croissant_text(data: Dataset, request: Request, files: list[croissant.File]) -> str:
+    """croissant.json of the export that `request` describes, which consists of `files`."""
+    kinds = _kinds(data, request)
+    return croissant.croissant_text(
+        name=_title(kinds), description=f"{len(request.trials)} trials of {', '.join(kinds)} with labels of slip, as {request.format}.", version=data.version,
+        licence=request.licence, citation=_citation(data), keywords=_keywords(kinds, request), files=files, tables=request.format == "parquet")

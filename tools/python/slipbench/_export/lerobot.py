@@ -7,7 +7,7 @@ import os
 import re
 import shutil
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
 from slipbench._data import check_evenly_spaced
+from slipbench._export.card import card_text, croissant_text
 from slipbench._export.parquet import encodings
 from slipbench._export.request import Progress, Request, make_folder, split_of
 from slipbench._export.series import TIME_ROUNDING, Series, body_series, control_series, grid, label_series, sensor_series
@@ -29,6 +30,7 @@ FILE_BYTES = 100_000_000
 QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
+CARDS = ("README.md", "croissant.json")
 STEP_TOLERANCE = 1e-4  # s, tolerance_s of LeRobot: each step of `timestamp` must be 1/fps within it
 RATE_TOLERANCE = 0.01  # share by which a recorder's clock may be off, as everywhere in the program
 
@@ -177,7 +179,7 @@ class _Writer:
         stats = [Stats.measured(one.values) for one in features]
         self._stats.append(stats)
         self._episodes.append({
-            "episode_index": episode, "tasks": [self._task], "length": len(t), "data/chunk_index": self._file // FILES_A_CHUNK,
+            "episode_index": episode, "trial": number, "tasks": [self._task], "length": len(t), "data/chunk_index": self._file // FILES_A_CHUNK,
             "data/file_index": self._file % FILES_A_CHUNK, "dataset_from_index": self._frames, "dataset_to_index": self._frames + len(t),
             **{f"stats/{name}/{key}": values for name, one in zip(names, stats, strict=True) for key, values in one.lists().items()},
             "meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0})
@@ -202,8 +204,8 @@ class _Writer:
         ends = np.cumsum([0, *counts.values()]).tolist()
         return {part: f"{ends[i]}:{ends[i + 1]}" for i, (part, count) in enumerate(counts.items()) if count} or {"train": f"0:{len(self._parts)}"}
 
-    def finish(self) -> None:
-        """Writes what describes the data."""
+    def finish(self, data: Dataset, request: Request) -> None:
+        """Writes what describes the data. `request`: with the sensors of this dataset alone."""
         self.close()
         pq.write_table(pa.Table.from_pylist(self._episodes), self._path(EPISODES), compression="zstd")
         columns = [{"name": name, "field_name": name, "pandas_type": kind, "numpy_type": numpy, "metadata": None}
@@ -218,6 +220,9 @@ class _Writer:
             "data_path": DATA, "video_path": None, "features": dict(zip(self._names, self._features, strict=True))}
         for name, content in (("stats", stats), ("info", info)):
             self._path(f"meta/{name}.json").write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        self._path(CARDS[0]).write_text(card_text(data, request), encoding="utf-8")
+        files = [(path.relative_to(self.folder).as_posix(), str(path)) for path in self.folder.rglob("*") if path.is_file()]
+        self._path(CARDS[1]).write_text(croissant_text(data, request, files), encoding="utf-8")
 
 
 def _is_own(folder: Path) -> bool:
@@ -237,7 +242,7 @@ def _check_target(folder: Path) -> None:
     if folder.is_symlink() or (folder.exists() and not (folder.is_dir() and _is_own(folder))):
         raise InputError(f"{folder}: would be replaced and is no LeRobot dataset of slipbench; allowed: another --output")
     for other in _beside(folder):
-        if other.is_symlink() or (other.exists() and not (other.is_dir() and {one.name for one in other.iterdir()} <= {"data", "meta"})):
+        if other.is_symlink() or (other.exists() and not (other.is_dir() and {one.name for one in other.iterdir()} <= {"data", "meta", *CARDS})):
             raise InputError(f"{other}: would be removed and is not what a killed export has left; allowed: another --output")
 
 
@@ -358,7 +363,7 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
                                   f"would miss LeRobot's tolerance of {STEP_TOLERANCE:g} s")
             progress.update(done, sum(writer.bytes + writer.bytes_of_file() for writer in writers.values()))
         for rate, writer in writers.items():
-            writer.finish()
+            writer.finish(data, replace(request, sensors=rates[rate]))
         progress.check()
         for rate, partial in partials.items():
             _publish(partial, targets[rate])

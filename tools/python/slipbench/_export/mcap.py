@@ -19,7 +19,7 @@ from mcap_protobuf.schema import build_file_descriptor_set
 from numpy.typing import NDArray
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
-from slipbench._export.card import BEGINNING, write_card
+from slipbench._export.card import CARDS, without_folders, write_card
 from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
 
@@ -325,13 +325,13 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     """Writes demo_<k>.mcap for each trial, a layout for viewers and a card; returns their names."""
     parts, library = split_of(data), f"slipbench {data.version}"
     kind = "an MCAP file, or a layout for Foxglove"
-    with Output(request.out, kind, lambda beginning: beginning.startswith((MAGIC, b'{\n "configById"', BEGINNING.encode()))) as output:
+    with Output(request.out, kind, lambda beginning: beginning.startswith((MAGIC, b'{\n "configById"', *CARDS))) as output:
         written = 0
         for done, number in enumerate(request.trials, 1):
             trial = data[number]
             topics = list(_topics(number, trial, request))
             about = {"trial": str(number), "seed": str(trial.seed), "sha256": trial.sha256, "split": parts.get(number, ""), "params": json.dumps(trial.params),
-                     "outcome": json.dumps(trial.outcome), "command": data.command, "scene": data.scene}
+                     "outcome": json.dumps(trial.outcome), "command": without_folders(data.command), "scene": data.scene}
             if done == 1:
                 Path(output.path(LAYOUT)).write_text(_layout(topics), encoding="utf-8")
             path = output.path(f"demo_{number}.mcap")

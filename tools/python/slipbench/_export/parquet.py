@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Iterator
@@ -13,7 +14,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from slipbench import Dataset, InputError, StoredTrial
-from slipbench._export.card import BEGINNING, write_card
+from slipbench._export.card import CARDS, without_folders, write_card
 from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
 
@@ -39,8 +40,8 @@ def _leaves(field: pa.Field) -> list[str]:
 class _Files:
     """The files that grow trial by trial, a row group each."""
 
-    def __init__(self, output: Output) -> None:
-        self._output = output
+    def __init__(self, output: Output, origin: dict[str, str]) -> None:
+        self._output, self._origin = output, origin
         self._writers: dict[str, pq.ParquetWriter] = {}
         self._paths: dict[str, str] = {}
 
@@ -48,7 +49,7 @@ class _Files:
         rows = len(next(iter(columns.values())))
         arrays = {"trial": np.full(rows, trial, np.int32), **columns}
         schema = pa.schema([pa.field(key, pa.from_numpy_dtype(values.dtype), metadata=about.get(key))
-                            for key, values in arrays.items()])
+                            for key, values in arrays.items()], metadata=self._origin)
         if name not in self._writers:
             self._paths[name] = self._output.path(f"{name}.parquet")
             self._writers[name] = pq.ParquetWriter(self._paths[name], schema, write_statistics=["trial", "t"], **encodings(schema))
@@ -104,11 +105,18 @@ def _tables(number: int, trial: StoredTrial, request: Request) -> Iterator[tuple
         yield "control", *_columns(loop, loop[0].t)
 
 
+def _origin(data: Dataset, request: Request) -> dict[str, str]:
+    """Metadata of every file. `trials_sha256`: SHA-256 of the trials' digests in the order of trials.parquet, one a line."""
+    digests = "".join(f"{data[number].sha256}\n" for number in request.trials)
+    return {"slipbench": data.version, "seed": str(data.seed), "command": without_folders(data.command), "scene": data.scene,
+            "trials_sha256": hashlib.sha256(digests.encode()).hexdigest()}
+
+
 def _flat(value: Any) -> Any:
     return json.dumps(value) if isinstance(value, (dict, list)) else value
 
 
-def _trials_table(data: Dataset, request: Request) -> pa.Table:
+def _trials_table(data: Dataset, request: Request, origin: dict[str, str]) -> pa.Table:
     """A row a trial: part, what was swept, how it ended."""
     parts = split_of(data)
     rows: list[dict[str, Any]] = []
@@ -122,14 +130,17 @@ def _trials_table(data: Dataset, request: Request) -> pa.Table:
         values = [row.get(name) for row in rows]
         if len({type(value) for value in values if value is not None} - {int, float}) > 0 and len({type(value) for value in values if value is not None}) > 1:
             values = [None if value is None else str(value) for value in values]  # a number in one trial, a word in another
-        arrays.append(pa.array(values, pa.int64() if name in ("trial", "seed") else None))
-    return pa.Table.from_arrays(arrays, names=list(names))
+        array = pa.array(values, pa.int64() if name in ("trial", "seed") else None)
+        # Readers cannot compare a column of the type null; a value that no trial has is a missing number, or a missing part of the split.
+        arrays.append(array.cast(pa.string() if name == "split" else pa.float64()) if pa.types.is_null(array.type) else array)
+    return pa.Table.from_arrays(arrays, names=list(names), metadata=origin)
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     """Writes trials.parquet, a card and a file for each sensor, its events, each body and the loop; returns their names."""
-    with Output(request.out, "a Parquet file", lambda beginning: beginning.startswith((b"PAR1", BEGINNING.encode()))) as output:
-        files = _Files(output)
+    with Output(request.out, "a Parquet file", lambda beginning: beginning.startswith((b"PAR1", *CARDS))) as output:
+        origin = _origin(data, request)
+        files = _Files(output, origin)
         try:
             for done, number in enumerate(request.trials, 1):
                 for name, columns, about in _tables(number, data[number], request):
@@ -137,7 +148,7 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
                 progress.update(done, files.size())
         finally:
             files.close()
-        table = _trials_table(data, request)
+        table = _trials_table(data, request, origin)
         pq.write_table(table, output.path("trials.parquet"), compression="zstd")
         write_card(data, request, output)
         progress.check()

@@ -33,6 +33,7 @@ class Request:
         sensors: names; every trial has them
         rate: Hz, of the rows; None: each sensor's own
         labels: rule of the pad's state, "strict", "micro" or "paper"; None: by all three
+        licence: of the data, for its card, such as "cc-by-4.0"; empty: not stated
         json: whether stdout is to have one JSON object and stderr no progress
         install: the command that installs what the formats need
     """
@@ -44,6 +45,7 @@ class Request:
     sensors: list[str]
     rate: float | None
     labels: str | None
+    licence: str
     json: bool
     install: str
 
@@ -160,6 +162,10 @@ class Output:
             self._check(found)
         self._files.append(path)
         return str(self._partial(path))
+
+    def files(self) -> list[tuple[str, str]]:
+        """The files so far: the name of each below the folder, and the path that has its content."""
+        return [(path.relative_to(self._folder).as_posix(), str(self._partial(path))) for path in self._files]
 
     def publish(self) -> list[str]:
         """Gives the files their names and returns them."""

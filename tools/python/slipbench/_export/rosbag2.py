@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
-from slipbench._export.card import BEGINNING, write_card
+from slipbench._export.card import CARDS, without_folders, write_card
 from slipbench._export.cdr import Messages
 from slipbench._export.mcap_rows import MAGIC, Topic, write_mcap
 from slipbench._export.meanings import LABELS, codes_of
@@ -338,7 +338,7 @@ def _package(types: Types, version: str) -> Iterator[tuple[str, str]]:
 
 
 def _begins(beginning: bytes) -> bool:
-    return beginning.startswith((MAGIC, b"rosbag2_bagfile_information:", NOTICE.encode(), XML.encode(), CMAKE.encode(), BEGINNING.encode()))
+    return beginning.startswith((MAGIC, b"rosbag2_bagfile_information:", NOTICE.encode(), XML.encode(), CMAKE.encode(), *CARDS))
 
 
 def _write_trial(number: int, trial: StoredTrial, data: Dataset, request: Request, types: Types, output: Output, about: dict[str, str]) -> int:
@@ -360,7 +360,7 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
         written = 0
         for done, number in enumerate(request.trials, 1):
             trial = data[number]
-            about: dict[str, Any] = {"trial": number, "seed": trial.seed, "sha256": trial.sha256, "split": parts.get(number, ""), "command": data.command,
+            about: dict[str, Any] = {"trial": number, "seed": trial.seed, "sha256": trial.sha256, "split": parts.get(number, ""), "command": without_folders(data.command),
                                      "scene": data.scene}
             written += _write_trial(number, trial, data, request, types, output, {key: str(value) for key, value in about.items()})
             progress.update(done, written)
