@@ -55,27 +55,24 @@ Json detected_trial(const std::string& recording, const RecordedTrial& trial, Tr
   }
   for (const double value : replayed.probability) probability.push_back(or_null(value));
   const Json per_minute = duration > 0.0 ? Json(60.0 * static_cast<double>(alarms.size()) / duration) : Json();
-  Json json = {{"recording", recording},
-               {"trial", trial.record.trial},
-               {"object", recorded_object(trial.record.params)},
-               {"duration_s", duration},
-               {"alarms", std::move(alarms)},
-               {"alarms_per_minute", per_minute},
-               {"labels", nullptr},
-               {"wrong_share", nullptr},
-               {"samples",
-                {{"time_s", time},
-                 {"state", words_of(replayed.seen)},
-                 {"probability", std::move(probability)},
-                 {"label", nullptr}}}};
+  Json json = {
+      {"recording", recording},
+      {"trial", trial.record.trial},
+      {"object", recorded_object(trial.record.params)},
+      {"duration_s", duration},
+      {"alarms", std::move(alarms)},
+      {"alarms_per_minute", per_minute},
+      {"labels", nullptr},
+      {"wrong_share", nullptr},
+      {"samples",
+       {{"time_s", time}, {"state", words_of(replayed.seen)}, {"probability", std::move(probability)}, {"label", nullptr}}}};
   if (const std::optional<TruthRule> rule = rule_of(sensor, simulated)) {
     const Truth truth = trial.truth(*rule);
     const Confusion frames = judged(trial.record.trial, truth, replayed).frames;
     std::size_t judged_samples = 0;
     for (const StateCounts& row : frames) judged_samples = std::accumulate(row.begin(), row.end(), judged_samples);
     json["labels"] = label_rule_name(*rule);
-    if (judged_samples > 0)
-      json["wrong_share"] = static_cast<double>(wrong_frames(frames)) / static_cast<double>(judged_samples);
+    if (judged_samples > 0) json["wrong_share"] = static_cast<double>(wrong_frames(frames)) / static_cast<double>(judged_samples);
     json["samples"]["label"] = words_of(truth.state);
   }
   return json;
@@ -87,7 +84,9 @@ Json worst_of(const Json& trials) {
   const char* key = labelled ? "wrong_share" : "alarms_per_minute";
   std::vector<std::size_t> places(trials.size());
   std::iota(places.begin(), places.end(), std::size_t{0});
-  const auto badness = [&](std::size_t place) { return trials[place].at(key).is_null() ? -1.0 : trials[place].at(key).get<double>(); };
+  const auto badness = [&](std::size_t place) {
+    return trials[place].at(key).is_null() ? -1.0 : trials[place].at(key).get<double>();
+  };
   std::ranges::stable_sort(places, std::greater{}, badness);
   return places;
 }
@@ -182,9 +181,8 @@ void check_detect_output(const std::string& path) {
     check_text_target(path, {}, csv_kind(alarms_head));
     check_text_target(samples_path(path), {}, csv_kind(samples_head));
   } else if (ending == ".json") {
-    check_text_target(path, {}, {detect_page_kind.json, [](std::string_view text) {
-                                   return page::begins_as_object(text, detect_page_kind);
-                                 }});
+    check_text_target(
+        path, {}, {detect_page_kind.json, [](std::string_view text) { return page::begins_as_object(text, detect_page_kind); }});
   } else if (ending == ".html") {
     page::check_page_files(path, detect_page_kind);
   } else if (ending != ".parquet") {

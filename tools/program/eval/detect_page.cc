@@ -162,9 +162,9 @@ bool several_recordings(const Json& result) {
   return std::ranges::any_of(trials, [&](const Json& trial) { return trial.at("recording") != trials.front().at("recording"); });
 }
 
-std::string share_text(const Json& share) {
-  return share.is_null() ? "–" : fmt::format("{:.1f} %", 100.0 * share.get<double>());
-}
+std::string alarms_text(std::size_t count) { return fmt::format("{} {}", count, count == 1 ? "alarm" : "alarms"); }
+
+std::string share_text(const Json& share) { return share.is_null() ? "–" : fmt::format("{:.1f} %", 100.0 * share.get<double>()); }
 
 std::string rate_text(const Json& rate) { return rate.is_null() ? "–" : fmt::format("{:.1f}", rate.get<double>()); }
 
@@ -175,8 +175,9 @@ std::string trial_name(const Json& trial, bool several) {
 }
 
 std::string about(const Json& trial) {
-  std::string text = fmt::format("{} alarms in {:.4g} s", trial.at("alarms").size(), trial.at("duration_s").get<double>());
-  if (!trial.at("alarms").empty()) text += fmt::format(", the first at {:.4g} s", trial.at("alarms")[0].at("begin_s").get<double>());
+  std::string text = fmt::format("{} in {:.4g} s", alarms_text(trial.at("alarms").size()), trial.at("duration_s").get<double>());
+  if (!trial.at("alarms").empty())
+    text += fmt::format(", the first at {:.4g} s", trial.at("alarms")[0].at("begin_s").get<double>());
   if (!trial.at("wrong_share").is_null())
     text += fmt::format("; {} of the samples wrong by the labels ({})", share_text(trial.at("wrong_share")),
                         trial.at("labels").get<std::string>());
@@ -214,7 +215,8 @@ std::string timeline_html(const SensorRecord& sensor, const Json& trial) {
   }
   html += "</div>\n";
   if (!others.empty())
-    html += fmt::format("<p class=\"note\">Further channels: {}</p>\n", page::escape_html(fmt::format("{}", fmt::join(others, ", "))));
+    html += fmt::format("<p class=\"note\">Further channels: {}</p>\n",
+                        page::escape_html(fmt::format("{}", fmt::join(others, ", "))));
   return html;
 }
 
@@ -226,10 +228,11 @@ std::string detect_page(const Json& result) {
   std::size_t alarms = 0;
   for (const Json& trial : trials) alarms += trial.at("alarms").size();
   const Json& sensor = result.at("sensor");
-  std::vector<std::string> notes{fmt::format("sensor {} ({}), {} trials, {} alarms", sensor.at("name").get<std::string>(),
-                                             sensor.at("type").get<std::string>(), trials.size(), alarms)};
-  notes.push_back(std::string("Shaded: alarms, in s from the beginning of the recording.") +
-                  (labelled ? " Bars at the foot: slip by the labels." : " There are no labels, so nothing is right or wrong here."));
+  std::vector<std::string> notes{fmt::format("sensor {} ({}), {} trials, {}", sensor.at("name").get<std::string>(),
+                                             sensor.at("type").get<std::string>(), trials.size(), alarms_text(alarms))};
+  notes.push_back(
+      std::string("Shaded: alarms, in s from the beginning of the recording.") +
+      (labelled ? " Bars at the foot: slip by the labels." : " There are no labels, so nothing is right or wrong here."));
   std::string body = page::head_html(detect_page_kind.generator, "Alarms of " + detector, notes, result.value("command", ""));
   const Json& worst = result.at("worst");
   for (std::size_t place = 0; place < std::min(worst.size(), drawn_trials); ++place) {
@@ -238,10 +241,11 @@ std::string detect_page(const Json& result) {
     const SensorRecord read = reader.read_sensor(trial.at("trial").get<std::size_t>(), trial.at("sensor").get<std::string>());
     body += page::section_html(trial_name(trial, several), about(trial), timeline_html(read, trial));
   }
-  body += page::section_html("All trials",
-                             worst.size() > most_rows ? fmt::format("The first {} of {}; FILE.json has all.", most_rows, worst.size())
-                                                      : "The worst first.",
-                             page::table_html(detections_table(result, most_rows)));
+  body +=
+      page::section_html("All trials",
+                         worst.size() > most_rows ? fmt::format("The first {} of {}; FILE.json has all.", most_rows, worst.size())
+                                                  : "The worst first.",
+                         page::table_html(detections_table(result, most_rows)));
   return page::compose_page({detect_page_kind.generator, "Alarms of " + detector + " · slipbench detect"}, body);
 }
 

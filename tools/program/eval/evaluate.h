@@ -13,8 +13,8 @@ struct Options {
   DetectorScene detector;
   std::string dataset;
   std::optional<TruthRule> labels = {};  // empty: `recorded` for recordings; else that of the detector's training, or strict
-  std::string sensor;  // the scene's name; empty: the only one
-  std::string split;   // "train", "valid" or "test" of the dataset's masks; empty: every trial
+  std::string sensor;                    // the scene's name; empty: the only one
+  std::string split;                     // "train", "valid" or "test" of the dataset's masks; empty: every trial
   // What the detector says of its training, JSON (training_of()): trials whose digests stand in
   // `sha256_seen` are left out, unless `all`.
   std::string trained = "{}";

@@ -262,13 +262,13 @@ TEST(CommandLine, EvalTakesADetectorAndItsParameters) {
   ASSERT_EQ(command.parameters.size(), 2U);
   EXPECT_EQ(command.parameters[1].path, "touch");
   EXPECT_EQ(command.parameters[1].value, "20 mN");
-  EXPECT_EQ(command.labels, eval::TruthRule::latched);
+  EXPECT_EQ(command.options.labels, eval::TruthRule::latched);
   EXPECT_EQ(command.options.sensor, "pad");
   EXPECT_EQ(command.options.split, "test");
   EXPECT_TRUE(command.options.all);
   EXPECT_EQ(command.output, "p.html");
   const auto plain = parsed<EvalCommand>({"eval", "m", "a.h5"});
-  EXPECT_EQ(plain.labels, std::nullopt) << "what a network learnt by, else strict";
+  EXPECT_EQ(plain.options.labels, std::nullopt) << "recorded, what a network learnt by, or strict";
   EXPECT_EQ(plain.options.split, "");
   EXPECT_EQ(parsed<EvalCommand>({"eval", "m", "a.h5", "--split", "all"}).options.split, "");
 }
@@ -326,10 +326,9 @@ TEST(CommandLine, StudiesStandInTheHelpAsTheyShowThemselves) {
   EXPECT_THAT(help, HasSubstr(line + '\n'));
 }
 
-const std::vector<std::string> command_names{"run",       "sweep",     "check",   "report", "view",     "export", "import",
-                                             "verify",    "merge",     "cluster", "hd",     "train",    "eval",   "detect",
-                                             "benchmark", "calibrate", "reproduce", "cost", "list",     "describe", "doctor",
-                                             "plugin-path"};
+const std::vector<std::string> command_names{
+    "run",   "sweep", "check",  "report",    "view",      "export",    "import", "verify", "merge",    "cluster", "hd",
+    "train", "eval",  "detect", "benchmark", "calibrate", "reproduce", "cost",   "list",   "describe", "doctor",  "plugin-path"};
 
 TEST(CommandLine, EveryCommandExplainsItself) {
   for (const std::string& name : command_names) {

@@ -44,8 +44,8 @@ TEST(Help, EveryExampleWorks) {
   const std::string whole = bytes_of(scenes + "hexapod.yaml");
   ASSERT_NE(shortened(whole), whole);
   std::ofstream(folder / "scenes/papillarray/hexapod.yaml") << shortened(whole);
-  for (const char* command : {"run", "sweep", "check", "report", "verify", "merge", "export", "import", "train", "eval",
-                              "detect", "reproduce", "list", "describe"}) {
+  for (const char* command : {"run", "sweep", "check", "report", "verify", "merge", "export", "import", "train", "eval", "detect",
+                              "reproduce", "list", "describe"}) {
     const std::vector<std::string> examples = examples_of(command);
     EXPECT_FALSE(examples.empty()) << command;
     for (const std::string& example : examples) {

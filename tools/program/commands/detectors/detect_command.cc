@@ -86,8 +86,10 @@ void DetectCommand::detect_in_python() {
   const PythonModule module("slipbench._detect", "detect -o FILE.parquet", "export");
   Json set = Json::object();
   for (const Override& change : parameters) set[change.path] = change.value;
-  const Json request{{"detector", detector}, {"recordings", options.recordings}, {"parameters", set},
-                     {"sensor", options.sensor}, {"output", output}, {"json", json}, {"install", module.install()}};
+  const Json request{{"detector", detector},       {"recordings", options.recordings},
+                     {"parameters", set},          {"sensor", options.sensor},
+                     {"output", output},           {"json", json},
+                     {"install", module.install()}};
   take_stdout_back();
   module.start(request.dump());
 }

@@ -58,10 +58,10 @@ struct EvalCommand final : Command {
   void declare(Arguments& arguments) override;
   int run() override;
 
-  std::string detector;                   // a name, FILE.onnx or a folder
-  std::vector<Override> parameters;       // of it, by name
-  std::string output;                     // HTML file; empty: none
-  eval::Options options;                  // but for the detector
+  std::string detector;              // a name, FILE.onnx or a folder
+  std::vector<Override> parameters;  // of it, by name
+  std::string output;                // HTML file; empty: none
+  eval::Options options;             // but for the detector
 };
 
 // `detect`: the alarms of a slip detector in recordings.
