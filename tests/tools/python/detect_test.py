@@ -13,8 +13,8 @@ import slipbench
 
 RATE = 100  # Hz
 MAP = """{{sensor: pad, type: papillarray, time: {{column: t}},
- channels: {{force: {{unit: N, shape: [9, 3], columns: [f0 .. f26]}}}}{labels}}}"""
-LABELS = ", state: {column: slip, values: {0: non_slip, 1: gross}}"
+ channels: {{force: {{unit: N, components: 3, columns: [f0 .. f26]}}}}{labels}}}"""
+LABELS = ", state: {column: slip, values: {0: non_slip, 1: gross}, rule: by hand}"
 
 
 def write_log(path):
@@ -96,4 +96,4 @@ class DetectTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    unittest.main(argv=sys.argv[:1])

@@ -162,6 +162,8 @@ bool several_recordings(const Json& result) {
   return std::ranges::any_of(trials, [&](const Json& trial) { return trial.at("recording") != trials.front().at("recording"); });
 }
 
+std::string alarms_text(std::size_t count) { return fmt::format("{} {}", count, count == 1 ? "alarm" : "alarms"); }
+
 std::string share_text(const Json& share) { return share.is_null() ? "–" : fmt::format("{:.1f} %", 100.0 * share.get<double>()); }
 
 std::string rate_text(const Json& rate) { return rate.is_null() ? "–" : fmt::format("{:.1f}", rate.get<double>()); }
@@ -173,7 +175,7 @@ std::string trial_name(const Json& trial, bool several) {
 }
 
 std::string about(const Json& trial) {
-  std::string text = fmt::format("{} alarms in {:.4g} s", trial.at("alarms").size(), trial.at("duration_s").get<double>());
+  std::string text = fmt::format("{} in {:.4g} s", alarms_text(trial.at("alarms").size()), trial.at("duration_s").get<double>());
   if (!trial.at("alarms").empty())
     text += fmt::format(", the first at {:.4g} s", trial.at("alarms")[0].at("begin_s").get<double>());
   if (!trial.at("wrong_share").is_null())
@@ -226,8 +228,8 @@ std::string detect_page(const Json& result) {
   std::size_t alarms = 0;
   for (const Json& trial : trials) alarms += trial.at("alarms").size();
   const Json& sensor = result.at("sensor");
-  std::vector<std::string> notes{fmt::format("sensor {} ({}), {} trials, {} alarms", sensor.at("name").get<std::string>(),
-                                             sensor.at("type").get<std::string>(), trials.size(), alarms)};
+  std::vector<std::string> notes{fmt::format("sensor {} ({}), {} trials, {}", sensor.at("name").get<std::string>(),
+                                             sensor.at("type").get<std::string>(), trials.size(), alarms_text(alarms))};
   notes.push_back(
       std::string("Shaded: alarms, in s from the beginning of the recording.") +
       (labelled ? " Bars at the foot: slip by the labels." : " There are no labels, so nothing is right or wrong here."));

@@ -261,7 +261,7 @@ Tables tables_of(const Json& result) {
 std::string eval_page(const Json& result, const std::string& html_path) {
   const Json& all = result.at("all");
   const Tables tables = tables_of(result);
-  const std::string type = result.at("detector").at("type").get<std::string>(), dataset = result.at("dataset").get<std::string>();
+  const std::string detector = detector_name(result.at("detector")), dataset = result.at("dataset").get<std::string>();
   const auto count = [&all](const char* key) { return all.at(key).get<std::size_t>(); };
   const auto text = [](const Json& value) { return value.get<std::string>(); };
   std::vector<std::string> notes{fmt::format("sensor {} ({}), labels {}, {} trials, {} samples",
@@ -270,7 +270,7 @@ std::string eval_page(const Json& result, const std::string& html_path) {
   if (const std::string note = truth_note(result); !note.empty()) notes.push_back(note);
   for (const Json& warning : result.at("warnings")) notes.push_back("warning: " + text(warning));
   std::string body =
-      page::head_html(page_kind.generator, type + " on " + dataset, notes, text(result.at("command"))) + headline(all);
+      page::head_html(page_kind.generator, detector + " on " + dataset, notes, text(result.at("command"))) + headline(all);
   const std::size_t left_out = result.at("left_out").size();
   body += page::section_html(
       "Figures",
@@ -291,7 +291,7 @@ std::string eval_page(const Json& result, const std::string& html_path) {
         worst_html(result, html_path));
   }
   return page::compose_page(
-      {page_kind.generator, type + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"}, body);
+      {page_kind.generator, detector + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"}, body);
 }
 
 }  // namespace slipbench::eval

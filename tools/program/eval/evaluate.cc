@@ -483,10 +483,9 @@ std::set<std::string> seen_trials(const DetectorScene& detector, const std::stri
 std::string detector_name(const Json& detector) {
   const Json parameters = detector.value("parameters", Json::object());
   const auto type = detector.at("type").get<std::string>();
-  for (const char* key : {"model", "memories"}) {
-    if (const std::string file = parameters.value(key, ""); !file.empty()) return type + " " + file;
-  }
-  return type;
+  if (type == "network") return type + " " + parameters.value("model", "");
+  const std::string memories = parameters.value("memories", "");
+  return type + (memories.empty() ? "" : " with the memories " + memories);
 }
 
 std::string truth_note(const Json& result) {

@@ -145,13 +145,10 @@ std::string eval_text(const Json& result, const Style& style) {
   const Json& all = result.at("all");
   const Json& sensor = result.at("sensor");
   const auto count = [&all](const char* key) { return all.at(key).get<std::size_t>(); };
-  const Json parameters = result.at("detector").value("parameters", Json::object());
-  const std::string memories = parameters.value("memories", "");
-  std::string text = style.heading(fmt::format(
-      "{}{} on {} ({}), labels {}: {} trials, {} samples", printable(result.at("detector").at("type").get<std::string>()),
-      memories.empty() ? "" : fmt::format(" with the memories {}", printable(memories)),
-      printable(sensor.at("name").get<std::string>()), printable(sensor.at("type").get<std::string>()),
-      result.at("labels").get<std::string>(), count("trials"), count("frames")));
+  std::string text = style.heading(
+      fmt::format("{} on {} ({}), labels {}: {} trials, {} samples", printable(eval::detector_name(result.at("detector"))),
+                  printable(sensor.at("name").get<std::string>()), printable(sensor.at("type").get<std::string>()),
+                  result.at("labels").get<std::string>(), count("trials"), count("frames")));
   text += "\n";
   if (const std::string note = eval::truth_note(result); !note.empty()) text += fmt::format("  {}\n", printable(note));
   if (const std::size_t left_out = result.at("left_out").size(); left_out > 0) {

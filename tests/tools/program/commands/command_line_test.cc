@@ -254,13 +254,13 @@ TEST(CommandLine, EvalTakesADetectorAndItsParameters) {
   ASSERT_EQ(command.parameters.size(), 2U);
   EXPECT_EQ(command.parameters[1].path, "touch");
   EXPECT_EQ(command.parameters[1].value, "20 mN");
-  EXPECT_EQ(command.labels, eval::TruthRule::latched);
+  EXPECT_EQ(command.options.labels, eval::TruthRule::latched);
   EXPECT_EQ(command.options.sensor, "pad");
   EXPECT_EQ(command.options.split, "test");
   EXPECT_TRUE(command.options.all);
   EXPECT_EQ(command.output, "p.html");
   const auto plain = parsed<EvalCommand>({"eval", "m", "a.h5"});
-  EXPECT_EQ(plain.labels, std::nullopt) << "what a network learnt by, else strict";
+  EXPECT_EQ(plain.options.labels, std::nullopt) << "recorded, what a network learnt by, or strict";
   EXPECT_EQ(plain.options.split, "");
   EXPECT_EQ(parsed<EvalCommand>({"eval", "m", "a.h5", "--split", "all"}).options.split, "");
 }
