@@ -11,6 +11,7 @@
 #include <Eigen/Dense>
 
 #include "sensors/papillarray/papillarray.h"
+#include "sim/core/math.h"
 #include "tools/base/files/reject.h"
 
 namespace slipbench::calibrate {
@@ -212,7 +213,7 @@ Summary summary_of(const std::vector<UnitFit>& units) {
   if (count > 0) {
     const Eigen::Matrix3d& error = known.front()->error;
     summary.normal_error = error(2, 2);
-    summary.tangential_error = 0.5 * std::hypot(error(0, 0), error(1, 1));
+    summary.tangential_error = 0.5 * math::hypot(error(0, 0), error(1, 1));
   }
   return summary;
 }
@@ -339,7 +340,7 @@ page::TextTable snapshot_unit_table(const Json& result) {
       const Json& share = unit.at("residual_share");
       row.push_back(fmt::format("{:.3g} +- {:.1g}", entry("matrix", 2), entry("standard_error", 2)));
       row.push_back(fmt::format("{:.3g} +- {:.1g}", 0.5 * (entry("matrix", 0) + entry("matrix", 1)),
-                                0.5 * std::hypot(entry("standard_error", 0), entry("standard_error", 1))));
+                                0.5 * math::hypot(entry("standard_error", 0), entry("standard_error", 1))));
       row.push_back(fmt::format("{:.0f}, {:.0f}, {:.0f} %", 100.0 * share.at(0).get<double>(), 100.0 * share.at(1).get<double>(),
                                 100.0 * share.at(2).get<double>()));
     } else {
