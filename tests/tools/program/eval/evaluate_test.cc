@@ -177,8 +177,7 @@ TEST_F(Evaluated, SaysThatThereIsNoTruth) {
   EXPECT_EQ(truth_note(result), "");
   EXPECT_THAT(eval_page(result, path("page.html")), AllOf(Not(HasSubstr("imported")), HasSubstr("slipbench report ")));
   result["truth"] = "none: imported from bts3v2";
-  EXPECT_EQ(truth_note(result),
-            "truth none: imported from bts3v2: where a name here says true, it is the recorded label");
+  EXPECT_EQ(truth_note(result), "truth none: imported from bts3v2: where a name here says true, it is the recorded label");
   EXPECT_THAT(eval_page(result, path("page.html")), AllOf(HasSubstr("<p class=\"note\">truth none: imported from bts3v2"),
                                                           HasSubstr("<li>trial "), Not(HasSubstr("slipbench report "))));
 }
