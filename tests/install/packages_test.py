@@ -17,7 +17,7 @@ del sys.argv[1:]
 INSTALLED = Path("/var/lib/dpkg/info")
 # Called by scripts and tests, which CMake does not look for.
 PROGRAMS = ("c++", "chromium", "cmake", "git", "ninja", "shellcheck", "valgrind")
-# What PyTorch loads: any BLAS does, and that which Debian installs by itself is several times slower.
+# PyTorch loads this. Debian installs the reference BLAS by default, which is several times slower.
 BLAS = Path(f"/usr/lib/{platform.machine()}-linux-gnu/libblas.so.3")
 # Packages whose names hold a version, which Debian's own defaults bring.
 BY_DEFAULT = {r"g\+\+-\d+.*": "g++", r"libpython3\.\d+-dev": "python3-dev"}

@@ -61,7 +61,7 @@ class Scaling(unittest.TestCase):
         self.assertEqual([task.without.name for task in full[6:8]], ["friction", "load"])
         self.assertEqual(full[7].without.overrides, {"sweep.motion.compression": "[0.2 mm]"})
 
-    # What a factor holds is drawn by its scene, whose grid then has the cells that are said: trials of one draw a cell.
+    # With one draw, a scene's sweep has a trial for each cell of its grid, so its trials are the cells that are stated.
     def test_factors_are_of_their_scenes(self):
         for subject in scaling.SUBJECTS.values():
             self.assertEqual(scaling.Cell("", subject.scene).load().trials(1), subject.cells)

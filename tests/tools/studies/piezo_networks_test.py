@@ -59,8 +59,8 @@ class PaddedRecordings(unittest.TestCase):
         self.assertEqual(self.one(convolution, "micro"), ([[1], [1], [1], [2], [3]], [MASKED, MASKED, 0, 0, 1]))
 
     def test_that_have_seen_later_frames_judge_earlier_ones(self):
-        # Of three frames one is later: an answer is that of the middle one. The answer after the k-th frame stands at
-        # k + 2, the label of k - 1 with it.
+        # A kernel of three frames, one of them later: each answer is for the middle frame. So the answer after frame k
+        # stands at k + 2, with the label of k - 1.
         later = row(partial(published.PiezoTcn, channels=1, kernel=3, layers=1), later=1)
         self.assertEqual(self.one(later, "micro"), ([[1], [1], [2], [3], [3]], [MASKED, MASKED, 0, 0, 1]))
 
@@ -301,8 +301,8 @@ class AlarmDelay(unittest.TestCase):
                          ["15 (15 to 15)", "1 of 3", "1 of 3", "20 (16 to 24)", "20.0 +- 7.1, 25", "1 of 3"])
 
     def test_a_spread_is_in_closed_form(self):
-        # Of 0 to 10 ms the 10 % quantile is 1 ms and the 90 % one 9 ms; the variance of n = 11 whole numbers is
-        # n (n + 1)/12 = 11.
+        # Values from 0 to 10 ms in steps of 1 ms: the 10 % quantile is 1 ms, the 90 % quantile 9 ms. The variance of
+        # n = 11 consecutive whole numbers is n (n + 1)/12 = 11.
         spread = delay.spread_of([1e-3 * k for k in range(10, -1, -1)])
         np.testing.assert_allclose(spread, [5e-3, 1e-3 * math.sqrt(11.0), 5e-3, 1e-3, 9e-3, 10e-3], atol=1e-12)
         self.assertEqual(spread.cell(), "5 (1 to 9)")

@@ -13,6 +13,7 @@
 #include "sensors/papillarray/papillarray.h"
 #include "sim/core/math.h"
 #include "tools/base/files/reject.h"
+#include "tools/base/statistics/descriptive.h"
 
 namespace slipbench::calibrate {
 namespace {
@@ -180,12 +181,6 @@ Estimate mean_of(const VectorXd& values, double own_error) {
   return {values.mean(), sd_of(values) / std::sqrt(static_cast<double>(values.size()))};
 }
 
-double median_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
-
 // What single units say of the sensor.
 struct Summary {
   VectorXd normal, tangential, x, y;                  // N/m, of the units that determine them
@@ -254,7 +249,7 @@ void add_scales(Json& keys, const Snapshots& snapshots, const Summary& summary, 
   }
   if (scales.size() > 1) {
     const VectorXd all = Eigen::Map<const VectorXd>(scales.data(), static_cast<Index>(scales.size()));
-    add("noise", {median_of(scales), median_error * sd_of(all) / std::sqrt(static_cast<double>(scales.size()))});
+    add("noise", {median(scales), median_error * sd_of(all) / std::sqrt(static_cast<double>(scales.size()))});
   }
 }
 
@@ -282,7 +277,7 @@ Json noise_json(const std::vector<UnitFit>& units) {
   for (std::size_t k = 0; k < 6; ++k) {
     Json& array = json[k < 3 ? "force" : "displacement"];
     if (array.is_null()) array = Json::array();
-    array.push_back(median_of(values[k]));
+    array.push_back(median(values[k]));
   }
   return json;
 }

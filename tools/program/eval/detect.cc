@@ -99,7 +99,6 @@ std::string detected(const DetectOptions& options) {
   for (const std::string& recording : options.recordings) {
     const DatasetReader reader = whole_dataset(recording);
     for (const std::size_t number : reader.trials()) {
-      if (!options.trials.empty() && !options.trials.contains(number)) continue;
       try {
         const RecordedTrial trial = recorded_trial(reader, number, options.detector, options.sensor, catalogues);
         const SensorRecord& read = trial.sensor();

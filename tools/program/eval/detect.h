@@ -1,7 +1,6 @@
 // `slipbench detect`: the alarms of any detector in recordings, with or without labels.
 #pragma once
 
-#include <set>
 #include <string>
 #include <vector>
 
@@ -15,7 +14,6 @@ struct DetectOptions {
   DetectorScene detector;
   std::vector<std::string> recordings;  // datasets, by their first files
   std::string sensor;                   // the scene's name; empty: the only one
-  std::set<std::size_t> trials = {};    // numbers; empty: all
 };
 
 inline constexpr const char* detect_key = "slipbench_detect";
@@ -45,10 +43,6 @@ page::TextTable detections_table(const Json& result, std::size_t most);
 // One HTML page without scripts: the signals, the probability and the alarms of the worst trials, then a table of all trials.
 // Reads the signals from the recordings that `result` names.
 std::string detect_page(const Json& result);
-
-// The signals, the probability and the alarms of a trial over time, as a part of a page. `trial`: an element of
-// detect()'s `trials`.
-std::string timeline_html(const SensorRecord& sensor, const Json& trial);
 
 // What -o names: FILE.csv (the alarms; the samples go to FILE_samples.csv), FILE.json or FILE.html (with FILE.json beside it).
 // FILE.parquet is written by Python (slipbench/_detect.py).

@@ -184,23 +184,7 @@ std::string about(const Json& trial) {
   return text;
 }
 
-}  // namespace
-
-page::TextTable detections_table(const Json& result, std::size_t most) {
-  const bool several = several_recordings(result);
-  page::TextTable table{{"trial", "duration [s]", "alarms", "alarms a minute", "first alarm [s]", "wrong samples"}, {}};
-  const Json& worst = result.at("worst");
-  for (std::size_t place = 0; place < std::min(worst.size(), most); ++place) {
-    const Json& trial = result.at("trials")[worst[place].get<std::size_t>()];
-    const Json& alarms = trial.at("alarms");
-    table.rows.push_back({trial_name(trial, several), fmt::format("{:.4g}", trial.at("duration_s").get<double>()),
-                          fmt::format("{}", alarms.size()), rate_text(trial.at("alarms_per_minute")),
-                          alarms.empty() ? "–" : fmt::format("{:.6g}", alarms[0].at("begin_s").get<double>()),
-                          share_text(trial.at("wrong_share"))});
-  }
-  return table;
-}
-
+// The signals, the probability and the alarms of a trial over time. `trial`: an element of `trials` of detect().
 std::string timeline_html(const SensorRecord& sensor, const Json& trial) {
   if (trial.at("samples").at("time_s").size() < 2) return "<p class=\"note\">One sample, which has no course over time.</p>\n";
   const Times times = times_of(trial);
@@ -218,6 +202,23 @@ std::string timeline_html(const SensorRecord& sensor, const Json& trial) {
     html += fmt::format("<p class=\"note\">Further channels: {}</p>\n",
                         page::escape_html(fmt::format("{}", fmt::join(others, ", "))));
   return html;
+}
+
+}  // namespace
+
+page::TextTable detections_table(const Json& result, std::size_t most) {
+  const bool several = several_recordings(result);
+  page::TextTable table{{"trial", "duration [s]", "alarms", "alarms a minute", "first alarm [s]", "wrong samples"}, {}};
+  const Json& worst = result.at("worst");
+  for (std::size_t place = 0; place < std::min(worst.size(), most); ++place) {
+    const Json& trial = result.at("trials")[worst[place].get<std::size_t>()];
+    const Json& alarms = trial.at("alarms");
+    table.rows.push_back({trial_name(trial, several), fmt::format("{:.4g}", trial.at("duration_s").get<double>()),
+                          fmt::format("{}", alarms.size()), rate_text(trial.at("alarms_per_minute")),
+                          alarms.empty() ? "–" : fmt::format("{:.6g}", alarms[0].at("begin_s").get<double>()),
+                          share_text(trial.at("wrong_share"))});
+  }
+  return table;
 }
 
 std::string detect_page(const Json& result) {

@@ -199,7 +199,7 @@ TEST(CommandLine, TrainTakesARecipe) {
   EXPECT_EQ(command.request["labels"], "latched");
   EXPECT_EQ(command.request["split"], "object");
   EXPECT_EQ(command.request["steps"], 100);
-  // What was not given is the recipe's, or train()'s.
+  // Options that were not given are null: Python takes the recipe's value or the default of train().
   const TrainCommand& plain = parsed<TrainCommand>({"train", "a.h5", "-o", "d.onnx", "--recipe", "piezo_fft_gru"});
   for (const char* key : {"labels", "split", "held_out", "steps", "turned", "alarms"})
     EXPECT_TRUE(plain.request[key].is_null()) << key;

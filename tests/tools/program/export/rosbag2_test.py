@@ -12,7 +12,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from _made import ExportTest, contents, export, for_each_scene, make
 
-# What the driver's nodes and the standard packages define, written down once more: equal hashes are what ROS 2 compares.
+# Message definitions of the driver and of the standard packages. ROS 2 compares their hashes, so these must be equal.
 DRIVER = {
     "papillarray_interfaces/msg/PillarState":
         "int64 id\nfloat32 dx\nfloat32 dy\nfloat32 dz\nfloat32 fx\nfloat32 fy\nfloat32 fz\nbool in_contact\nint64 slip_state\n",
