@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import multiprocessing
+import os
 import signal
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -112,6 +113,7 @@ _work: Callable[[int], Any] | None = None  # inherited by the worker processes, 
 
 
 def _end(*_: object) -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # the pool may send another, which would stop the removal of files
     raise SystemExit
 
 
@@ -124,7 +126,10 @@ def _begin() -> None:
 
 def _do(index: int) -> Any:
     assert _work is not None
-    return plain(_work(index))
+    try:
+        return plain(_work(index))
+    except SystemExit:  # the pool would keep it and wait for more work
+        os._exit(1)
 
 
 def train_all(name: str, subjects: Sequence[str], options: Options, work: Callable[[int], Any]) -> list[Any]:

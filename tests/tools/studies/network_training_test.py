@@ -93,10 +93,11 @@ class Kept(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             def work(index):
                 if index == 0:
-                    while not any(Path(folder).iterdir()):
+                    while not any(Path(folder).glob("*/started")):
                         time.sleep(0.01)
                     raise InputError("the first")
-                with tempfile.TemporaryDirectory(dir=folder):
+                with tempfile.TemporaryDirectory(dir=folder) as own:
+                    (Path(own) / "started").touch()
                     time.sleep(300)
 
             with self.assertRaisesRegex(InputError, "the first"):

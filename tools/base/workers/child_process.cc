@@ -109,7 +109,8 @@ void ChildProcesses::start(std::size_t index, const std::function<std::string()>
   const int error = errno;
   ::close(ends[1]);
   running_.push_back({index, process, end, ends[0], Clock::now(), {}});
-  if (end >= 0) return;
+  // With SIGCHLD ignored a child that has ended is gone at once. What it sent is in the pipe.
+  if (end >= 0 || (process > 0 && error == ESRCH)) return;
   if (process > 0) end_group(process);
   static_cast<void>(end_of(running_.back()));
   running_.pop_back();
@@ -159,7 +160,7 @@ std::optional<std::pair<std::size_t, ChildEnd>> ChildProcesses::wait_until(Clock
       Child& child = running_[i];
       read(child);
       const bool late = std::chrono::duration<double>(Clock::now() - child.begun).count() > limit_;
-      const bool ended = descriptors[2 * i + 1].revents != 0;
+      const bool ended = child.end < 0 || descriptors[2 * i + 1].revents != 0;
       if (!ended && !late) continue;
       if (!ended) end_group(child.process);
       std::pair<std::size_t, ChildEnd> found(child.index, end_of(child));

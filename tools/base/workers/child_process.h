@@ -59,7 +59,7 @@ class ChildProcesses {
   struct Child {
     std::size_t index;
     pid_t process;
-    int end;      // descriptor that is readable once the process has ended
+    int end;      // descriptor that is readable once the process has ended; -1: it ended before it could be opened
     int channel;  // the pipe's end to read; -1: all has been read
     std::chrono::steady_clock::time_point begun;
     std::string sent;

@@ -45,6 +45,14 @@ TEST(ChildProcesses, NeedNoStatus) {
   const auto before = std::signal(SIGCHLD, SIG_IGN);
   EXPECT_EQ(ended([] { return std::string("done"); }).text, "done");
   EXPECT_EQ(ended([]() -> std::string { std::_Exit(0); }).loss(plenty), "ended before its work was done");
+  // One that is gone before start() looks at it.
+  ChildProcesses children(plenty, [] {
+    const pid_t process = ::fork();
+    if (process > 0) ::waitpid(process, nullptr, 0);
+    return process;
+  });
+  children.start(3, [] { return std::string("done"); });
+  EXPECT_EQ(children.wait_until(Clock::now())->second.text, "done");
   std::signal(SIGCHLD, before);
 }
 
