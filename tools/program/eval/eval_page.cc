@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "tools/base/dataset/reader.h"
 #include "tools/base/page/svg.h"
+#include "tools/base/page/timeline.h"
+#include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/eval/metrics.h"
+#include "tools/program/eval/recorded_trial.h"
 #include "tools/program/sweep/run_sweep.h"
 
 namespace slipbench::eval {
@@ -230,7 +235,6 @@ std::string link_path(const std::filesystem::path& path) {
   return link;
 }
 
-// Recordings without a truth have no report that could be opened.
 std::string worst_html(const Json& result, const std::string& html_path) {
   namespace fs = std::filesystem;
   const std::string dataset = result.at("dataset").get<std::string>();
@@ -239,15 +243,35 @@ std::string worst_html(const Json& result, const std::string& html_path) {
   std::string html = "<ul class=\"plain\">\n";
   for (const Json& worst : result.at("worst")) {
     const auto trial = worst.at("trial").get<std::size_t>();
-    const std::string why = escape_html(worst.at("why").get<std::string>());
-    if (!truth_note(result).empty()) {
-      html += fmt::format("<li>trial {}: {}</li>\n", trial, why);
-      continue;
-    }
     html += fmt::format("<li><a href=\"{}#trial-{}\">trial {}</a>: {} · <code>slipbench report {} --trial {}</code></li>\n",
-                        escape_html(link), trial, trial, why, escape_html(shell_word(dataset)), trial);
+                        escape_html(link), trial, trial, escape_html(worst.at("why").get<std::string>()),
+                        escape_html(shell_word(dataset)), trial);
   }
   return html + "</ul>\n";
+}
+
+page::TimelineMarks marks_of(const RecordedTrial& trial, TruthRule rule) {
+  page::TimelineMarks marks{.probability = trial.replayed.probability,
+                            .seen = trial.replayed.seen,
+                            .labels = trial.truth(rule).state,
+                            .labels_name = labels_title(rule)};
+  for (const SeenAlarm& alarm : alarms_of(trial.sensor().time, trial.replayed)) marks.alarms.push_back({alarm.begin, alarm.end});
+  return marks;
+}
+
+// The worst trials over time. Their samples are read from the dataset again, since the result does not hold them.
+std::string worst_timelines(const Json& result, const DetectorScene& detector) {
+  const DatasetReader reader(result.at("dataset").get<std::string>());
+  const TruthRule rule = parse_label_rule(result.at("labels").get<std::string>());
+  const std::string sensor = result.at("sensor").at("name").get<std::string>();
+  const Catalogues catalogues = program_catalogues();
+  std::string html;
+  for (const Json& worst : result.at("worst") | std::views::take(drawn_trials)) {
+    const RecordedTrial trial = recorded_trial(reader, worst.at("trial").get<std::size_t>(), detector, sensor, catalogues);
+    html += page::section_html(fmt::format("Trial {}", trial.record.trial), worst.at("why").get<std::string>(),
+                               page::timeline_html(trial.sensor(), marks_of(trial, rule), drawn_channels));
+  }
+  return html;
 }
 
 }  // namespace
@@ -258,10 +282,10 @@ Tables tables_of(const Json& result) {
   return tables;
 }
 
-std::string eval_page(const Json& result, const std::string& html_path) {
+std::string eval_page(const Json& result, const std::string& html_path, const DetectorScene& detector) {
   const Json& all = result.at("all");
   const Tables tables = tables_of(result);
-  const std::string detector = detector_name(result.at("detector")), dataset = result.at("dataset").get<std::string>();
+  const std::string name = detector_name(result.at("detector")), dataset = result.at("dataset").get<std::string>();
   const auto count = [&all](const char* key) { return all.at(key).get<std::size_t>(); };
   const auto text = [](const Json& value) { return value.get<std::string>(); };
   std::vector<std::string> notes{fmt::format("sensor {} ({}), labels {}, {} trials, {} samples",
@@ -270,7 +294,7 @@ std::string eval_page(const Json& result, const std::string& html_path) {
   if (const std::string note = truth_note(result); !note.empty()) notes.push_back(note);
   for (const Json& warning : result.at("warnings")) notes.push_back("warning: " + text(warning));
   std::string body =
-      page::head_html(page_kind.generator, detector + " on " + dataset, notes, text(result.at("command"))) + headline(all);
+      page::head_html(page_kind.generator, name + " on " + dataset, notes, text(result.at("command"))) + headline(all);
   const std::size_t left_out = result.at("left_out").size();
   body += page::section_html(
       "Figures",
@@ -286,12 +310,13 @@ std::string eval_page(const Json& result, const std::string& html_path) {
     body += page::section_html("Curves", "", "<div>" + drawn + "</div>\n");
   for (const page::TextTable& by : tables.by) body += page::section_html("By " + by.head.front(), "", page::table_html(by));
   if (!result.at("worst").empty()) {
-    body += page::section_html(
-        "Look first at", truth_note(result).empty() ? "A link opens the dataset's report, once its command has made it." : "",
-        worst_html(result, html_path));
+    body += page::section_html("Look first at",
+                               "A link opens the dataset's report, once its command has made it. The trials follow, alarms shaded.",
+                               worst_html(result, html_path)) +
+            worst_timelines(result, detector);
   }
   return page::compose_page(
-      {page_kind.generator, detector + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"}, body);
+      {page_kind.generator, name + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"}, body);
 }
 
 }  // namespace slipbench::eval

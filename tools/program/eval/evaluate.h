@@ -63,6 +63,9 @@ Json evaluate(const Options& options);
 // A detector as results name it: its type, and the file or folder of a network or of memories. `detector`: {type, parameters}.
 std::string detector_name(const Json& detector);
 
+// The trials and the channels of each that a page draws over time, at most.
+inline constexpr std::size_t drawn_trials = 12, drawn_channels = 4;
+
 // What a reader of a result must know where `truth` is not empty; empty where it is.
 std::string truth_note(const Json& result);
 
@@ -75,7 +78,9 @@ Tables tables_of(const Json& result);
 
 // One HTML page without scripts, which needs no other file, of a result (evaluate.h) with its `command`. `html_path`: where it will stand; trials
 // link from there to the page that `slipbench report` makes of the dataset beside it. Text of `result` is shown as text, never as markup.
-std::string eval_page(const Json& result, const std::string& html_path);
+// `detector`: the one of the result. It runs again on the worst trials, whose signals, states, probability and alarms are drawn from the dataset.
+// Throws InputError where the dataset is no longer as it was judged.
+std::string eval_page(const Json& result, const std::string& html_path, const DetectorScene& detector);
 
 // The page and the result as they are written.
 inline constexpr page::PageKind page_kind{

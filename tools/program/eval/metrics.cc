@@ -327,6 +327,8 @@ TruthRule parse_label_rule(const std::string& name) {
 
 std::string label_rule_name(TruthRule rule) { return hd::name_of(rules, rule); }
 
+std::string labels_title(TruthRule rule) { return rule == TruthRule::recorded ? "labels" : "truth"; }
+
 std::vector<PadState> label_states(const SensorRecord& sensor, TruthRule rule, bool turning) {
   switch (rule) {
     case TruthRule::strict: return checked_states(sensor, sensor.labels.state);

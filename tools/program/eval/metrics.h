@@ -30,6 +30,8 @@ enum class TruthRule {
 std::vector<std::string> label_rule_names();
 TruthRule parse_label_rule(const std::string& name);
 std::string label_rule_name(TruthRule rule);
+// How drawings name the states by the rule: "labels" of recordings, else "truth".
+std::string labels_title(TruthRule rule);
 
 // The pad's state in each sample of a sensor, [T]. `turning`: the motion turns the pad, which has_slipped asks. Throws InputError for
 // has_slipped of another sensor, and for labels that are no states or not one a sample.

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <ranges>
 
 #include "detectors/hd/memory_files.h"
 #include "tests/expect.h"
@@ -50,6 +51,10 @@ struct Evaluated : SmallDatasetTest {
     result.detector = chosen_detector("force_ratio", {{"ratio", "0.45"}});
     result.dataset = dataset;
     return result;
+  }
+  // The page of a result of options().
+  [[nodiscard]] std::string page_of(const Json& result) const {
+    return eval_page(result, path("page.html"), options("").detector);
   }
   // What a detector says that has learnt from these trials.
   static std::string seen(const std::string& dataset, const std::vector<std::size_t>& trials) {
@@ -175,20 +180,50 @@ TEST_F(Evaluated, SaysThatThereIsNoTruth) {
   Json result = evaluate(options(dataset()));
   result["command"] = "slipbench eval";
   EXPECT_EQ(truth_note(result), "");
-  EXPECT_THAT(eval_page(result, path("page.html")), AllOf(Not(HasSubstr("imported")), HasSubstr("slipbench report ")));
+  EXPECT_THAT(page_of(result), AllOf(Not(HasSubstr("imported")), HasSubstr("slipbench report ")));
   result["truth"] = "none: imported from bts3v2";
   EXPECT_EQ(truth_note(result), "truth none: imported from bts3v2: where a name here says true, it is the recorded label");
-  EXPECT_THAT(eval_page(result, path("page.html")), AllOf(HasSubstr("<p class=\"note\">truth none: imported from bts3v2"),
-                                                          HasSubstr("<li>trial "), Not(HasSubstr("slipbench report "))));
+  EXPECT_THAT(page_of(result), HasSubstr("<p class=\"note\">truth none: imported from bts3v2"));
+}
+
+TEST_F(Evaluated, PageDrawsTheWorstTrialsOverTime) {
+  Json result = evaluate(options(dataset()));
+  result["command"] = "slipbench eval";
+  const std::size_t drawn = std::min(result.at("worst").size(), drawn_trials);
+  ASSERT_GT(drawn, 0U);
+  const std::string page = page_of(result);
+  const auto count = [&page](const std::string& text) {
+    std::size_t found = 0;
+    for (std::size_t at = page.find(text); at != std::string::npos; at = page.find(text, at + 1)) ++found;
+    return found;
+  };
+  // Each with its states, by the detector and by the truth, and the PapillArray's forces in N.
+  for (const char* text : {"aria-label=\"States over time [s]\"", ">detector</text>", ">truth</text>", "aria-label=\"force [N] over time [s]\""})
+    EXPECT_EQ(count(text), drawn) << text;
+  for (const Json& worst : result.at("worst") | std::views::take(drawn))
+    EXPECT_EQ(count("<h2>Trial " + worst.at("trial").dump() + "</h2>"), 1U);
+  // A trial with an alarm is among the worst, unless all are missed.
+  const bool alarms = std::ranges::any_of(result.at("trials"), [](const Json& trial) { return !trial.at("alarm_time_s").is_null(); });
+  EXPECT_EQ(count("class=\"bar alarm\"") > 0, alarms);
+  EXPECT_GT(count("class=\"bar gross\""), 0U);
+}
+
+TEST_F(Evaluated, TitleNamesTheFileOfANetwork) {
+  const Json network = {{"type", "network"}, {"parameters", {{"model", "mine/gru.onnx"}}}};
+  EXPECT_EQ(detector_name(network), "network mine/gru.onnx");
+  Json result = evaluate(options(dataset()));
+  result["command"] = "slipbench eval";
+  result["detector"] = network;
+  EXPECT_THAT(page_of(result), AllOf(HasSubstr("<title>network mine/gru.onnx on data.h5"), HasSubstr("<h1>network mine/gru.onnx on ")));
 }
 
 TEST_F(Evaluated, PageShowsTextAsText) {
   Json result = evaluate(options(dataset()));
   result["command"] = "slipbench eval <script>";
-  EXPECT_THAT(eval_page(result, path("page.html")), Not(HasSubstr("ROC")));
+  EXPECT_THAT(page_of(result), Not(HasSubstr("ROC")));
   result["roc"] = {{nullptr, 0.0, 0.0}, {0.5, 0.25, 0.75}, {0.0, 1.0, 1.0}};
   result["calibration"] = {{{"low", 0.0}, {"high", 0.5}, {"count", 3}, {"mean", 0.25}, {"share", 0.5}}};
-  const std::string page = eval_page(result, path("page.html"));
+  const std::string page = page_of(result);
   // A quarter of 342 px to the right of 62, three quarters of 218 px above 248.
   EXPECT_THAT(page, HasSubstr("points=\"62,248 147.5,84.5 404,30\""));
   EXPECT_THAT(page, HasSubstr("cx=\"147.5\" cy=\"139\"")) << "a quarter was said, half is true";

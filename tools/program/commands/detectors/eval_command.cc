@@ -120,7 +120,8 @@ Examples:
   arguments.text("--sensor NAME", options.sensor, "The scene's name of the sensor (default: the only one)");
   arguments.word("--split PART", options.split, "Trials to judge, by the dataset's masks: {} (default: all)", splits);
   arguments.flag("--all", options.all, "Also trials that the detector was trained on");
-  arguments.file("-o,--output FILE.html", output, "Write a page, and FILE.json beside it");
+  arguments.file("-o,--output FILE.html", output,
+                 "Write a page with figures, curves and the worst trials over time, and FILE.json beside it");
 }
 
 int EvalCommand::run() {
@@ -132,7 +133,8 @@ int EvalCommand::run() {
   Json result = eval::evaluate(options);
   result["command"] = eval_command_text(*this, result.at("labels").get<std::string>());
   std::vector<std::string> files;
-  if (!output.empty()) files = page::write_page_files(output, eval::page_kind, eval::eval_page(result, output), result);
+  if (!output.empty())
+    files = page::write_page_files(output, eval::page_kind, eval::eval_page(result, output, options.detector), result);
   if (json) return print_json(result);
   fmt::print("{}{}", eval_text(result, style_for(stdout)), step);
   print_written(files);

@@ -1,0 +1,72 @@
+#include "tools/base/page/timeline.h"
+
+#include <limits>
+
+#include "tests/expect.h"
+
+namespace slipbench::page {
+namespace {
+
+// Two channels, 1 s apart from 0 s to 10 s: the first has nine values, of which number k rises by k N; the second is one value.
+SensorRecord sensor_from(double start) {
+  SensorRecord sensor;
+  sensor.name = "pad";
+  sensor.type = "own";
+  sensor.rate = 1.0;
+  SensorColumn force{"force", "N", {9}, {}}, level{"level", "1", {}, {}};
+  for (int row = 0; row <= 10; ++row) {
+    sensor.time.push_back(start + row);
+    for (int k = 0; k < 9; ++k) force.values.push_back(0.1F * static_cast<float>(k * row));
+    level.values.push_back(static_cast<float>(row % 2));
+  }
+  for (int k = 0; k < 9; ++k) sensor.channel_names.push_back("f" + std::to_string(k));
+  sensor.channel_names.emplace_back("level");
+  sensor.channels = {force, level};
+  return sensor;
+}
+
+constexpr std::size_t all = std::numeric_limits<std::size_t>::max();
+
+TEST(Timeline, NamesAxesWithUnitsAndValuesInAKey) {
+  const std::string html = timeline_html(sensor_from(0.0), {}, all);
+  for (const char* text : {">time [s]</text>", ">force [N]</text>", ">level</text>", "force: the 8 of 9 values that change the most",
+                           ">f8</text>", ">f1</text>"})
+    EXPECT_THAT(html, HasSubstr(text));
+  EXPECT_THAT(html, Not(HasSubstr(">f0</text>"))) << "it does not change";
+  EXPECT_THAT(html, Not(AnyOf(HasSubstr("States"), HasSubstr("Probability"), HasSubstr("bar alarm"))));
+  EXPECT_THAT(timeline_html(sensor_from(0.0), {}, 1), HasSubstr("Further channels: level"));
+}
+
+// The axis is 828 px long for 10 s and begins at 72 px.
+TEST(Timeline, DrawsStatesAlarmsAndProbability) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  TimelineMarks marks{.alarms = {{5.0, 7.5}}, .labels_name = "truth"};
+  marks.probability = {none, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
+  marks.seen.assign(11, PadState::non_slip);
+  marks.labels.assign(11, PadState::gross);
+  const std::string html = timeline_html(sensor_from(0.0), marks, 1);
+  EXPECT_THAT(html, HasSubstr("class=\"bar alarm\" x=\"486\""));  // 72 + 828 * 5/10
+  EXPECT_THAT(html, HasSubstr("width=\"207\""));                  // 828 * 2.5/10
+  EXPECT_THAT(html, HasSubstr("class=\"bar non_slip\" x=\"72\" y=\"33\" width=\"828\""));
+  EXPECT_THAT(html, HasSubstr("class=\"bar gross\" x=\"72\" y=\"53\" width=\"828\""));
+  for (const char* text : {">detector</text>", ">truth</text>", ">incipient slip</text>", "Probability of slip over time [s]"})
+    EXPECT_THAT(html, HasSubstr(text));
+}
+
+TEST(Timeline, CountsTheTimeOfAClockFromTheFirstSample) {
+  EXPECT_EQ(time_origin({5.0, 6.0}), 0.0);
+  EXPECT_EQ(time_origin({1.5e9, 1.5e9 + 1.0}), 1.5e9);
+  EXPECT_THAT(timeline_html(sensor_from(1.5e9), {}, 1),
+              AllOf(HasSubstr(">time after the first sample, which is at 1500000000 s [s]</text>"), HasSubstr(">10</text>")));
+}
+
+TEST(Timeline, ShowsOneSampleAsATable) {
+  SensorRecord sensor = sensor_from(0.0);
+  sensor.time.resize(1);
+  sensor.channels[0].values.resize(9);
+  sensor.channels[1].values = {0.5F};
+  EXPECT_THAT(timeline_html(sensor, {}, all), AllOf(HasSubstr("One sample"), HasSubstr("<td>0.5</td>"), Not(HasSubstr("<svg"))));
+}
+
+}  // namespace
+}  // namespace slipbench::page

@@ -1,0 +1,251 @@
+#include "tools/base/page/timeline.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tools/base/page/page.h"
+#include "tools/base/page/svg.h"
+
+namespace slipbench::page {
+namespace {
+
+constexpr std::size_t most_buckets = 400;
+constexpr double time_left = 72.0, time_right = 900.0, time_top = 30.0, time_foot = 140.0, time_width = 920.0;
+constexpr double key_place = 50.0, strip_height = 14.0;  // px below the axis; of a row of states
+// Letters that fit between two marks of the key, and along the upright axis.
+constexpr std::size_t most_key_letters = 15, most_upright_letters = 18;
+
+// Times of a recording along a drawing.
+struct TimeAxis {
+  Axis shown;     // of times after `origin`
+  double origin;  // s
+
+  [[nodiscard]] double at(double time) const { return shown.at(time - origin); }
+  [[nodiscard]] std::string name() const {
+    return origin == 0.0 ? "time [s]" : fmt::format("time after the first sample, which is at {:.15g} s [s]", origin);
+  }
+};
+
+TimeAxis time_axis(const std::vector<double>& time) {
+  const double origin = time_origin(time);
+  const std::array<double, 2> ends{time.front() - origin, time.back() - origin};
+  return {round_axis(ends, 10.0, time_left, time_right), origin};
+}
+
+struct StateLook {
+  std::string_view kind, name;
+};
+// In the order of PadState.
+constexpr std::array<StateLook, 4> state_looks{
+    {{"no_contact", "no contact"}, {"non_slip", "non-slip"}, {"incipient", "incipient slip"}, {"gross", "gross slip"}}};
+
+// The end of a text that is too long for its place is left out.
+std::string shortened(const std::string& text) {
+  return text.size() <= most_key_letters ? text : text.substr(0, most_key_letters - 1) + "…";
+}
+
+// The key: a mark and a name for each thing that is drawn, in equal distances.
+void draw_key(Svg& svg, double y, std::span<const std::pair<std::string, std::string>> kinds_and_names) {
+  constexpr double distance = (time_right - time_left) / static_cast<double>(series_count);
+  double x = time_left;
+  for (const auto& [kind, name] : kinds_and_names) {
+    svg.bar(kind, x, y - 8.0, 8.0, 8.0);
+    svg.text("small", x + 12.0, y, shortened(name));
+    x += distance;
+  }
+}
+
+// A chart over time with the alarms shaded from top to foot.
+Svg time_chart(const Frame& frame, const std::string& title, const TimeAxis& across, const Axis& up, const std::string& up_name,
+               const TimelineMarks& marks) {
+  Svg svg = chart(frame, title, across.shown, across.name(), up, up_name);
+  for (const TimeSpan& alarm : marks.alarms) {
+    const double begin = across.at(alarm.begin);
+    svg.bar("alarm", begin, frame.top, std::max(across.at(alarm.end) - begin, 1.0), frame.foot - frame.top);
+  }
+  return svg;
+}
+
+// A state lasts until the next sample, the last one until the end of the recording.
+void draw_states(Svg& svg, const TimeAxis& across, double top, const std::vector<double>& time, const std::vector<PadState>& states) {
+  for (std::size_t begin = 0; begin < states.size();) {
+    std::size_t end = begin + 1;
+    while (end < states.size() && states[end] == states[begin]) ++end;
+    const double from = across.at(time[begin]), to = across.at(time[std::min(end, states.size() - 1)]);
+    svg.bar(state_looks.at(static_cast<std::size_t>(states[begin])).kind, from, top, std::max(to - from, 0.5), strip_height);
+    begin = end;
+  }
+}
+
+std::string states_drawing(const std::vector<double>& time, const TimeAxis& across, const TimelineMarks& marks) {
+  std::vector<std::pair<std::string, const std::vector<PadState>*>> rows;
+  if (!marks.seen.empty()) rows.emplace_back("detector", &marks.seen);
+  if (!marks.labels.empty()) rows.emplace_back(marks.labels_name, &marks.labels);
+  if (rows.empty()) return "";
+  const double pitch = strip_height + 6.0, foot = time_top + pitch * static_cast<double>(rows.size());
+  Svg svg = time_chart({time_width, foot + key_place + 8.0, time_left, time_right, time_top, foot}, "states", across, Axis{}, "",
+                       marks);
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const double top = time_top + 3.0 + pitch * static_cast<double>(row);
+    svg.text("small end", time_left - 6.0, top + strip_height - 3.0, rows[row].first);
+    draw_states(svg, across, top, time, *rows[row].second);
+  }
+  std::vector<std::pair<std::string, std::string>> key;
+  for (const auto& [kind, name] : state_looks) key.emplace_back(kind, name);
+  if (!marks.alarms.empty()) key.emplace_back("alarm", "alarm");
+  draw_key(svg, foot + key_place, key);
+  return svg.element("States over time [s]");
+}
+
+// A line from value to value, which begins anew after missing ones. Of a bucket of samples the least and the largest value are
+// drawn, so that no peak is lost.
+void draw_values(Svg& svg, const std::string& kind, const TimeAxis& across, const Axis& up, std::span<const double> times,
+                 std::span<const double> values) {
+  const std::size_t bucket = std::max<std::size_t>(1, times.size() / most_buckets);
+  std::vector<std::array<double, 2>> line;
+  const auto end_line = [&] {
+    if (line.size() == 1) svg.dot(kind, line[0][0], line[0][1], 1.5);
+    if (line.size() > 1) svg.polyline(kind, line);
+    line.clear();
+  };
+  for (std::size_t begin = 0; begin < times.size(); begin += bucket) {
+    std::optional<std::size_t> least, most;
+    for (std::size_t row = begin; row < std::min(begin + bucket, times.size()); ++row) {
+      if (!std::isfinite(values[row])) continue;
+      if (!least || values[row] < values[*least]) least = row;
+      if (!most || values[row] > values[*most]) most = row;
+    }
+    if (!least) {
+      end_line();
+      continue;
+    }
+    for (const std::size_t row : {std::min(*least, *most), std::max(*least, *most)}) {
+      line.push_back({across.at(times[row]), up.at(values[row])});
+      if (*least == *most) break;
+    }
+  }
+  end_line();
+}
+
+// One value of a channel over time.
+struct Signal {
+  std::string name;
+  std::vector<double> values;
+  double least = std::numeric_limits<double>::infinity(), most = -std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] double range() const { return most - least; }
+};
+
+// The values of a channel that are finite somewhere, those that change the most first. `names`: of the channel's values.
+std::vector<Signal> signals_of(const SensorColumn& channel, std::span<const std::string> names) {
+  const std::size_t width = channel.row_size();
+  std::vector<Signal> signals;
+  for (std::size_t column = 0; column < width; ++column) {
+    Signal signal{names[column], {}};
+    for (std::size_t at = column; at < channel.values.size(); at += width) {
+      const double value = channel.values[at];
+      signal.values.push_back(value);
+      if (!std::isfinite(value)) continue;
+      signal.least = std::min(signal.least, value);
+      signal.most = std::max(signal.most, value);
+    }
+    if (signal.least <= signal.most) signals.push_back(std::move(signal));
+  }
+  std::ranges::stable_sort(signals, std::greater{}, &Signal::range);
+  return signals;
+}
+
+std::string with_unit(const SensorColumn& channel) {
+  return channel.unit.empty() || channel.unit == "1" ? channel.name : fmt::format("{} [{}]", channel.name, channel.unit);
+}
+
+// With its unit, or the unit alone where both are too long; the title has the name.
+std::string upright_name(const SensorColumn& channel) {
+  const std::string name = with_unit(channel);
+  return name.size() <= most_upright_letters ? name : name.substr(std::min(channel.name.size() + 1, name.size()));
+}
+
+std::string channel_drawing(const SensorRecord& sensor, const SensorColumn& channel, std::span<const std::string> names,
+                            const TimeAxis& across, const TimelineMarks& marks) {
+  std::vector<Signal> signals = signals_of(channel, names);
+  if (signals.empty()) return fmt::format("<p class=\"note\">{}: has no value</p>\n", escape_html(channel.name));
+  const std::size_t all = channel.row_size();
+  if (signals.size() > series_count) signals.resize(series_count);
+  std::string title = channel.name;
+  if (signals.size() < all) title += fmt::format(": the {} of {} values that change the most", signals.size(), all);
+  std::vector<double> ends;
+  for (const Signal& signal : signals) ends.insert(ends.end(), {signal.least, signal.most});
+  const Axis up = round_axis(ends, 4.0, time_foot, time_top);
+  const bool keyed = signals.size() > 1;  // one value has the channel's name
+  const Frame frame{time_width, time_foot + (keyed ? key_place + 8.0 : 42.0), time_left, time_right, time_top, time_foot};
+  Svg svg = time_chart(frame, title, across, up, upright_name(channel), marks);
+  std::vector<std::pair<std::string, std::string>> key;
+  for (std::size_t k = 0; k < signals.size(); ++k) {
+    key.emplace_back(fmt::format("s{}", k), signals[k].name);
+    draw_values(svg, key.back().first, across, up, sensor.times_of(channel), signals[k].values);
+  }
+  if (keyed) draw_key(svg, time_foot + key_place, key);
+  return svg.element(with_unit(channel) + " over time [s]");
+}
+
+std::string probability_drawing(const std::vector<double>& time, const TimeAxis& across, const TimelineMarks& marks) {
+  std::vector<double> at, values;
+  for (std::size_t row = 0; row < marks.probability.size(); ++row) {
+    if (std::isnan(marks.probability[row])) continue;
+    at.push_back(time[row]);
+    values.push_back(marks.probability[row]);
+  }
+  if (values.empty()) return "";
+  const Axis up{.low = 0.0, .high = 1.0, .begin = time_foot, .end = time_top, .ticks = {0.0, 0.5, 1.0}};
+  Svg svg = time_chart({time_width, time_foot + 42.0, time_left, time_right, time_top, time_foot}, "probability of slip", across,
+                       up, "probability", marks);
+  draw_values(svg, "s0", across, up, at, values);
+  return svg.element("Probability of slip over time [s]");
+}
+
+// The values of a recording of one sample, a channel a row.
+std::string values_html(const SensorRecord& sensor) {
+  TextTable table{{"channel", "values"}, {}};
+  for (const SensorColumn& channel : sensor.channels)
+    table.rows.push_back({with_unit(channel), fmt::format("{:.6g}", fmt::join(channel.values, ", "))});
+  return "<p class=\"note\">One sample, which has no course over time.</p>\n" + table_html(table);
+}
+
+}  // namespace
+
+double time_origin(const std::vector<double>& time) {
+  constexpr double longest_offset = 100.0;  // durations; the digits of the times beyond it would hide what differs
+  return std::abs(time.front()) > longest_offset * (time.back() - time.front()) ? time.front() : 0.0;
+}
+
+std::string timeline_html(const SensorRecord& sensor, const TimelineMarks& marks, std::size_t most_channels) {
+  if (sensor.time.size() < 2) return values_html(sensor);
+  const TimeAxis across = time_axis(sensor.time);
+  std::string html = "<div class=\"scroll\">\n" + states_drawing(sensor.time, across, marks) + probability_drawing(sensor.time, across, marks);
+  std::vector<std::string> others;
+  std::span<const std::string> names(sensor.channel_names);
+  for (std::size_t k = 0; k < sensor.channels.size(); ++k) {
+    const SensorColumn& channel = sensor.channels[k];
+    if (k < most_channels) {
+      html += channel_drawing(sensor, channel, names.first(channel.row_size()), across, marks);
+    } else {
+      others.push_back(channel.name);
+    }
+    names = names.subspan(channel.row_size());
+  }
+  html += "</div>\n";
+  if (!others.empty())
+    html += fmt::format("<p class=\"note\">Further channels: {}</p>\n", escape_html(fmt::format("{}", fmt::join(others, ", "))));
+  return html;
+}
+
+}  // namespace slipbench::page

@@ -1,0 +1,36 @@
+// What a sensor emitted over time, with what a detector and the labels say of it, as drawings without scripts.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "sim/core/pad_state.h"
+#include "tools/base/record/trial_record.h"
+
+namespace slipbench::page {
+
+// A part of a recording [s].
+struct TimeSpan {
+  double begin = 0.0, end = 0.0;
+};
+
+// What is drawn with the signals. T: samples of the sensor.
+struct TimelineMarks {
+  std::vector<TimeSpan> alarms = {};     // shaded in every drawing
+  std::vector<double> probability = {};  // [T] of slip; NaN: no new estimate; empty: the detector has none, or there is no detector
+  std::vector<PadState> seen = {};       // [T] by the detector; empty: there is no detector
+  std::vector<PadState> labels = {};     // [T] empty: there are none
+  std::string labels_name = "labels";    // "truth", where they are
+};
+
+// The time [s] that pages subtract from the stamps of a recording: its first stamp where a clock counts from long before the recording, as
+// the Unix clock does; else 0. `time`: at least one stamp [s].
+double time_origin(const std::vector<double>& time);
+
+// Drawings below each other with one time axis: the states by the detector and by the labels, the probability of slip, and the first
+// `most_channels` channels of the sensor. A channel of more than eight values is drawn by the eight that change the most. The names of
+// the channels that are not drawn follow. A recording of one sample is a table of its values.
+std::string timeline_html(const SensorRecord& sensor, const TimelineMarks& marks, std::size_t most_channels);
+
+}  // namespace slipbench::page
