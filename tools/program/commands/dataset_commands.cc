@@ -118,11 +118,13 @@ std::string sweep_report(const Json& sweep, const Style& style) {
 
 void ReportCommand::declare(Arguments& arguments) {
   arguments.about("report", "Turn a dataset into an HTML page", R"(
-One self-contained HTML file that opens in any browser, without a network.
+One self-contained HTML file that opens in any browser, without a network. The page of recordings without truth
+(slipbench import) shows their signals over time, a table of them with rates and gaps, and their recorded labels.
 
 Examples:
   slipbench report hexapod.h5
-  slipbench report hexapod.h5 --trial 17 -o trial17.html)");
+  slipbench report hexapod.h5 --trial 17 -o trial17.html
+  slipbench report recorded.h5)");
   arguments.text("FILE", dataset, "Dataset (HDF5)").required();
   arguments.file("-o,--output FILE.html", output, "Page to write (default: the dataset's name with .html)");
   arguments.number("--trial K", options.trial, "Trial to show in full (default: the first)", 0);

@@ -36,6 +36,9 @@ constexpr std::size_t least_curve_bytes = 2'000'000;  // where the rows of very 
 constexpr std::size_t most_curve_values = 4'000'000;
 constexpr std::size_t least_curve_rows = 24;
 
+constexpr std::string_view generator = "slipbench";
+constexpr const char* title_end = " · slipbench report";
+
 // The curves of one trial, as the page holds them.
 struct TrialCurves {
   Json sensors = Json::array();
@@ -224,10 +227,8 @@ std::vector<std::size_t> rows_of(const std::vector<std::size_t>& trials, const s
   return {chosen.begin(), chosen.end()};
 }
 
-// Refuses a dataset without truth or trials, and a trial that it does not have.
+// Refuses a dataset without trials, and a trial that it does not have.
 void check_reportable(const DatasetReader& dataset, const std::string& path, const std::optional<std::size_t>& trial) {
-  dataset.check_truth("a report",
-                      "a dataset that slipbench has simulated; `slipbench export --format csv` writes tables of this one");
   const std::vector<std::size_t>& trials = dataset.trials();
   if (trials.empty()) throw InputError(path + ": holds no trial, so there is nothing to report");
   if (!trial) return;
@@ -291,6 +292,9 @@ Gathered gather(const DatasetReader& dataset, const std::string& path, const Rep
 std::string page_of(const std::string& dataset_path, const ReportOptions& options) {
   const DatasetReader dataset = checked_dataset(dataset_path);
   check_reportable(dataset, dataset_path, options.trial);
+  const std::string file = std::filesystem::path(dataset_path).filename().string();
+  if (!dataset.header().truth.empty())
+    return page::compose_page({generator, file + title_end}, report::recordings_body(dataset, file, options));
   const std::vector<std::size_t>& trials = dataset.trials();
   const TrialRecord first = dataset.read_trial(trials.front());
   const bool of_grasps = first.outcome.grasp.has_value();
@@ -324,8 +328,6 @@ std::string page_of(const std::string& dataset_path, const ReportOptions& option
   return report::report_page(description.empty() ? page["file"].get<std::string>() : description, page, gathered.recordings);
 }
 
-constexpr std::string_view generator = "slipbench";
-
 }  // namespace
 
 std::string report::report_page(const std::string& title, const Json& data,
@@ -336,7 +338,7 @@ std::string report::report_page(const std::string& title, const Json& data,
   };
   if (!data.contains("grasps")) leave_out("grasp_");
   if (!data.contains("skins")) leave_out("skin.");
-  return page::compose_drawn_page({generator, title + " · slipbench report"}, files, data, recordings);
+  return page::compose_drawn_page({generator, title + title_end}, files, data, recordings);
 }
 
 bool report::begins_as_report(std::string_view text) { return page::begins_as_page(text, generator); }

@@ -7,6 +7,11 @@
 
 #include "tools/base/record/json.h"
 #include "tools/base/record/trial_record.h"
+#include "tools/program/report/report.h"
+
+namespace slipbench {
+class DatasetReader;
+}
 
 namespace slipbench::report {
 
@@ -90,5 +95,11 @@ Json grasp_parameters(const std::string& scene, const Json& overrides, const Jso
 // detectors/nib/features.h. A spectrogram has at most `most_values` values: windows are then further apart. Recordings shorter than a
 // window have none.
 Json spectra_of(const SensorRecord& sensor, std::size_t most_values);
+
+// The page of a dataset without truth, which holds imported recordings: what they are, all of them in a table with duration, rate, longest
+// step, missing values and recorded labels, and the signals of some over time. `file`: its name, as the page shows it. `options.trial`: the
+// recording whose channels are all drawn; empty: the first channels of `options.max_trials` recordings at most (default: 12), spread evenly.
+// Throws InputError where a trial cannot be read.
+std::string recordings_body(const DatasetReader& dataset, const std::string& file, const ReportOptions& options);
 
 }  // namespace slipbench::report

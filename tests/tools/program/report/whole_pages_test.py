@@ -155,6 +155,15 @@ class Pages:
             assert self.browser.evaluate("document.querySelectorAll('path, rect, circle').length") > 5
             self.open(page)
 
+    def check_recordings(self, dataset):
+        """The vendor's logs of a dataset, which have no truth: their report and the page of their alarms."""
+        self.run("export", dataset, "--format", "vendor-csv", "-o", "logs")
+        self.run("import", "logs", "--format", "papillarray-csv", "-o", "recorded.h5")
+        self.run("report", "recorded.h5")
+        self.check(self.folder / "recorded.html")
+        self.run("detect", "force_ratio", "recorded.h5", "-o", "alarms.html")
+        self.check(self.folder / "alarms.html")
+
     def check_skins(self):
         """A gel's fields, and around those of a sphere's contact the circle that Hertz has: sqrt(40 mm 0.15 mm), of 16 cells of 0.37 mm on 250 px, which hides
         no cell."""
@@ -210,6 +219,7 @@ def main():
         pages.check(pages.folder / "cost.html")
         pages.run("eval", "stuck_fraction", "sweep.h5", "--labels", "micro", "-o", "eval.html")
         pages.check(pages.folder / "eval.html")
+        pages.check_recordings("sweep.h5")
         pages.check_skins()
         pages.check_saved(pages.folder / "papillarray.html")
         pages.check_all_trials()

@@ -92,6 +92,19 @@ class Rerun(unittest.TestCase):
         self.assertFalse([name for name in sent if "events" in name or name.endswith("/t")])
         self.assertEqual([path.name for path in self.folder.glob("slipbench-rerun-*")], [], "what Python read is left behind")
 
+    def test_shows_recordings_without_truth(self):
+        self.use(STAND_IN)
+        self.record()
+        for words in (("export", "a.h5", "--format", "vendor-csv", "-o", "logs"), ("import", "logs", "--format", "papillarray-csv", "-o", "real.h5")):
+            self.assertEqual(self.run_program(*words).returncode, 0, words)
+        done = self.run_program("view", "real.h5", "--rerun", "--trial", "3")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        sent = {one[1]: one[2:] for one in self.said() if one[0] == "columns"}
+        self.assertEqual(sent["sensors/pad/force [N]"][4]["shape"], [500, 27])  # as in test_sends_columns()
+        self.assertEqual(sent["labels/pad/state_paper"][4]["shape"], [500, 1])
+        self.assertEqual([name for name in sent if name.startswith("labels/")], ["labels/pad/state_paper"])
+        self.assertFalse([name for name in sent if name.startswith("truth/")], "there are no bodies")
+
     def test_follows_a_run(self):
         self.use(STAND_IN)
         # A run that takes seconds: two speeds, 2400 draws each, so that there is more than one batch.

@@ -42,7 +42,8 @@ void check_replaceable(const std::string& dataset, const std::string& scene) {
 void ViewCommand::declare(Arguments& arguments) {
   arguments.about("view", "Open the report of a dataset or of a scene in the browser", R"(
 Of a dataset: makes its report, as slipbench report does, and opens it. Of a scene: runs it first, as slipbench run does, and keeps the
-recording and the page in the current folder. On a machine without a screen it says where the page lies.
+recording and the page in the current folder. On a machine without a screen it says where the page lies. Recordings without truth (slipbench
+import) are shown with their signals and recorded labels.
 
 With --rerun the trial is shown in the viewer Rerun, where the Python that you use (python3) has rerun-sdk. Of a run that is still writing its
 dataset the newest trial is shown, again and again, until the run ends. With -o FILE.rrd no viewer opens.
@@ -68,7 +69,7 @@ Examples:
     }
     if (of_scene()) return;
     const bool simulates = !sweep.overrides.empty() || sweep.seed || sweep.limit > 0 || sweep.jobs > 0;
-    if (simulates) reject("view: {} is simulated already; --set, --seed, --trials and --jobs go with a scene", subject);
+    if (simulates) reject("view: {} is a dataset; --set, --seed, --trials and --jobs go with a scene", subject);
   });
 }
 
