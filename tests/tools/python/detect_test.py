@@ -75,7 +75,7 @@ class DetectTest(unittest.TestCase):
     def test_the_page_shows_signals_and_alarms(self):
         self.detect("plain", "a.html")
         page = (self.place / "a.html").read_text()
-        for part in ("There are no labels", "force: the 8 of 27 values that change the most", "force [N]", "time [s]", "bar alarm", ">detector</text>", "trial 0"):
+        for part in ("There are no labels", "force, component 3 of 3: the 8 of 9 values that change the most", "force [N]", "time [s]", "bar alarm", ">detector</text>", "trial 0"):
             self.assertIn(part, page)
 
     def test_only_its_own_files_are_replaced(self):

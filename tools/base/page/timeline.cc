@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tools/base/files/reject.h"
 #include "tools/base/page/page.h"
 #include "tools/base/page/svg.h"
 
@@ -76,7 +77,8 @@ Svg time_chart(const Frame& frame, const std::string& title, const TimeAxis& acr
 }
 
 // A state lasts until the next sample, the last one until the end of the recording.
-void draw_states(Svg& svg, const TimeAxis& across, double top, const std::vector<double>& time, const std::vector<PadState>& states) {
+void draw_states(Svg& svg, const TimeAxis& across, double top, const std::vector<double>& time,
+                 const std::vector<PadState>& states) {
   for (std::size_t begin = 0; begin < states.size();) {
     std::size_t end = begin + 1;
     while (end < states.size() && states[end] == states[begin]) ++end;
@@ -145,11 +147,18 @@ struct Signal {
   [[nodiscard]] double range() const { return most - least; }
 };
 
-// The values of a channel that are finite somewhere, those that change the most first. `names`: of the channel's values.
-std::vector<Signal> signals_of(const SensorColumn& channel, std::span<const std::string> names) {
+// Components of a vector that each unit of a channel has, as force [units, 3]; 1 for a channel without.
+std::size_t components_of(const SensorColumn& channel) {
+  const bool vectors =
+      channel.shape.size() > 1 && channel.shape.front() > 1 && (channel.shape.back() == 2 || channel.shape.back() == 3);
+  return vectors ? channel.shape.back() : 1;
+}
+
+// The values of a component that are finite somewhere, those that change the most first. `names`: of the channel's values.
+std::vector<Signal> signals_of(const SensorColumn& channel, std::span<const std::string> names, std::size_t component) {
   const std::size_t width = channel.row_size();
   std::vector<Signal> signals;
-  for (std::size_t column = 0; column < width; ++column) {
+  for (std::size_t column = component; column < width; column += components_of(channel)) {
     Signal signal{names[column], {}};
     for (std::size_t at = column; at < channel.values.size(); at += width) {
       const double value = channel.values[at];
@@ -174,13 +183,15 @@ std::string upright_name(const SensorColumn& channel) {
   return name.size() <= most_upright_letters ? name : name.substr(std::min(channel.name.size() + 1, name.size()));
 }
 
-std::string channel_drawing(const SensorRecord& sensor, const SensorColumn& channel, std::span<const std::string> names,
-                            const TimeAxis& across, const TimelineMarks& marks) {
-  std::vector<Signal> signals = signals_of(channel, names);
-  if (signals.empty()) return fmt::format("<p class=\"note\">{}: has no value</p>\n", escape_html(channel.name));
-  const std::size_t all = channel.row_size();
-  if (signals.size() > series_count) signals.resize(series_count);
+std::string component_drawing(const SensorRecord& sensor, const SensorColumn& channel, std::span<const std::string> names,
+                              std::size_t component, const TimeAxis& across, const TimelineMarks& marks) {
+  const std::size_t components = components_of(channel), all = channel.row_size() / components;
   std::string title = channel.name;
+  if (components > 1) title += fmt::format(", component {} of {}", component + 1, components);
+  std::vector<Signal> signals = signals_of(channel, names, component);
+  if (signals.empty()) return fmt::format("<p class=\"note\">{}: has no value</p>\n", escape_html(title));
+  if (signals.size() > series_count) signals.resize(series_count);
+  const std::string subject = with_unit(channel) + title.substr(channel.name.size()) + " over time [s]";
   if (signals.size() < all) title += fmt::format(": the {} of {} values that change the most", signals.size(), all);
   std::vector<double> ends;
   for (const Signal& signal : signals) ends.insert(ends.end(), {signal.least, signal.most});
@@ -194,7 +205,7 @@ std::string channel_drawing(const SensorRecord& sensor, const SensorColumn& chan
     draw_values(svg, key.back().first, across, up, sensor.times_of(channel), signals[k].values);
   }
   if (keyed) draw_key(svg, time_foot + key_place, key);
-  return svg.element(with_unit(channel) + " over time [s]");
+  return svg.element(subject);
 }
 
 std::string probability_drawing(const std::vector<double>& time, const TimeAxis& across, const TimelineMarks& marks) {
@@ -220,6 +231,19 @@ std::string values_html(const SensorRecord& sensor) {
   return "<p class=\"note\">One sample, which has no course over time.</p>\n" + table_html(table);
 }
 
+// Files of others may hold anything.
+void check_drawable(const SensorRecord& sensor) {
+  std::size_t values = 0;
+  for (const SensorColumn& channel : sensor.channels) {
+    values += channel.row_size();
+    const std::vector<double>& time = sensor.times_of(channel);
+    if (!std::ranges::all_of(time, [](double at) { return std::isfinite(at); }))
+      reject("sensors/{}: channel {} has a time that is not finite; allowed: finite times", sensor.name, channel.name);
+  }
+  if (sensor.channel_names.size() != values)
+    reject("sensors/{} names {} channels; its samples hold {} values", sensor.name, sensor.channel_names.size(), values);
+}
+
 }  // namespace
 
 double time_origin(const std::vector<double>& time) {
@@ -228,15 +252,18 @@ double time_origin(const std::vector<double>& time) {
 }
 
 std::string timeline_html(const SensorRecord& sensor, const TimelineMarks& marks, std::size_t most_channels) {
+  check_drawable(sensor);
   if (sensor.time.size() < 2) return values_html(sensor);
   const TimeAxis across = time_axis(sensor.time);
-  std::string html = "<div class=\"scroll\">\n" + states_drawing(sensor.time, across, marks) + probability_drawing(sensor.time, across, marks);
+  std::string html =
+      "<div class=\"scroll\">\n" + states_drawing(sensor.time, across, marks) + probability_drawing(sensor.time, across, marks);
   std::vector<std::string> others;
   std::span<const std::string> names(sensor.channel_names);
   for (std::size_t k = 0; k < sensor.channels.size(); ++k) {
     const SensorColumn& channel = sensor.channels[k];
     if (k < most_channels) {
-      html += channel_drawing(sensor, channel, names.first(channel.row_size()), across, marks);
+      for (std::size_t component = 0; component < components_of(channel); ++component)
+        html += component_drawing(sensor, channel, names.first(channel.row_size()), component, across, marks);
     } else {
       others.push_back(channel.name);
     }

@@ -80,8 +80,7 @@ page::TextTable detections_table(const Json& result, std::size_t most) {
     const std::optional<double> first = first_alarm(trial);
     table.rows.push_back({trial_name(trial, several), fmt::format("{:.4g}", trial.at("duration_s").get<double>()),
                           fmt::format("{}", trial.at("alarms").size()), rate_text(trial.at("alarms_per_minute")),
-                          first ? fmt::format("{:.6g}", *first) : "–",
-                          share_text(trial.at("wrong_share"))});
+                          first ? fmt::format("{:.6g}", *first) : "–", share_text(trial.at("wrong_share"))});
   }
   return table;
 }
@@ -96,14 +95,16 @@ std::string detect_page(const Json& result) {
   const Json& sensor = result.at("sensor");
   std::vector<std::string> notes{fmt::format("sensor {} ({}), {} trials, {}", sensor.at("name").get<std::string>(),
                                              sensor.at("type").get<std::string>(), trials.size(), alarms_text(alarms))};
-  notes.emplace_back(labelled ? "Alarms are shaded." : "Alarms are shaded. There are no labels, so nothing is right or wrong here.");
+  notes.emplace_back(labelled ? "Alarms are shaded."
+                              : "Alarms are shaded. There are no labels, so nothing is right or wrong here.");
   std::string body = page::head_html(detect_page_kind.generator, "Alarms of " + detector, notes, result.value("command", ""));
   const Json& worst = result.at("worst");
   for (std::size_t place = 0; place < std::min(worst.size(), drawn_trials); ++place) {
     const Json& trial = trials[worst[place].get<std::size_t>()];
     const DatasetReader reader(trial.at("recording").get<std::string>());
     const SensorRecord read = reader.read_sensor(trial.at("trial").get<std::size_t>(), trial.at("sensor").get<std::string>());
-    body += page::section_html(trial_name(trial, several), about(trial), page::timeline_html(read, marks_of(trial), drawn_channels));
+    body +=
+        page::section_html(trial_name(trial, several), about(trial), page::timeline_html(read, marks_of(trial), drawn_channels));
   }
   body +=
       page::section_html("All trials",

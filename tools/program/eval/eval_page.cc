@@ -310,10 +310,11 @@ std::string eval_page(const Json& result, const std::string& html_path, const De
     body += page::section_html("Curves", "", "<div>" + drawn + "</div>\n");
   for (const page::TextTable& by : tables.by) body += page::section_html("By " + by.head.front(), "", page::table_html(by));
   if (!result.at("worst").empty()) {
-    body += page::section_html("Look first at",
-                               "A link opens the dataset's report, once its command has made it. The trials follow, alarms shaded.",
-                               worst_html(result, html_path)) +
-            worst_timelines(result, detector);
+    body +=
+        page::section_html("Look first at",
+                           "A link opens the dataset's report, once its command has made it. The trials follow, alarms shaded.",
+                           worst_html(result, html_path)) +
+        worst_timelines(result, detector);
   }
   return page::compose_page(
       {page_kind.generator, name + " on " + std::filesystem::path(dataset).filename().string() + " · slipbench eval"}, body);

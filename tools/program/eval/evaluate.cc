@@ -15,6 +15,7 @@
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/reader.h"
 #include "tools/base/files/reject.h"
+#include "tools/base/page/timeline.h"
 #include "tools/base/record/encoder.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -48,6 +49,7 @@ struct Judged {
   std::vector<Judgement> at;       // with each of alarm_thresholds(); empty: the detector has no probability
   std::vector<std::size_t> named;  // samples by the number of the class that a network names
   Json sensor;                     // name, type, rate
+  double origin = 0.0;             // s, page::time_origin()
 };
 
 // Thresholds of a probability, from where nearly all is called slip to where nearly nothing is.
@@ -138,6 +140,7 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
   result.judgement.twin = truth_sha256(sensor.labels);
   result.facts = facts_of(recorded.scene ? &*recorded.scene : nullptr, record, sensor);
   result.grasp = record.outcome.grasp;
+  result.origin = page::time_origin(sensor.time);
   result.sensor = {{"name", sensor.name}, {"type", sensor.type}, {"rate_hz", sensor.rate}};
   if (record.control && !record.control->detector.empty() && record.control->sensor == sensor.name) {
     result.loop_detector = record.control->detector;
@@ -332,26 +335,26 @@ Json trial_json(const Judged& trial) {
 Json worst_json(const std::vector<Judged>& trials) {
   Json json = Json::array();
   const auto add = [&](Detection detection, const std::function<double(const Judgement&)>& badness, const auto& why) {
-    std::vector<const Judgement*> found;
+    std::vector<const Judged*> found;
     for (const Judged& trial : trials) {
       const Judgement& one = trial.judgement;
-      if (one.detection == detection && !std::isnan(badness(one))) found.push_back(&one);  // NaN: no delay, of one sample
+      if (one.detection == detection && !std::isnan(badness(one))) found.push_back(&trial);  // NaN: no delay, of one sample
     }
-    std::ranges::stable_sort(found, std::greater{}, [&badness](const Judgement* one) { return badness(*one); });
+    std::ranges::stable_sort(found, std::greater{}, [&badness](const Judged* one) { return badness(one->judgement); });
     if (found.size() > worst_of_a_kind) found.resize(worst_of_a_kind);
-    for (const Judgement* one : found) json.push_back({{"trial", one->trial}, {"why", why(*one)}});
+    for (const Judged* one : found) json.push_back({{"trial", one->judgement.trial}, {"why", why(one->judgement, one->origin)}});
   };
   const auto alarms = [](const Judgement& one) { return static_cast<double>(one.stick_alarms + one.air_alarms); };
   const auto lead = [](const Judgement& one) { return one.slip_time - one.alarm_time; };
   const auto wrong = [](const Judgement& one) { return static_cast<double>(wrong_frames(one.frames)); };
   add(Detection::missed, wrong,
-      [](const Judgement& one) { return fmt::format("missed; slips from {:.4g} s on", one.slip_time); });
-  add(Detection::early, lead, [&](const Judgement& one) { return fmt::format("early by {:.4g} s", lead(one)); });
+      [](const Judgement& one, double origin) { return fmt::format("missed; slips from {:.4g} s on", one.slip_time - origin); });
+  add(Detection::early, lead, [&](const Judgement& one, double) { return fmt::format("early by {:.4g} s", lead(one)); });
   add(Detection::false_alarm, alarms,
-      [](const Judgement& one) { return fmt::format("never slips; alarm at {:.4g} s", one.alarm_time); });
+      [](const Judgement& one, double origin) { return fmt::format("never slips; alarm at {:.4g} s", one.alarm_time - origin); });
   add(
       Detection::seen, [](const Judgement& one) { return one.delay; },
-      [](const Judgement& one) { return fmt::format("seen late, by {:.4g} s", one.delay); });
+      [](const Judgement& one, double) { return fmt::format("seen late, by {:.4g} s", one.delay); });
   return json;
 }
 

@@ -11,6 +11,7 @@
 
 #include "sim/core/pad_state.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/reject.h"
 #include "tools/base/page/page.h"
 #include "tools/base/page/timeline.h"
 #include "tools/base/statistics/descriptive.h"
@@ -45,13 +46,15 @@ double duration_of(const SensorRecord& sensor) { return sensor.time.size() < 2 ?
 
 // "0.51, 2.99 s after the first sample" where one step is longer than the others, else the step.
 std::string longest_step(const SensorRecord& sensor) {
+  if (sensor.time.size() < 2) return no_value;
   if (sensor.timing) {
     const SampleTiming& timing = *sensor.timing;
     const std::string step = fmt::format("{:.4g}", timing.largest_gap);
-    return steps_vary(timing) ? fmt::format("{} ({:.4g} s after the first sample)", step, timing.largest_gap_at - sensor.time.front())
-                              : step;
+    return steps_vary(timing)
+               ? fmt::format("{} ({:.4g} s after the first sample)", step, timing.largest_gap_at - sensor.time.front())
+               : step;
   }
-  return sensor.time.size() < 2 ? no_value : fmt::format("{:.4g}", 1.0 / sensor.rate);
+  return fmt::format("{:.4g}", 1.0 / sensor.rate);
 }
 
 // "12.5 %, from 1.1 s on": the share of the samples that slip by the recorded labels.
@@ -77,8 +80,9 @@ void add_rows(page::TextTable& table, const TrialRecord& record) {
   const Json notes = notes_of(record);
   for (const SensorRecord& sensor : record.sensors) {
     const bool one = sensor.time.size() < 2;
-    table.rows.push_back({fmt::format("trial {}", record.trial), note_text(notes, "file"), note_text(notes, "object"), sensor.name,
-                          fmt::format("{}", sensor.time.size()), one ? no_value : fmt::format("{:.4g}", duration_of(sensor)),
+    table.rows.push_back({fmt::format("trial {}", record.trial), note_text(notes, "file"), note_text(notes, "object"),
+                          sensor.name, fmt::format("{}", sensor.time.size()),
+                          one ? no_value : fmt::format("{:.4g}", duration_of(sensor)),
                           one ? no_value : fmt::format("{:.4g}", sensor.timing ? sensor.timing->mean_rate : sensor.rate),
                           longest_step(sensor), fmt::format("{}", missing_values(sensor)), labelled_slip(sensor)});
   }
@@ -88,7 +92,8 @@ page::TextTable sensors_table(const TrialRecord& record) {
   page::TextTable table{{"sensor", "type", "channel", "unit", "values a sample", "axes"}, {}};
   for (const SensorRecord& sensor : record.sensors) {
     for (const SensorColumn& channel : sensor.channels)
-      table.rows.push_back({sensor.name, sensor.type, channel.name, channel.unit, fmt::format("{}", channel.row_size()), sensor.frame});
+      table.rows.push_back(
+          {sensor.name, sensor.type, channel.name, channel.unit, fmt::format("{}", channel.row_size()), sensor.frame});
   }
   return table;
 }
@@ -103,16 +108,20 @@ std::string about(const TrialRecord& record) {
   return fmt::format("{}", fmt::join(texts, " · "));
 }
 
-std::string drawn(const TrialRecord& record, std::size_t most_channels) {
+std::string drawn(const TrialRecord& record, const std::string& file, std::size_t most_channels) {
   const std::string object = note_text(notes_of(record), "object");
   std::string html;
   for (const SensorRecord& sensor : record.sensors) {
     if (record.sensors.size() > 1) html += "<h3>Sensor " + page::escape_html(sensor.name) + "</h3>\n";
-    html += page::timeline_html(sensor, {.labels = labels_of(sensor)}, most_channels);
+    try {
+      html += page::timeline_html(sensor, {.labels = labels_of(sensor)}, most_channels);
+    } catch (const InputError& error) {
+      reject("{}: /data/demo_{}: {}", file, record.trial, error.what());
+    }
   }
-  return fmt::format("<div id=\"trial-{}\">\n{}</div>\n", record.trial,
-                     page::section_html(fmt::format("Trial {}", record.trial) + (object.empty() ? "" : ", " + object),
-                                        about(record), html));
+  return fmt::format(
+      "<div id=\"trial-{}\">\n{}</div>\n", record.trial,
+      page::section_html(fmt::format("Trial {}", record.trial) + (object.empty() ? "" : ", " + object), about(record), html));
 }
 
 std::vector<std::size_t> chosen(const std::vector<std::size_t>& trials, std::size_t most) {
@@ -143,17 +152,19 @@ std::string recordings_body(const DatasetReader& dataset, const std::string& fil
       if (!sensor.labels.state_paper.empty()) rules.insert(sensor.labels.rule);
     }
     if (std::ranges::binary_search(shown, number))
-      drawings += drawn(record, options.trial ? std::numeric_limits<std::size_t>::max() : first_channels);
+      drawings += drawn(record, file, options.trial ? std::numeric_limits<std::size_t>::max() : first_channels);
   }
   std::vector<std::string> notes{
-      fmt::format("{} {}, written by slipbench {}", trials.size(), trials.size() == 1 ? "recording" : "recordings", header.version),
-      fmt::format("This dataset has no truth ({}), so the page shows signals, times and recorded labels. Contact, forces and slip of "
-                  "the sensor's units are not known.",
-                  header.truth),
-      rules.empty() ? "There are no recorded labels."
-                    : fmt::format("Recorded labels go by: {}", fmt::join(rules, "; "))};
+      fmt::format("{} {}, written by slipbench {}", trials.size(), trials.size() == 1 ? "recording" : "recordings",
+                  header.version),
+      fmt::format(
+          "This dataset has no truth ({}), so the page shows signals, times and recorded labels. Contact, forces and slip of "
+          "the sensor's units are not known.",
+          header.truth),
+      rules.empty() ? "There are no recorded labels." : fmt::format("Recorded labels go by: {}", fmt::join(rules, "; "))};
   if (shown.size() < trials.size())
-    notes.push_back(fmt::format("Signals of {} of the {} recordings are drawn; --trial K draws recording K.", shown.size(), trials.size()));
+    notes.push_back(
+        fmt::format("Signals of {} of the {} recordings are drawn; --trial K draws recording K.", shown.size(), trials.size()));
   if (read.size() < trials.size())
     notes.push_back(fmt::format("The table lists {} of the {} recordings, spread evenly.", read.size(), trials.size()));
   return page::head_html("slipbench report", file, notes, header.command) +

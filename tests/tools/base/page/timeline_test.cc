@@ -29,12 +29,23 @@ constexpr std::size_t all = std::numeric_limits<std::size_t>::max();
 
 TEST(Timeline, NamesAxesWithUnitsAndValuesInAKey) {
   const std::string html = timeline_html(sensor_from(0.0), {}, all);
-  for (const char* text : {">time [s]</text>", ">force [N]</text>", ">level</text>", "force: the 8 of 9 values that change the most",
-                           ">f8</text>", ">f1</text>"})
+  for (const char* text : {">time [s]</text>", ">force [N]</text>", ">level</text>",
+                           "force: the 8 of 9 values that change the most", ">f8</text>", ">f1</text>"})
     EXPECT_THAT(html, HasSubstr(text));
   EXPECT_THAT(html, Not(HasSubstr(">f0</text>"))) << "it does not change";
   EXPECT_THAT(html, Not(AnyOf(HasSubstr("States"), HasSubstr("Probability"), HasSubstr("bar alarm"))));
   EXPECT_THAT(timeline_html(sensor_from(0.0), {}, 1), HasSubstr("Further channels: level"));
+}
+
+// Value number k is that of component k mod 3 of unit k/3. Over 10 s value k changes by k N.
+TEST(Timeline, DrawsVectorsByTheirComponents) {
+  SensorRecord sensor = sensor_from(0.0);
+  sensor.channels[0].shape = {3, 3};
+  const std::string html = timeline_html(sensor, {}, 1);
+  for (int component : {1, 2, 3})
+    EXPECT_THAT(html, HasSubstr("aria-label=\"force [N], component " + std::to_string(component) + " of 3 over time [s]\""));
+  const std::string last = html.substr(html.find("component 3 of 3</text>"));
+  EXPECT_THAT(last, AllOf(HasSubstr(">f8</text>"), HasSubstr(">f2</text>"), Not(HasSubstr(">f7</text>"))));
 }
 
 // The axis is 828 px long for 10 s and begins at 72 px.

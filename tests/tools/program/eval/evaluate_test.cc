@@ -198,12 +198,14 @@ TEST_F(Evaluated, PageDrawsTheWorstTrialsOverTime) {
     return found;
   };
   // Each with its states, by the detector and by the truth, and the PapillArray's forces in N.
-  for (const char* text : {"aria-label=\"States over time [s]\"", ">detector</text>", ">truth</text>", "aria-label=\"force [N] over time [s]\""})
+  for (const char* text : {"aria-label=\"States over time [s]\"", ">detector</text>", ">truth</text>",
+                           "aria-label=\"force [N], component 3 of 3 over time [s]\""})
     EXPECT_EQ(count(text), drawn) << text;
   for (const Json& worst : result.at("worst") | std::views::take(drawn))
     EXPECT_EQ(count("<h2>Trial " + worst.at("trial").dump() + "</h2>"), 1U);
   // A trial with an alarm is among the worst, unless all are missed.
-  const bool alarms = std::ranges::any_of(result.at("trials"), [](const Json& trial) { return !trial.at("alarm_time_s").is_null(); });
+  const bool alarms =
+      std::ranges::any_of(result.at("trials"), [](const Json& trial) { return !trial.at("alarm_time_s").is_null(); });
   EXPECT_EQ(count("class=\"bar alarm\"") > 0, alarms);
   EXPECT_GT(count("class=\"bar gross\""), 0U);
 }
@@ -214,7 +216,8 @@ TEST_F(Evaluated, TitleNamesTheFileOfANetwork) {
   Json result = evaluate(options(dataset()));
   result["command"] = "slipbench eval";
   result["detector"] = network;
-  EXPECT_THAT(page_of(result), AllOf(HasSubstr("<title>network mine/gru.onnx on data.h5"), HasSubstr("<h1>network mine/gru.onnx on ")));
+  EXPECT_THAT(page_of(result),
+              AllOf(HasSubstr("<title>network mine/gru.onnx on data.h5"), HasSubstr("<h1>network mine/gru.onnx on ")));
 }
 
 TEST_F(Evaluated, PageShowsTextAsText) {

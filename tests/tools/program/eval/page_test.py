@@ -46,7 +46,7 @@ def main():
         assert dom.count("<svg") >= 2, "a histogram and delays against speed"
         # Each of the worst trials with its states; its channels are those of the PapillArray.
         drawn = dom.count('aria-label="States over time [s]"')
-        assert 0 < drawn == dom.count('aria-label="force [N] over time [s]"'), drawn
+        assert 0 < drawn == dom.count('aria-label="force [N], component 3 of 3 over time [s]"'), drawn
         # Its links lead to the report's trials.
         links = re.findall(r'href="(data\.html)#trial-(\d+)"', text)
         assert links and (folder / links[0][0]).exists(), links

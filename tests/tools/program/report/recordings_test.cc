@@ -44,8 +44,8 @@ TEST_F(Recordings, ShowsWhatThereIsAndSaysWhatThereIsNot) {
   const std::string page = page_of({recording(0, {})});
   EXPECT_TRUE(begins_as_report(page));
   for (const char* text :
-       {"no truth (none: imported by a map)", "There are no recorded labels.", "force [N] over time [s]", ">left</text>", "set/&lt;log&gt;.csv",
-        "x along the finger", "<h2>Trial 0, cup</h2>", "id=\"trial-0\""})
+       {"no truth (none: imported by a map)", "There are no recorded labels.", "force [N] over time [s]", ">left</text>",
+        "set/&lt;log&gt;.csv", "x along the finger", "<h2>Trial 0, cup</h2>", "id=\"trial-0\""})
     EXPECT_THAT(page, HasSubstr(text));
   // 5 samples in 1 s: 4 steps a second; the longest of them is 0.7 s and begins at 0.3 s. One value is missing.
   EXPECT_THAT(page, HasSubstr("<td>cup</td><td>tip</td><td>5</td><td>1</td><td>4</td><td>0.7 (0.3 s after the first sample)</td>"
@@ -63,14 +63,20 @@ TEST_F(Recordings, ShowsRecordedLabels) {
 TEST_F(Recordings, DrawsOneRecordingInFullOrAFew) {
   const std::vector<TrialRecord> records{recording(0, {}), recording(1, {}), recording(2, {})};
   const std::string one = page_of(records, {.trial = 1});
-  EXPECT_THAT(one, AllOf(HasSubstr("<h2>Trial 1, cup</h2>"), Not(HasSubstr("<h2>Trial 0, cup</h2>")), HasSubstr("<td>trial 2</td>"),
-                         HasSubstr("Signals of 1 of the 3 recordings")));
+  EXPECT_THAT(one, AllOf(HasSubstr("<h2>Trial 1, cup</h2>"), Not(HasSubstr("<h2>Trial 0, cup</h2>")),
+                         HasSubstr("<td>trial 2</td>"), HasSubstr("Signals of 1 of the 3 recordings")));
   const std::string few = page_of(records, {.trial = {}, .max_trials = 2, .max_rows = 2});
   EXPECT_THAT(few, AllOf(HasSubstr("Signals of 2 of the 3 recordings"), HasSubstr("The table lists 2 of the 3 recordings")));
 }
 
 TEST_F(Recordings, RefusesWhatIsNotThere) {
   EXPECT_THAT(refusal_of([&] { page_of({recording(0, {})}, {.trial = 4}); }), mentions({path("a.h5"), "no trial 4", "0 to 0"}));
+  TrialRecord unnamed = recording(2, {}), never = recording(3, {});
+  unnamed.sensors[0].channel_names.pop_back();
+  never.sensors[0].time[1] = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(refusal_of([&] { page_of({unnamed}); }),
+              mentions({"a.h5", "demo_2", "sensors/tip", "names 1 channels", "2 values"}));
+  EXPECT_THAT(refusal_of([&] { page_of({never}); }), mentions({"a.h5", "demo_3", "sensors/tip", "time", "finite"}));
   EXPECT_THAT(refusal_of([&] { page_of({}); }), mentions({path("a.h5"), "holds no trial"}));
 }
 
