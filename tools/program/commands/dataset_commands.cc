@@ -123,8 +123,7 @@ One self-contained HTML file that opens in any browser, without a network. The p
 
 Examples:
   slipbench report hexapod.h5
-  slipbench report hexapod.h5 --trial 17 -o trial17.html
-  slipbench report recorded.h5)");
+  slipbench report hexapod.h5 --trial 17 -o trial17.html)");
   arguments.text("FILE", dataset, "Dataset (HDF5)").required();
   arguments.file("-o,--output FILE.html", output, "Page to write (default: the dataset's name with .html)");
   arguments.number("--trial K", options.trial, "Trial to show in full (default: the first)", 0);

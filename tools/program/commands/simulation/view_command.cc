@@ -69,7 +69,8 @@ Examples:
     }
     if (of_scene()) return;
     const bool simulates = !sweep.overrides.empty() || sweep.seed || sweep.limit > 0 || sweep.jobs > 0;
-    if (simulates) reject("view: {} is a dataset; --set, --seed, --trials and --jobs go with a scene", subject);
+    if (simulates)
+      reject("view: {} is a dataset, which is not simulated again; --set, --seed, --trials and --jobs go with a scene", subject);
   });
 }
 
