@@ -7,7 +7,9 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import zipfile
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pyarrow as pa
@@ -16,10 +18,10 @@ import slipbench
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from slipbench._import import arrays, bags
 from slipbench._import.block import read_map
 from slipbench._import.keys import BLOCKS
 from slipbench._import.recordings import Importer, Map
-from slipbench._import.text import TextTable
 from slipbench.bin import _core
 
 ROWS = [["0.00", "0.500", "1.250"], ["0.01", "0.600", "1.350"], ["0.02", "0.700", "1.450"]]
@@ -424,6 +426,26 @@ class Arrays(ImportTest):
             self.write(name, b"not it")
             self.assertIn(f"{name}: cannot be read", self.refused(map, self.folder / name))
 
+    def test_damaged_arrays_are_refused(self):
+        """Found by fuzz_import.py."""
+        bare = "{sensor: pad, type: own, time: {column: '1'}, channels: {force: {unit: N, columns: ['2']}}}"
+        np.save(self.folder / "a.npy", np.array([[0.0, 1.0], [1e-300, 1.0], [2e-300, 1.0]]))
+        self.assertIn("1e-300 s after the sample before; expected at least 1e-10 s", self.refused(bare, self.folder / "a.npy"))
+        whole = (self.folder / "a.npy").read_bytes()
+        self.write("a.npy", whole.replace(b"}  ", b"} ("))
+        self.assertIn("a.npy: cannot be read as an array: ", self.refused(bare, self.folder / "a.npy"))
+        map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [force]}}}"
+        np.savez_compressed(self.folder / "a.npz", t=np.array([0.0, 0.01]), force=np.arange(2000.0).reshape(2, 1000))
+        data = bytearray((self.folder / "a.npz").read_bytes())
+        data[-1000:-600] = bytes(400)  # inside of the compressed force
+        self.write("b.npz", bytes(data))
+        self.assertIn("b.npz: cannot be read as arrays: ", self.refused(map, self.folder / "b.npz"))
+        with mock.patch.object(arrays, "LARGEST", 1000):
+            self.assertIn("expected at most 0 GB; cut them in parts", self.refused(map, self.folder / "a.npz"))
+        with zipfile.ZipFile(self.folder / "a.npz", "a") as archive:
+            archive.writestr("README.txt", "not an array")
+        self.assertEqual(self.force(map, self.folder / "a.npz")[0].shape, (2, 1000))
+
 
 PILLAR = "int64 id\nfloat32 dX\nfloat32 dY\nfloat32 dZ\nfloat32 fX\nfloat32 fY\nfloat32 fZ\nbool in_contact\nint64 slip_state\n"
 SENSOR = "std_msgs/Header header\nint64 tus\npapillarray_interfaces/PillarState[] pillars\nfloat32 gfX\n"
@@ -491,6 +513,20 @@ class Bags(ImportTest):
             self.check(path)
         self.check(next(path.glob("*.mcap")))
 
+    def test_long_and_empty_topics(self):
+        self.test_bags_of_both_ros_are_read()
+        map = "{sensor: pad, type: own, topic: %s, channels: {force: {unit: N, columns: ['pillars[*].fX']}}}"
+        with mock.patch.object(bags, "BLOCK", 200):  # two messages of 87 values fit in, the third fills it
+            values, _ = self.force(map % "/hub_0/sensor_0", self.folder / "one.bag")
+        self.assertEqual(values.tolist(), [list(range(9))] * 4)
+        with mock.patch.object(bags, "MOST_IN_TOPIC", 300):
+            self.assertIn("has more than 300 values", self.refused(map % "/hub_0/sensor_0", self.folder / "one.bag"))
+        with Writer1(self.folder / "empty.bag") as writer:
+            store = get_typestore(Stores.EMPTY)
+            store.register(get_types_from_msg("float64[] data\n", "pad_msgs/msg/List"))
+            writer.write(writer.add_connection("/e", "pad_msgs/msg/List", typestore=store), 0, bytes(4))
+        self.assertIn("the messages have no value, or lists of more than 100000 alone", self.refused(map % "/e", self.folder / "empty.bag"))
+
     def test_topics_are_named_or_found(self):
         self.test_bags_of_both_ros_are_read()
         bag = self.folder / "one.bag"
@@ -537,38 +573,6 @@ class Bags(ImportTest):
             counts = np.asarray(sensors["skin_xServTopic_sensors_1"].counts)
             self.assertEqual(counts.shape, (3, 16, 3))
             self.assertEqual(counts[2, 5].tolist(), [2, 5, 2])
-
-
-class Damaged(ImportTest):
-    """Tables and maps with changed bytes: read, or refused with a message."""
-
-    def test_changed_bytes_are_read_or_refused(self):
-        random = np.random.default_rng(1)
-        texts = [table(), table(";", ","), table(quote='"'), table(end="\r\n"), table().encode("utf-16")]
-        alphabet = b'0123456789.,;\t "+-eE:TN\n\r#\xff\0x'
-        for turn in range(400):
-            text = texts[turn % len(texts)]
-            data = bytearray(text if isinstance(text, bytes) else text.encode())
-            for _ in range(int(random.integers(1, 6))):
-                place = int(random.integers(len(data)))
-                data[place : place + int(random.integers(2))] = bytes(
-                    random.choice(list(alphabet), int(random.integers(3))).tolist()
-                )
-            path = self.write("a.csv", bytes(data))
-            with contextlib.suppress(slipbench.InputError):
-                found = TextTable(str(path))
-                found.load(found.titles, found.titles[:1])
-                for title in found.titles:
-                    found.values(title)
-        text = f"sensor: pad\ntype: own\ntime: {{column: t, unit: ms}}\n{CHANNELS}\nskip: [1, 2]\nstate: {{column: s, rule: r}}\n"
-        for _ in range(400):
-            data = bytearray(text.encode())
-            place = int(random.integers(len(data)))
-            data[place : place + int(random.integers(9))] = bytes(
-                random.choice(list(b"{}[]:,a \n1'-"), int(random.integers(4))).tolist()
-            )
-            with contextlib.suppress(slipbench.InputError):
-                read_map(str(self.write("map.yaml", bytes(data))))
 
 
 if __name__ == "__main__":

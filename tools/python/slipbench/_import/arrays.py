@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections import Counter
 from typing import Any
 
@@ -10,6 +9,8 @@ import numpy as np
 
 from slipbench import InputError
 from slipbench._import.source import Source
+
+LARGEST = 2_000_000_000  # bytes of all arrays, which are in memory as a whole
 
 
 class Columns(Source):
@@ -45,7 +46,7 @@ def read_npy(path: str) -> Columns:
     """An array [T, N], whose columns are called 1 to N, or a structured array [T], by the names of its fields."""
     try:
         array = np.load(path, allow_pickle=False, mmap_mode="r")
-    except (OSError, ValueError, EOFError, SyntaxError, OverflowError, TypeError) as error:
+    except Exception as error:  # noqa: BLE001  a damaged header raises what Python's parser and tokenizer raise
         raise InputError(f"{path}: cannot be read as an array: {error}") from error
     if not isinstance(array, np.ndarray) or array.ndim == 0 or array.size == 0:
         raise InputError(f"{path}: expected an array with a row for each sample")
@@ -57,20 +58,14 @@ def read_npy(path: str) -> Columns:
 def read_npz(path: str) -> Columns:
     """Arrays by their names. Those with another number of rows than most, such as constants, are left out."""
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except (
-        OSError,
-        ValueError,
-        EOFError,
-        SyntaxError,
-        OverflowError,
-        TypeError,
-        KeyError,
-        zipfile.BadZipFile,
-        NotImplementedError,
-    ) as error:
+        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
+            size = sum(member.file_size for member in file.zip.infolist())
+            arrays = {} if size > LARGEST else {name: file[name] for name in file.files}
+    except Exception as error:  # noqa: BLE001  damage shows in the archive, its compression or a header
         raise InputError(f"{path}: cannot be read as arrays: {error}") from error
+    if size > LARGEST:
+        raise InputError(f"{path}: the arrays have {size / 1e9:.1f} GB; expected at most {LARGEST / 1e9:.0f} GB; cut them in parts")
+    arrays = {name: array for name, array in arrays.items() if isinstance(array, np.ndarray)}  # not other members
     rows = Counter(len(array) for array in arrays.values() if array.ndim and array.size)
     if not rows:
         raise InputError(f"{path}: has no array with a row for each sample; found: {', '.join(list(arrays)[:10])}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,9 @@ from slipbench import InputError
 from slipbench._import.arrays import Columns
 from slipbench._import.block import nearest
 
-MOST_VALUES = 100_000  # of one message
+MOST_VALUES = 100_000  # of one list in a message
+MOST_IN_TOPIC = 100_000_000
+BLOCK = 1_000_000  # values that are kept as Python's objects
 
 
 def flatten(message: Any, title: str, into: dict[str, Any]) -> None:
@@ -31,6 +34,10 @@ def flatten(message: Any, title: str, into: dict[str, Any]) -> None:
             flatten(item, f"{title}[{k}]", into)
     else:
         into[title] = message
+
+
+def _columns(rows: list[dict[str, Any]], titles: list[str]) -> dict[str, np.ndarray]:
+    return {title: np.array([row[title] for row in rows]) for title in titles}
 
 
 class Topic(Columns):
@@ -124,27 +131,46 @@ class Bag:
             )
         return list(self.topics)
 
-    def read(self, name: str) -> Topic:
-        """All messages of a topic. Raises InputError where one cannot be read or they differ in their lengths."""
-        times: list[int] = []
-        rows: list[dict[str, Any]] = []
+    def _decoded(self, name: str) -> Iterator[tuple[int, Any]]:
+        """Times of receipt [ns] and messages of a topic. Raises InputError where one cannot be read."""
+        count = 0
         try:
             for connection, time, raw in self._reader.messages(
                 [one for one in self._reader.connections if one.topic == name]
             ):
-                row: dict[str, Any] = {}
-                flatten(self._reader.deserialize(raw, connection.msgtype), "", row)
-                times.append(time)
-                rows.append(row)
+                yield time, self._reader.deserialize(raw, connection.msgtype)
+                count += 1
         except Exception as error:  # noqa: BLE001
-            raise InputError(f"{self.path}: topic {name}, message {len(rows) + 1}: cannot be read: {error}") from error
-        if not rows:
-            raise InputError(f"{self.path}: topic {name} has no message")
-        titles = list(rows[0])
-        for k, row in enumerate(rows):
-            if row.keys() != rows[0].keys():
+            raise InputError(f"{self.path}: topic {name}, message {count + 1}: cannot be read: {error}") from error
+
+    def read(self, name: str) -> Topic:
+        """All messages of a topic. Raises InputError where one cannot be read or they differ in their lengths."""
+        times: list[int] = []
+        rows: list[dict[str, Any]] = []  # of the messages that are not yet in `blocks`
+        blocks: list[dict[str, np.ndarray]] = []
+        titles: list[str] = []
+        for time, message in self._decoded(name):
+            row: dict[str, Any] = {}
+            flatten(message, "", row)
+            titles = titles or list(row)
+            if list(row) != titles:
                 raise InputError(
-                    f"{self.path}: topic {name}, message {k + 1}: has {len(row)} values and the first message {len(titles)}; "
-                    "expected lists of one length"
+                    f"{self.path}: topic {name}, message {len(times) + 1}: has {len(row)} values and the first message "
+                    f"{len(titles)}; expected lists of one length"
                 )
-        return Topic(self.path, name, times, {title: np.array([row[title] for row in rows]) for title in titles})
+            times.append(time)
+            if len(times) * len(titles) > MOST_IN_TOPIC:
+                raise InputError(
+                    f"{self.path}: topic {name} has more than {MOST_IN_TOPIC} values; cut the bag in parts"
+                )
+            rows.append(row)
+            if len(rows) * len(titles) >= BLOCK:
+                blocks.append(_columns(rows, titles))
+                rows = []
+        if not times:
+            raise InputError(f"{self.path}: topic {name} has no message")
+        if not titles:
+            raise InputError(f"{self.path}: topic {name}: the messages have no value, or lists of more than {MOST_VALUES} alone")
+        if rows:
+            blocks.append(_columns(rows, titles))
+        return Topic(self.path, name, times, {title: np.concatenate([one[title] for one in blocks]) for title in titles})

@@ -32,6 +32,7 @@ BAGS = (".mcap", ".bag")
 MOST_RUNS = 5  # of missing samples that a warning lists
 FRAME = "as the recordings have it"
 LARGEST = 1_000_000_000  # bytes of a recording
+SHORTEST = 1e-10  # s between two samples
 
 
 def list_files(sources: list[str]) -> list[File]:
@@ -265,6 +266,12 @@ class Importer:
             raise InputError(
                 f"{source.place(int(kept[row]))}: {column}time: {times[row]:.12g} s comes after {times[row - 1]:.12g} s; "
                 "expected rising times"
+            )
+        steps = np.diff(times)
+        if steps.size and steps.min() < SHORTEST:
+            raise InputError(
+                f"{source.place(int(kept[int(steps.argmin()) + 1]))}: time: {steps.min():g} s after the sample before; "
+                f"expected at least {SHORTEST:g} s; set time.unit"
             )
         if np.abs(times).max() > 1e10:
             raise InputError(
