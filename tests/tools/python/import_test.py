@@ -445,6 +445,34 @@ class Arrays(ImportTest):
         with zipfile.ZipFile(self.folder / "a.npz", "a") as archive:
             archive.writestr("README.txt", "not an array")
         self.assertEqual(self.force(map, self.folder / "a.npz")[0].shape, (2, 1000))
+        record = np.array([(0.0, 1.0, "0"), (0.01, 2.0, "1")], [("t", "f8"), ("force", "f4"), ("s", "<U1")])
+        np.save(self.folder / "c.npy", record)
+        labelled = map[:-1] + ", state: {column: s, rule: by hand}}"
+        self.assertEqual(self.force(labelled, self.folder / "c.npy")[0].ravel().tolist(), [1, 2])
+        # The last text is the code point 0xff000031.
+        self.write("c.npy", (self.folder / "c.npy").read_bytes()[:-1] + b"\xff")
+        self.assertIn("c.npy: s holds a text that cannot be read", self.refused(labelled, self.folder / "c.npy"))
+
+    def test_damaged_parquet_is_refused(self):
+        map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}, missing: gap}"
+        path = self.folder / "a.parquet"
+
+        def write(rows, **columns):
+            times = pa.array([*range(rows - 1), None], pa.timestamp("s"))
+            pa.parquet.write_table(
+                pa.table({"t": times, "f": [1.0] * rows} | columns), path, use_dictionary=False, compression="none"
+            )
+
+        write(4)
+        self.assertEqual(self.force(map, path)[1].tolist(), [0, 1, 2])
+        write(4, s=["text"] * 4)
+        self.write("a.parquet", path.read_bytes().replace(b"text", b"te\xffx"))
+        self.assertIn("a.parquet: cannot be read as Parquet: ", self.refused(map, path))
+        write(4, s=[[1.0], [1.0, 2.0], [], []])
+        self.assertIn("a.parquet: column 's': its lists differ in length", self.refused(map, path))
+        write(2000)
+        with mock.patch.object(arrays, "LARGEST", 16_000):  # 2,000 values of 8 bytes; the file has 4,000
+            self.assertIn("has 2000 rows of 2 columns; expected at most 2000 values", self.refused(map, path))
 
 
 PILLAR = "int64 id\nfloat32 dX\nfloat32 dY\nfloat32 dZ\nfloat32 fX\nfloat32 fY\nfloat32 fZ\nbool in_contact\nint64 slip_state\n"

@@ -39,7 +39,10 @@ class Columns(Source):
             raise InputError(f"{self.path}: {title} has {column.ndim} dimensions; expected one value a row")
         if column.dtype.kind == "f":
             return ["" if np.isnan(value) else f"{value!r}" for value in column.tolist()]
-        return [str(value) for value in column.tolist()]
+        try:
+            return [str(value) for value in column.tolist()]
+        except (SystemError, ValueError) as error:  # code points beyond Unicode
+            raise InputError(f"{self.path}: {title} holds a text that cannot be read: {error}") from error
 
 
 def read_npy(path: str) -> Columns:
@@ -75,28 +78,38 @@ def read_npz(path: str) -> Columns:
 
 def read_parquet(path: str) -> Columns:
     """The columns of a Parquet file; lists of one length are arrays."""
-    import pyarrow as pa
     import pyarrow.parquet
 
     try:
+        head = pyarrow.parquet.read_metadata(path)
+        if head.num_rows == 0:
+            raise InputError(f"{path}: the table has no row")
+        if head.num_rows * head.num_columns * 8 > LARGEST:  # a small file may have many rows of one value
+            raise InputError(
+                f"{path}: the table has {head.num_rows} rows of {head.num_columns} columns; expected at most {LARGEST // 8} values; "
+                "cut it in parts"
+            )
         table = pyarrow.parquet.read_table(path)
-    except (OSError, pa.ArrowException) as error:
+        columns = {
+            name: _parquet_column(f"{path}: column {name!r}", column)
+            for name, column in zip(table.column_names, table.columns, strict=True)
+        }
+    except InputError:
+        raise
+    except Exception as error:  # noqa: BLE001  pages are decoded column by column, and texts when they are converted
         raise InputError(f"{path}: cannot be read as Parquet: {error}") from error
-    if table.num_rows == 0:
-        raise InputError(f"{path}: the table has no row")
-    columns: dict[str, Any] = {}
-    for name, column in zip(table.column_names, table.columns, strict=True):
-        if pa.types.is_timestamp(column.type):
-            columns[name] = np.array([value.isoformat() for value in column.to_pylist()])
-        elif (
-            pa.types.is_list(column.type)
-            or pa.types.is_fixed_size_list(column.type)
-            or pa.types.is_large_list(column.type)
-        ):
-            try:
-                columns[name] = np.array(column.to_pylist(), dtype=float)
-            except ValueError:
-                raise InputError(f"{path}: the lists of column {name!r} differ in length") from None
-        else:
-            columns[name] = column.to_numpy()
     return Columns(path, columns)
+
+
+def _parquet_column(where: str, column: Any) -> Any:
+    """A column as an array: times as texts, lists of one length as [T, N]."""
+    import pyarrow as pa
+
+    if pa.types.is_timestamp(column.type):
+        return np.array(["" if value is None else value.isoformat() for value in column.to_pylist()])
+    if pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type) or pa.types.is_large_list(column.type):
+        try:
+            return np.array(column.to_pylist(), dtype=float)
+        except ValueError:
+            raise InputError(f"{where}: its lists differ in length") from None
+    return column.to_numpy()
