@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -573,6 +574,36 @@ class Bags(ImportTest):
         )
         self.write("bad.bag", b"#ROSBAG V2.0\nno")
         self.assertIn("bad.bag: cannot be read as a bag", self.refused(map % "", self.folder / "bad.bag"))
+
+    def test_definitions_that_a_bag_does_not_have(self):
+        store, kind, made = self.messages(2)
+        bag = self.folder / "humble"
+        with Writer2(bag, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+            connection = writer.add_connection("/a", kind, typestore=store)
+            for row, message in enumerate(made):
+                writer.write(connection, row * 1_000_000, store.serialize_cdr(message, kind))
+        with contextlib.closing(sqlite3.connect(bag / "humble.db3")) as file, file:  # as ROS 2 Humble writes it
+            file.execute("DROP TABLE message_definitions")
+            file.execute("UPDATE schema SET schema_version = 3")
+        map = "{sensor: pad, type: own, %s channels: {force: {unit: N, columns: ['pillars[*].fX']}}}"
+        self.assertIn(
+            f"topic /a: the bag has no definition of {kind}; name the .msg file, or a folder of such files, in the map: "
+            "definitions: [PATH]",
+            self.refused(map % "", bag),
+        )
+        package = kind.split("/")[0]
+        sensor = self.write(f"{package}/SensorState.msg", SENSOR)
+        self.assertIn(
+            f"has no definition of {package}/msg/PillarState;", self.refused(map % f"definitions: [{sensor}],", bag)
+        )
+        self.write(f"more/{package}/msg/PillarState.msg", PILLAR)
+        values, _ = self.force(map % f"definitions: [{package}, more],", bag)
+        self.assertEqual(values.tolist(), [list(range(9))] * 4)
+        self.assertIn("map.yaml:1: definitions: expected a .msg file", self.refused(map % "definitions: [no.msg],", bag))
+        (self.folder / "none").mkdir()
+        self.assertIn("found 'none', which has none", self.refused(map % "definitions: [none],", bag))
+        self.write(f"{package}/SensorState.msg", "float32 1x\n")
+        self.assertIn("SensorState.msg: cannot be read as the definition", self.refused(map % f"definitions: [{package}],", bag))
 
     def test_items_of_a_list_are_sensors(self):
         store = get_typestore(Stores.ROS2_JAZZY)

@@ -10,7 +10,7 @@ import numpy as np
 
 from slipbench import InputError
 from slipbench._import.arrays import Columns
-from slipbench._import.block import nearest
+from slipbench._import.block import Block, nearest
 
 MOST_VALUES = 100_000  # of one list in a message
 MOST_IN_TOPIC = 100_000_000
@@ -76,25 +76,78 @@ class Topic(Columns):
         return topics
 
 
+def read_definitions(map: Block) -> dict[str, Any]:
+    """The messages of a map's key `definitions`.
+
+    Args:
+        map: the whole map
+
+    Returns:
+        rosbags' definition of each message, by its type "PACKAGE/msg/NAME".
+
+    Raises:
+        InputError: a file is missing or is not a definition.
+    """
+    from rosbags.typesys import get_types_from_msg
+
+    types: dict[str, Any] = {}
+    for given in map.get("definitions", []):
+        path = Path(map.node.path).absolute().parent / given
+        files = sorted(path.rglob("*.msg")) if path.is_dir() else [path]
+        if not path.exists() or not files:
+            map.fail(
+                f"definitions: expected a .msg file or a folder with such files beside the map, found {given!r}, which "
+                f"{'has none' if path.exists() else 'is not there'}",
+                "definitions",
+            )
+        for file in files:
+            package = file.parents[1] if file.parent.name == "msg" else file.parent
+            try:
+                types |= get_types_from_msg(file.read_text(encoding="utf-8"), f"{package.name}/msg/{file.stem}")
+            except Exception as error:  # noqa: BLE001  the parser raises many kinds
+                raise InputError(f"{file}: cannot be read as the definition of a message: {error}") from error
+    return types
+
+
+def missing_types(kind: str, known: dict[str, Any]) -> list[str]:
+    """The types of messages that a message of the type `kind` consists of and `known`, by rosbags, does not have."""
+    from rosbags.interfaces import Nodetype
+
+    found: dict[str, None] = {kind: None}
+    waiting = [kind]
+    while waiting:
+        for _, (node, content) in known.get(waiting.pop(), ([], []))[1]:
+            if node in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+                node, content = content[0]
+            if node == Nodetype.NAME and content not in found:
+                found[content] = None
+                waiting.append(content)
+    return [one for one in found if one not in known]
+
+
 class Bag:
     """A bag, whose topics are read when they are asked for.
 
     Args:
         path: a .bag or .mcap file, or the folder of a bag of ROS 2
+        definitions: messages that a bag without definitions may have beside those of ROS 2, as of read_definitions()
 
     Raises:
         InputError: the bag cannot be read.
     """
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, definitions: dict[str, Any]) -> None:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
 
         self.path = path
-        # Definitions of messages are those in the bag; a bag of ROS 2 that has none is read by those of ROS 2 itself.
-        self._reader = AnyReader([Path(path)], default_typestore=get_typestore(Stores.LATEST))
+        # Definitions of messages are those in the bag; those that it does not have are the map's and ROS 2's.
+        others = get_typestore(Stores.LATEST).fielddefs | definitions
+        self._reader = AnyReader([Path(path)], default_typestore=get_typestore(Stores.EMPTY))
         try:
             self._reader.open()
+            store = self._reader.typestore
+            store.register({name: one for name, one in others.items() if name not in store.fielddefs})
         except Exception as error:  # noqa: BLE001  rosbags and its decompressors raise many kinds on damaged files
             raise InputError(f"{path}: cannot be read as a bag: {error}") from error
         self.topics = {connection.topic: connection.msgtype for connection in self._reader.connections}
@@ -145,6 +198,11 @@ class Bag:
 
     def read(self, name: str) -> Topic:
         """All messages of a topic. Raises InputError where one cannot be read or they differ in their lengths."""
+        if missing := missing_types(self.topics[name], self._reader.typestore.fielddefs):
+            raise InputError(
+                f"{self.path}: topic {name}: the bag has no definition of {' and '.join(missing)}; name the .msg file, or a "
+                "folder of such files, in the map: definitions: [PATH]"
+            )
         times: list[int] = []
         rows: list[dict[str, Any]] = []  # of the messages that are not yet in `blocks`
         blocks: list[dict[str, np.ndarray]] = []

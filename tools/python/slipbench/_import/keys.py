@@ -86,6 +86,13 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
         Key("skip", "lines", "none", "lines that are not read: the first N, or a list of line numbers"),
         Key("comment", "text", "#", "a line that begins with this text is not read; none: all lines are read"),
         Key(
+            "definitions",
+            "texts",
+            "those in the bag",
+            "of a bag of ROS 2 without definitions of its messages: .msg files, or folders that have them as "
+            "PACKAGE/msg/NAME.msg, beside the map",
+        ),
+        Key(
             "missing",
             "text",
             "refuse",

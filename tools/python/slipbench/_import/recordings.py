@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -95,6 +96,7 @@ class Map:
         else:
             self.sensors = [Sensor(block.need("sensor"), block, block)]
         self.object = Lookup(block.need("object")) if "object" in block else None
+        self._definitions: dict[str, Any] | None = None  # of messages; read with the first bag
         if (comment := block.get("comment")) is not None and comment != comment.strip():
             block.fail(f"comment: expected a text without blanks around it, found {comment!r}", "comment")
 
@@ -148,9 +150,11 @@ class Map:
         )
 
     def _read_bag(self, file: File) -> Iterator[tuple[str, Sensor, Source]]:
-        from slipbench._import.bags import Bag
+        from slipbench._import.bags import Bag, read_definitions
 
-        bag = Bag(file.path)
+        if self._definitions is None:
+            self._definitions = read_definitions(self.block)
+        bag = Bag(file.path, self._definitions)
         try:
             for sensor in self.sensors:
                 names = bag.find(sensor.block.get("topic", ""), sensor.block.get("message", ""))
