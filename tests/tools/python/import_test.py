@@ -172,7 +172,7 @@ class Tables(ImportTest):
             "unit": (changed("0.600", "0.6 N"), "a.csv:3: column 2, f1: expected a number, found '0.6 N'"),
             "thousands": (
                 changed("0.600", '"1,234.5"'),
-                "found '1,234.5'; write numbers without marks between thousands",
+                "found '1,234.5'; name the mark between thousands in the map: thousands: ','",
             ),
             "Fortran": (changed("0.600", "0.6D1"), "found '0.6D1'; write the exponent with E"),
             "infinite": (changed("0.600", "inf"), "a.csv:3: column 2, f1: expected a number, found 'inf'"),
@@ -245,6 +245,66 @@ class Tables(ImportTest):
         )
         self.assertIn(
             "has no key 'time'", self.refused(MAP.replace("time: {column: t}, ", "") % "", self.write("a.csv", table()))
+        )
+
+    def test_times_as_programs_write_them(self):
+        def stamps(time, *cells):
+            path = self.write("a.csv", table(";", rows=[[cell, "1", "2"] for cell in cells]))
+            return self.force((MAP % "").replace("{column: t}", time), path)[1]
+
+        # 2023-05-11T14:22:33Z is 1,683,814,953 s after 1970.
+        for pattern, first, second in (
+            ("%d-%b-%Y %H:%M:%S.%f", "11-May-2023 14:22:33.500", "11-May-2023 14:22:33.750"),
+            ("%m/%d/%Y %I:%M:%S.%f %p", "5/11/2023 2:22:33.500 PM", "5/11/2023 2:22:33.750 PM"),
+            ("%d.%m.%Y %H:%M:%S,%f %z", "11.05.2023 16:22:33,5 +0200", "11.05.2023 16:22:33,75 +0200"),
+        ):
+            time = f"{{column: t, format: '{pattern}'}}"
+            self.assertEqual(stamps(time, first, second).tolist(), [1683814953.5, 1683814953.75])
+        path = self.write("a.csv", table(rows=[["11.5.2023 14:22", "1", "2"]] * 2))
+        self.assertIn(
+            "a.csv:2: column t: expected a time as time.format says, '%d.%m.%y', found '11.5.2023 14:22'",
+            self.refused((MAP % "").replace("{column: t}", "{column: t, format: '%d.%m.%y'}"), path),
+        )
+        self.assertIn("such as '%d.%m.%Y %H:%M:%S.%f'", self.refused(MAP % "", path))
+        # ros2 topic echo --csv
+        path = self.write("a.csv", "5,990000000,pad,1,2\n6,0,pad,1,2\n6,10000000,pad,1,2\n")
+        map = "{sensor: pad, type: own, header: false, time: {column: '1', nanoseconds: '2'}, channels: {force: {unit: N, columns: ['4', '5']}}}"
+        np.testing.assert_allclose(self.force(map, path)[1], [5.99, 6, 6.01], rtol=0, atol=1e-12)
+        for keys in ("unit: s, nanoseconds: '2'", "format: '%s', scale: 2"):
+            self.assertIn(
+                "time: expected one of unit, scale, format and nanoseconds, found",
+                self.refused((MAP % "").replace("{column: t}", "{column: t, " + keys + "}"), path),
+            )
+
+    def test_tables_of_programs(self):
+        """LabVIEW, pandas, numpy, Instron and R; what they write around the numbers."""
+        want = [[0.5, 1.25], [0.6, 1.35], [0.7, 1.45]]
+        lines = table("\t")
+        head = "LabVIEW Measurement\t\nDecimal_Separator\t.\n***End_of_Header***\t\n\t\nX0\t0\t0\t\n***End_of_Header***\t\t\t\n"
+        titled = head + lines.replace("t\tf1\tf2", "t\tf1\tf2\tComment")
+        named = '"t" "f1" "f2"\n"a" 0.00 0.500 1.250\n"b" 0.01 0.600 1.350\n"c" 0.02 0.700 1.450\n'
+        numbers = MAP.replace("{column: t}", "{column: '%s'}").replace("[f1, f2]", "['%s', '%s']")
+        for name, text, map in (
+            ("a.lvm", titled, MAP % ", skip: 6"),
+            ("a.csv", table(titles=("", "f1", "f2")), MAP.replace("column: t", "column: '1'") % ""),
+            ("a.txt", "# a log\n# " + table(" "), MAP % ""),
+            ("a.csv", table(quote='"').replace("0.600", "1,000.6"), MAP % ", thousands: ','"),
+            ("a.csv", table(";", ",").replace("0,600", "1.000,6"), MAP % ", thousands: ."),
+            ("a.txt", named, numbers[:-3] % (2, 3, 4) + ", skip: 1, header: false}"),
+        ):
+            with self.subTest(text=text):
+                values = self.force(map, self.write(name, text))[0]
+                np.testing.assert_allclose(np.where(values > 1000, values - 1000, values), want, rtol=0, atol=1e-4)
+        self.write("b/a.lvm", titled)
+        self.assertEqual(len(self.read(MAP % ", skip: 6", self.folder / "b")[0]), 1)  # of a folder
+        self.assertIn(
+            "a.txt:2: has 4 cells; expected 3; where rows begin with a name that has no title, as R writes them, use header: false",
+            self.refused(MAP % "", self.write("a.txt", named)),
+        )
+        self.assertIn("found '1,00.6'", self.refused(MAP % ", thousands: ','", self.write("a.csv", table(";").replace("0.600", "1,00.6"))))
+        self.assertIn(
+            "decimal and thousands: expected two marks, found ',' for both",
+            self.refused(MAP % ", decimal: ',', thousands: ','", self.write("a.csv", table(";"))),
         )
 
     def test_a_rate_that_is_given_is_the_rate(self):

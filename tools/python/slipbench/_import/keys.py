@@ -80,6 +80,7 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "between the cells: a character, tab, or blanks (any number of spaces and tabs)",
         ),
         Key("decimal", "text", "found", "the decimal mark", choices=(".", ",")),
+        Key("thousands", "text", "none", "the mark between thousands", choices=(",", ".", "'")),
         Key(
             "header", "boolean", "true", "whether the first line holds titles; without them columns are called 1, 2, 3"
         ),
@@ -105,6 +106,13 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
         Key("column", "text", "", "title of the column: numbers, ISO 8601, or a time of day as 12:30:00.5"),
         Key("unit", "text", "s", "unit of a column of numbers", choices=tuple(TIME_UNITS)),
         Key("scale", "number", "1", "length of the column's unit in seconds, where `unit` has no name for it"),
+        Key(
+            "format",
+            "text",
+            "ISO 8601",
+            "how a date or a time of day is written, as Python's strptime takes it: '%d.%m.%Y %H:%M:%S.%f'",
+        ),
+        Key("nanoseconds", "text", "", "title of a column of nanoseconds beyond the whole seconds of `column`, as ROS has them"),
         Key("rate", "rate", "", "rate of samples without times, such as 100 Hz"),
     ),
     "channel": (

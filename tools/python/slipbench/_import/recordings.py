@@ -23,6 +23,7 @@ KINDS = (
     (".csv",),
     (".tsv", ".tab"),
     (".txt", ".dat"),
+    (".lvm",),
     (".parquet", ".pq"),
     (".npz",),
     (".npy",),
@@ -62,8 +63,10 @@ class Sensor:
         self.time: Block | None = block.get("time", root.get("time"))
         if self.time is not None:
             self.time.only_one(("column", "rate"))
-            if "unit" in self.time and "scale" in self.time:
-                self.time.fail("time: expected unit or scale, found both")
+            given = [key for key in ("unit", "scale", "format", "nanoseconds") if key in self.time]
+            if len(given) > 1 or (given and "rate" in self.time):
+                self.time.fail(f"time: expected one of unit, scale, format and nanoseconds, found {' and '.join(given)}"
+                               f"{' beside rate' if 'rate' in self.time else ''}")
             if self.time.get("scale", 1.0) < 0:
                 self.time.fail(f"time.scale: expected a positive number, found {self.time.get('scale')}", "scale")
         labels = block.get("state", root.get("state"))
@@ -124,7 +127,9 @@ class Map:
                 sensor.block.fail(
                     "the map has no key 'time'; expected time: {column: TITLE}, or time: {rate: 100 Hz} for a table without times"
                 )
-            if "column" in sensor.time:
+            if "nanoseconds" in sensor.time:
+                titles += [source.find(sensor.time.need(key)) for key in ("column", "nanoseconds")]
+            elif "column" in sensor.time:
                 texts.append(source.find(sensor.time.need("column")))
             if sensor.states is not None and sensor.states.column is not None:
                 texts.append(source.find(sensor.states.column))
@@ -146,7 +151,13 @@ class Map:
 
         get = self.block.get
         return TextTable(
-            path, get("separator", ""), get("decimal", ""), get("header", True), get("skip", 0), get("comment", "#")
+            path,
+            get("separator", ""),
+            get("decimal", ""),
+            get("thousands", ""),
+            get("header", True),
+            get("skip", 0),
+            get("comment", "#"),
         )
 
     def _read_bag(self, file: File) -> Iterator[tuple[str, Sensor, Source]]:
@@ -208,7 +219,10 @@ def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | N
     if "rate" in sensor.time:
         rate = float(sensor.time.need("rate"))
         return np.arange(len(source)) / rate, 0.0, rate
-    times, resolution = stamps_of(source, source.find(sensor.time.need("column")), sensor.scale)
+    title = source.find(sensor.time.need("column"))
+    if "nanoseconds" in sensor.time:
+        return source.values(title) + 1e-9 * source.values(source.find(sensor.time.need("nanoseconds"))), 1e-9, None
+    times, resolution = stamps_of(source, title, sensor.scale, sensor.time.get("format", ""))
     return times, resolution, None
 
 
