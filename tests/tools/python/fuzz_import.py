@@ -1,6 +1,6 @@
-"""Fuzzing of `import --map`: damaged tables, maps, arrays, Parquet files and bags are read, or refused by an InputError.
+"""Fuzzing of `import --map`: damaged tables, maps, arrays, Parquet files and bags are read, or are an InputError.
 
-Without arguments: a bounded run that is always the same, as a test. Search for more, one kind of source after the other:
+Without arguments: a bounded run that is always the same, as a test. To search for more, kind by kind:
 
     PYTHONPATH=build/release/python build/venv/bin/python tests/tools/python/fuzz_import.py --runs 10000 --keep FOLDER
 
@@ -44,7 +44,7 @@ with instrumented:
     import numpy as np
     import pyarrow as pa
     import pyarrow.parquet
-    import rosbags.highlevel
+    import rosbags.highlevel  # noqa: F401  to be instrumented, before bags.py imports it
     import slipbench
     from rosbags.rosbag1 import Writer as Writer1
     from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer as Writer2
@@ -54,6 +54,7 @@ with instrumented:
 
 LONGEST = 10.0  # s of CPU time, of one input
 MEMORY = 2 << 30  # bytes of address space beyond what the imports take
+RUNS = 40  # inputs of each kind, in the test
 TABLE = "t,f1,f2,s\n0.00,0.500,1.250,0\n0.01,0.600,1.350,1\n0.02,0.700,1.450,2\n"
 CHANNELS = "channels: {force: {unit: N, columns: [f1, f2]}}"
 TABLE_MAPS = (
@@ -62,7 +63,8 @@ TABLE_MAPS = (
     "{sensor: pad, type: own, time: {rate: 100 Hz}, missing: nan, channels: {force: {unit: N, columns: [f1 .. s]}}}",
 )
 ARRAY_MAP = (
-    "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}, state: {column: s, rule: hand}}"
+    "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}, "
+    "state: {column: s, rule: hand}}"
 )
 COLUMN_MAP = "{sensor: pad, type: own, time: {column: '1'}, channels: {force: {unit: N, columns: ['2 .. 4']}}}"
 BAG_MAP = (
@@ -85,15 +87,20 @@ missing: gap
 """
 PILLAR = "float64 x\nint8 state\nstring name\n"
 MESSAGE = "std_msgs/Header header\nfuzz_msgs/Pillar[] pillars\nfloat32[3] f\nuint8[] data\nbool on\nfloat32 gain\n"
-WORDS = [b"", b"0", b"-1", b"nan", b"inf", b"1e999", b"1e-400", b",", b";", b"\t", b'"', b"\n", b"\r", b"\0", b"#", b"\xff\xfe", b"\xef\xbb\xbf",
-         b"{", b"}", b"[", b"]", b": ", b"- ", b"'", b"&a", b"*a", b"!!", b" .. ", b"*", b"[*]", b"(", b")", b"|", b"\\", b"12:00:00", b"2026-02-03T10:00",
-         b"\xe2\x88\x92", b"=" * 80, b"[]", b"string", b"float64", b"wstring", b"<=5"]  # fmt: skip
+WORDS = [
+    b"", b"0", b"-1", b"nan", b"inf", b"1e999", b"1e-400", b",", b";", b"\t", b"\"", b"\n", b"\r", b"\x00", b"#",
+    b"\xff\xfe", b"\xef\xbb\xbf", b"{", b"}", b"[", b"]", b": ", b"- ", b"'", b"&a", b"*a", b"!!", b" .. ", b"*",
+    b"[*]", b"(", b")", b"|", b"\\", b"12:00:00", b"2026-02-03T10:00", b"\xe2\x88\x92", b"=" * 80, b"[]",
+    b"string", b"float64", b"wstring", b"<=5",
+]  # fmt: skip
 
 
 def bag_types(version, pillar=PILLAR, message=MESSAGE):
     """A store with the messages of the bags, for ROS 1 or 2."""
     store = get_typestore({1: Stores.ROS1_NOETIC, 2: Stores.LATEST}[version])
-    store.register(get_types_from_msg(pillar, "fuzz_msgs/msg/Pillar") | get_types_from_msg(message, "fuzz_msgs/msg/Pad"))
+    store.register(
+        get_types_from_msg(pillar, "fuzz_msgs/msg/Pillar") | get_types_from_msg(message, "fuzz_msgs/msg/Pad")
+    )
     return store
 
 
@@ -309,7 +316,8 @@ class Fuzzer:
             keep: folder for the inputs that show a fault; None: they are not kept
 
         Returns:
-            The traceback of the first input for each place of a fault, and the number of inputs of each kind that were read.
+            The traceback of the first input for each place of a fault, and the number of inputs of each kind that
+            were read.
         """
         faults, taken = {}, dict.fromkeys(kinds, 0)
         for kind in kinds:
@@ -356,12 +364,17 @@ class Fuzzing(unittest.TestCase):
                     self.fuzzer.read(kind, seed)
 
     def test_changed_sources_are_read_or_refused(self):
-        faults, taken = self.fuzzer.search(list(self.fuzzer.seeds), 60, 1)
+        faults, taken = self.fuzzer.search(list(self.fuzzer.seeds), RUNS, 1)
         self.assertFalse(faults, "\n".join(faults.values()))
-        self.assertEqual([kind for kind, count in taken.items() if not 0 < count < 60], [])
+        self.assertEqual([kind for kind, count in taken.items() if not 0 < count < RUNS], [])
 
     def test_faults_of_every_reader_are_found(self):
-        planted = [(text, "decoded", "table"), (arrays, "read_npy", "npy"), (arrays, "read_parquet", "parquet"), (bags, "flatten", "mcap")]
+        planted = [
+            (text, "decoded", "table"),
+            (arrays, "read_npy", "npy"),
+            (arrays, "read_parquet", "parquet"),
+            (bags, "flatten", "mcap"),
+        ]
         for module, name, kind in planted:
             owner = module if hasattr(recordings, name) is False else recordings
             with self.subTest(name), mock.patch.object(owner, name, side_effect=KeyError("planted")):
@@ -383,7 +396,9 @@ def main(arguments):
         kinds = arguments.kinds or list(fuzzer.seeds)
         faults, taken = fuzzer.search(kinds, arguments.runs, arguments.seed, arguments.keep)
     print("\n".join(faults.values()))
-    print(f"{arguments.runs * len(kinds)} inputs, {len(faults)} places of faults, {time.process_time() - start:.0f} s of CPU time; read: {taken}")
+    print(
+        f"{arguments.runs * len(kinds)} inputs, {len(faults)} places of faults, {time.process_time() - start:.0f} s of CPU time; read: {taken}"
+    )
     return 1 if faults else 0
 
 

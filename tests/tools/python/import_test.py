@@ -301,7 +301,10 @@ class Tables(ImportTest):
             "a.txt:2: has 4 cells; expected 3; where rows begin with a name that has no title, as R writes them, use header: false",
             self.refused(MAP % "", self.write("a.txt", named)),
         )
-        self.assertIn("found '1,00.6'", self.refused(MAP % ", thousands: ','", self.write("a.csv", table(";").replace("0.600", "1,00.6"))))
+        self.assertIn(
+            "found '1,00.6'",
+            self.refused(MAP % ", thousands: ','", self.write("a.csv", table(";").replace("0.600", "1,00.6"))),
+        )
         self.assertIn(
             "decimal and thousands: expected two marks, found ',' for both",
             self.refused(MAP % ", decimal: ',', thousands: ','", self.write("a.csv", table(";"))),
@@ -491,7 +494,9 @@ class Arrays(ImportTest):
         """Found by fuzz_import.py."""
         bare = "{sensor: pad, type: own, time: {column: '1'}, channels: {force: {unit: N, columns: ['2']}}}"
         np.save(self.folder / "a.npy", np.array([[0.0, 1.0], [1e-300, 1.0], [2e-300, 1.0]]))
-        self.assertIn("1e-300 s after the sample before; expected at least 1e-10 s", self.refused(bare, self.folder / "a.npy"))
+        self.assertIn(
+            "1e-300 s after the sample before; expected at least 1e-10 s", self.refused(bare, self.folder / "a.npy")
+        )
         whole = (self.folder / "a.npy").read_bytes()
         self.write("a.npy", whole.replace(b"}  ", b"} ("))
         self.assertIn("a.npy: cannot be read as an array: ", self.refused(bare, self.folder / "a.npy"))
@@ -614,7 +619,10 @@ class Bags(ImportTest):
             store = get_typestore(Stores.EMPTY)
             store.register(get_types_from_msg("float64[] data\n", "pad_msgs/msg/List"))
             writer.write(writer.add_connection("/e", "pad_msgs/msg/List", typestore=store), 0, bytes(4))
-        self.assertIn("the messages have no value, or lists of more than 100000 alone", self.refused(map % "/e", self.folder / "empty.bag"))
+        self.assertIn(
+            "the messages have no value, or lists of more than 100000 alone",
+            self.refused(map % "/e", self.folder / "empty.bag"),
+        )
 
     def test_topics_are_named_or_found(self):
         self.test_bags_of_both_ros_are_read()
@@ -659,11 +667,15 @@ class Bags(ImportTest):
         self.write(f"more/{package}/msg/PillarState.msg", PILLAR)
         values, _ = self.force(map % f"definitions: [{package}, more],", bag)
         self.assertEqual(values.tolist(), [list(range(9))] * 4)
-        self.assertIn("map.yaml:1: definitions: expected a .msg file", self.refused(map % "definitions: [no.msg],", bag))
+        self.assertIn(
+            "map.yaml:1: definitions: expected a .msg file", self.refused(map % "definitions: [no.msg],", bag)
+        )
         (self.folder / "none").mkdir()
         self.assertIn("found 'none', which has none", self.refused(map % "definitions: [none],", bag))
         self.write(f"{package}/SensorState.msg", "float32 1x\n")
-        self.assertIn("SensorState.msg: cannot be read as the definition", self.refused(map % f"definitions: [{package}],", bag))
+        self.assertIn(
+            "SensorState.msg: cannot be read as the definition", self.refused(map % f"definitions: [{package}],", bag)
+        )
 
     def test_items_of_a_list_are_sensors(self):
         store = get_typestore(Stores.ROS2_JAZZY)

@@ -67,7 +67,9 @@ def read_npz(path: str) -> Columns:
     except Exception as error:  # noqa: BLE001  damage shows in the archive, its compression or a header
         raise InputError(f"{path}: cannot be read as arrays: {error}") from error
     if size > LARGEST:
-        raise InputError(f"{path}: the arrays have {size / 1e9:.1f} GB; expected at most {LARGEST / 1e9:.0f} GB; cut them in parts")
+        raise InputError(
+            f"{path}: the arrays have {size / 1e9:.1f} GB; expected at most {LARGEST / 1e9:.0f} GB; cut them in parts"
+        )
     arrays = {name: array for name, array in arrays.items() if isinstance(array, np.ndarray)}  # not other members
     rows = Counter(len(array) for array in arrays.values() if array.ndim and array.size)
     if not rows:

@@ -147,7 +147,8 @@ class Bag:
         try:
             self._reader.open()
             store = self._reader.typestore
-            store.register({name: one for name, one in others.items() if name not in store.fielddefs})
+            if any(missing_types(one.msgtype, store.fielddefs) for one in self._reader.connections):
+                store.register({name: one for name, one in others.items() if name not in store.fielddefs})
         except Exception as error:  # noqa: BLE001  rosbags and its decompressors raise many kinds on damaged files
             raise InputError(f"{path}: cannot be read as a bag: {error}") from error
         self.topics = {connection.topic: connection.msgtype for connection in self._reader.connections}
@@ -228,7 +229,11 @@ class Bag:
         if not times:
             raise InputError(f"{self.path}: topic {name} has no message")
         if not titles:
-            raise InputError(f"{self.path}: topic {name}: the messages have no value, or lists of more than {MOST_VALUES} alone")
+            raise InputError(
+                f"{self.path}: topic {name}: the messages have no value, or lists of more than {MOST_VALUES} alone"
+            )
         if rows:
             blocks.append(_columns(rows, titles))
-        return Topic(self.path, name, times, {title: np.concatenate([one[title] for one in blocks]) for title in titles})
+        return Topic(
+            self.path, name, times, {title: np.concatenate([one[title] for one in blocks]) for title in titles}
+        )

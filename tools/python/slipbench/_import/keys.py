@@ -112,7 +112,12 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "ISO 8601",
             "how a date or a time of day is written, as Python's strptime takes it: '%d.%m.%Y %H:%M:%S.%f'",
         ),
-        Key("nanoseconds", "text", "", "title of a column of nanoseconds beyond the whole seconds of `column`, as ROS has them"),
+        Key(
+            "nanoseconds",
+            "text",
+            "",
+            "title of a column of nanoseconds beyond the whole seconds of `column`, as ROS has them",
+        ),
         Key("rate", "rate", "", "rate of samples without times, such as 100 Hz"),
     ),
     "channel": (

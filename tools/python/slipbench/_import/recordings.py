@@ -65,8 +65,10 @@ class Sensor:
             self.time.only_one(("column", "rate"))
             given = [key for key in ("unit", "scale", "format", "nanoseconds") if key in self.time]
             if len(given) > 1 or (given and "rate" in self.time):
-                self.time.fail(f"time: expected one of unit, scale, format and nanoseconds, found {' and '.join(given)}"
-                               f"{' beside rate' if 'rate' in self.time else ''}")
+                self.time.fail(
+                    f"time: expected one of unit, scale, format and nanoseconds, found {' and '.join(given)}"
+                    f"{' beside rate' if 'rate' in self.time else ''}"
+                )
             if self.time.get("scale", 1.0) < 0:
                 self.time.fail(f"time.scale: expected a positive number, found {self.time.get('scale')}", "scale")
         labels = block.get("state", root.get("state"))

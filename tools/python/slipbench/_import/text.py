@@ -72,7 +72,8 @@ def find_separator(lines: list[str]) -> str:
         if counts[0] > 1 and agree > max(most, 1 if len(counts) > 1 else 0, len(counts) // 2):
             best, most = separator, agree
     if not best and len(lines) > 1:
-        # No separator agrees: the one of the header, so that the rows are refused by their number of cells. A title may have blanks.
+        # No separator agrees: the one of the header, so that the rows are refused by their number of cells. One title may
+        # have blanks.
         for one in SEPARATORS:
             if filled(cells_of(lines[0], one)) > 1 and (one != " " or filled(cells_of(lines[1], one)) > 1):
                 return one
