@@ -397,7 +397,8 @@ def main(arguments):
         faults, taken = fuzzer.search(kinds, arguments.runs, arguments.seed, arguments.keep)
     print("\n".join(faults.values()))
     print(
-        f"{arguments.runs * len(kinds)} inputs, {len(faults)} places of faults, {time.process_time() - start:.0f} s of CPU time; read: {taken}"
+        f"{arguments.runs * len(kinds)} inputs, {len(faults)} places of faults, "
+        f"{time.process_time() - start:.0f} s of CPU time; read: {taken}"
     )
     return 1 if faults else 0
 
