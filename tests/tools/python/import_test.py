@@ -3,11 +3,14 @@
 import contextlib
 import json
 import os
+import sqlite3
 import subprocess
 import sys
 import tempfile
 import unittest
+import zipfile
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pyarrow as pa
@@ -16,10 +19,10 @@ import slipbench
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer as Writer2
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from slipbench._import import arrays, bags
 from slipbench._import.block import read_map
 from slipbench._import.keys import BLOCKS
 from slipbench._import.recordings import Importer, Map
-from slipbench._import.text import TextTable
 from slipbench.bin import _core
 
 ROWS = [["0.00", "0.500", "1.250"], ["0.01", "0.600", "1.350"], ["0.02", "0.700", "1.450"]]
@@ -169,7 +172,7 @@ class Tables(ImportTest):
             "unit": (changed("0.600", "0.6 N"), "a.csv:3: column 2, f1: expected a number, found '0.6 N'"),
             "thousands": (
                 changed("0.600", '"1,234.5"'),
-                "found '1,234.5'; write numbers without marks between thousands",
+                "found '1,234.5'; name the mark between thousands in the map: thousands: ','",
             ),
             "Fortran": (changed("0.600", "0.6D1"), "found '0.6D1'; write the exponent with E"),
             "infinite": (changed("0.600", "inf"), "a.csv:3: column 2, f1: expected a number, found 'inf'"),
@@ -242,6 +245,69 @@ class Tables(ImportTest):
         )
         self.assertIn(
             "has no key 'time'", self.refused(MAP.replace("time: {column: t}, ", "") % "", self.write("a.csv", table()))
+        )
+
+    def test_times_as_programs_write_them(self):
+        def stamps(time, *cells):
+            path = self.write("a.csv", table(";", rows=[[cell, "1", "2"] for cell in cells]))
+            return self.force((MAP % "").replace("{column: t}", time), path)[1]
+
+        # 2023-05-11T14:22:33Z is 1,683,814,953 s after 1970.
+        for pattern, first, second in (
+            ("%d-%b-%Y %H:%M:%S.%f", "11-May-2023 14:22:33.500", "11-May-2023 14:22:33.750"),
+            ("%m/%d/%Y %I:%M:%S.%f %p", "5/11/2023 2:22:33.500 PM", "5/11/2023 2:22:33.750 PM"),
+            ("%d.%m.%Y %H:%M:%S,%f %z", "11.05.2023 16:22:33,5 +0200", "11.05.2023 16:22:33,75 +0200"),
+        ):
+            time = f"{{column: t, format: '{pattern}'}}"
+            self.assertEqual(stamps(time, first, second).tolist(), [1683814953.5, 1683814953.75])
+        path = self.write("a.csv", table(rows=[["11.5.2023 14:22", "1", "2"]] * 2))
+        self.assertIn(
+            "a.csv:2: column t: expected a time as time.format says, '%d.%m.%y', found '11.5.2023 14:22'",
+            self.refused((MAP % "").replace("{column: t}", "{column: t, format: '%d.%m.%y'}"), path),
+        )
+        self.assertIn("such as '%d.%m.%Y %H:%M:%S.%f'", self.refused(MAP % "", path))
+        # ros2 topic echo --csv
+        path = self.write("a.csv", "5,990000000,pad,1,2\n6,0,pad,1,2\n6,10000000,pad,1,2\n")
+        map = "{sensor: pad, type: own, header: false, time: {column: '1', nanoseconds: '2'}, channels: {force: {unit: N, columns: ['4', '5']}}}"
+        np.testing.assert_allclose(self.force(map, path)[1], [5.99, 6, 6.01], rtol=0, atol=1e-12)
+        for keys in ("unit: s, nanoseconds: '2'", "format: '%s', scale: 2"):
+            self.assertIn(
+                "time: expected one of unit, scale, format and nanoseconds, found",
+                self.refused((MAP % "").replace("{column: t}", "{column: t, " + keys + "}"), path),
+            )
+
+    def test_tables_of_programs(self):
+        """LabVIEW, pandas, numpy, Instron and R; what they write around the numbers."""
+        want = [[0.5, 1.25], [0.6, 1.35], [0.7, 1.45]]
+        lines = table("\t")
+        head = "LabVIEW Measurement\t\nDecimal_Separator\t.\n***End_of_Header***\t\n\t\nX0\t0\t0\t\n***End_of_Header***\t\t\t\n"
+        titled = head + lines.replace("t\tf1\tf2", "t\tf1\tf2\tComment")
+        named = '"t" "f1" "f2"\n"a" 0.00 0.500 1.250\n"b" 0.01 0.600 1.350\n"c" 0.02 0.700 1.450\n'
+        numbers = MAP.replace("{column: t}", "{column: '%s'}").replace("[f1, f2]", "['%s', '%s']")
+        for name, text, map in (
+            ("a.lvm", titled, MAP % ", skip: 6"),
+            ("a.csv", table(titles=("", "f1", "f2")), MAP.replace("column: t", "column: '1'") % ""),
+            ("a.txt", "# a log\n# " + table(" "), MAP % ""),
+            ("a.csv", table(quote='"').replace("0.600", "1,000.6"), MAP % ", thousands: ','"),
+            ("a.csv", table(";", ",").replace("0,600", "1.000,6"), MAP % ", thousands: ."),
+            ("a.txt", named, numbers[:-3] % (2, 3, 4) + ", skip: 1, header: false}"),
+        ):
+            with self.subTest(text=text):
+                values = self.force(map, self.write(name, text))[0]
+                np.testing.assert_allclose(np.where(values > 1000, values - 1000, values), want, rtol=0, atol=1e-4)
+        self.write("b/a.lvm", titled)
+        self.assertEqual(len(self.read(MAP % ", skip: 6", self.folder / "b")[0]), 1)  # of a folder
+        self.assertIn(
+            "a.txt:2: has 4 cells; expected 3; where rows begin with a name that has no title, as R writes them, use header: false",
+            self.refused(MAP % "", self.write("a.txt", named)),
+        )
+        self.assertIn(
+            "found '1,00.6'",
+            self.refused(MAP % ", thousands: ','", self.write("a.csv", table(";").replace("0.600", "1,00.6"))),
+        )
+        self.assertIn(
+            "decimal and thousands: expected two marks, found ',' for both",
+            self.refused(MAP % ", decimal: ',', thousands: ','", self.write("a.csv", table(";"))),
         )
 
     def test_a_rate_that_is_given_is_the_rate(self):
@@ -424,6 +490,56 @@ class Arrays(ImportTest):
             self.write(name, b"not it")
             self.assertIn(f"{name}: cannot be read", self.refused(map, self.folder / name))
 
+    def test_damaged_arrays_are_refused(self):
+        """Found by fuzz_import.py."""
+        bare = "{sensor: pad, type: own, time: {column: '1'}, channels: {force: {unit: N, columns: ['2']}}}"
+        np.save(self.folder / "a.npy", np.array([[0.0, 1.0], [1e-300, 1.0], [2e-300, 1.0]]))
+        self.assertIn(
+            "1e-300 s after the sample before; expected at least 1e-10 s", self.refused(bare, self.folder / "a.npy")
+        )
+        whole = (self.folder / "a.npy").read_bytes()
+        self.write("a.npy", whole.replace(b"}  ", b"} ("))
+        self.assertIn("a.npy: cannot be read as an array: ", self.refused(bare, self.folder / "a.npy"))
+        map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [force]}}}"
+        np.savez_compressed(self.folder / "a.npz", t=np.array([0.0, 0.01]), force=np.arange(2000.0).reshape(2, 1000))
+        data = bytearray((self.folder / "a.npz").read_bytes())
+        data[-1000:-600] = bytes(400)  # inside of the compressed force
+        self.write("b.npz", bytes(data))
+        self.assertIn("b.npz: cannot be read as arrays: ", self.refused(map, self.folder / "b.npz"))
+        with mock.patch.object(arrays, "LARGEST", 1000):
+            self.assertIn("expected at most 0 GB; cut them in parts", self.refused(map, self.folder / "a.npz"))
+        with zipfile.ZipFile(self.folder / "a.npz", "a") as archive:
+            archive.writestr("README.txt", "not an array")
+        self.assertEqual(self.force(map, self.folder / "a.npz")[0].shape, (2, 1000))
+        record = np.array([(0.0, 1.0, "0"), (0.01, 2.0, "1")], [("t", "f8"), ("force", "f4"), ("s", "<U1")])
+        np.save(self.folder / "c.npy", record)
+        labelled = map[:-1] + ", state: {column: s, rule: by hand}}"
+        self.assertEqual(self.force(labelled, self.folder / "c.npy")[0].ravel().tolist(), [1, 2])
+        # The last text is the code point 0xff000031.
+        self.write("c.npy", (self.folder / "c.npy").read_bytes()[:-1] + b"\xff")
+        self.assertIn("c.npy: s holds a text that cannot be read", self.refused(labelled, self.folder / "c.npy"))
+
+    def test_damaged_parquet_is_refused(self):
+        map = "{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}, missing: gap}"
+        path = self.folder / "a.parquet"
+
+        def write(rows, **columns):
+            times = pa.array([*range(rows - 1), None], pa.timestamp("s"))
+            pa.parquet.write_table(
+                pa.table({"t": times, "f": [1.0] * rows} | columns), path, use_dictionary=False, compression="none"
+            )
+
+        write(4)
+        self.assertEqual(self.force(map, path)[1].tolist(), [0, 1, 2])
+        write(4, s=["text"] * 4)
+        self.write("a.parquet", path.read_bytes().replace(b"text", b"te\xffx"))
+        self.assertIn("a.parquet: cannot be read as Parquet: ", self.refused(map, path))
+        write(4, s=[[1.0], [1.0, 2.0], [], []])
+        self.assertIn("a.parquet: column 's': its lists differ in length", self.refused(map, path))
+        write(2000)
+        with mock.patch.object(arrays, "LARGEST", 16_000):  # 2,000 values of 8 bytes; the file has 4,000
+            self.assertIn("has 2000 rows of 2 columns; expected at most 2000 values", self.refused(map, path))
+
 
 PILLAR = "int64 id\nfloat32 dX\nfloat32 dY\nfloat32 dZ\nfloat32 fX\nfloat32 fY\nfloat32 fZ\nbool in_contact\nint64 slip_state\n"
 SENSOR = "std_msgs/Header header\nint64 tus\npapillarray_interfaces/PillarState[] pillars\nfloat32 gfX\n"
@@ -491,6 +607,23 @@ class Bags(ImportTest):
             self.check(path)
         self.check(next(path.glob("*.mcap")))
 
+    def test_long_and_empty_topics(self):
+        self.test_bags_of_both_ros_are_read()
+        map = "{sensor: pad, type: own, topic: %s, channels: {force: {unit: N, columns: ['pillars[*].fX']}}}"
+        with mock.patch.object(bags, "BLOCK", 200):  # two messages of 87 values fit in, the third fills it
+            values, _ = self.force(map % "/hub_0/sensor_0", self.folder / "one.bag")
+        self.assertEqual(values.tolist(), [list(range(9))] * 4)
+        with mock.patch.object(bags, "MOST_IN_TOPIC", 300):
+            self.assertIn("has more than 300 values", self.refused(map % "/hub_0/sensor_0", self.folder / "one.bag"))
+        with Writer1(self.folder / "empty.bag") as writer:
+            store = get_typestore(Stores.EMPTY)
+            store.register(get_types_from_msg("float64[] data\n", "pad_msgs/msg/List"))
+            writer.write(writer.add_connection("/e", "pad_msgs/msg/List", typestore=store), 0, bytes(4))
+        self.assertIn(
+            "the messages have no value, or lists of more than 100000 alone",
+            self.refused(map % "/e", self.folder / "empty.bag"),
+        )
+
     def test_topics_are_named_or_found(self):
         self.test_bags_of_both_ros_are_read()
         bag = self.folder / "one.bag"
@@ -509,6 +642,40 @@ class Bags(ImportTest):
         )
         self.write("bad.bag", b"#ROSBAG V2.0\nno")
         self.assertIn("bad.bag: cannot be read as a bag", self.refused(map % "", self.folder / "bad.bag"))
+
+    def test_definitions_that_a_bag_does_not_have(self):
+        store, kind, made = self.messages(2)
+        bag = self.folder / "humble"
+        with Writer2(bag, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+            connection = writer.add_connection("/a", kind, typestore=store)
+            for row, message in enumerate(made):
+                writer.write(connection, row * 1_000_000, store.serialize_cdr(message, kind))
+        with contextlib.closing(sqlite3.connect(bag / "humble.db3")) as file, file:  # as ROS 2 Humble writes it
+            file.execute("DROP TABLE message_definitions")
+            file.execute("UPDATE schema SET schema_version = 3")
+        map = "{sensor: pad, type: own, %s channels: {force: {unit: N, columns: ['pillars[*].fX']}}}"
+        self.assertIn(
+            f"topic /a: the bag has no definition of {kind}; name the .msg file, or a folder of such files, in the map: "
+            "definitions: [PATH]",
+            self.refused(map % "", bag),
+        )
+        package = kind.split("/")[0]
+        sensor = self.write(f"{package}/SensorState.msg", SENSOR)
+        self.assertIn(
+            f"has no definition of {package}/msg/PillarState;", self.refused(map % f"definitions: [{sensor}],", bag)
+        )
+        self.write(f"more/{package}/msg/PillarState.msg", PILLAR)
+        values, _ = self.force(map % f"definitions: [{package}, more],", bag)
+        self.assertEqual(values.tolist(), [list(range(9))] * 4)
+        self.assertIn(
+            "map.yaml:1: definitions: expected a .msg file", self.refused(map % "definitions: [no.msg],", bag)
+        )
+        (self.folder / "none").mkdir()
+        self.assertIn("found 'none', which has none", self.refused(map % "definitions: [none],", bag))
+        self.write(f"{package}/SensorState.msg", "float32 1x\n")
+        self.assertIn(
+            "SensorState.msg: cannot be read as the definition", self.refused(map % f"definitions: [{package}],", bag)
+        )
 
     def test_items_of_a_list_are_sensors(self):
         store = get_typestore(Stores.ROS2_JAZZY)
@@ -537,38 +704,6 @@ class Bags(ImportTest):
             counts = np.asarray(sensors["skin_xServTopic_sensors_1"].counts)
             self.assertEqual(counts.shape, (3, 16, 3))
             self.assertEqual(counts[2, 5].tolist(), [2, 5, 2])
-
-
-class Damaged(ImportTest):
-    """Tables and maps with changed bytes: read, or refused with a message."""
-
-    def test_changed_bytes_are_read_or_refused(self):
-        random = np.random.default_rng(1)
-        texts = [table(), table(";", ","), table(quote='"'), table(end="\r\n"), table().encode("utf-16")]
-        alphabet = b'0123456789.,;\t "+-eE:TN\n\r#\xff\0x'
-        for turn in range(400):
-            text = texts[turn % len(texts)]
-            data = bytearray(text if isinstance(text, bytes) else text.encode())
-            for _ in range(int(random.integers(1, 6))):
-                place = int(random.integers(len(data)))
-                data[place : place + int(random.integers(2))] = bytes(
-                    random.choice(list(alphabet), int(random.integers(3))).tolist()
-                )
-            path = self.write("a.csv", bytes(data))
-            with contextlib.suppress(slipbench.InputError):
-                found = TextTable(str(path))
-                found.load(found.titles, found.titles[:1])
-                for title in found.titles:
-                    found.values(title)
-        text = f"sensor: pad\ntype: own\ntime: {{column: t, unit: ms}}\n{CHANNELS}\nskip: [1, 2]\nstate: {{column: s, rule: r}}\n"
-        for _ in range(400):
-            data = bytearray(text.encode())
-            place = int(random.integers(len(data)))
-            data[place : place + int(random.integers(9))] = bytes(
-                random.choice(list(b"{}[]:,a \n1'-"), int(random.integers(4))).tolist()
-            )
-            with contextlib.suppress(slipbench.InputError):
-                read_map(str(self.write("map.yaml", bytes(data))))
 
 
 if __name__ == "__main__":

@@ -44,6 +44,8 @@ float32 fz
 bool in_contact
 int64 slip_state  # -2 not in contact at the start, -1 lost contact, 1 in contact, 2 tangentially loaded, 3 slipped; 0 unknown
 """
+# PILLAR_STATE in CDR; `align` fills up what follows in_contact.
+PILLAR_TYPE = np.dtype([("id", "<i8"), ("displacement", "<f4", 3), ("force", "<f4", 3), ("in_contact", "u1"), ("slip_state", "<i8")], align=True)
 SENSOR_STATE = """std_msgs/Header header
 int64 tus  # us, the sensor's time
 PillarState[] pillars
@@ -206,13 +208,14 @@ def _sensor_state(number: int, sensor: str, channels: list[Series], labels: list
     messages.header(times, f"hub_0/sensor_{number}")
     messages.numbers(times // np.uint64(1000), "<i8")
     messages.numbers(PILLARS, "<u4")
-    for pillar in range(PILLARS):
-        messages.numbers(pillar, "<i8")
-        messages.numbers(1e3 * metres[:, pillar], "<f4")
-        messages.numbers(newtons[:, pillar], "<f4")
-        messages.numbers(contact[:, pillar], "u1")
-        messages.numbers(states[:, pillar], "<i8")
-    messages.numbers(newtons.astype(float).sum(axis=1), "<f4")
+    pillars = np.zeros((count, PILLARS), PILLAR_TYPE)
+    pillars["id"] = np.arange(PILLARS)
+    pillars["displacement"] = 1e3 * metres
+    pillars["force"] = newtons
+    pillars["in_contact"] = contact
+    pillars["slip_state"] = states
+    messages.structures(pillars)
+    messages.numbers(newtons.sum(axis=1, dtype=float), "<f4")
     messages.numbers(_torque(newtons.astype(float), metres, group), "<f4")
     messages.numbers(-1.0, "<f4")
     messages.numbers(-1.0, "<f4")

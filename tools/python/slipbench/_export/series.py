@@ -63,51 +63,56 @@ def _label_columns(name: str, shape: tuple[int, ...]) -> tuple[str, ...]:
 
 def _series(kind: str, owner: str, group: Arrays, name: str, t: NDArray[np.float64], columns: tuple[str, ...] = ()) -> Series:
     array = group[name]
+    about = array.attrs  # read anew each time
     shape = tuple(int(extent) for extent in array.shape[1:])
     if not columns:
         columns = tuple(f"{name}_{axis}" for axis in AXES[name]) if name in AXES else _label_columns(name, shape)
     values = array[:].reshape(len(array), -1)
     if len(t) != len(values) or len(columns) != values.shape[1]:
         raise InputError(f"{kind}/{owner or 'loop'}/{name}: {values.shape[0]} rows of {values.shape[1]} values; expected {len(t)} of {len(columns)}")
-    return Series(kind, owner, name, str(array.attrs["unit"]), str(array.attrs.get("codes", "")), columns, shape, t, values)
+    return Series(kind, owner, name, str(about["unit"]), str(about.get("codes", "")), columns, shape, t, values)
 
 
 def sensor_series(trial: StoredTrial, sensor: str) -> Iterator[Series]:
     """The channels of a sensor, in its own order."""
     group = trial.sensors[sensor]
     names = [str(name) for name in group.attrs["channel_names"]]
+    t = group["t"][:]
     for channel in map(str, group.attrs["channels"]):
         count = int(np.prod(group[channel].shape[1:], dtype=int))
         own = f"{channel}_t"
-        yield _series("sensors", sensor, group, channel, group[own if own in group else "t"][:], tuple(names[:count]))
+        yield _series("sensors", sensor, group, channel, group[own][:] if own in group else t, tuple(names[:count]))
         names = names[count:]
 
 
 def label_series(trial: StoredTrial, sensor: str, rule: str | None) -> Iterator[Series]:
     """The truth about a sensor's pad; with a `rule` the pad's state by this one only. An imported recording may have none."""
-    if sensor not in trial.labels:
+    group = trial.labels.get(sensor)
+    if group is None:
         return
-    group = trial.labels[sensor]
+    t = group["t"][:]
     left_out = {array for name, array in RULES.items() if rule not in (None, name)}
     for name in group:
         if name not in ("t", "events") and name not in left_out:
-            yield _series("labels", sensor, group, name, group["t"][:])
+            yield _series("labels", sensor, group, name, t)
 
 
 def body_series(trial: StoredTrial) -> Iterator[Series]:
     """Pose and velocity of every body."""
     for body, group in trial.bodies.items():
+        t = group["t"][:]
         for name in ("pose", "velocity"):
-            yield _series("truth", body, group, name, group["t"][:])
+            yield _series("truth", body, group, name, t)
 
 
 def control_series(trial: StoredTrial) -> Iterator[Series]:
     """What the loop saw and did."""
     group = trial.control
     if group is not None:
+        t = group["t"][:]
         for name in group:
             if name != "t":
-                yield _series("control", "", group, name, group["t"][:])
+                yield _series("control", "", group, name, t)
 
 
 def grid(number: int, trial: StoredTrial, sensors: list[str], series: list[Series], rate: float) -> NDArray[np.float64]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections import Counter
 from typing import Any
 
@@ -10,6 +9,8 @@ import numpy as np
 
 from slipbench import InputError
 from slipbench._import.source import Source
+
+LARGEST = 2_000_000_000  # bytes of all arrays, which are in memory as a whole
 
 
 class Columns(Source):
@@ -38,14 +39,17 @@ class Columns(Source):
             raise InputError(f"{self.path}: {title} has {column.ndim} dimensions; expected one value a row")
         if column.dtype.kind == "f":
             return ["" if np.isnan(value) else f"{value!r}" for value in column.tolist()]
-        return [str(value) for value in column.tolist()]
+        try:
+            return [str(value) for value in column.tolist()]
+        except (SystemError, ValueError) as error:  # code points beyond Unicode
+            raise InputError(f"{self.path}: {title} holds a text that cannot be read: {error}") from error
 
 
 def read_npy(path: str) -> Columns:
     """An array [T, N], whose columns are called 1 to N, or a structured array [T], by the names of its fields."""
     try:
         array = np.load(path, allow_pickle=False, mmap_mode="r")
-    except (OSError, ValueError, EOFError, SyntaxError, OverflowError, TypeError) as error:
+    except Exception as error:  # noqa: BLE001  a damaged header raises what Python's parser and tokenizer raise
         raise InputError(f"{path}: cannot be read as an array: {error}") from error
     if not isinstance(array, np.ndarray) or array.ndim == 0 or array.size == 0:
         raise InputError(f"{path}: expected an array with a row for each sample")
@@ -57,20 +61,16 @@ def read_npy(path: str) -> Columns:
 def read_npz(path: str) -> Columns:
     """Arrays by their names. Those with another number of rows than most, such as constants, are left out."""
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except (
-        OSError,
-        ValueError,
-        EOFError,
-        SyntaxError,
-        OverflowError,
-        TypeError,
-        KeyError,
-        zipfile.BadZipFile,
-        NotImplementedError,
-    ) as error:
+        with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
+            size = sum(member.file_size for member in file.zip.infolist())
+            arrays = {} if size > LARGEST else {name: file[name] for name in file.files}
+    except Exception as error:  # noqa: BLE001  damage shows in the archive, its compression or a header
         raise InputError(f"{path}: cannot be read as arrays: {error}") from error
+    if size > LARGEST:
+        raise InputError(
+            f"{path}: the arrays have {size / 1e9:.1f} GB; expected at most {LARGEST / 1e9:.0f} GB; cut them in parts"
+        )
+    arrays = {name: array for name, array in arrays.items() if isinstance(array, np.ndarray)}  # not other members
     rows = Counter(len(array) for array in arrays.values() if array.ndim and array.size)
     if not rows:
         raise InputError(f"{path}: has no array with a row for each sample; found: {', '.join(list(arrays)[:10])}")
@@ -80,28 +80,38 @@ def read_npz(path: str) -> Columns:
 
 def read_parquet(path: str) -> Columns:
     """The columns of a Parquet file; lists of one length are arrays."""
-    import pyarrow as pa
     import pyarrow.parquet
 
     try:
+        head = pyarrow.parquet.read_metadata(path)
+        if head.num_rows == 0:
+            raise InputError(f"{path}: the table has no row")
+        if head.num_rows * head.num_columns * 8 > LARGEST:  # a small file may have many rows of one value
+            raise InputError(
+                f"{path}: the table has {head.num_rows} rows of {head.num_columns} columns; expected at most {LARGEST // 8} values; "
+                "cut it in parts"
+            )
         table = pyarrow.parquet.read_table(path)
-    except (OSError, pa.ArrowException) as error:
+        columns = {
+            name: _parquet_column(f"{path}: column {name!r}", column)
+            for name, column in zip(table.column_names, table.columns, strict=True)
+        }
+    except InputError:
+        raise
+    except Exception as error:  # noqa: BLE001  pages are decoded column by column, and texts when they are converted
         raise InputError(f"{path}: cannot be read as Parquet: {error}") from error
-    if table.num_rows == 0:
-        raise InputError(f"{path}: the table has no row")
-    columns: dict[str, Any] = {}
-    for name, column in zip(table.column_names, table.columns, strict=True):
-        if pa.types.is_timestamp(column.type):
-            columns[name] = np.array([value.isoformat() for value in column.to_pylist()])
-        elif (
-            pa.types.is_list(column.type)
-            or pa.types.is_fixed_size_list(column.type)
-            or pa.types.is_large_list(column.type)
-        ):
-            try:
-                columns[name] = np.array(column.to_pylist(), dtype=float)
-            except ValueError:
-                raise InputError(f"{path}: the lists of column {name!r} differ in length") from None
-        else:
-            columns[name] = column.to_numpy()
     return Columns(path, columns)
+
+
+def _parquet_column(where: str, column: Any) -> Any:
+    """A column as an array: times as texts, lists of one length as [T, N]."""
+    import pyarrow as pa
+
+    if pa.types.is_timestamp(column.type):
+        return np.array(["" if value is None else value.isoformat() for value in column.to_pylist()])
+    if pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type) or pa.types.is_large_list(column.type):
+        try:
+            return np.array(column.to_pylist(), dtype=float)
+        except ValueError:
+            raise InputError(f"{where}: its lists differ in length") from None
+    return column.to_numpy()

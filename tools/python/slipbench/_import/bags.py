@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,11 @@ import numpy as np
 
 from slipbench import InputError
 from slipbench._import.arrays import Columns
-from slipbench._import.block import nearest
+from slipbench._import.block import Block, nearest
 
-MOST_VALUES = 100_000  # of one message
+MOST_VALUES = 100_000  # of one list in a message
+MOST_IN_TOPIC = 100_000_000
+BLOCK = 1_000_000  # values that are kept as Python's objects
 
 
 def flatten(message: Any, title: str, into: dict[str, Any]) -> None:
@@ -31,6 +34,10 @@ def flatten(message: Any, title: str, into: dict[str, Any]) -> None:
             flatten(item, f"{title}[{k}]", into)
     else:
         into[title] = message
+
+
+def _columns(rows: list[dict[str, Any]], titles: list[str]) -> dict[str, np.ndarray]:
+    return {title: np.array([row[title] for row in rows]) for title in titles}
 
 
 class Topic(Columns):
@@ -69,25 +76,79 @@ class Topic(Columns):
         return topics
 
 
+def read_definitions(map: Block) -> dict[str, Any]:
+    """The messages of a map's key `definitions`.
+
+    Args:
+        map: the whole map
+
+    Returns:
+        rosbags' definition of each message, by its type "PACKAGE/msg/NAME".
+
+    Raises:
+        InputError: a file is missing or is not a definition.
+    """
+    from rosbags.typesys import get_types_from_msg
+
+    types: dict[str, Any] = {}
+    for given in map.get("definitions", []):
+        path = Path(map.node.path).absolute().parent / given
+        files = sorted(path.rglob("*.msg")) if path.is_dir() else [path]
+        if not path.exists() or not files:
+            map.fail(
+                f"definitions: expected a .msg file or a folder with such files beside the map, found {given!r}, which "
+                f"{'has none' if path.exists() else 'is not there'}",
+                "definitions",
+            )
+        for file in files:
+            package = file.parents[1] if file.parent.name == "msg" else file.parent
+            try:
+                types |= get_types_from_msg(file.read_text(encoding="utf-8"), f"{package.name}/msg/{file.stem}")
+            except Exception as error:  # noqa: BLE001  the parser raises many kinds
+                raise InputError(f"{file}: cannot be read as the definition of a message: {error}") from error
+    return types
+
+
+def missing_types(kind: str, known: dict[str, Any]) -> list[str]:
+    """The types of messages that a message of the type `kind` consists of and `known`, by rosbags, does not have."""
+    from rosbags.interfaces import Nodetype
+
+    found: dict[str, None] = {kind: None}
+    waiting = [kind]
+    while waiting:
+        for _, (node, content) in known.get(waiting.pop(), ([], []))[1]:
+            if node in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+                node, content = content[0]
+            if node == Nodetype.NAME and content not in found:
+                found[content] = None
+                waiting.append(content)
+    return [one for one in found if one not in known]
+
+
 class Bag:
     """A bag, whose topics are read when they are asked for.
 
     Args:
         path: a .bag or .mcap file, or the folder of a bag of ROS 2
+        definitions: messages that a bag without definitions may have beside those of ROS 2, as of read_definitions()
 
     Raises:
         InputError: the bag cannot be read.
     """
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, definitions: dict[str, Any]) -> None:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
 
         self.path = path
-        # Definitions of messages are those in the bag; a bag of ROS 2 that has none is read by those of ROS 2 itself.
-        self._reader = AnyReader([Path(path)], default_typestore=get_typestore(Stores.LATEST))
+        # Definitions of messages are those in the bag; those that it does not have are the map's and ROS 2's.
+        others = get_typestore(Stores.LATEST).fielddefs | definitions
+        self._reader = AnyReader([Path(path)], default_typestore=get_typestore(Stores.EMPTY))
         try:
             self._reader.open()
+            store = self._reader.typestore
+            if any(missing_types(one.msgtype, store.fielddefs) for one in self._reader.connections):
+                store.register({name: one for name, one in others.items() if name not in store.fielddefs})
         except Exception as error:  # noqa: BLE001  rosbags and its decompressors raise many kinds on damaged files
             raise InputError(f"{path}: cannot be read as a bag: {error}") from error
         self.topics = {connection.topic: connection.msgtype for connection in self._reader.connections}
@@ -124,27 +185,55 @@ class Bag:
             )
         return list(self.topics)
 
-    def read(self, name: str) -> Topic:
-        """All messages of a topic. Raises InputError where one cannot be read or they differ in their lengths."""
-        times: list[int] = []
-        rows: list[dict[str, Any]] = []
+    def _decoded(self, name: str) -> Iterator[tuple[int, Any]]:
+        """Times of receipt [ns] and messages of a topic. Raises InputError where one cannot be read."""
+        count = 0
         try:
             for connection, time, raw in self._reader.messages(
                 [one for one in self._reader.connections if one.topic == name]
             ):
-                row: dict[str, Any] = {}
-                flatten(self._reader.deserialize(raw, connection.msgtype), "", row)
-                times.append(time)
-                rows.append(row)
+                yield time, self._reader.deserialize(raw, connection.msgtype)
+                count += 1
         except Exception as error:  # noqa: BLE001
-            raise InputError(f"{self.path}: topic {name}, message {len(rows) + 1}: cannot be read: {error}") from error
-        if not rows:
-            raise InputError(f"{self.path}: topic {name} has no message")
-        titles = list(rows[0])
-        for k, row in enumerate(rows):
-            if row.keys() != rows[0].keys():
+            raise InputError(f"{self.path}: topic {name}, message {count + 1}: cannot be read: {error}") from error
+
+    def read(self, name: str) -> Topic:
+        """All messages of a topic. Raises InputError where one cannot be read or they differ in their lengths."""
+        if missing := missing_types(self.topics[name], self._reader.typestore.fielddefs):
+            raise InputError(
+                f"{self.path}: topic {name}: the bag has no definition of {' and '.join(missing)}; name the .msg file, or a "
+                "folder of such files, in the map: definitions: [PATH]"
+            )
+        times: list[int] = []
+        rows: list[dict[str, Any]] = []  # of the messages that are not yet in `blocks`
+        blocks: list[dict[str, np.ndarray]] = []
+        titles: list[str] = []
+        for time, message in self._decoded(name):
+            row: dict[str, Any] = {}
+            flatten(message, "", row)
+            titles = titles or list(row)
+            if list(row) != titles:
                 raise InputError(
-                    f"{self.path}: topic {name}, message {k + 1}: has {len(row)} values and the first message {len(titles)}; "
-                    "expected lists of one length"
+                    f"{self.path}: topic {name}, message {len(times) + 1}: has {len(row)} values and the first message "
+                    f"{len(titles)}; expected lists of one length"
                 )
-        return Topic(self.path, name, times, {title: np.array([row[title] for row in rows]) for title in titles})
+            times.append(time)
+            if len(times) * len(titles) > MOST_IN_TOPIC:
+                raise InputError(
+                    f"{self.path}: topic {name} has more than {MOST_IN_TOPIC} values; cut the bag in parts"
+                )
+            rows.append(row)
+            if len(rows) * len(titles) >= BLOCK:
+                blocks.append(_columns(rows, titles))
+                rows = []
+        if not times:
+            raise InputError(f"{self.path}: topic {name} has no message")
+        if not titles:
+            raise InputError(
+                f"{self.path}: topic {name}: the messages have no value, or lists of more than {MOST_VALUES} alone"
+            )
+        if rows:
+            blocks.append(_columns(rows, titles))
+        return Topic(
+            self.path, name, times, {title: np.concatenate([one[title] for one in blocks]) for title in titles}
+        )

@@ -80,11 +80,19 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
             "between the cells: a character, tab, or blanks (any number of spaces and tabs)",
         ),
         Key("decimal", "text", "found", "the decimal mark", choices=(".", ",")),
+        Key("thousands", "text", "none", "the mark between thousands", choices=(",", ".", "'")),
         Key(
             "header", "boolean", "true", "whether the first line holds titles; without them columns are called 1, 2, 3"
         ),
         Key("skip", "lines", "none", "lines that are not read: the first N, or a list of line numbers"),
         Key("comment", "text", "#", "a line that begins with this text is not read; none: all lines are read"),
+        Key(
+            "definitions",
+            "texts",
+            "those in the bag",
+            "of a bag of ROS 2 without definitions of its messages: .msg files, or folders that have them as "
+            "PACKAGE/msg/NAME.msg, beside the map",
+        ),
         Key(
             "missing",
             "text",
@@ -98,6 +106,18 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
         Key("column", "text", "", "title of the column: numbers, ISO 8601, or a time of day as 12:30:00.5"),
         Key("unit", "text", "s", "unit of a column of numbers", choices=tuple(TIME_UNITS)),
         Key("scale", "number", "1", "length of the column's unit in seconds, where `unit` has no name for it"),
+        Key(
+            "format",
+            "text",
+            "ISO 8601",
+            "how a date or a time of day is written, as Python's strptime takes it: '%d.%m.%Y %H:%M:%S.%f'",
+        ),
+        Key(
+            "nanoseconds",
+            "text",
+            "",
+            "title of a column of nanoseconds beyond the whole seconds of `column`, as ROS has them",
+        ),
         Key("rate", "rate", "", "rate of samples without times, such as 100 Hz"),
     ),
     "channel": (

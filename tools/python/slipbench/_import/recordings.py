@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +23,7 @@ KINDS = (
     (".csv",),
     (".tsv", ".tab"),
     (".txt", ".dat"),
+    (".lvm",),
     (".parquet", ".pq"),
     (".npz",),
     (".npy",),
@@ -32,6 +34,7 @@ BAGS = (".mcap", ".bag")
 MOST_RUNS = 5  # of missing samples that a warning lists
 FRAME = "as the recordings have it"
 LARGEST = 1_000_000_000  # bytes of a recording
+SHORTEST = 1e-10  # s between two samples
 
 
 def list_files(sources: list[str]) -> list[File]:
@@ -60,8 +63,12 @@ class Sensor:
         self.time: Block | None = block.get("time", root.get("time"))
         if self.time is not None:
             self.time.only_one(("column", "rate"))
-            if "unit" in self.time and "scale" in self.time:
-                self.time.fail("time: expected unit or scale, found both")
+            given = [key for key in ("unit", "scale", "format", "nanoseconds") if key in self.time]
+            if len(given) > 1 or (given and "rate" in self.time):
+                self.time.fail(
+                    f"time: expected one of unit, scale, format and nanoseconds, found {' and '.join(given)}"
+                    f"{' beside rate' if 'rate' in self.time else ''}"
+                )
             if self.time.get("scale", 1.0) < 0:
                 self.time.fail(f"time.scale: expected a positive number, found {self.time.get('scale')}", "scale")
         labels = block.get("state", root.get("state"))
@@ -94,6 +101,7 @@ class Map:
         else:
             self.sensors = [Sensor(block.need("sensor"), block, block)]
         self.object = Lookup(block.need("object")) if "object" in block else None
+        self._definitions: dict[str, Any] | None = None  # of messages; read with the first bag
         if (comment := block.get("comment")) is not None and comment != comment.strip():
             block.fail(f"comment: expected a text without blanks around it, found {comment!r}", "comment")
 
@@ -121,7 +129,9 @@ class Map:
                 sensor.block.fail(
                     "the map has no key 'time'; expected time: {column: TITLE}, or time: {rate: 100 Hz} for a table without times"
                 )
-            if "column" in sensor.time:
+            if "nanoseconds" in sensor.time:
+                titles += [source.find(sensor.time.need(key)) for key in ("column", "nanoseconds")]
+            elif "column" in sensor.time:
                 texts.append(source.find(sensor.time.need("column")))
             if sensor.states is not None and sensor.states.column is not None:
                 texts.append(source.find(sensor.states.column))
@@ -143,13 +153,21 @@ class Map:
 
         get = self.block.get
         return TextTable(
-            path, get("separator", ""), get("decimal", ""), get("header", True), get("skip", 0), get("comment", "#")
+            path,
+            get("separator", ""),
+            get("decimal", ""),
+            get("thousands", ""),
+            get("header", True),
+            get("skip", 0),
+            get("comment", "#"),
         )
 
     def _read_bag(self, file: File) -> Iterator[tuple[str, Sensor, Source]]:
-        from slipbench._import.bags import Bag
+        from slipbench._import.bags import Bag, read_definitions
 
-        bag = Bag(file.path)
+        if self._definitions is None:
+            self._definitions = read_definitions(self.block)
+        bag = Bag(file.path, self._definitions)
         try:
             for sensor in self.sensors:
                 names = bag.find(sensor.block.get("topic", ""), sensor.block.get("message", ""))
@@ -203,7 +221,10 @@ def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | N
     if "rate" in sensor.time:
         rate = float(sensor.time.need("rate"))
         return np.arange(len(source)) / rate, 0.0, rate
-    times, resolution = stamps_of(source, source.find(sensor.time.need("column")), sensor.scale)
+    title = source.find(sensor.time.need("column"))
+    if "nanoseconds" in sensor.time:
+        return source.values(title) + 1e-9 * source.values(source.find(sensor.time.need("nanoseconds"))), 1e-9, None
+    times, resolution = stamps_of(source, title, sensor.scale, sensor.time.get("format", ""))
     return times, resolution, None
 
 
@@ -265,6 +286,12 @@ class Importer:
             raise InputError(
                 f"{source.place(int(kept[row]))}: {column}time: {times[row]:.12g} s comes after {times[row - 1]:.12g} s; "
                 "expected rising times"
+            )
+        steps = np.diff(times)
+        if steps.size and steps.min() < SHORTEST:
+            raise InputError(
+                f"{source.place(int(kept[int(steps.argmin()) + 1]))}: time: {steps.min():g} s after the sample before; "
+                f"expected at least {SHORTEST:g} s; set time.unit"
             )
         if np.abs(times).max() > 1e10:
             raise InputError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from datetime import datetime
+from datetime import UTC, datetime
 
 import numpy as np
 
@@ -68,7 +68,8 @@ class Source:
             )
         if self.titles.count(title) > 1:
             raise InputError(
-                f"{self.title_place()}: has {self.titles.count(title)} columns {title!r}; titles that the map names must differ"
+                f"{self.title_place()}: has {self.titles.count(title)} columns {title!r}; titles that the map names must differ; "
+                "columns of a table have numbers with header: false and the line of titles in skip"
             )
         return title
 
@@ -130,26 +131,30 @@ def resolution_of(cells: Iterable[str]) -> float:
     return float(least)
 
 
-def stamps_of(source: Source, title: str, scale: float | None) -> tuple[np.ndarray, float]:
+def stamps_of(source: Source, title: str, scale: float | None, pattern: str = "") -> tuple[np.ndarray, float]:
     """The times of a column.
 
     Args:
         source: the table
         title: of the column
         scale: length of its unit in seconds; None: the map says none, and the column may be ISO 8601 or a time of day
+        pattern: of a date or a time of day, for strptime; empty: ISO 8601
 
     Returns:
         Times [T] s, NaN where one is missing, and their resolution [s].
     """
     texts = source.texts(title)
     filled = [text for text in texts if text.lower() not in MISSING]
-    if filled and ":" in filled[0]:
+    if pattern or (filled and ":" in filled[0]):
         if scale is not None:
             raise InputError(
                 f"{source.place(0)}: column {title!r} has times as {filled[0]!r}, which need no unit and no scale"
             )
         times = np.array(
-            [np.nan if text.lower() in MISSING else _moment(source, title, row, text) for row, text in enumerate(texts)]
+            [
+                np.nan if text.lower() in MISSING else _moment(source, title, row, text, pattern)
+                for row, text in enumerate(texts)
+            ]
         )
         digits = max(len(match[1]) if (match := re.search(r":\d{2}[.,](\d+)", text)) else 0 for text in filled)
         return times, 10.0**-digits
@@ -158,8 +163,16 @@ def stamps_of(source: Source, title: str, scale: float | None) -> tuple[np.ndarr
     return times, (resolution_of(numbers) if numbers else 0.0) * (scale or 1.0)
 
 
-def _moment(source: Source, title: str, row: int, text: str) -> float:
-    """Seconds since 1970 of ISO 8601, since midnight of a time of day."""
+def _moment(source: Source, title: str, row: int, text: str, pattern: str) -> float:
+    """Seconds since 1970 of a date, since midnight of a time of day in ISO 8601."""
+    if pattern:
+        try:
+            moment = datetime.strptime(text, pattern)
+        except ValueError as error:
+            raise InputError(
+                f"{source.place(row)}: column {title}: expected a time as time.format says, {pattern!r}, found {text!r}: {error}"
+            ) from None
+        return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
     if clock := CLOCK.fullmatch(text):
         return 3600.0 * int(clock[1]) + 60.0 * int(clock[2]) + float(clock[3].replace(",", "."))
     # datetime has microseconds: the fraction is added by itself.
@@ -171,6 +184,6 @@ def _moment(source: Source, title: str, row: int, text: str) -> float:
     except ValueError:
         raise InputError(
             f"{source.place(row)}: column {title}: expected a time in ISO 8601 such as 2026-02-03T10:00:00.01, "
-            f"found {text!r}"
+            f"found {text!r}; say how times are written by time.format, such as '%d.%m.%Y %H:%M:%S.%f'"
         ) from None
     return moment.timestamp() + (float(f"0.{fraction}") if fraction else 0.0)

@@ -22,6 +22,7 @@ LARGEST = 2_000_000_000  # bytes of a table, which is in memory as a whole
 LONGEST = 1_000_000  # characters of a line
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 COMMA_NUMBER = re.compile(r"[+-]?(\d+,\d+|,\d+)([eE][+-]?\d+)?")
+THOUSANDS = {mark: re.compile(rf"[+-]?\d{{1,3}}({re.escape(mark)}\d{{3}})+(?!\d)") for mark in ",.'"}
 MINUS = "\N{MINUS SIGN}"
 
 
@@ -70,10 +71,12 @@ def find_separator(lines: list[str]) -> str:
         agree = sum(count == counts[0] for count in counts)
         if counts[0] > 1 and agree > max(most, 1 if len(counts) > 1 else 0, len(counts) // 2):
             best, most = separator, agree
-    if (
-        not best and len(lines) > 1
-    ):  # no separator agrees: the one of the header, so that the rows are refused by their number of cells
-        return next((one for one in SEPARATORS[:-1] if filled(cells_of(lines[0], one)) > 1), "")
+    if not best and len(lines) > 1:
+        # No separator agrees: the one of the header, so that the rows are refused by their number of cells. One title may
+        # have blanks.
+        for one in SEPARATORS:
+            if filled(cells_of(lines[0], one)) > 1 and (one != " " or filled(cells_of(lines[1], one)) > 1):
+                return one
     return best
 
 
@@ -92,6 +95,7 @@ class TextTable(Source):
         path: of the file
         separator: between cells, "blanks" or "tab"; empty: found
         decimal: mark; empty: found
+        thousands: mark between thousands; empty: there is none
         header: whether the first line holds titles
         skip: number of first lines, or the numbers of lines, that are not read
         comment: text that lines begin with that are not read; "none": there are none
@@ -102,6 +106,7 @@ class TextTable(Source):
         path: str,
         separator: str = "",
         decimal: str = "",
+        thousands: str = "",
         header: bool = True,
         skip: int | list[int] = 0,
         comment: str = "#",
@@ -114,6 +119,7 @@ class TextTable(Source):
         ]
         if numbered and (said := re.fullmatch(r"sep=(.)", numbered[0][1].strip())):  # as Excel writes it
             separator, numbered = separator or said[1], numbered[1:]
+        every = numbered
         if comment != "none":
             numbered = [(number, line) for number, line in numbered if not line.lstrip().startswith(comment)]
         if not numbered:
@@ -129,11 +135,26 @@ class TextTable(Source):
         self._separator = {"tab": "\t", "blanks": " "}.get(separator, separator) or find_separator(sample)
         if len(self._separator) > 1:
             raise InputError(f"separator: expected one character, tab or blanks, found {separator!r}")
-        self._decimal = decimal or find_decimal(sample[1:] if header else sample, self._separator)
+        self._thousands = thousands
+        self._decimal = (
+            decimal
+            or {",": ".", ".": ","}.get(thousands, "")
+            or find_decimal(sample[1:] if header else sample, self._separator)
+        )
+        if self._decimal == thousands:
+            raise InputError(f"decimal and thousands: expected two marks, found {thousands!r} for both")
         first = cells_of(numbered[0][1], self._separator)
-        self.titles = first[: filled(first)] if header else [str(k + 1) for k in range(filled(first))]
+        count = filled(first)
         self._header_line = numbered[0][0]
-        if header:
+        above = every[: every.index(numbered[0])]
+        if header and above and all(self._is_number(cell) for cell in first[:count]):
+            # numpy.savetxt writes the titles as a comment.
+            titles = cells_of(above[-1][1].lstrip().removeprefix(comment).strip(), self._separator)
+            if filled(titles) == count and not any(self._is_number(cell) for cell in titles):
+                first, self._header_line = titles, above[-1][0]
+        # A column without a title, as pandas writes its index, is called by its number.
+        self.titles = [first[k] if header and first[k] else str(k + 1) for k in range(count)]
+        if header and self._header_line == numbered[0][0]:
             numbered = numbered[1:]
         self._numbers = [number for number, _ in numbered]
         self._lines = [line for _, line in numbered]
@@ -220,6 +241,8 @@ class TextTable(Source):
             and all(re.fullmatch(r"[+-]?\d+", cell) for cell in cells if cell)
         ):
             cause = "; commas seem to be both the separator and the decimal mark, which cannot be told apart"
+        elif all(filled(cells_of(line, self._separator)) == len(self.titles) + 1 for line in self._lines[:SAMPLE]):
+            cause = "; where rows begin with a name that has no title, as R writes them, use header: false and skip the titles"
         raise InputError(f"{self.place(row)}: has {filled(cells)} cells; expected {len(self.titles)}{cause}")
 
     def __len__(self) -> int:
@@ -240,6 +263,8 @@ class TextTable(Source):
         values = np.empty(len(cells))
         for row, cell in enumerate(cells):
             text = cell.strip().replace(MINUS, "-")
+            if self._thousands and THOUSANDS[self._thousands].match(text):
+                text = text.replace(self._thousands, "")
             if self._decimal == ",":
                 text = text.replace(".", "\0").replace(",", ".")  # a point in such a table separates thousands
             if NUMBER.fullmatch(text):
@@ -255,7 +280,7 @@ class TextTable(Source):
         if row == 0 and all(not self._is_number(one) for one in cells_of(self._lines[0], self._separator)):
             cause = f"; a row of units is left out by skip: [{self._numbers[0]}]"
         elif re.fullmatch(r"[+-]?\d{1,3}([,.' ]\d{3})+([.,]\d*)?", cell.strip()):
-            cause = "; write numbers without marks between thousands"
+            cause = "; name the mark between thousands in the map: thousands: ','"
         elif re.fullmatch(r"[+-]?[\d.]+[dD][+-]?\d+", cell.strip()):
             cause = "; write the exponent with E"
         raise InputError(
