@@ -22,6 +22,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from slipbench._program import write_whole
 from slipbench.bin import _core
 from slipbench.learning._names import named
 
@@ -388,12 +389,7 @@ def _save(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Opt
     figures = torch.tensor([*done.losses, done.validation], dtype=torch.float64)
     torch.save({"identity": checkpoint.identity, "network": network.state_dict(), "best": best, "optimiser": optimiser.state_dict()["state"],
                 "figures": figures, "best_step": done.best_step, "worse": worse}, whole)
-    partial = Path(checkpoint.path + ".partial")
-    with partial.open("wb") as file:
-        file.write(hashlib.sha256(whole.getvalue()).digest() + whole.getvalue())
-        file.flush()
-        os.fsync(file.fileno())
-    partial.replace(checkpoint.path)
+    write_whole(Path(checkpoint.path), hashlib.sha256(whole.getvalue()).digest() + whole.getvalue())
 
 
 def _load(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Optimizer, done: Fitted) -> tuple[dict[str, Any], int]:
