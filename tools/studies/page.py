@@ -10,7 +10,7 @@ import json
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -46,7 +46,8 @@ def draw(chart: Chart) -> Figure:
     for k, curve in enumerate(chart.curves):
         value, low, high = np.array(curve.points, dtype=float).T
         place = np.arange(len(value)) + apart * (k - 0.5 * (len(chart.curves) - 1))
-        error, style = np.abs([value - low, high - value]), {"capsize": 2, "markersize": 4, "linewidth": 1.4, "color": COLOURS[k % len(COLOURS)]}
+        error = np.abs([value - low, high - value])
+        style: dict[str, Any] = {"capsize": 2, "markersize": 4, "linewidth": 1.4, "color": COLOURS[k % len(COLOURS)]}
         if chart.joined:
             axes.errorbar(place, value, yerr=error, fmt="o-", label=curve.name, **style)
         else:
