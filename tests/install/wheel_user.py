@@ -78,9 +78,9 @@ def install():
 
 def use_commands(program):
     """Runs what needs no build of the source tree, in the folder that holds hexapod.h5."""
-    for words in (("describe", "gst_hd"), ("schema",), ("detect", "force_ratio", "hexapod.h5", "-o", "alarms.csv"), ("export", "hexapod.h5", "--format", "npz", "-o", "npz"),
-                  ("reproduce", "list"), ("reproduce", "hd-papillarray/resources"), ("benchmark", "--sensor", "papillarray", "--trials", "2", "-o", "board.html")):
-        run(program, *words)
+    for line in ("describe gst_hd", "schema", "detect force_ratio hexapod.h5 -o alarms.csv", "export hexapod.h5 --format npz -o npz", "reproduce list",
+                 "reproduce hd-papillarray/resources"):
+        run(program, *line.split())
     Path("kept.yaml").write_text(KEPT, encoding="utf-8")
     if "1 passed" not in run(sys.executable, "-m", "pytest", "kept.yaml"):
         sys.exit("pytest collects no scene")
