@@ -12,7 +12,8 @@ namespace slipbench::network {
 namespace {
 
 constexpr const char* remedy =
-    "allowed: a slipbench built with OpenVINO and libonnx-dev, which tools/setup/setup.sh build python installs";
+    "allowed: pip install 'slipbench[network]', or a build of slipbench with OpenVINO and libonnx-dev, which tools/setup/setup.sh "
+    "build python installs";
 
 }  // namespace
 

@@ -28,6 +28,14 @@ import slipbench
 for name in ("papillarray/stage.yaml", "papillarray/hexapod.yaml", "grasp/lift.yaml", "myrmex/slip.yaml", "bodies/held_box.yaml"):
     print(name, slipbench.Scene.load(name).run().sha256)
 """
+KEPT = """
+slipbench: 1
+duration: 1.2 s
+surface: {material: rubber}
+motion: {compression: 1 mm, start: 0.5 s, speed: 4 mm/s}
+sensors: {pad: {type: papillarray, rate: 1 kHz}}
+expect: {gross_slip_by: 1.1 s}
+"""
 NEWER = """
 import slipbench.mujoco
 try: slipbench.mujoco.plugin_path("3.18.0")
@@ -63,8 +71,19 @@ def install():
     refused = run(program, "train", "hexapod.h5", "--recipe", "papillarray_gru", "--steps", "1", "-o", "small.onnx", status=2)
     if "pip install torch" not in refused.splitlines()[-1]:
         sys.exit(f"train without PyTorch says: {refused}")
-    run(*pip, f"{WHEEL}[gym,pandas,render]")
+    run(*pip, f"{WHEEL}[gym,pandas,render]", "pytest")
+    use_commands(program)
     return figures
+
+
+def use_commands(program):
+    """Runs what needs no build of the source tree, in the folder that holds hexapod.h5."""
+    for line in ("describe gst_hd", "schema", "detect force_ratio hexapod.h5 -o alarms.csv", "export hexapod.h5 --format npz -o npz", "reproduce list",
+                 "reproduce hd-papillarray/resources"):
+        run(program, *line.split())
+    Path("kept.yaml").write_text(KEPT, encoding="utf-8")
+    if "1 passed" not in run(sys.executable, "-m", "pytest", "kept.yaml"):
+        sys.exit("pytest collects no scene")
 
 
 def main():

@@ -52,8 +52,8 @@ def fetch_headers():
 
 
 def stage(folder):
-    """The package below `folder`, with all but its module."""
-    package = folder / "slipbench"
+    """Puts the packages slipbench, without its module, and slipbench_studies below `folder`. Returns their paths and that of the wheel's metadata."""
+    package, studies = folder / "slipbench", folder / "slipbench_studies"
     shutil.copytree(ROOT / "tools/python/slipbench", package, ignore=shutil.ignore_patterns("__pycache__"))
     run("cmake", "--install", BUILD, "--component", "python", "--prefix", package, stdout=subprocess.DEVNULL)
     for module in (package / "bin").glob("_core*.so"):
@@ -61,7 +61,7 @@ def stage(folder):
     run("patchelf", "--set-rpath", "$ORIGIN/../../../openvino/libs", package / "lib/slipbench/libslipbench_network.so")
     made = said(sys.executable, "-c", "import sys; from scikit_build_core.build import prepare_metadata_for_build_wheel as prepare; "
                 "print(prepare(sys.argv[1]))", folder, cwd=ROOT)
-    return package, folder / made.split()[-1]
+    return package, studies, folder / made.split()[-1]
 
 
 def carry_licences(files, info):
@@ -90,7 +90,7 @@ def make(out, module, tag):
     folder = WORK / tag
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    package, info = stage(folder)
+    package, studies, info = stage(folder)
     shutil.copy(module, package / "bin")
     run("patchelf", "--set-rpath", "$ORIGIN/../lib/slipbench/mujoco", package / "bin" / module.name)
     carry_licences([module, *(BUILD / "lib/slipbench").glob("libslipbench_[cn]*.so")], info)
@@ -103,7 +103,7 @@ def make(out, module, tag):
     (folder / "raw").mkdir()
     tree = folder / "tree"
     tree.mkdir()
-    for part in (package, info):
+    for part in (package, studies, info):
         part.rename(tree / part.name)
     run(sys.executable, "-m", "wheel", "pack", tree, "--dest-dir", folder / "raw", stdout=subprocess.DEVNULL)
     excluded = [word for name in NOT_INSIDE for word in ("--exclude", name)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import shutil
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 import slipbench
 import slipbench_studies
 from slipbench import InputError
+from slipbench._program import write_whole
 from slipbench.bin import _core
 from slipbench_studies.result import Options
 
@@ -87,15 +87,11 @@ class KeptNetworks:
             InputError: with the system's reason
         """
         text = json.dumps(result)
-        partial = self.path / f"{index}.partial"
+        path = self.path / f"{index}.json"
         try:
-            with partial.open("w") as file:
-                file.write(hashlib.sha256(text.encode()).hexdigest() + "\n" + text)
-                file.flush()
-                os.fsync(file.fileno())
-            partial.replace(self.path / f"{index}.json")
+            write_whole(path, f"{hashlib.sha256(text.encode()).hexdigest()}\n{text}".encode())
         except OSError as error:
-            raise InputError(f"cannot write {partial}: {error.strerror}") from error
+            raise InputError(f"cannot write {path}: {error.strerror}") from error
 
     def remove_if_empty(self) -> None:
         """Removes the folder if it holds no network."""

@@ -10,11 +10,12 @@ import json
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from slipbench import InputError
+from slipbench._program import write_whole
 from slipbench.bin import _core
 from slipbench_studies.result import Chart, Result, Table, result_object
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 GENERATOR = "slipbench reproduce"
 COLOURS = ("#1f66ad", "#c2450f", "#0a7d66", "#8a4fa3", "#a87400", "#59636e", "#2396b8", "#b0396b")  # of theme.css, light
 SIZE = (7.6, 3.3)  # inches
+PLACE, FRAME = 0.27, 0.9  # inches: height of a row of a chart of rows, and what is above and below them
 FORMATS = {"svg": {"Creator": GENERATOR, "Date": None}, "png": {"Software": GENERATOR}}  # metadata, by which a chart is known again
 
 
@@ -38,23 +40,30 @@ def draw(chart: Chart) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(SIZE, layout="constrained")
+    figure = Figure(SIZE if chart.joined else (SIZE[0], FRAME + PLACE * len(chart.places)), layout="constrained")
     axes = figure.subplots()
-    apart = 0.0 if chart.joined else 0.12  # so that intervals of several curves do not hide each other
+    apart = 0.0 if chart.joined else 0.2  # so that intervals of several curves do not hide each other
     for k, curve in enumerate(chart.curves):
         value, low, high = np.array(curve.points, dtype=float).T
         place = np.arange(len(value)) + apart * (k - 0.5 * (len(chart.curves) - 1))
-        axes.errorbar(place, value, np.abs([value - low, high - value]), fmt="o-" if chart.joined else "o", capsize=2, markersize=4, linewidth=1.4,
-                      color=COLOURS[k % len(COLOURS)], label=curve.name)
+        error = np.abs([value - low, high - value])
+        style: dict[str, Any] = {"capsize": 2, "markersize": 4, "linewidth": 1.4, "color": COLOURS[k % len(COLOURS)]}
+        if chart.joined:
+            axes.errorbar(place, value, yerr=error, fmt="o-", label=curve.name, **style)
+        else:
+            axes.errorbar(value, place, xerr=error, fmt="o", label=curve.name, **style)
     if chart.bar is not None:
-        axes.axhline(chart.bar, color="#8b949e", linestyle="--", linewidth=1, label=chart.bar_name)
-    crowded = sum(map(len, chart.places)) > 60
-    axes.set_xticks(range(len(chart.places)), chart.places, rotation=30 if crowded else 0, ha="right" if crowded else "center")
-    axes.set_xlabel(chart.across)
-    axes.set_ylabel(chart.up)
-    axes.grid(axis="y", color="#e9ecef")
+        (axes.axhline if chart.joined else axes.axvline)(chart.bar, color="#8b949e", linestyle="--", linewidth=1, label=chart.bar_name)
+    if chart.joined:
+        axes.set(xlabel=chart.across, ylabel=chart.up)
+        axes.set_xticks(range(len(chart.places)), chart.places)
+        axes.grid(axis="y", color="#e9ecef")
+    else:
+        axes.set(xlabel=chart.up, ylabel=chart.across, ylim=(len(chart.places) - 0.5, -0.5))  # the first row at the top
+        axes.set_yticks(range(len(chart.places)), chart.places)
+        axes.grid(axis="x", color="#e9ecef")
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    figure.legend(loc="outside upper right", ncols=len(chart.curves) + (chart.bar is not None), frameon=False)
     return figure
 
 
@@ -158,10 +167,7 @@ def write(output: str, name: str, result: Result) -> list[str]:
     files: list[str] = _core.write_result(output, result_page(name, result), json.dumps(result_object(name, result)))
     for path in paths:
         try:
-            drawing = drawn(result.charts[int(path.stem.rsplit("-", 1)[1]) - 1], path.suffix[1:])
-            unfinished = path.with_name(path.name + ".tmp")
-            unfinished.write_bytes(drawing)
-            unfinished.replace(path)
+            write_whole(path, drawn(result.charts[int(path.stem.rsplit("-", 1)[1]) - 1], path.suffix[1:]))
         except OSError as error:
             raise InputError(f"{path}: cannot be written: {error.strerror}") from error
         files.append(str(path))

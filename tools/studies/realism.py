@@ -230,10 +230,11 @@ def study(options: Options) -> Result:
             table.rows.append([row, name, one.what, _text(one.real), _text(one.ours), _text(ratio), one.note])
             figures.append({"study": name, "what": one.what, "real": one.real, "ours": one.ours, "ratio": ratio, "note": one.note})
             if not math.isnan(ratio):
-                places.append(row)
+                places.append(one.what)
                 points.append((ratio, ratio, ratio))
         if len(places) > 1:
-            charts.append(Chart(f"{name}, ours over the real figure", "row", "ratio", places, [Curve("ours/real", points)], 1.0, "as real"))
+            charts.append(Chart(f"{name}, ours over the real figure", "", "our figure over the real one", places, [Curve("ours/real", points)], 1.0, "as real",
+                                joined=False))
     return Result(
         title="The bench beside real devices",
         source="Published figures of real devices for which a study of slipbench has one of its own.",

@@ -47,13 +47,14 @@ class Chart:
 
     Attributes:
         title: above it
-        across: name of the horizontal axis
-        up: name of the vertical axis, with its unit
-        places: labels along the horizontal axis
+        across: name of the axis of the places, with its unit; empty: their labels say enough
+        up: name of the axis of the values, with its unit
+        places: labels for readers, such as "centre of mass at 2L/3"; no keys of the figures
         curves: at least one
-        bar: height of a line across; None: no line
+        bar: value of a line across; None: no line
         bar_name: what the legend says of it
-        joined: whether a curve's points are joined by lines
+        joined: True: the places are in order, along the horizontal axis, and lines join the points; False: each place is a row with its label
+            before it
     """
 
     title: str

@@ -428,7 +428,7 @@ class Layouts(ImportTest):
                 self.assertIn(message, self.refused(map, path))
         with self.assertRaisesRegex(
             slipbench.InputError,
-            "no such file, and no map of the program; found: biotac_ros, papillarray_ros, xela_ros",
+            "no such file, and no map of the program; found: biotac_ros, papillarray_ros, papillarray_ros2, xela_ros",
         ):
             slipbench.import_recordings(path, map="nothing")
 
@@ -623,6 +623,17 @@ class Bags(ImportTest):
             "the messages have no value, or lists of more than 100000 alone",
             self.refused(map % "/e", self.folder / "empty.bag"),
         )
+
+    def test_our_own_bags_are_read(self):
+        dataset, output = self.folder / "ours.h5", self.folder / "again.h5"
+        scene = slipbench.Scene.load("papillarray/stage.yaml").set({"motion.speed": "8 mm/s"})
+        scene.write(dataset)
+        slipbench.export(dataset, self.folder / "bags", format="rosbag2")
+        slipbench.import_recordings(self.folder / "bags/demo_0", output, map="papillarray_ros2")
+        with slipbench.open(dataset) as ours, slipbench.open(output) as again:
+            pad, read = ours[0].sensors["pad"], again[0].sensors["pad"]
+            np.testing.assert_array_equal(read.force, pad.force)
+            np.testing.assert_allclose(read.displacement, pad.displacement, rtol=1e-6, atol=1e-12)  # mm as float32 in the bag
 
     def test_topics_are_named_or_found(self):
         self.test_bags_of_both_ros_are_read()

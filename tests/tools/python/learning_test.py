@@ -146,13 +146,13 @@ class Training(TrainingTest):
         with self.assertRaises(Killed):
             self.train(five, output=again, progress=kill)
         self.assertFalse(Path(again).exists())
-        with self.assertRaisesRegex(InputError, r"again.onnx.checkpoint-0.*resume=True \(--resume\)"):
+        with self.assertRaisesRegex(InputError, r"again.onnx.checkpoint-0.*with resume=True,"):
             self.train(five, output=again)
-        with self.assertRaisesRegex(InputError, r"of another training.*resume=True \(--resume\)"):
+        with self.assertRaisesRegex(InputError, r"of another training.*without resume=True$"):
             self.train(five, output=again, resume=True, seed=2)
         self.train(five, output=again, resume=True)
         self.assertEqual(Path(again).read_bytes(), whole)
-        with self.assertRaisesRegex(InputError, r"checkpoint-0: does not exist.*resume=True \(--resume\)"):
+        with self.assertRaisesRegex(InputError, r"checkpoint-0: does not exist.*without resume=True$"):
             self.train(five, output=again, resume=True)
         self.assertNotEqual(Path(self.train(five, output=again, seed=2).path).read_bytes(), whole)
 
@@ -187,7 +187,8 @@ class Training(TrainingTest):
     def test_what_does_not_fit_is_refused(self):
         for more, message in (({"recipe": short("piezo_fft_gru")}, "papillarray.*1000 Hz.*piezo_skin at 10000"), ({"sensor": "thumb"}, "thumb"),
                               ({"split": "material"}, "no material"), ({"recipe": "papillarray_gr"}, "did you mean 'papillarray_gru'"),
-                              ({"turned": 2}, "myrmex"), ({"alarms": "often"}, "1/min"), ({"output": "m"}, ".onnx"), ({"labels": "felt"}, "labels.*felt"),
+                              ({"turned": 2}, "^turned=2: is for images of a myrmex"),
+                              ({"by_score": True, "alarms": "1/min"}, "^by_score=True and alarms='1/min' are two choices"), ({"alarms": "often"}, "1/min"), ({"output": "m"}, ".onnx"), ({"labels": "felt"}, "labels.*felt"),
                               ({"network": nn.Linear(640, 3)}, r"Linear returns logits \[2, 3, 3\].*\[2, 3, 2\]")):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
                 self.train(**more)
@@ -207,7 +208,7 @@ class Training(TrainingTest):
                               ({"held_out": 0.6}, "^held_out: expected a number from 0 to 0.5, found 0.6"), ({"held_out": math.nan}, "^held_out: "),
                               ({"held_out": "0.2"}, "^held_out: "), ({"dataset": []}, "^dataset: .*empty list"), ({"recipe": 3}, "^recipe: .*found int 3"),
                               ({"network": 3}, "^network: .*found int 3"), ({"network": lambda inputs, classes: None}, "^network: .*NoneType"),
-                              ({"recipe": short("myrmex_net1"), "alarms": "1/min"}, r"^alarms \(--alarms\): .*leave the argument out")):
+                              ({"recipe": short("myrmex_net1"), "alarms": "1/min"}, r"^alarms='1/min': .*leave alarms out$")):
             with self.subTest(more=more), self.assertRaisesRegex(InputError, message):
                 self.train(**more)
 
@@ -299,6 +300,13 @@ class Command(TrainingTest):
         self.assertIn("15 trials learnt, 4 validated", text.stdout)
         self.assertIn(f"next: slipbench eval {output} {self.data} --sensor pad --labels latched", text.stdout)
         self.assertIn("step 4/4, loss", text.stderr)
+
+    def test_the_command_names_options_and_the_function_arguments(self):
+        for words, message in ((("--turned", "2"), "^slipbench: --turned 2: is for images of a myrmex"), (("--resume",), "train without --resume$")):
+            with self.subTest(words=words):
+                done = self.run_program("-o", str(self.folder / "named.onnx"), *words)
+                self.assertEqual(done.returncode, 2)
+                self.assertRegex(done.stderr.strip().splitlines()[-1], message)
 
     def test_benchmark_trains_for_single_frames(self):
         request = {"datasets": [self.data], "recipe": "papillarray_gru", "steps": 4, "all": True, "frame_by_frame": True,

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import tomllib
 import unittest
 from pathlib import Path
 
@@ -294,6 +295,10 @@ class Step(unittest.TestCase):
 
 
 class Versions(unittest.TestCase):
+    def test_the_extra_render_brings_a_version_that_has_a_build(self):
+        extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+        self.assertIn(f"mujoco-core=={slipbench.mujoco.builds()[-1]}", extras["render"])
+
     def test_another_version_is_refused_with_the_supported_ones(self):
         builds = slipbench.mujoco.builds()
         self.assertIn(mujoco.__version__, builds)
@@ -302,6 +307,7 @@ class Versions(unittest.TestCase):
         code = "import mujoco; mujoco.__version__ = '2.9.9'\ntry: import slipbench.mujoco\nexcept ValueError as error: print(error)"
         said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
         self.assertIn("MuJoCo 2.9.9 has no build", said)
+        self.assertIn(f"pip install mujoco-core=={builds[-1]}", said)
         self.assertIn(mujoco.__version__, said)
 
     def test_simulations_and_the_plugin_share_a_process(self):

@@ -49,6 +49,16 @@ class Scenes(unittest.TestCase):
     def test_wrong_text_is_named_by_line_or_key(self):
         with self.assertRaisesRegex(slipbench.InputError, "<text>:2: unknown key 'sped' in motion"):
             slipbench.Scene.from_text("slipbench: 1\nmotion: {sped: 1}\n")
+        for values, message in (
+            ({"motion": {"sped": 1}}, r"^motion\.sped: unknown key 'sped' in motion"),
+            ({"motion": {"tilt": [0, 1, 2]}}, r"^motion\.tilt has 3 entries"),
+            ({"sensors": {"pad": {"type": "papillarray", "electronics": [{"nois": {}}]}}}, r"^sensors\.pad\.electronics\.0\.nois: unknown part"),
+            ({"sweep": {"motion.speed": ["1 mm/s", "2 mn/s"]}}, r"^sweep\.motion\.speed\.1: motion\.speed: unknown unit 'mn/s'"),
+        ):
+            with self.subTest(values=values), self.assertRaisesRegex(slipbench.InputError, message):
+                slipbench.Scene.from_dict({**STAGE, **values})
+        with self.assertWarnsRegex(UserWarning, r"^motion\.speed: 8 has no unit and is in m/s"):
+            slipbench.Scene.from_dict({**STAGE, "motion": {**STAGE["motion"], "speed": 8}})
         with self.assertRaisesRegex(slipbench.InputError, r"scene\.motion\.speed: expected a number, a text, a list or a dict, found complex"):
             slipbench.Scene.from_dict({"motion": {"speed": 1j}})
         with self.assertRaisesRegex(slipbench.InputError, r"scene\.motion: expected names as keys, found int 3"):

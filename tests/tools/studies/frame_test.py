@@ -58,6 +58,23 @@ class Results(unittest.TestCase):
             self.assertEqual(page.drawn(chart, kind), page.drawn(chart, kind))
         self.assertIn(b">wanted</text>", page.drawn(chart, "svg"))
 
+    def test_places_without_an_order_are_rows(self):
+        drawn = page.draw(Chart("Rows", "", "share, %", ["centre of mass at L/3", "paper"], [Curve("all", [(1.0, 0.0, 2.0), (3.0, 2.0, 4.0)])], joined=False))
+        [axes] = drawn.axes
+        self.assertEqual([label.get_text() for label in axes.get_yticklabels()], ["centre of mass at L/3", "paper"])
+        self.assertEqual(axes.get_xlabel(), "share, %")
+        self.assertGreater(axes.get_ylim()[0], axes.get_ylim()[1])  # the first row at the top
+
+    def test_a_chart_that_cannot_be_written_leaves_the_earlier_one(self):
+        with tempfile.TemporaryDirectory() as folder:
+            output = Path(folder) / "r.html"
+            page.write(str(output), "paper/table", sample())
+            before = (Path(folder) / "r-1.png").read_bytes()
+            (Path(folder) / "r-1.png.partial").mkdir()
+            with self.assertRaisesRegex(InputError, r"r-1\.png: cannot be written: Is a directory"):
+                page.write(str(output), "paper/table", sample())
+            self.assertEqual((Path(folder) / "r-1.png").read_bytes(), before)
+
     def test_files_of_others_are_kept(self):
         with tempfile.TemporaryDirectory() as folder:
             output = Path(folder) / "r.html"

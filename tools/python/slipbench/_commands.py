@@ -106,7 +106,7 @@ def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike =
         sources: a file, a folder whose recordings are all meant, or several of them
         output: dataset to write; empty: none, the sources are only checked
         format: bts3v2, biotacsp-dos, papillarray-csv or training-csv; empty: what `map` describes
-        map: a YAML file that describes tables, arrays or bags, or the name of a map of the program: papillarray_ros, xela_ros or biotac_ros
+        map: a YAML file that describes tables, arrays or bags, or the name of a map of the program: papillarray_ros, papillarray_ros2, xela_ros or biotac_ros
         rate: resample at this rate, "100 Hz" or Hz: straight lines between samples, no filter; empty: as recorded
         seed: of the split into training, validation and test; None: 1
 

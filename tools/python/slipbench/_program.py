@@ -8,6 +8,7 @@ import shutil
 import signal
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import TextIO
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -51,6 +52,29 @@ class Interrupt:
         self._asked = True
         with contextlib.suppress(OSError):  # nothing can be done where stderr cannot be written
             os.write(2, (("\r\033[K" if os.isatty(2) else "") + self._notice).encode())
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Writes PATH.partial, syncs it and renames it, so that PATH is whole at any time.
+
+    Args:
+        path: of the file; an earlier one is replaced
+        data: all that the file holds
+
+    Raises:
+        OSError: the file cannot be written; PATH is unchanged and nothing is left beside it
+    """
+    partial = path.with_name(path.name + ".partial")
+    try:
+        with partial.open("wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(path)
+    except OSError:
+        with contextlib.suppress(OSError):
+            partial.unlink(missing_ok=True)
+        raise
 
 
 def watched(stream: TextIO) -> bool:

@@ -23,6 +23,8 @@ from slipbench._trial import Trial
 from slipbench._values import index, plain, shown, yaml
 from slipbench.bin import _core
 
+DICT = "<dict>"  # stands for the file's name in a scene that from_dict() made
+
 
 def located(path: str | os.PathLike[str]) -> str:
     """The scene at `path`: a file, or one of the scenes that come with the package."""
@@ -51,6 +53,15 @@ def naming_unknown_classes() -> Iterator[None]:
             raise
         raise _core.InputError(f"{error}. If {unknown[1]!r} is a Python class, this worker process does not know it: register it in a module that the "
                                "worker imports, not in a script below `if __name__ == '__main__'`") from None
+
+
+def _key_paths(value: Any, path: str = "") -> Iterator[str]:
+    """Yields the dotted path of what each line of json.dumps(value, indent=2) holds; "" for the whole."""
+    yield path
+    if isinstance(value, (dict, list)) and value:
+        for key, one in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _key_paths(one, f"{path}.{key}" if path else str(key))
+        yield path
 
 
 def warn(texts: Iterable[str]) -> None:
@@ -144,7 +155,7 @@ class Scene:
     more than 1 m/s without a unit, `run()`, `sweep()`, `write()` and `check()` of all else.
 
     Attributes:
-        path: of the file; "<text>" in its folder for a scene that is not a file
+        path: of the file; "<text>" or "<dict>" in its folder for a scene that is not a file
         overrides: pairs of dotted path and YAML text, as `--set` takes them
     """
 
@@ -153,21 +164,44 @@ class Scene:
         self.path = path
         self.overrides = overrides
         self._text = text
-        with naming_unknown_classes():
+        with naming_unknown_classes(), self._naming_keys():
             self._core = _core.Scene(path, overrides, text)
         self._told: dict[str, str] = {}
         # Classes of one's own are not made before trials run, which may be in processes of their own.
         if not self._has_own_parts():
-            found = dict(self._core.warnings(0, 0, None, False, "", False, math.inf))
+            found = self._warnings(0, 0, None, False, "", False, math.inf)
             self._told.update(found)
             warn(text for about, text in found.items() if (told or {}).get(about) != text)
 
     def _warn(self, draws: int = 0, trials: int = 0, seed: int | None = None, output: str = "",
               apart: tuple[bool, float] = (False, math.inf)) -> None:
         """Warns of what the program warns of before these trials run, where that has not been said before."""
-        found = {about: text for about, text in self._core.warnings(draws, trials, seed, True, output, *apart) if about not in self._told}
+        found = {about: text for about, text in self._warnings(draws, trials, seed, True, output, *apart).items() if about not in self._told}
         self._told.update(found)
         warn(found.values())
+
+    def _warnings(self, draws: int, trials: int, seed: int | None, build: bool, output: str, isolate: bool, limit: float) -> dict[str, str]:
+        """The program's warnings, by what they are about."""
+        with self._naming_keys():
+            return {about: self._with_keys(text) for about, text in self._core.warnings(draws, trials, seed, build, output, isolate, limit)}
+
+    @contextmanager
+    def _naming_keys(self) -> Iterator[None]:
+        """Raises the program's InputError with keys in place of lines where the scene is a dict."""
+        try:
+            yield
+        except _core.InputError as error:
+            if os.path.basename(self.path) != DICT:
+                raise
+            raise _core.InputError(self._with_keys(str(error))) from None
+
+    def _with_keys(self, text: str) -> str:
+        """A message that names a dict's key, where it names a line of the JSON that stands for the dict."""
+        if os.path.basename(self.path) != DICT or self._text is None:
+            return text
+        keys = list(_key_paths(json.loads(self._text)))
+        named = re.sub(rf"{re.escape(self.path)}:(\d+)", lambda found: keys[int(found[1]) - 1] or DICT, text)
+        return re.sub(r"^(\S+): (?=\1(?![\w.]))", "", named)  # "motion.tilt: motion.tilt has 3 entries"
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Scene:
@@ -207,11 +241,11 @@ class Scene:
             The scene, whose `text` is the dict as JSON.
 
         Raises:
-            InputError: a value that a scene cannot say, with its key; `values` is no dict.
+            InputError: a value or key that a scene cannot have, "motion.sped: unknown key 'sped' in motion"; `values` is not a dict.
         """
         if not isinstance(values, Mapping):
             raise _core.InputError(f"values: expected a dict of a scene's keys, found {shown(values)}; Scene.load() reads a file, from_text() takes YAML")
-        return cls.from_text(json.dumps(plain(values, "scene"), indent=2) + "\n", folder=folder)
+        return cls(os.path.join(os.fspath(folder), DICT), [], text=json.dumps(plain(values, "scene"), indent=2) + "\n")
 
     def set(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
         """The same scene with other values, by dotted path: `set({"motion.speed": "8 mm/s"}, seed=3)`. Text is YAML, other values are SI.
@@ -233,7 +267,8 @@ class Scene:
 
     def trials(self, draws: int = 0) -> int:
         """How many trials the scene's sweep has with `draws` draws of each cell of its grid; 0: as the scene says."""
-        return self._core.trials(draws)
+        with self._naming_keys():
+            return self._core.trials(draws)
 
     def run(self, trial: int = 0, *, seed: int | None = None, record: str = "full") -> Trial:
         """Simulates trial number `trial`: what `slipbench run SCENE --trials N` writes as that trial, N the least that has it.
@@ -256,10 +291,11 @@ class Scene:
         return made
 
     def _simulate(self, trial: int, draws: int, limit: int, seed: int, record: str, stop: _core.Stop | None) -> Trial:
-        if record == "contact":
-            made, contacts = self._core.run_with_contact(trial, draws, limit, seed, stop)
-            return Trial(made, contacts)
-        return Trial(self._core.run(trial, draws, limit, seed, record == "full", stop))
+        with self._naming_keys():
+            if record == "contact":
+                made, contacts = self._core.run_with_contact(trial, draws, limit, seed, stop)
+                return Trial(made, contacts)
+            return Trial(self._core.run(trial, draws, limit, seed, record == "full", stop))
 
     def sweep(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full") -> Sweep:
         """All trials of the scene's sweep, in order: `for trial in scene.sweep()`.
@@ -293,7 +329,8 @@ class Scene:
         _check_record(record, ("full", "outcome"))
         apart = self._apart(isolate, trial_limit, trials or self.trials(draws))
         self._warn(draws, trials, seed, os.fspath(path), apart)
-        summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, record == "full", resume, progress, *apart))
+        with self._naming_keys():
+            summary: dict[str, Any] = json.loads(self._core.write(os.fspath(path), draws, trials, seed, jobs, record == "full", resume, progress, *apart))
         warn(one["text"] for one in summary["warnings"])
         if summary.get("interrupted"):
             raise KeyboardInterrupt

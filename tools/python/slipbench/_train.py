@@ -159,12 +159,15 @@ def print_summary(request: Request, trained: Trained) -> None:
 def run(request: Request) -> None:
     """Trains a network and prints its figures."""
     from slipbench.learning import find_recipe, train  # reports a missing PyTorch before any data is read
+    from slipbench.learning._names import naming_options
 
     interrupt = Interrupt("stopping; the last validation's state is kept")
     reporter = ProgressReporter(request, interrupt, find_recipe(request.recipe).members)
-    trained = train(request.datasets, output=request.output, recipe=request.recipe, sensor=request.sensor, labels=request.labels, split=request.split,
-                    held_out=request.held_out, every_trial=request.all, seed=request.seed, steps=request.steps, turned=request.turned, alarms=math.inf if request.frame_by_frame else request.alarms,
-                    by_score=request.by_score, resume=request.resume, progress=reporter.show_validation, reading=reporter.show_read, before_step=interrupt.check)
+    with naming_options():
+        trained = train(request.datasets, output=request.output, recipe=request.recipe, sensor=request.sensor, labels=request.labels, split=request.split,
+                        held_out=request.held_out, every_trial=request.all, seed=request.seed, steps=request.steps, turned=request.turned,
+                        alarms=math.inf if request.frame_by_frame else request.alarms, by_score=request.by_score, resume=request.resume,
+                        progress=reporter.show_validation, reading=reporter.show_read, before_step=interrupt.check)
     if request.json:
         described = trained.description
         summary: dict[str, Any] = described["trained"] | {"output": request.output, "threshold": described["threshold"], "alarm": described["alarm"]}

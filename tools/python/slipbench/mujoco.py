@@ -24,7 +24,7 @@ from slipbench.bin._core import InputError
 try:
     import mujoco as _mujoco
 except ImportError as error:
-    raise ImportError("slipbench.mujoco works in the package mujoco, which is not installed; allowed: pip install mujoco, then slipbench") from error
+    raise ImportError("slipbench.mujoco works in the package mujoco, which is not installed; install it: pip install mujoco-core==4.0.1") from error
 
 __all__ = ["Pad", "Reading", "attach_pad", "builds", "complete", "load", "max_timestep", "pads", "plugin_path"]
 
@@ -41,7 +41,12 @@ def builds() -> list[str]:
 
 def plugin_path(version: str | None = None) -> str:
     """The library of the plugin for a version of MuJoCo; default: that of the package `mujoco`. Raises InputError where there is no build."""
-    return str(_FOLDER / _core.plugin_build(version or _mujoco.__version__))
+    try:
+        return str(_FOLDER / _core.plugin_build(version or _mujoco.__version__))
+    except InputError as error:
+        if version is not None:
+            raise
+        raise InputError(f"{error}; install a supported one: pip install mujoco-core=={builds()[-1]}") from None
 
 
 def load() -> None:

@@ -219,7 +219,7 @@ def add_subject(result: Result, subject: str, tasks: list[Task], found: list[Jso
     counts = Table(f"{subject}: by the number of trials", ["trials", *HEAD])
     factors = Table(f"{subject}: without a factor", ["held", *HEAD],
                     note=f"Some {tasks[-1].trials} trials each; what is named stands at one value of its range in all of them.")
-    chart = Chart(f"{subject} on slip-2", "trials learnt from", "score", [], [Curve("inside", []), Curve("outside", [])], 0.0, "never slip")
+    chart = Chart(f"{subject} on slip-2", "trials learnt from", "score on slip-2, of 100", [], [Curve("inside", []), Curve("outside", [])], 0.0, "never slip")
     result.figures[subject] = []
     for task, one in zip(tasks, found, strict=True):
         if task.subject != subject:

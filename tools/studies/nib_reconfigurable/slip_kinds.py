@@ -140,6 +140,6 @@ def study(options: Options) -> Result:
             "the windows that end within 0.5 s after these 2 mm, and of runs without slip over those that end between 0.5 s after the pull's beginning and "
             "0.5 s after its end.",
         ],
-        charts=[Chart("Told apart", "", "AUC (95 %)", [one["question"] for one in figures], [Curve("AUC", areas)], joined=False)],
+        charts=[Chart("Told apart", "", "area under the ROC curve, with 95 % interval", [one["question"] for one in figures], [Curve("AUC", areas)], joined=False)],
         tables=[told, features],
     )

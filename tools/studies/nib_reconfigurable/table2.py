@@ -196,7 +196,7 @@ def study(options: Options) -> Result:
             "F_S/F_N is one of counts, as equations 1, 2 and 4 read; a ratio of newtons, which the paper's words would allow, is a row of its own.",
             "The soaped plate is pulled with up to 1 N: 5 N would need 71 N of grasp.",
         ],
-        charts=[Chart("Error of the force at which slip is detected", "", "N, mean +- SD", head[:-1], [Curve("ours", ours), Curve("paper", theirs)],
+        charts=[Chart("Error of the force at which slip is detected", "", "error of the force, N (mean and SD)", head[:-1], [Curve("ours", ours), Curve("paper", theirs)],
                       joined=False)],
         tables=[release, laws, readings, signature],
         real=real,

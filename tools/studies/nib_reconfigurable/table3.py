@@ -71,11 +71,13 @@ def boxes() -> dict[str, Box]:
         "wavy": Box("200 g in the middle, friction of wavy acrylic, without its waves", 10, surface("wavy_acrylic", "0.55")),
     }
     usual = defaults()
-    for name, unit in (("fl_slip", ""), ("fr_slip", ""), ("fr_quiet", " s"), ("fr_upright", ""), ("released_normal", " N")):
+    thresholds = {"fl_slip": ("FL of slip", ""), "fr_slip": ("FR of slip", ""), "fr_quiet": ("quiet time", " s"), "fr_upright": ("FR when upright", ""),
+                  "released_normal": ("normal force of release", " N")}
+    for name, (text, unit) in thresholds.items():
         for factor in ("0.5", "2"):
             value = float(factor) * parse_quantity(usual[name])
-            rows[f"{name}_x{factor}"] = Box(f"200g with {name} x {factor}", None, {f"controller.{name}": f"{value:g}{unit}"})
-    rows["stick_slip"] = Box("200g with kinetic friction of 0.9 times the static one", None, {"friction.kinetic": "0.585"})
+            rows[f"{name}_x{factor}"] = Box(f"200 g, {text} {factor} times, {value:g}{unit or ' counts'}", None, {f"controller.{name}": f"{value:g}{unit}"})
+    rows["stick_slip"] = Box("200 g, kinetic friction 0.9 times the static one", None, {"friction.kinetic": "0.585"})
     return rows
 
 
@@ -208,7 +210,7 @@ def study(options: Options) -> Result:
     runs = run_grid(cells, options, lambda _, trial: run_of(trial, target))
 
     success = Table("Success, by cell", ["cell", "published", "here (95 %)", "turned up", "dropped", "tilt at the end, median", "least tilt, median",
-                                         "peak grip force, median"], note="Rows without a published figure change one number in the cell 200g.")
+                                         "peak grip force, median"], note="Rows without a published figure change one number in the first cell, 200 g on paper.")
     ends = Table("What became of the boxes, by cell", ["cell", *ENDS.values(), "tilt when released, median", "grip force then, median"])
     figures, real, ours, theirs = [], [], [], []
     for cell, (name, row), of_cell in zip(cells, rows.items(), runs, strict=True):
@@ -226,7 +228,7 @@ def study(options: Options) -> Result:
         published = math.nan if row.published is None else 100.0 * row.published / PUBLISHED_RUNS
         theirs.append((published, published, published))
         if row.published is not None:
-            real.append(RealFigure(f"boxes turned up and released, {name}, %", published, ours[-1][0], "thresholds assumed, with these runs in view"))
+            real.append(RealFigure(f"boxes turned up and released, {row.text}, %", published, ours[-1][0], "thresholds assumed, with these runs in view"))
     return Result(
         title="Reorientation of a box by rotational slip, and its release",
         source='Table III and section VI of "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation", IEEE RA-L 2020',
@@ -238,7 +240,7 @@ def study(options: Options) -> Result:
             "The paper's row of weights, of centres of mass and of surfaces share one cell, 200 g in the middle with paper: 10 of 11.",
             "Intervals: 95 %, exact (Clopper and Pearson).",
         ],
-        charts=[Chart("Success, by cell", "", "boxes turned up and released, %", list(rows), [Curve("here (95 %)", ours), Curve("paper", theirs)],
+        charts=[Chart("Success, by cell", "", "boxes turned up and released, %", [row.text for row in rows.values()], [Curve("here (95 %)", ours), Curve("paper", theirs)],
                       joined=False)],
         tables=[success, ends],
         remarks=[

@@ -374,7 +374,7 @@ def study(options: Options) -> Result:
     curve = area_table("Area under the curve against the motors' level", "motor level",
                        f"The bar is {WANTED_AREA} at level 0. Intervals are by recording (Obuchowski): the frames of one depend on each other.")
     curve.rows = [one.row(level) for level, one in areas["paper"].items()]
-    chart = Chart("Slip against hold by one frame", "level of the motors' vibration", "area under the curve", list(areas["paper"]),
+    chart = Chart("Slip against hold by one frame", "level of the motors' vibration (motion.vibration, without a unit)", "area under the ROC curve", list(areas["paper"]),
                   [Curve(name, [point_of(one[k]) for one in areas["paper"].values()])
                    for k, name in enumerate(("all hold", "in contact alone", "in the air alone"))], bar=WANTED_AREA, bar_name="bar at level 0")
     readings = area_table("Other readings of the paper, no motors", "reading of a frame",

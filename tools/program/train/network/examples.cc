@@ -114,7 +114,7 @@ const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule
   if (states.size() != sensor.time.size()) {
     const bool recorded = states.empty() && sensor.labels.state_paper.size() == sensor.time.size();
     reject("sensor {}: {} states by the labels {} for {} samples; allowed: {}", sensor.name, states.size(),
-           hd::name_of(label_words, rule), sensor.time.size(), recorded ? "--labels paper, which are there" : "one each");
+           hd::name_of(label_words, rule), sensor.time.size(), recorded ? "the labels paper, which are there" : "one each");
   }
   return states;
 }

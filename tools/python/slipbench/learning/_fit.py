@@ -22,7 +22,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from slipbench._program import write_whole
 from slipbench.bin import _core
+from slipbench.learning._names import named
 
 MASKED = 255  # label of a frame that neither trains nor judges
 _IGNORED = -100  # the same for PyTorch's loss
@@ -387,25 +389,20 @@ def _save(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Opt
     figures = torch.tensor([*done.losses, done.validation], dtype=torch.float64)
     torch.save({"identity": checkpoint.identity, "network": network.state_dict(), "best": best, "optimiser": optimiser.state_dict()["state"],
                 "figures": figures, "best_step": done.best_step, "worse": worse}, whole)
-    partial = Path(checkpoint.path + ".partial")
-    with partial.open("wb") as file:
-        file.write(hashlib.sha256(whole.getvalue()).digest() + whole.getvalue())
-        file.flush()
-        os.fsync(file.fileno())
-    partial.replace(checkpoint.path)
+    write_whole(Path(checkpoint.path), hashlib.sha256(whole.getvalue()).digest() + whole.getvalue())
 
 
 def _load(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Optimizer, done: Fitted) -> tuple[dict[str, Any], int]:
     path = checkpoint.path
     if not checkpoint.resume:
-        raise _core.InputError(f"{path}: is the checkpoint of a training that did not finish; continue it with resume=True (--resume), or delete the file")
+        raise _core.InputError(f"{path}: is the checkpoint of a training that did not finish; continue it with {named('resume', True)}, or delete the file")
     data = Path(path).read_bytes()
     if hashlib.sha256(data[32:]).digest() != data[:32]:
-        raise _core.InputError(f"{path}: is damaged, or is not a checkpoint of a training; delete the file, and train without resume=True (--resume)")
+        raise _core.InputError(f"{path}: is damaged, or is not a checkpoint of a training; delete the file, and train without {named('resume', True)}")
     left = torch.load(io.BytesIO(data[32:]), weights_only=True)
     if left["identity"] != checkpoint.identity:
         raise _core.InputError(f"{path}: is of another training (data, recipe or options); repeat the arguments of that training, or delete the file and train "
-                               "without resume=True (--resume)")
+                               f"without {named('resume', True)}")
     network.load_state_dict(left["network"])
     optimiser.load_state_dict({"state": left["optimiser"], "param_groups": optimiser.state_dict()["param_groups"]})
     *done.losses, done.validation = left["figures"].tolist()

@@ -23,6 +23,7 @@ from slipbench.bin import _core
 from slipbench.learning._export import check_output, mean_answers, write_detector
 from slipbench.learning._fit import MASKED, Checkpoint, Floats, Labels, Report, balanced_accuracy, fit, history_of, logits_of, reproducible
 from slipbench.learning._input import Example, Examples, describe_file, fit_units, read_examples
+from slipbench.learning._names import named
 from slipbench.learning.recipes import Recipe, find_recipe
 
 SLIPPING = ("incipient", "gross")
@@ -148,14 +149,17 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
         raise _core.InputError(f"output: {path}: a network is an ONNX file; allowed: a name that ends with .onnx")
     check_output(path)
     chosen = _recipe(recipe, network, labels, split, steps, turned)
+    if by_score and alarms is not None:
+        raise _core.InputError(f"{named('by_score', True)} and {named('alarms', alarms)} are two choices; allowed: one of them")
     if (by_score or alarms not in (None, math.inf)) and chosen.at_most > 0:
-        raise _core.InputError(f"{'by_score (--score)' if by_score else 'alarms (--alarms)'}: is evaluated on whole recordings, but {chosen.name} trains on frames drawn from them; "
-                               "leave the argument out")
+        argument, given = ("by_score", True) if by_score else ("alarms", alarms)
+        raise _core.InputError(f"{named(argument, given)}: is evaluated on whole recordings, but {chosen.name} trains on frames drawn from them; "
+                               f"leave {named(argument)} out")
     frame_by_frame = chosen.at_most > 0 or alarms == math.inf
     tolerated = None if by_score or frame_by_frame else alarms_per_minute("1/min" if alarms is None else alarms)
     if resume and not os.path.exists(f"{path}.checkpoint-0"):
         raise _core.InputError(f"{path}.checkpoint-0: does not exist: the training has finished, or was stopped before its first validation; train without "
-                               "resume=True (--resume)")
+                               f"{named('resume', True)}")
     writer = _log_writer(log)
     if chosen.input.transform == "units":
         chosen = replace(chosen, input=fit_units(chosen.input, paths[0], sensor))
@@ -163,12 +167,13 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
     examples = read_examples(paths, chosen.input, labels=chosen.labels, classes=chosen.classes, sensor=sensor, turned=chosen.turned, at_most=chosen.at_most,
                              seed=seed, split=chosen.split, held_out=share, divide_anew=every_trial, progress=reading)
     if not every_trial and (split is not None or held_out is not None) and any(one.own_part for one in examples.all):
-        named = paths[next(one.dataset for one in examples.all if one.own_part)]
-        raise _core.InputError(f"{named}: the dataset's own split says which trials train and which judge; with split (--split) or held_out (--held-out) also give "
-                               "every_trial=True (--all), which divides all trials anew")
+        divided = paths[next(one.dataset for one in examples.all if one.own_part)]
+        asked = named("split", split) if split is not None else named("held_out", held_out)
+        raise _core.InputError(f"{divided}: the dataset's own split says which trials train and which judge; with {asked} also give {named('every_trial', True)}, "
+                               "which divides all trials anew")
     learns, validates, judges = (examples.part(part) for part in ("learns", "validates", "judges"))
     if not learns:
-        raise _core.InputError(f"{', '.join(paths)}: the part train of the dataset's own split has no trial; every_trial=True (--all) divides all trials anew")
+        raise _core.InputError(f"{', '.join(paths)}: the part train of the dataset's own split has no trial; {named('every_trial', True)} divides all trials anew")
     offset, scale = scale_of([one.features for one in learns], chosen.scaling)
     scaled = [[((one.features - offset) * scale, one.labels) for one in part] for part in (learns, validates, judges)]
 
@@ -262,7 +267,7 @@ def _recipe(recipe: str | Recipe, network: nn.Module | Callable[[int, int], nn.M
         every = max(1, chosen.training.validate_every * steps // chosen.training.steps)
         chosen = replace(chosen, training=replace(chosen.training, steps=steps, validate_every=every))
     if turned and chosen.input.sensor != "myrmex":
-        raise _core.InputError(f"turned (--turned): is for images of a myrmex, and {chosen.name} reads a {chosen.input.sensor}; allowed: 0")
+        raise _core.InputError(f"{named('turned', turned)}: is for images of a myrmex, and {chosen.name} reads a {chosen.input.sensor}; allowed: 0")
     return replace(chosen, labels=labels or chosen.labels, split=split or chosen.split, turned=chosen.turned if turned is None else turned)
 
 
@@ -284,7 +289,7 @@ def _check_classes(paths: Sequence[str], part: str, examples: Sequence[Example],
     counts = [int(np.sum(labels == one)) for one in range(len(classes))]
     if 0 in counts:
         text = ", ".join(f"{count} {name}" for count, (name, _) in zip(counts, classes))
-        raise _core.InputError(f"{', '.join(paths)}: the trials {part} have a class without a frame: {text}; use more trials, or another seed (--seed) or split (--split)")
+        raise _core.InputError(f"{', '.join(paths)}: the trials {part} have a class without a frame: {text}; use more trials, or another {named('seed')} or {named('split')}")
 
 
 def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
