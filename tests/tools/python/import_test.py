@@ -629,7 +629,7 @@ class Bags(ImportTest):
         scene = slipbench.Scene.load("papillarray/stage.yaml").set({"motion.speed": "8 mm/s"})
         scene.write(dataset)
         slipbench.export(dataset, self.folder / "bags", format="rosbag2")
-        slipbench.import_recordings(self.folder / "bags/demo_0", output, map="papillarray_ros2")
+        slipbench.import_recordings(self.folder / "bags", output, map="papillarray_ros2")  # there is a CMakeLists.txt, too
         with slipbench.open(dataset) as ours, slipbench.open(output) as again:
             pad, read = ours[0].sensors["pad"], again[0].sensors["pad"]
             np.testing.assert_array_equal(read.force, pad.force)

@@ -20,6 +20,8 @@ from slipbench.bin import _core
 
 # Which files of a folder are meant: those of the first of these kinds that it has.
 KINDS = (
+    (".mcap",),  # bags first: beside them there may be tables of labels
+    (".bag",),
     (".csv",),
     (".tsv", ".tab"),
     (".txt", ".dat"),
@@ -27,8 +29,6 @@ KINDS = (
     (".parquet", ".pq"),
     (".npz",),
     (".npy",),
-    (".mcap",),
-    (".bag",),
 )
 BAGS = (".mcap", ".bag")
 MOST_RUNS = 5  # of missing samples that a warning lists
@@ -42,7 +42,8 @@ def list_files(sources: list[str]) -> list[File]:
     endings: set[str] = set()
     for source in sources:
         if Path(source).is_dir() and not (Path(source) / "metadata.yaml").is_file():
-            found = {path.suffix for path in Path(source).rglob("*")}
+            # The database of a bag of ROS 2 is found by the bag's folder.
+            found = {".mcap" if path.suffix == ".db3" else path.suffix for path in Path(source).rglob("*")}
             endings |= set(next((kind for kind in KINDS if found & set(kind)), ()))
     every = [ending for kind in KINDS for ending in kind]
     return [File(*one) for one in _core.list_sources(sources, sorted(endings) or every)]
