@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/counted.h"
 #include "tools/base/page/svg.h"
 #include "tools/program/eval/detect.h"
 
@@ -229,8 +230,9 @@ std::string detect_page(const Json& result) {
   std::size_t alarms = 0;
   for (const Json& trial : trials) alarms += trial.at("alarms").size();
   const Json& sensor = result.at("sensor");
-  std::vector<std::string> notes{fmt::format("sensor {} ({}), {} trials, {}", sensor.at("name").get<std::string>(),
-                                             sensor.at("type").get<std::string>(), trials.size(), alarms_text(alarms))};
+  std::vector<std::string> notes{fmt::format("sensor {} ({}), {}, {}", sensor.at("name").get<std::string>(),
+                                             sensor.at("type").get<std::string>(), counted(trials.size(), "trial"),
+                                             alarms_text(alarms))};
   notes.push_back(
       std::string("Shaded: alarms, in s from the beginning of the recording.") +
       (labelled ? " Bars at the foot: slip by the labels." : " There are no labels, so nothing is right or wrong here."));
