@@ -57,16 +57,35 @@ class Commands(unittest.TestCase):
             self.assertEqual(len(pad.force), len(pad.t))  # an imported sensor has the attributes of any other
             self.assertFalse(hasattr(one[0].labels.get(pad.name), "margin"))
 
+    def test_counts_are_in_the_singular_and_the_plural(self):
+        log = self.place / "log.csv"
+        for rows, text in ((2, "1 recording of 1 file, 2 samples"), (1, "1 sample; expected two or more")):
+            log.write_text("t,f\n" + "".join(f"{k / 100:.2f},{k}\n" for k in range(rows)))
+            (self.place / "map.yaml").write_text("{sensor: pad, type: own, time: {column: t}, channels: {force: {unit: N, columns: [f]}}}\n")
+            done = subprocess.run([PROGRAM, "import", log, "--map", self.place / "map.yaml"], check=False, capture_output=True, text=True)
+            self.assertIn(text, done.stdout + done.stderr)
+
     def test_windows_of_a_recording_have_its_own_rule(self):
         slipbench.export(self.path, self.place / "recorded", format="vendor-csv")
         slipbench.import_recordings(self.place / "recorded", self.place / "recorded.h5", format="papillarray-csv")
         with slipbench.open(self.place / "recorded.h5") as data:
-            for labels in ("strict", "micro"):
-                with self.assertRaisesRegex(slipbench.InputError, f"^trial 0: labels '{labels}': the recording has 'paper'; pass labels='paper'$"):
+            for labels in ("strict", "micro", "paper"):
+                with self.assertRaisesRegex(slipbench.InputError, f"^trial 0: labels '{labels}': the recording has 'recorded'; pass labels='recorded'$"):
                     data.windows(length=4, labels=labels)
-            self.assertGreater(len(data.windows(length=4, labels="paper")), 0)
+            self.assertGreater(len(data.windows(length=4, labels="recorded")), 0)
             self.assertIn("state_paper", dir(data[0].labels[next(iter(data[0].labels))]))
             self.assertNotIn("margin", dir(data[0].labels[next(iter(data[0].labels))]))
+        with slipbench.open(self.path) as data, self.assertRaisesRegex(
+                slipbench.InputError, "^trial 0: labels 'recorded': the simulated trial has 'strict', 'micro', 'paper'; pass labels='strict' or "):
+            data.windows(length=4, labels="recorded")
+        with self.assertRaisesRegex(slipbench.InputError, "--labels paper needs the truth, .*; allowed: --labels recorded"):
+            slipbench.export(self.place / "recorded.h5", self.place / "never", format="npz", labels="paper")
+        self.assertFalse((self.place / "never").exists())
+        slipbench.export(self.place / "recorded.h5", self.place / "again", format="npz", labels="recorded")
+        with np.load(self.place / "again/demo_0.npz") as archive:
+            self.assertEqual([name for name in archive if name.startswith("labels/") and "state" in name], ["labels/pad/state_recorded"])
+            self.assertEqual(json.loads(archive["about"].item())["codes"]["labels/pad/state_recorded"]["incipient"], 2)
+        self.assertRegex((self.place / "again/README.md").read_text(), r"`state_recorded` .* 3 gross; rule: \w+")
 
     def test_zero_is_passed_on(self):
         one = slipbench.export(self.path, self.place / "one", format="csv", trial=0)

@@ -186,7 +186,7 @@ class Tables(ImportTest):
             ),
             "empty": ("", "a.csv:1: the file has no row"),
             "titles alone": ("t,f1,f2\n", "a.csv:1: the table has titles and no row"),
-            "one row": ("t,f1,f2\n0,1,2\n", "a.csv: has 1 samples; expected two or more, which give the rate"),
+            "one row": ("t,f1,f2\n0,1,2\n", "a.csv: has 1 sample; expected two or more, which give the rate"),
             "back": (
                 changed("0.02", "0.01"),
                 "a.csv:4: column 1, time: 0.01 s comes after 0.01 s; expected rising times",

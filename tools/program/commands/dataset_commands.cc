@@ -17,6 +17,7 @@
 #include "sim/core/process/own_library.h"
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/counted.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/python/python_package.h"
 #include "tools/base/record/json.h"
@@ -82,9 +83,10 @@ std::string place_of(const Json& failure) {
 
 std::string report_of(const Json& dataset, const Style& style) {
   const bool holds = dataset["holds"].get<bool>();
-  std::string text = fmt::format("{} {}: {} trials in {} files{}\n", holds ? style.good("holds:") : style.error("does not hold:"),
-                                 text_of(dataset["file"]), dataset["trials"].get<std::size_t>(), dataset["files"].size(),
-                                 dataset["complete"].get<bool>() ? "" : ", of a run that did not come to its end");
+  std::string text =
+      fmt::format("{} {}: {} in {}{}\n", holds ? style.good("holds:") : style.error("does not hold:"), text_of(dataset["file"]),
+                  counted(dataset["trials"].get<std::size_t>(), "trial"), counted(dataset["files"].size(), "file"),
+                  dataset["complete"].get<bool>() ? "" : ", of a run that did not come to its end");
   for (const Json& check : dataset["checks"]) {
     const std::string name = check["check"].get<std::string>();
     const auto failed = check["failed"].get<std::size_t>();
@@ -168,9 +170,13 @@ Examples:
   arguments.folder("-o,--output DIR", output, "Folder to write into; always needed").required();
   arguments.read(
       "--labels,--slip RULE",
-      fmt::format("When a unit counts as slipping: {} (default: every rule's state; of a PapillArray's formats strict)",
-                  fmt::join(slip_rule_names(), ", ")),
-      [this](const std::string& name) { options.slip_rule = parse_slip_rule(name); });
+      fmt::format(
+          "When a unit counts as slipping: {}, or recorded: the labels of recordings (default: every rule's state; of a PapillArray's formats strict)",
+          fmt::join(slip_rule_names(), ", ")),
+      [this](const std::string& name) {
+        options.recorded = name == "recorded";
+        if (!options.recorded) options.slip_rule = parse_slip_rule(name);
+      });
   arguments.quantity("--label-speed SPEED", options.label_speed,
                      "Tip speed above which paper and has_slipped say slip (default: 0.1 mm/s)", Quantity::speed);
   arguments.texts("--sensors,--sensor NAME,...", options.sensors, "The scene's names of sensors (default: all, or the only one)");
@@ -182,6 +188,7 @@ Examples:
   arguments.number("--trial K", options.trial, "Trial to export (default: all)", 0);
   arguments.text("--licence NAME", options.licence,
                  "Licence of the data, for the dataset card, e.g. cc-by-4.0 (default: none stated)");
+  arguments.flag("--points", options.points, "Add x, y, z, fx, fy, fz of each unit to lerobot, as observation.tactile.SENSOR");
   arguments.flag("--compress", options.compress, "Write .csv.gz instead of .csv, and the arrays of robomimic compressed");
 }
 
@@ -191,8 +198,14 @@ int ExportCommand::run() {
     take_stdout_back();
     start_python_export(dataset, output, options, json);
   }
+  const std::string no_card = check_card(output, options);
+  if (!no_card.empty()) say(stderr, fmt::format("slipbench: note: README.md and croissant.json are not written: {}\n", no_card));
   const std::vector<std::string> files = export_dataset(dataset, output, options, progress_of(json));
   say_failed(dataset);
+  if (no_card.empty()) {
+    take_stdout_back();
+    start_card(dataset, output, options, files, json);
+  }
   if (json) return print_json({{"files", files}});
   std::uintmax_t bytes = 0;
   for (const std::string& file : files) bytes += std::filesystem::file_size(file);
@@ -267,8 +280,8 @@ void print_import(const ImportSummary& summary, const ImportOptions& options, bo
   const std::size_t shown = std::min(summary.warnings.size(), most_import_warnings);
   print_warnings({summary.warnings.begin(), summary.warnings.begin() + static_cast<std::ptrdiff_t>(shown)});
   if (shown < summary.warnings.size()) {
-    say(stderr,
-        fmt::format("slipbench: {} more warnings of this kind; --json prints all of them\n", summary.warnings.size() - shown));
+    say(stderr, fmt::format("slipbench: {} of this kind; --json prints all of them\n",
+                            counted(summary.warnings.size() - shown, "more warning")));
   }
   if (json) {
     print_json({{"sources", summary.sources},
@@ -280,10 +293,10 @@ void print_import(const ImportSummary& summary, const ImportOptions& options, bo
                 {"files", summary.files}});
     return;
   }
-  fmt::print("{} recordings of {} files, {} samples{}\n", summary.trials, summary.sources, summary.samples,
-             summary.objects.empty() ? "" : fmt::format(", {} objects", summary.objects.size()));
+  fmt::print("{} of {}, {}{}\n", counted(summary.trials, "recording"), counted(summary.sources, "file"),
+             counted(summary.samples, "sample"), summary.objects.empty() ? "" : ", " + counted(summary.objects.size(), "object"));
   if (summary.repeated_rows > 0)
-    fmt::print("{} rows left out that say the one before again, word for word\n", summary.repeated_rows);
+    fmt::print("{} left out: the row before has the same words\n", counted(summary.repeated_rows, "row"));
   if (options.rate) {
     fmt::print("resampled at {} by straight lines between samples\n", format_quantity(*options.rate, Quantity::frequency));
   }

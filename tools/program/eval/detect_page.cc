@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/counted.h"
 #include "tools/base/page/timeline.h"
 #include "tools/program/eval/detect.h"
 
@@ -93,8 +94,9 @@ std::string detect_page(const Json& result) {
   std::size_t alarms = 0;
   for (const Json& trial : trials) alarms += trial.at("alarms").size();
   const Json& sensor = result.at("sensor");
-  std::vector<std::string> notes{fmt::format("sensor {} ({}), {} trials, {}", sensor.at("name").get<std::string>(),
-                                             sensor.at("type").get<std::string>(), trials.size(), alarms_text(alarms))};
+  std::vector<std::string> notes{fmt::format("sensor {} ({}), {}, {}", sensor.at("name").get<std::string>(),
+                                             sensor.at("type").get<std::string>(), counted(trials.size(), "trial"),
+                                             alarms_text(alarms))};
   notes.emplace_back(labelled ? "Alarms are shaded."
                               : "Alarms are shaded. There are no labels, so nothing is right or wrong here.");
   std::string body = page::head_html(detect_page_kind.generator, "Alarms of " + detector, notes, result.value("command", ""));

@@ -462,6 +462,7 @@ TruthRule learnt_labels(const std::string& trained) {
   if (!said.is_object() || !said.contains("labels")) return TruthRule::strict;
   const Json& labels = said.at("labels");
   try {
+    if (labels == "recorded") return TruthRule::strict;  // learnt from recordings, which simulated trials have no such labels as
     // A rule of training alone, which differs from `masked` in grasps only.
     if (labels == "tightened") return TruthRule::masked;
     if (labels.is_string()) return parse_label_rule(labels.get<std::string>());

@@ -1,5 +1,6 @@
 #include "tools/program/export/export.h"
 
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -31,6 +32,12 @@ namespace {
 
 double label_speed(const ExportOptions& options) { return options.label_speed.value_or(default_label_speed); }
 SlipRule slip_rule(const ExportOptions& options) { return options.slip_rule.value_or(SlipRule::strict); }
+
+bool is_pillar_log(ExportFormat format) { return format == ExportFormat::vendor_csv || format == ExportFormat::training_csv; }
+// Whether a pillar slips by the speed of its tip.
+bool is_of_the_tip(const ExportOptions& options) {
+  return options.slip_rule == SlipRule::paper || options.slip_rule == SlipRule::has_slipped;
+}
 
 // A sensor at the rate that is asked for.
 SensorRecord sensor_of(const DatasetReader& reader, std::size_t trial, const std::string& name, const ExportOptions& options) {
@@ -105,7 +112,11 @@ std::string about_trial(const DatasetReader& reader, const TrialRecord& record) 
     about["sensors"][sensor.name] = {
         {"type", sensor.type}, {"rate_hz", sensor.rate}, {"frame", sensor.frame}, {"channel_names", sensor.channel_names}};
   }
-  for (const ArrayView& array : arrays_of(record)) about["units"][array.path] = array.unit;
+  for (const ArrayView& array : arrays_of(record)) {
+    const std::string path = archive_path(record, array.path);
+    about["units"][path] = array.unit;
+    if (!array.codes.empty()) about["codes"][path] = Json::parse(array.codes);
+  }
   return about.dump();
 }
 
@@ -192,6 +203,17 @@ std::string names_with(bool FormatKind::*trait) {
 }
 std::string export_format_name(ExportFormat format) { return std::string(kind_of(format).name); }
 
+// Throws InputError where the dataset has no labels by the rule that is asked for.
+void check_labels(const DatasetReader& reader, const ExportOptions& options) {
+  if (options.slip_rule) {
+    reader.check_truth(fmt::format("--labels {}", slip_rule_name(*options.slip_rule)),
+                       "--labels recorded, the labels of the recordings");
+  } else if (options.recorded && reader.header().truth.empty()) {
+    reject("{}: is simulated and has no labels recorded; allowed: --labels {}", reader.files().front(),
+           fmt::join(slip_rule_names(), ", "));
+  }
+}
+
 // The trials that the options ask for, ascending, once each has a recording, and the truth where the format
 // needs it. Throws InputError otherwise, and when there are none.
 std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const ExportOptions& options) {
@@ -211,6 +233,7 @@ std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const Exp
              options.trial ? fmt::format("no trial {}", *options.trial) : "no trial");
     }
   }
+  check_labels(reader, options);
   for (const std::size_t trial : trials) reader.check_recorded(trial);
   return trials;
 }
@@ -260,34 +283,63 @@ Bytef* input_of(std::string_view bytes) { return reinterpret_cast<Bytef*>(const_
 
 constexpr std::array python_formats{ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap, ExportFormat::rosbag2};
 
+constexpr std::string_view card_beginning = "---\n# Written by slipbench export.\n";  // as card.py writes it
+constexpr std::string_view croissant_beginning = "{\n \"@context\": {\n  \"@language\": \"en\",";
+
+// The sensors that are exported. All trials that Python writes have the same; other formats may leave out those that
+// a trial does not have.
+std::vector<std::string> sensors_of(const DatasetReader& reader, const std::vector<std::size_t>& trials,
+                                    const ExportOptions& options) {
+  std::vector<std::string> sensors = chosen_sensors(reader, trials.front(), options.sensors);
+  for (const std::size_t trial : trials) {
+    const std::vector<std::string> found = chosen_sensors(reader, trial, options.sensors);
+    if (found != sensors && is_python_format(options.format)) {
+      reject("trial {} has the sensors {}, trial {} has {}; allowed: --sensors with those that all trials have, or --trial",
+             trial, fmt::join(found, ", "), trials.front(), fmt::join(sensors, ", "));
+    }
+    for (const std::string& name : found) {
+      if (std::ranges::find(sensors, name) == sensors.end()) sensors.push_back(name);
+    }
+  }
+  return sensors;
+}
+
 // What Python is told (tools/python/slipbench/_export/request.py).
 Json request_of(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options) {
   const DatasetReader reader = checked_dataset(dataset_path);
   const std::vector<std::size_t> trials = trials_to_export(reader, options);
-  const std::vector<std::string> sensors = chosen_sensors(reader, trials.front(), options.sensors);
-  for (const std::size_t trial : trials) {
-    if (const auto found = chosen_sensors(reader, trial, options.sensors); found != sensors) {
-      reject("trial {} has the sensors {}, trial {} has {}; allowed: --sensors with those that all trials have, or --trial",
-             trial, fmt::join(found, ", "), trials.front(), fmt::join(sensors, ", "));
-    }
-  }
+  const bool is_log = is_pillar_log(options.format);
   return {{"format", export_format_name(options.format)},
           {"dataset", dataset_path},
           {"out", out_dir},
           {"trials", trials},
-          {"sensors", sensors},
+          {"sensors", sensors_of(reader, trials, options)},
           {"rate", or_null(options.rate)},
-          {"labels", options.slip_rule ? Json(slip_rule_name(*options.slip_rule)) : Json()},
-          {"licence", options.licence}};
+          {"labels", is_log || options.slip_rule ? Json(slip_rule_name(slip_rule(options))) : Json()},
+          {"label_speed", is_log && is_of_the_tip(options) ? Json(label_speed(options)) : Json()},
+          {"points", options.points},
+          {"licence", options.licence},
+          {"files", Json::array()}};
 }
 
-void check_licence(const ExportOptions& options) {
-  if (!is_python_format(options.format)) {
-    std::vector<std::string> names;
-    for (const ExportFormat format : python_formats) names.push_back(export_format_name(format));
-    reject("{} has no dataset card for a licence; expected --licence with {}", export_format_name(options.format),
-           fmt::join(names, ", "));
+// Becomes Python with a request, which may be longer than an argument of a process can be: the argument names a file in
+// memory, which the process keeps.
+[[noreturn]] void start_with(const PythonModule& module, Json request, bool json) {
+  request["json"] = json;
+  request["install"] = module.install();
+  const std::string text = request.dump();
+  const int file = ::memfd_create("slipbench-export", 0);
+  for (std::size_t done = 0; done < text.size();) {
+    const ::ssize_t count = ::write(file, text.data() + done, text.size() - done);
+    if (count < 0 && errno != EINTR) reject("export: the request cannot be handed to Python: {}", std::strerror(errno));
+    done += count < 0 ? 0 : static_cast<std::size_t>(count);
   }
+  module.start(fmt::format("/proc/self/fd/{}", file));
+}
+
+PythonModule card_module() { return PythonModule("slipbench._export", "the dataset card", ""); }
+
+void check_licence(const ExportOptions& options) {
   const auto is_plain = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '+';
   };
@@ -299,9 +351,8 @@ void check_licence(const ExportOptions& options) {
 // Throws InputError when the options contradict each other.
 void check_export_options(const ExportOptions& options) {
   const FormatKind& kind = kind_of(options.format);
-  const bool of_the_tip = options.slip_rule == SlipRule::paper || options.slip_rule == SlipRule::has_slipped;
-  const bool pillars_only = options.format == ExportFormat::vendor_csv || options.format == ExportFormat::training_csv;
-  if (options.label_speed && !(pillars_only && of_the_tip)) {
+  const bool pillars_only = is_pillar_log(options.format);
+  if (options.label_speed && !(pillars_only && is_of_the_tip(options))) {
     reject(
         "a label speed was given, which the slip rule '{}' of {} does not have; allowed: --label-speed with --slip paper or --slip has_slipped "
         "of vendor-csv and training-csv",
@@ -325,6 +376,8 @@ void check_export_options(const ExportOptions& options) {
   if (!options.sensors.empty() && options.format == ExportFormat::grasp_csv) {
     throw InputError("the layout of grasp-csv has the sensors ff, mf and th; allowed: --sensors with the other formats");
   }
+  if (options.points && options.format != ExportFormat::lerobot)
+    reject("{} has no points of units; allowed: --points with lerobot", kind.name);
   if (!options.licence.empty()) check_licence(options);
   const std::vector<std::string> splits{"train", "valid", "test"};
   if (!options.split.empty() && std::ranges::find(splits, options.split) == splits.end()) {
@@ -422,10 +475,32 @@ bool is_python_format(ExportFormat format) { return std::ranges::find(python_for
 void start_python_export(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options, bool json) {
   check_export_options(options);
   const PythonModule module("slipbench._export", "--format " + export_format_name(options.format), "export");
+  start_with(module, request_of(dataset_path, out_dir, options), json);
+}
+
+std::string check_card(const std::string& out_dir, const ExportOptions& options) {
+  check_export_options(options);
+  if (std::error_code error; std::filesystem::is_directory(out_dir, error)) {
+    const auto begins_with = [](std::string_view beginning) {
+      return [beginning](std::string_view text) { return text.starts_with(beginning); };
+    };
+    check_text_target(out_dir + "/README.md", {}, {"dataset card of an export", begins_with(card_beginning)});
+    check_text_target(out_dir + "/croissant.json", {}, {"description of an export", begins_with(croissant_beginning)});
+  }
+  try {
+    const PythonModule module = card_module();
+    return {};
+  } catch (const InputError& error) {
+    if (!options.licence.empty()) throw;
+    return error.what();
+  }
+}
+
+void start_card(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
+                const std::vector<std::string>& files, bool json) {
   Json request = request_of(dataset_path, out_dir, options);
-  request["json"] = json;
-  request["install"] = module.install();
-  module.start(request.dump());
+  request["files"] = files;
+  start_with(card_module(), std::move(request), json);
 }
 
 }  // namespace slipbench

@@ -41,6 +41,8 @@ struct ExportOptions {
   std::optional<std::size_t> trial;  // empty: all
   std::optional<double> rate = {};   // Hz, of the rows; empty: the slowest sensor's in robomimic, else each one's own
   std::string split = {};            // "train", "valid" or "test": its trials alone; empty: all
+  bool recorded = false;             // --labels recorded: the labels of recordings, which are all that they have
+  bool points = false;               // of lerobot: position and force of each unit as one feature
   std::string licence = {};          // of the data, for the dataset card: "cc-by-4.0"; empty: the card states none
   bool compress = false;             // files of text by gzip, with .gz behind the name; the arrays of robomimic by HDF5's deflate
 };
@@ -60,8 +62,18 @@ using ExportProgress = std::function<void(std::size_t done, std::size_t total, s
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
 
-// Whether tools/python/slipbench/_export writes this format.
+// Whether tools/python/slipbench/_export writes this format. It writes the dataset card of every format.
 bool is_python_format(ExportFormat format);
+
+// To be called before export_dataset(), which may take long. Returns why README.md and croissant.json cannot be written
+// beside its files: the program has no Python. Empty: they can. Throws InputError where the options contradict each other,
+// where they have a licence and there is no Python to state it, and where a file of another kind has one of these names.
+std::string check_card(const std::string& out_dir, const ExportOptions& options);
+
+// Becomes the Python that writes README.md and croissant.json beside the `files` that export_dataset() has returned, and
+// tells of all of them as start_python_export() does. Throws InputError when it cannot start.
+[[noreturn]] void start_card(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
+                             const std::vector<std::string>& files, bool json);
 
 // Becomes the Python that writes the trials of a dataset to `out_dir`. `json`: one JSON object on stdout. The dataset and
 // the options are checked before. Throws InputError as export_dataset does, and where there is no such Python: build/venv's

@@ -101,6 +101,9 @@ bool begins_as_table_csv(std::string_view text);
 // libarchive fails.
 std::string npz(const TrialRecord& record, const std::string& about);
 
+// The path of an array in the archive: that in a dataset, but the labels of a recording are called state_recorded.
+std::string archive_path(const TrialRecord& record, const std::string& path);
+
 // Whether a file that begins so is one: a zip archive whose first member is `about`.
 bool begins_as_npz(std::string_view text);
 

@@ -1,5 +1,6 @@
 #include "tools/program/export/formats.h"
 
+#include <algorithm>
 #include <memory>
 #include <new>
 #include <span>
@@ -80,12 +81,19 @@ std::string npy_header(std::string_view descr, const std::vector<std::size_t>& s
   return header + text;
 }
 
+std::string archive_path(const TrialRecord& record, const std::string& path) {
+  constexpr std::string_view end = "/state_paper";
+  const bool simulated = std::ranges::all_of(record.sensors, [](const SensorRecord& sensor) { return sensor.labels.truth; });
+  return simulated || !path.ends_with(end) ? path : path.substr(0, path.size() - end.size()) + "/state_recorded";
+}
+
 std::string npz(const TrialRecord& record, const std::string& about) {
   ZipArchive archive;
   archive.add(std::string(first_member), npy_header(fmt::format("|S{}", about.size()), {}),
               {reinterpret_cast<const std::uint8_t*>(about.data()), about.size()});
   for (const ArrayView& array : arrays_of(record)) {
-    archive.add(array.path + ".npy", npy_header(numpy_name(array.type), array.shape), {array.bytes, array.size_bytes()});
+    archive.add(archive_path(record, array.path) + ".npy", npy_header(numpy_name(array.type), array.shape),
+                {array.bytes, array.size_bytes()});
   }
   for (const SensorRecord& sensor : record.sensors) {
     for_each_unit_attribute(sensor.labels, [&](const char* name, const Extents& tail, const std::vector<double>& values) {

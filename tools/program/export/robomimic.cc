@@ -15,6 +15,7 @@
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/hdf5/hdf5_place.h"
+#include "tools/base/record/encoder.h"
 #include "tools/base/record/json.h"
 
 namespace slipbench {
@@ -37,9 +38,10 @@ Handle make_group(hid_t parent, const std::string& name) {
   return {H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose};
 }
 
-// One array, the file's type that of the memory. `level`: of deflate, in one chunk; 0: as it is.
+// One array, the file's type that of the memory. `level`: of deflate, in one chunk; 0: as it is. `codes`: JSON, what its
+// numbers stand for; empty: they are quantities.
 void put(hid_t group, const std::string& name, hid_t type, const std::vector<std::size_t>& shape, const void* values,
-         unsigned level) {
+         unsigned level, const std::string& codes = {}) {
   const bool empty = std::find(shape.begin(), shape.end(), 0) != shape.end();
   const Handle properties = hdf5::untimed(H5P_DATASET_CREATE);
   if (level > 0 && !empty) {
@@ -51,6 +53,7 @@ void put(hid_t group, const std::string& name, hid_t type, const std::vector<std
   const Handle space = hdf5::space_of(shape);
   Handle array(H5Dcreate2(group, name.c_str(), type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Dclose);
   if (!empty) check(H5Dwrite(array.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
+  if (!codes.empty()) write_attribute(array.get(), "codes", codes);
   array.close();
 }
 
@@ -80,7 +83,7 @@ void put_demo(hid_t data, const DatasetReader& reader, std::size_t trial, const 
   dones.back() = 1.0F;
   put(demo.get(), "dones", H5T_IEEE_F32LE, {steps}, dones.data(), level);
   for (const Episode::Column& column : episode.states)
-    put(demo.get(), column.name, H5T_IEEE_F32LE, {steps}, column.values.data(), level);
+    put(demo.get(), column.name, H5T_IEEE_F32LE, {steps}, column.values.data(), level, std::string(codes_of("state")));
   demo.close();
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "tools/base/files/reject.h"
+#include "tools/base/record/encoder.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
 namespace slipbench {
@@ -24,7 +25,11 @@ constexpr std::array<StateColumn, 3> state_columns{{{",state", SlipRule::strict,
                                                     {",state_micro", SlipRule::micro, &LabelRecord::state_micro},
                                                     {",state_paper", SlipRule::paper, &LabelRecord::state_paper}}};
 
-std::vector<StateColumn> states_by(std::optional<SlipRule> rule) {
+// Of a recording, which has no truth.
+constexpr StateColumn recorded_column{",state_recorded", SlipRule::paper, &LabelRecord::state_paper};
+
+std::vector<StateColumn> states_by(std::optional<SlipRule> rule, const LabelRecord& labels) {
+  if (!labels.truth) return has_labels(labels) ? std::vector{recorded_column} : std::vector<StateColumn>{};
   std::vector<StateColumn> columns(state_columns.begin(), state_columns.end());
   std::erase_if(columns, [&](const StateColumn& column) { return rule && column.rule != *rule; });
   return columns;
@@ -85,7 +90,7 @@ std::string table_of(const SensorRecord& sensor, const std::vector<double>& time
     for (const StateColumn& state : states) {
       const std::vector<std::uint8_t>& values = sensor.labels.*state.values;
       text.push_back(',');
-      if (truth && !values.empty()) fmt::format_to(out, "{}", values[*truth]);  // an imported recording has not all
+      if (truth) fmt::format_to(out, "{}", values[*truth]);
     }
     text.push_back('\n');
   }
@@ -99,7 +104,7 @@ std::vector<CsvTable> table_csv(const SensorRecord& sensor, std::optional<SlipRu
   std::vector<NamedColumn> common;
   std::copy_if(columns.begin(), columns.end(), std::back_inserter(common),
                [](const NamedColumn& column) { return !column.column->time; });
-  const std::vector<StateColumn> states = states_by(rule);
+  const std::vector<StateColumn> states = states_by(rule, sensor.labels);
   std::vector<CsvTable> tables{{"", table_of(sensor, sensor.time, common, states)}};
   for (const NamedColumn& column : columns) {
     if (column.column->time)
@@ -111,7 +116,8 @@ std::vector<CsvTable> table_csv(const SensorRecord& sensor, std::optional<SlipRu
 bool begins_as_table_csv(std::string_view text) {
   const std::string_view line = text.substr(0, text.find('\n'));
   const bool ends = std::ranges::any_of(state_columns, [&](const StateColumn& state) { return line.ends_with(state.name); });
-  return line.starts_with(first_column) && (ends || line.size() == text.size());
+  const bool recording = line.ends_with(recorded_column.name) || line.ends_with(']');
+  return line.starts_with(first_column) && (ends || recording || line.size() == text.size());
 }
 
 }  // namespace slipbench

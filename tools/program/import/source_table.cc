@@ -17,6 +17,7 @@
 #include "sim/core/process/interrupted.h"
 #include "sim/core/process/regular_file.h"
 #include "sim/core/sensor.h"
+#include "tools/base/files/counted.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/catalogue/sensor_catalogue.h"
 
@@ -184,7 +185,8 @@ double resolution_of(std::string_view number) {
 
 void set_timing(const SourceTable& table, double resolution, SensorRecord& sensor) {
   if (sensor.time.size() < 2)
-    table.fail(fmt::format("ends a recording of {} samples; allowed: two at least, which tell the rate", sensor.time.size()));
+    table.fail(fmt::format("ends a recording of {}; allowed: two samples at least, which tell the rate",
+                           counted(sensor.time.size(), "sample")));
   sensor.rate = rate_of(sensor.time, resolution);
   sensor.timing = timing_of(sensor.time, resolution);
 }

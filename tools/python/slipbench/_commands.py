@@ -14,7 +14,7 @@ from slipbench._values import plain, shown
 from slipbench.bin import _core
 
 PathLike = str | os.PathLike[str]
-_SWITCHES = ("all", "compress")  # options without a value
+_SWITCHES = ("all", "compress", "points")  # options without a value
 
 
 def _run(command: str, files: Sequence[PathLike], options: dict[str, Any], good: tuple[int, ...] = (0,)) -> dict[str, Any]:
@@ -71,7 +71,7 @@ def report(dataset: PathLike, output: PathLike = "", *, trial: int | None = None
 
 
 def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = "", label_speed: str | float = "", sensors: str | Sequence[str] = (),
-           rate: str | float = "", split: str = "", trial: int | None = None, licence: str = "",
+           rate: str | float = "", split: str = "", trial: int | None = None, licence: str = "", points: bool = False,
            compress: bool = False) -> dict[str, Any]:
     """Writes a dataset in another format, as `slipbench export`.
 
@@ -79,13 +79,14 @@ def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = ""
         dataset: path of the dataset's first file
         output: folder to write into
         format: csv, npz, robomimic, lerobot, parquet, mcap, rosbag2, or another that `slipbench export --help` names
-        labels: when a unit counts as slipping: strict, micro, paper or has_slipped; empty: every rule's state
+        labels: when a unit counts as slipping: strict, micro, paper or has_slipped, or recorded, the labels of recordings; empty: every rule's state
         label_speed: tip speed above which paper and has_slipped say slip, "0.1 mm/s" or m/s; empty: 0.1 mm/s
         sensors: names of the sensors to export; empty: all
         rate: of the rows, "100 Hz" or Hz: the latest values, held; empty: each sensor's own
         split: only the trials of train, valid or test; empty: all
         trial: number of the only trial to export; None: all
-        licence: of the data, for the dataset card of lerobot, parquet, mcap and rosbag2, "cc-by-4.0"; empty: none is stated
+        licence: of the data, for the dataset card, "cc-by-4.0"; empty: none is stated
+        points: add position and force of each unit to lerobot, as the feature observation.tactile.<sensor> [units, 6]
         compress: write .csv.gz instead of .csv, and the arrays of robomimic compressed
 
     Returns:
@@ -95,7 +96,7 @@ def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = ""
         InputError: the program's own message.
     """
     return _run("export", [dataset], {"output": output, "format": format, "labels": labels, "label-speed": label_speed, "sensors": _several(sensors),
-                                      "rate": rate, "split": split, "trial": trial, "licence": licence, "compress": compress})
+                                      "rate": rate, "split": split, "trial": trial, "licence": licence, "points": points, "compress": compress})
 
 
 def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike = "", *, format: str = "", map: PathLike = "",

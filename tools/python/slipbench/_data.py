@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _MOST_BYTES = 8e9  # of Windows.arrays()
 # How a dataset's labels say of a sample whether the pad slips: by all of a unit, a part of it, the sensor's paper.
 RULES = {"strict": "state", "micro": "state_micro", "paper": "state_paper"}
+RECORDED = {"recorded": "state_paper"}  # the labels of an imported recording, by their array in the file
 
 
 @contextmanager
@@ -229,6 +230,16 @@ class StoredControl(_Read, Arrays, Control):
         return "arm_speed" if name == "arm" else name
 
 
+def is_recording(labels: Arrays) -> bool:
+    """True if the labels are those of an imported recording."""
+    return "rule" in labels.attrs
+
+
+def rules_of(labels: Arrays) -> dict[str, str]:
+    """The rules by which labels say whether the pad slips, each with its array."""
+    return {rule: array for rule, array in (RECORDED if is_recording(labels) else RULES).items() if array in labels}
+
+
 def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
     """Raises InputError, which begins with `place`, where the samples of a recorded `sensor` cannot be counted in place of time."""
     times, resolution = sensor["t"][:], float(sensor.attrs.get("time_resolution_s", 0.0))
@@ -385,7 +396,7 @@ class Dataset(Mapping[int, StoredTrial]):
             sensor: which one; empty: the only one
             channels: whose columns stand side by side; empty: all. They must be sampled at the labels' rate
             labels: when a sample is slip: "strict", all of a unit slips, which is what `evaluate()` judges by; "micro", a part of it does; "paper", the rule
-                of the sensor's paper. LABELS.md says which to use
+                of the sensor's paper; "recorded", the labels of an imported recording, which has no others. LABELS.md says which to use
             part: of the masks, "train", "valid" or "test"; empty: every trial
 
         Returns:
@@ -431,9 +442,9 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
     def __init__(self, dataset: Dataset, length: int, stride: int, sensor: str, channels: Sequence[str], labels: str, part: str) -> None:
         if length < 1 or stride < 1:
             raise _core.InputError(f"length {length}, stride {stride}; allowed: 1 or more")
-        if labels not in RULES:
-            raise _core.InputError(f"labels {labels!r}; allowed: {', '.join(map(repr, RULES))}")
-        self._dataset, self._length, self._stride, self._rule = dataset, length, stride, RULES[labels]
+        if labels not in (known := RULES | RECORDED):
+            raise _core.InputError(f"labels {labels!r}; allowed: {', '.join(map(repr, known))}")
+        self._dataset, self._length, self._stride, self._rule = dataset, length, stride, labels
         self._sensor, self._channels = sensor, [channels] if isinstance(channels, str) else list(channels)
         self._arguments = (dataset, length, stride, sensor, self._channels, labels, part)
         self._trials = dataset.mask(part) if part else list(dataset.trials)
@@ -449,13 +460,15 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return names[0]
 
     def _states(self, trial: StoredTrial, name: str) -> h5py.Dataset:
-        """The states of a sensor's pad by the rule of the windows. Raises InputError where the file has none: recordings have at most those of the paper."""
-        labels: Mapping[str, Any] = trial.labels.get(name, {})
-        if self._rule not in labels:
-            rules = [repr(rule) for rule, states in RULES.items() if states in labels]
-            raise _core.InputError(f"trial {trial.trial}: labels {self._arguments[5]!r}: the recording has {', '.join(rules) or 'no labels'}; "
-                                   + (f"pass {' or '.join(f'labels={rule}' for rule in rules)}" if rules else "allowed: a recording that has labels"))
-        return labels[self._rule]
+        """The states of a sensor's pad by the rule of the windows. Raises InputError where the trial has none by this rule."""
+        labels = trial.labels.get(name)
+        rules = rules_of(labels) if labels is not None else {}
+        if labels is None or self._rule not in rules:
+            found = ", ".join(map(repr, rules)) or "no labels"
+            which = "recording" if labels is None or is_recording(labels) else "simulated trial"
+            raise _core.InputError(f"trial {trial.trial}: labels {self._rule!r}: the {which} has {found}; "
+                                   + (f"pass {' or '.join(f'labels={rule!r}' for rule in rules)}" if rules else "allowed: a recording that has labels"))
+        return labels[rules[self._rule]]
 
     def _count(self, number: int) -> int:
         trial = self._dataset[number]
@@ -466,7 +479,7 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return Windows, self._arguments
 
     def __repr__(self) -> str:
-        return f"<slipbench.Windows {len(self)} of {self._length} samples every {self._stride}, {len(self._trials)} trials, labels {self._arguments[5]}>"
+        return f"<slipbench.Windows {len(self)} of {self._length} samples every {self._stride}, {len(self._trials)} trials, labels {self._rule}>"
 
     def _repr_html_(self) -> str:
         values = (len(self), *self[0][0].shape) if len(self) and self._dataset._files[0] else (len(self), self._length)

@@ -77,6 +77,11 @@ def write_whole(path: Path, data: bytes) -> None:
         raise
 
 
+def counted(count: int, what: str) -> str:
+    """ "1 file", "2 files". `what`: the singular of a word whose plural ends with s."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
 def watched(stream: TextIO) -> bool:
     """Whether a person watches the stream on a terminal."""
     return stream.isatty() and os.environ.get("TERM") != "dumb"

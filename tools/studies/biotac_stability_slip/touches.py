@@ -57,7 +57,7 @@ def read_touches(path: str, options: Options) -> list[Touch]:
         InputError: no such dataset
     """
     options.say(f"reading {path}")
-    labels = "paper" if truth_of(path) else "micro"  # imported ones have the set's own
+    labels = "recorded" if truth_of(path) else "micro"
     text = find_recipe(RECIPE).input.text()
     examples = _core.read_examples([path], text, labels, "direction", "", 0, 0, 1, "", 0.0, False, None)["examples"]
     for example in examples:

@@ -70,8 +70,9 @@ TEST_F(ImportedFiles, ReadingsAreExported) {
   std::string header, first;
   std::getline(table, header);
   std::getline(table, first);
-  EXPECT_THAT(header, EndsWith("E24 [counts],state,state_micro,state_paper"));
-  EXPECT_THAT(first, EndsWith(",2400,,,1"));  // touch: non-slip by the set, no truth
+  EXPECT_THAT(header, EndsWith("E24 [counts],state_recorded"));
+  EXPECT_THAT(first, EndsWith(",2400,1"));  // touch: non-slip by the set
+  EXPECT_EQ(run_program_file({"export", data_, "--format", "csv", "--labels", "recorded", "-o", folder_ / "csv"}).status, 0);
 }
 
 // One sample is 10 ms after the other: 100 rows a second.
@@ -96,6 +97,9 @@ TEST_F(ImportedFiles, WhatNeedsTheTruthIsRefused) {
   expect_refusal({"export", data_, "--format", "myrmex-rotated", "-o", folder_ / "out"}, {"myrmex"});
   expect_refusal({"train", data_, "-o", folder_ / "memories"}, {truth, origin});
   for (const char* rule : {"strict", "paper"}) {
+    for (const char* format : {"csv", "npz", "parquet"})
+      expect_refusal({"export", data_, "--format", format, "--labels", rule, "-o", folder_ / "out"},
+                     {std::string("--labels ") + rule, truth, origin, "--labels recorded"});
     expect_refusal({"eval", "force_ratio", data_, "--labels", rule},
                    {std::string("eval --labels ") + rule, truth, origin, "recorded"});
   }

@@ -44,12 +44,13 @@ def datasets():
 
 
 def make(scene):
-    """Runs two or three trials of a scene, the first time that it is asked for, and returns the dataset's path."""
+    """Runs two or three trials of a scene, of SCENES or another, the first time that it is asked for, and returns the dataset's path."""
     path = os.path.join(datasets(), scene.replace("/", "_").removesuffix(".yaml") + ".h5")
     if os.path.exists(path):
         return path
-    sets = [word for key, value in SCENES[scene].items() for word in ("--set", f"{key}={json.dumps(value)}")]
-    verb = ["sweep", "--trials", "1"] if "sweep" in SCENES[scene] else ["run", "--trials", "2"]
+    changes = SCENES.get(scene, {})
+    sets = [word for key, value in changes.items() for word in ("--set", f"{key}={json.dumps(value)}")]
+    verb = ["sweep", "--trials", "1"] if "sweep" in changes else ["run", "--trials", "2"]
     subprocess.run([PROGRAM, *verb, str(ROOT / "scenes" / scene), *sets, "-o", path, "--quiet"], check=True)
     return path
 

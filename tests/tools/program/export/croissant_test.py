@@ -1,29 +1,46 @@
-"""croissant.json beside every export by Python: structure by the rules of Croissant 1.0. Arguments: the project's root, the program.
+"""README.md and croissant.json beside every export: structure by the rules of Croissant 1.0. Arguments: the project's root, the program.
 
 https://docs.mlcommons.org/croissant/docs/croissant-spec.html; mlcroissant itself has no wheel of all that it needs.
 """
 
+import gzip
 import hashlib
 import json
 import unittest
 
+import h5py
+import numpy as np
 import pyarrow.parquet
 import yaml
 
 from _made import ExportTest, contents, export, make
 
-FORMATS = {"parquet": "", "mcap": "", "rosbag2": "", "lerobot": "1000hz"}
+STAGE = "papillarray/stage.yaml"
+# Scene, and the folder below the output that has the card.
+FORMATS = {"csv": (STAGE, ""), "npz": (STAGE, ""), "robomimic": (STAGE, ""), "vendor-csv": (STAGE, ""), "training-csv": (STAGE, ""),
+           "grasp-csv": ("biotac_sp/grasp.yaml", ""), "slip-csv": ("biotac_sp/slip.yaml", ""), "myrmex-csv": ("myrmex/slip.yaml", ""),
+           "myrmex-rotated": ("myrmex/slip.yaml", ""), "parquet": (STAGE, ""), "mcap": (STAGE, ""), "rosbag2": (STAGE, ""), "lerobot": (STAGE, "1000hz")}
+TABLES = {"csv", "vendor-csv", "grasp-csv", "slip-csv", "parquet", "lerobot"}  # the formats whose columns croissant.json describes
 TYPES = {"sc:Text", "sc:Integer", "sc:Float", "sc:Boolean"}
+PAD_CODES = "0 no_contact, 1 non_slip, 2 incipient, 3 gross"
+
+
+def distribution(about, kind="cr:FileObject"):
+    return [one for one in about["distribution"] if one["@type"] == kind]
 
 
 class Croissant(ExportTest):
+    def exported(self, format, scene, *words):
+        """The folder with the card, and croissant.json."""
+        out = self.folder / f"{format}{len(words)}"
+        export(make(scene), out, "--format", format, *words)
+        folder = out / FORMATS[format][1]
+        return folder, json.loads((folder / "croissant.json").read_text())
+
     def test_every_file_is_described(self):
-        for format, below in FORMATS.items():
+        for format, (scene, _) in FORMATS.items():
             with self.subTest(format=format):
-                out = self.folder / format
-                export(make("papillarray/stage.yaml"), out, "--format", format, "--licence", "cc-by-4.0")
-                folder = out / below
-                about = json.loads((folder / "croissant.json").read_text())
+                folder, about = self.exported(format, scene, "--licence", "cc-by-4.0")
                 self.assertEqual(about["@type"], "sc:Dataset")
                 self.assertEqual(about["conformsTo"], "http://mlcommons.org/croissant/1.0")
                 self.assertEqual(about["license"], "cc-by-4.0")
@@ -31,16 +48,97 @@ class Croissant(ExportTest):
                 for name in ("name", "description", "citeAs"):
                     self.assertTrue(about[name])
                 files = contents(folder)
-                described = {one["contentUrl"]: one for one in about["distribution"]}
+                described = {one["contentUrl"]: one for one in distribution(about)}
                 self.assertEqual(set(described), set(files) - {"croissant.json"})
                 for name, one in described.items():
-                    self.assertEqual(one["@type"], "cr:FileObject")
                     self.assertEqual(one["sha256"], hashlib.sha256(files[name]).hexdigest())
                     self.assertIn("/", one["encodingFormat"])
-                self.assertEqual("recordSet" in about, format == "parquet")
+                self.assertEqual("recordSet" in about, format in TABLES)
+
+    def test_the_card_says_what_the_files_are(self):
+        for format, (scene, _) in FORMATS.items():
+            with self.subTest(format=format):
+                folder, _ = self.exported(format, scene, "--licence", "cc-by-4.0")
                 _, front, text = (folder / "README.md").read_text().split("---\n", 2)
                 self.assertEqual(yaml.safe_load(front)["license"], "cc-by-4.0")
                 self.assertNotIn(str(self.folder), text)
+                for heading in ("## Sensors", "## Files", "## Origin", "The scene:", "## Citation"):
+                    self.assertIn(f"\n{heading}\n", text)
+                self.assertIn("| version | slipbench ", text)
+                self.assertIn("| command | `slipbench ", text)
+                self.assertRegex(text, r"\| SHA-256 of trial 0 \| `[0-9a-f]{64}` \|")
+                self.assertRegex(text, r"\| `\w+` \| \w+ \| \d+ Hz \|")
+                # Formats with labels have the key of their codes: the states of the pad, or of a pillar, or of a grasp.
+                key = {"vendor-csv": "-2 not yet touched", "training-csv": "0 no, 1 slips; rule strict: a pillar slips when all of it slips",
+                       "grasp-csv": "0 held, 1 lost", "slip-csv": "cw and aw turn", "myrmex-csv": "0 to 4095"}.get(format, PAD_CODES)
+                self.assertIn(key, text)
+
+    def test_tables_are_described_by_their_columns(self):
+        for format, scene, table, named in (("csv", STAGE, "pad", ["trial"]), ("csv", "nib_pad/linear.yaml", None, ["trial"]),
+                                            ("vendor-csv", STAGE, "LOG", ["trial"]),
+                                            ("grasp-csv", "biotac_sp/grasp.yaml", "grasps", []), ("slip-csv", "biotac_sp/slip.yaml", "recordings", ["class"])):
+            for compress in ([], ["--compress"]):
+                with self.subTest(format=format, scene=scene, compress=compress):
+                    out = self.folder / f"{format}-{scene.replace('/', '-')}{len(compress)}"
+                    export(make(scene), out, "--format", format, *compress)
+                    about = json.loads((out / "croissant.json").read_text())
+                    sets = {one["@id"]: one for one in distribution(about, "cr:FileSet")}
+                    described = []
+                    for one in about["recordSet"]:
+                        files = sets[f"{one['name']}-files"]["includes"]
+                        described += files
+                        for name in files:
+                            opened = gzip.open if compress else open
+                            with opened(out / name, "rt") as file:
+                                header = file.readline().rstrip("\n").split(",")
+                            self.assertEqual([field["name"] for field in one["field"]], [*named, *header])
+                        for field in one["field"]:
+                            self.assertIn(field["dataType"], TYPES)
+                            self.assertEqual(field["source"]["fileSet"], {"@id": f"{one['name']}-files"})
+                    self.assertEqual(sorted(described), sorted(name for name in contents(out) if name.endswith((".csv", ".gz"))))
+                    if table:
+                        self.assertEqual([one["name"] for one in about["recordSet"]], [table])
+                    states = [field["description"] for one in about["recordSet"] for field in one["field"] if field["name"] == "state"]
+                    self.assertEqual([PAD_CODES in text for text in states], [True] * (len(about["recordSet"]) if format == "csv" else 0))
+
+    def test_the_rule_of_a_log_is_in_its_card(self):
+        for words, text in ((["--slip", "micro"], "rule micro: a pillar slips when a part of it slips"),
+                            (["--slip", "paper", "--label-speed", "0.2 mm/s"], "rule paper: a pillar slips when its tip slides faster than 0.2 mm/s")):
+            folder, _ = self.exported("training-csv", STAGE, *words)
+            self.assertIn(text, (folder / "README.md").read_text())
+
+    def test_the_key_of_codes_is_in_the_files(self):
+        key = {"no_contact": 0, "non_slip": 1, "incipient": 2, "gross": 3}
+        folders = {format: self.exported(format, STAGE)[0] for format in ("npz", "robomimic", "parquet", "lerobot")}
+        with np.load(folders["npz"] / "demo_0.npz") as archive:
+            found = [json.loads(archive["about"].item())["codes"]["labels/pad/state"]]
+        with h5py.File(folders["robomimic"] / "robomimic.hdf5") as file:
+            found.append(json.loads(file["data/demo_0/pad_state"].attrs["codes"]))
+        for path, column in ((folders["parquet"] / "pad.parquet", "label_state"), (folders["lerobot"] / "data/chunk-000/file-000.parquet", "labels.pad.state")):
+            found.append(json.loads(pyarrow.parquet.read_schema(path).field(column).metadata[b"codes"]))
+        self.assertEqual(found, [key] * 4)
+
+    def test_a_card_of_somebody_else_is_kept(self):
+        for name in ("README.md", "croissant.json"):
+            out = self.folder / name
+            out.mkdir()
+            (out / name).write_text("mine")
+            _, said = export(make(STAGE), out, "--format", "csv", status=2)
+            self.assertIn(f"{out / name} exists and is no ", said)
+            self.assertEqual(contents(out), {name: b"mine"})
+
+    def test_a_second_export_describes_the_second(self):
+        out = self.folder / "out"
+        for trial in ("0", "1"):
+            export(make(STAGE), out, "--format", "npz", "--trial", trial)
+        about = json.loads((out / "croissant.json").read_text())
+        self.assertEqual([one["name"] for one in distribution(about)], ["README.md", "demo_1.npz"])
+        self.assertIn("\n1 trial, written by", (out / "README.md").read_text())
+
+    def test_all_files_are_told(self):
+        out = self.folder / "out"
+        said, _ = export(make(STAGE), out, "--format", "npz", "--json")
+        self.assertEqual(json.loads(said)["files"], [str(out / name) for name in ("demo_0.npz", "demo_1.npz", "demo_2.npz", "README.md", "croissant.json")])
 
     def test_every_column_of_parquet_is_a_field(self):
         out = self.folder / "out"
@@ -59,13 +157,11 @@ class Croissant(ExportTest):
                 self.assertIn(field["dataType"], TYPES)
         self.assertEqual(len(set(identifiers)), len(identifiers))
 
-    def test_a_licence_is_one_word_and_needs_a_card(self):
-        dataset = make("papillarray/stage.yaml")
-        _, said = export(dataset, self.folder / "out", "--format", "parquet", "--licence", "a: b", status=2)
-        self.assertIn("--licence: expected a name such as cc-by-4.0", said)
-        _, said = export(dataset, self.folder / "out", "--format", "npz", "--licence", "mit", status=2)
-        self.assertIn("npz has no dataset card", said)
-        self.assertFalse((self.folder / "out").exists())
+    def test_a_licence_is_one_word(self):
+        for format in ("parquet", "npz"):
+            _, said = export(make(STAGE), self.folder / "out", "--format", format, "--licence", "a: b", status=2)
+            self.assertIn("--licence: expected a name such as cc-by-4.0", said)
+            self.assertFalse((self.folder / "out").exists())
 
 
 if __name__ == "__main__":

@@ -93,7 +93,7 @@ class Interruption(ExportTest):
 
     def test_a_signal_after_the_last_trial_leaves_nothing(self):
         """From the moment on at which the files get their names they are kept."""
-        request = {"dataset": self.dataset, "trials": [0], "sensors": ["pad"], "rate": None, "labels": None, "licence": "", "json": False, "install": ""}
+        request = {"dataset": self.dataset, "trials": [0], "sensors": ["pad"], "rate": None, "labels": None, "label_speed": None, "points": False, "licence": "", "json": False, "install": "", "files": []}
         for format in FORMATS:
             with self.subTest(format=format):
                 out = self.folder / format

@@ -183,6 +183,38 @@ class LeRobot(ExportTest):
                     self.assertIn(f"observation.{sensor}.{channel}", info["features"])
                 self.assertEqual([name for name in info["features"] if name.startswith(f"labels.{sensor}.state")], [f"labels.{sensor}.state"])
 
+    def test_points_of_units_are_a_feature(self):
+        dataset, out = make("papillarray/stage.yaml"), self.folder / "points"
+        export(dataset, out, "--format", "lerobot", "--points")
+        info, table, episodes = read(out / "1000hz")
+        names = {"unit": [str(unit) for unit in range(9)], "value": ["x [m]", "y [m]", "z [m]", "fx [N]", "fy [N]", "fz [N]"]}
+        self.assertEqual(info["features"].pop("observation.tactile.pad"), {"dtype": "float32", "shape": [9, 6], "names": names})
+        self.check_layout(info, table.drop_columns(["observation.tactile.pad"]), episodes, 1000)
+        stored = pyarrow.parquet.read_table(out / "1000hz/data/chunk-000/file-000.parquet")["observation.tactile.pad"]
+        points = np.array(stored.to_pylist(), np.float32)
+        with h5py.File(dataset) as file:
+            for episode, row in episodes.iterrows():
+                demo = file[f"data/demo_{row['trial']}"]
+                part = points[row["dataset_from_index"] : row["dataset_to_index"]]
+                attrs, pad = demo["labels/pad"].attrs, demo["sensors/pad"]
+                # The trial begins with all sensors read, so that each sample is a frame.
+                places = np.column_stack([attrs["unit_positions"], attrs["unit_heights"]])
+                np.testing.assert_array_equal(part[..., :3], (places + pad["displacement"][:]).astype(np.float32))
+                np.testing.assert_array_equal(part[..., 3:], pad["force"][:])
+        stats = json.loads((out / "1000hz/meta/stats.json").read_text())["observation.tactile.pad"]
+        np.testing.assert_array_equal(stats["max"], points.max(axis=0))
+        np.testing.assert_array_equal(np.max([np.stack(one) for one in episodes["stats/observation.tactile.pad/max"].map(list)], axis=0), points.max(axis=0))
+        export(dataset, self.folder / "without", "--format", "lerobot")
+        self.assertNotIn("observation.tactile.pad", read(self.folder / "without/1000hz")[0]["features"])
+
+    def test_points_need_forces_of_units(self):
+        out = self.folder / "out"
+        _, told = export(make("myrmex/slip.yaml"), out, "--format", "lerobot", "--points", status=2)
+        self.assertRegex(told, r"--points: .*the force of each unit is not measured.*papillarray")
+        _, told = export(make("papillarray/stage.yaml"), out, "--format", "parquet", "--points", status=2)
+        self.assertIn("parquet has no points of units; allowed: --points with lerobot", told)
+        self.assertFalse(out.exists())
+
     def test_what_cannot_be_is_refused_and_nothing_is_left(self):
         dataset = make("papillarray/stage.yaml")
         out = self.folder / "out"

@@ -549,7 +549,7 @@ TEST_F(ImportErrors, LogsAreChecked) {
   refused("time,x\n", 1, {"column 1", "time", "T_us"});
   refused(with(log_header(1), ",S0_FrictionEst", ""), 1, {"81 columns", "82", "163"});
   refused(with(log_header(2), "S1_FrictionEst", "S2_FrictionEst"), 1, {"column 163", "S2_FrictionEst", "S1_FrictionEst"});
-  refused(first, 2, {"1 samples", "two"});
+  refused(first, 2, {"1 sample", "two"});
   refused(first + log_row(500, {log_cells(held)}), 3, {"T_us", "500", "1000"});
   refused(first + log_row(1000, {log_cells(std::vector<int>(9, 2))}), 3, {"T_us", "1000", "rising"});
   refused(first + log_row(2000, {log_cells({1, 1, 1, 1, 1, 1, 1, 1, 0})}), 3, {"column 81", "S0_P8_slipState", "0", "-2"});

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/base/files/counted.h"
 #include "tools/base/python/python_package.h"
 #include "tools/program/cli/arguments.h"
 #include "tools/program/cli/terminal.h"
@@ -41,7 +42,7 @@ void print_detection(Json result, const std::vector<std::string>& files, bool js
   Table table(eval::detections_table(result, most_trials_shown));
   text += table.text(style);
   if (const std::size_t trials = result.at("trials").size(); trials > most_trials_shown)
-    text += fmt::format("  {} more trials; -o FILE writes all\n", trials - most_trials_shown);
+    text += fmt::format("  {}; -o FILE writes all\n", counted(trials - most_trials_shown, "more trial"));
   fmt::print("{}", text);
   print_written(files);
 }

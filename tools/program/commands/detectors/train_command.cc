@@ -84,7 +84,7 @@ Examples:
   arguments.text("--recipe NAME", recipe_, "What is taught: `slipbench list recipes` (default: gst_hd)");
   arguments.text(
       "--labels RULE", labels_,
-      "Truth to learn: paper, has_slipped, strict, micro of gst_hd (default: paper); micro, strict, paper, latched, masked, tightened of a network "
+      "Truth to learn: paper, has_slipped, strict, micro of gst_hd (default: paper); micro, strict, paper, latched, masked, tightened, recorded of a network "
       "(default: the recipe's)");
   arguments.text("--sensor NAME", options.sequences.sensor,
                  "The scene's name of the sensor (default: the only one; of a network every one that fits)");

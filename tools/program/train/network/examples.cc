@@ -107,14 +107,26 @@ std::uint8_t kind_of(const LabelRecord& labels, std::size_t row, ClassRule class
   return motion.rotates() ? 2 : 1;
 }
 
+// The rules that simulated trials have.
+std::string rules_of_truth() {
+  std::vector<std::string> names = hd::names_of(label_words);
+  std::erase(names, hd::name_of(label_words, LabelRule::recorded));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 const std::vector<std::uint8_t>& states_of(const SensorRecord& sensor, LabelRule rule) {
-  const std::vector<std::uint8_t>& states = rule == LabelRule::strict  ? sensor.labels.state
-                                            : rule == LabelRule::paper ? sensor.labels.state_paper
-                                                                       : sensor.labels.state_micro;
+  const LabelRecord& labels = sensor.labels;
+  const bool recorded = rule == LabelRule::recorded;
+  if (recorded == labels.truth) {
+    reject("sensor {}: is {} and has no labels {}; allowed: --labels {}", sensor.name, labels.truth ? "simulated" : "recorded",
+           hd::name_of(label_words, rule), labels.truth ? rules_of_truth() : "recorded");
+  }
+  const std::vector<std::uint8_t>& states = rule == LabelRule::strict              ? labels.state
+                                            : recorded || rule == LabelRule::paper ? labels.state_paper
+                                                                                   : labels.state_micro;
   if (states.size() != sensor.time.size()) {
-    const bool recorded = states.empty() && sensor.labels.state_paper.size() == sensor.time.size();
-    reject("sensor {}: {} states by the labels {} for {} samples; allowed: {}", sensor.name, states.size(),
-           hd::name_of(label_words, rule), sensor.time.size(), recorded ? "the labels paper, which are there" : "one each");
+    reject("sensor {}: {} states by the labels {} for {} samples; allowed: one each", sensor.name, states.size(),
+           hd::name_of(label_words, rule), sensor.time.size());
   }
   return states;
 }
@@ -230,10 +242,22 @@ std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const
          fmt::join(there, ", "), wanted(options.input));
 }
 
+// Throws InputError where a dataset has no labels by the rule, before any of its trials is read.
+void check_labels(const std::string& dataset_path, LabelRule rule) {
+  const DatasetReader reader = dataset_header_at(dataset_path);
+  if (rule != LabelRule::recorded) {
+    reader.check_truth(fmt::format("--labels {}", hd::name_of(label_words, rule)),
+                       "--labels recorded, the labels of the recordings");
+  } else if (reader.header().truth.empty()) {
+    reject("{}: is simulated and has no labels recorded; allowed: --labels {}", dataset_path, rules_of_truth());
+  }
+}
+
 }  // namespace
 
 std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels) {
-  const PadState slip = labels == LabelRule::strict || labels == LabelRule::paper ? PadState::gross : PadState::incipient;
+  const bool whole = labels == LabelRule::strict || labels == LabelRule::paper || labels == LabelRule::recorded;
+  const PadState slip = whole ? PadState::gross : PadState::incipient;
   switch (classes) {
     case ClassRule::slip: return {{"hold", PadState::non_slip}, {"slip", slip}};
     case ClassRule::kind: return {{"stable", PadState::non_slip}, {"translation", slip}, {"rotation", slip}};
@@ -325,6 +349,7 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
 }
 
 Examples read_examples(std::span<const std::string> dataset_paths, const ExampleOptions& options) {
+  for (const std::string& path : dataset_paths) check_labels(path, options.labels);
   Examples all = read_examples(dataset_paths.front(), options);
   std::size_t dataset = 0;
   for (const std::string& path : dataset_paths.subspan(1)) {

@@ -32,11 +32,13 @@ enum class LabelRule {
   latched,  // micro, and from its first slip on until nothing touches any more
   masked,  // micro, and a frame that sticks again after a slip, before nothing touches, is masked: it is under the shear that made it slip
   tightened,  // on a stage masked, in a grasp micro: what sticks again there is held, since the grip has tightened
+  recorded,   // no truth: the labels of an imported recording
 };
 inline constexpr std::array label_words{
-    hd::Word<LabelRule>{"micro", LabelRule::micro},   hd::Word<LabelRule>{"strict", LabelRule::strict},
-    hd::Word<LabelRule>{"paper", LabelRule::paper},   hd::Word<LabelRule>{"latched", LabelRule::latched},
-    hd::Word<LabelRule>{"masked", LabelRule::masked}, hd::Word<LabelRule>{"tightened", LabelRule::tightened}};
+    hd::Word<LabelRule>{"micro", LabelRule::micro},      hd::Word<LabelRule>{"strict", LabelRule::strict},
+    hd::Word<LabelRule>{"paper", LabelRule::paper},      hd::Word<LabelRule>{"latched", LabelRule::latched},
+    hd::Word<LabelRule>{"masked", LabelRule::masked},    hd::Word<LabelRule>{"tightened", LabelRule::tightened},
+    hd::Word<LabelRule>{"recorded", LabelRule::recorded}};
 
 // What slip is divided into.
 enum class ClassRule {

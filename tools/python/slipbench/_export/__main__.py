@@ -1,8 +1,9 @@
-"""`python -m slipbench._export REQUEST`: started by the program. Exit status 2 for bad input, with its message."""
+"""`python -m slipbench._export FILE`: started by the program, with a file that has the request. Exit status 2 for bad input, with its message."""
 
 import importlib
 import json
 import sys
+from pathlib import Path
 
 from slipbench import InputError, open as open_dataset
 from slipbench._export.request import Progress, Request, tell
@@ -13,12 +14,12 @@ def repeat_nothing(_told: object) -> None:
     """Writers that are dropped unclosed would tell the same error again, with a traceback."""
 
 
-def main(text: str) -> int:
+def main(path: str) -> int:
     """Writes what the request asks for; returns the exit status."""
-    request = Request(**json.loads(text))
+    request = Request(**json.loads(Path(path).read_bytes()))
     progress = Progress(request, Interrupt("stopping after this trial"))
     try:
-        writer = importlib.import_module(f"slipbench._export.{request.format}")
+        writer = importlib.import_module(f"slipbench._export.{'card' if request.files else request.format}")
         with open_dataset(request.dataset, check=False) as data:  # the program has compared the digests
             files = writer.write(data, request, progress)
         progress.end_notes()

@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
+import gzip
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from slipbench import Dataset
+from slipbench import Dataset, StoredTrial
 from slipbench._export import croissant
+from slipbench._export.layouts import LAYOUTS
 from slipbench._export.meanings import LABELS, codes_of
-from slipbench._export.request import Output, Request
+from slipbench._export.request import Output, Progress, Request
 from slipbench._export.series import Series, body_series, control_series, label_series, sensor_series
+from slipbench._program import counted
 
 BEGINNING = "---\n# Written by slipbench export.\n"
 CARDS = (BEGINNING.encode(), croissant.BEGINNING.encode())  # how README.md and croissant.json begin
+# What the names of files say in Croissant.
+NAMED = {"trial": ("sc:Integer", "number of the trial"), "class": ("sc:Text", "class of the motion")}
 PLACES = {"sensors": "sensor", "labels": "labels of", "truth": "body", "control": "control loop"}
 
 
 def _row(*cells: str) -> str:
     """A line of a table, in which a bar and the end of a line have no meaning."""
     return "| " + " | ".join(re.sub(r"\s+", " ", cell).replace("|", "\\|") for cell in cells) + " |\n"
+
+
+def _head(*cells: str) -> str:
+    return _row(*cells) + _row(*["---"] * len(cells))
 
 
 def _fence(text: str) -> str:
@@ -39,20 +49,33 @@ def without_folders(command: str) -> str:
     return re.sub(r"""(?<![^\s'"=])/[^\s'"]*/""", "", command)
 
 
+def _first(data: Dataset, request: Request) -> dict[str, StoredTrial]:
+    """The first trial that has each sensor, of those that the format is for. Trials of recordings may differ in their sensors."""
+    found: dict[str, StoredTrial] = {}
+    for number in request.trials:
+        trial = data[number]
+        for sensor in request.sensors:
+            if sensor in trial.sensors:
+                found.setdefault(sensor, trial)
+        if len(found) == len(request.sensors):
+            break
+    kind = LAYOUTS[request.format].sensor
+    return {sensor: trial for sensor, trial in found.items() if kind in ("", trial.sensors[sensor].attrs["type"])}
+
+
 def _series(data: Dataset, request: Request) -> Iterator[Series]:
-    """The arrays of the first trial, which every trial has."""
+    """The arrays that the files hold."""
+    holds = LAYOUTS[request.format].holds
     trial = data[request.trials[0]]
-    for sensor in request.sensors:
-        yield from sensor_series(trial, sensor)
-        yield from label_series(trial, sensor, request.labels)
-    yield from body_series(trial)
-    yield from control_series(trial)
+    series = [*body_series(trial), *control_series(trial)]
+    for sensor, has in _first(data, request).items():
+        series = [*sensor_series(has, sensor), *label_series(has, sensor, request.labels), *series]
+    yield from filter(holds, series)
 
 
 def _kinds(data: Dataset, request: Request) -> list[str]:
     """Types of the sensors."""
-    sensors = data[request.trials[0]].sensors
-    return sorted({str(sensors[name].attrs["type"]) for name in request.sensors})
+    return sorted({str(trial.sensors[sensor].attrs["type"]) for sensor, trial in _first(data, request).items()})
 
 
 def _title(kinds: list[str]) -> str:
@@ -67,49 +90,123 @@ def _citation(data: Dataset) -> str:
     return f"The slipbench authors: slipbench, a physics testbench for tactile slip detection, version {data.version}."
 
 
-def card_text(data: Dataset, request: Request) -> str:
-    """README.md of the export that `request` describes."""
-    trial = data[request.trials[0]]
-    sensors = {name: trial.sensors[name] for name in request.sensors}
-    kinds = _kinds(data, request)
-    rates = "".join(_row(f"`{name}`", str(sensor.attrs["type"]), f"{request.rate or float(sensor.attrs['rate_hz']):g} Hz", str(sensor.attrs.get("frame", "")))
-                    for name, sensor in sensors.items())
-    arrays, events = "", ""
+def _sensor_rows(data: Dataset, request: Request) -> str:
+    rows = ""
+    for name in _first(data, request):
+        sensors = [data[number].sensors[name] for number in request.trials if name in data[number].sensors]
+        rates = sorted({request.rate or float(sensor.attrs["rate_hz"]) for sensor in sensors})
+        rows += _row(f"`{name}`", str(sensors[0].attrs["type"]), ", ".join(f"{rate:g} Hz" for rate in rates), str(sensors[0].attrs.get("frame", "")))
+    return f"## Sensors\n\n{_head('sensor', 'type', 'rate', 'axes')}{rows}\n"
+
+
+def _array_rows(data: Dataset, request: Request) -> str:
+    """What the arrays of the dataset are that the files hold; empty where they hold none."""
+    rows, first = "", _first(data, request)
     for one in _series(data, request):
+        rule = f"; rule: {first[one.owner].labels[one.owner].attrs['rule']}" if one.name == "state_recorded" else ""
         unit = "code" if one.codes else "dimensionless" if one.unit in ("", "1") else one.unit
-        arrays += _row(f"{PLACES[one.kind]} `{one.owner}`" if one.owner else PLACES[one.kind], f"`{one.name}`", str(list(one.shape)), unit, _meaning(one))
-    for name in request.sensors:
+        rows += _row(f"{PLACES[one.kind]} `{one.owner}`" if one.owner else PLACES[one.kind], f"`{one.name}`", str(list(one.shape)), unit, _meaning(one) + rule)
+    for name, trial in first.items():
         if name in trial.labels and "events" in trial.labels[name]:
             kind = trial.labels[name]["events"]["kind"]
             key = Series("labels", name, "kind", "1", str(kind.attrs["codes"]), ("kind",), (), kind[:], kind[:])
-            events += _row(f"events of `{name}`", "`kind`", "[]", "code", _meaning(key))
+            if LAYOUTS[request.format].holds(key):
+                rows += _row(f"events of `{name}`", "`kind`", "[]", "code", _meaning(key))
+    if not rows:
+        return ""
+    return f"## Arrays\n\nShapes are those of one sample. Codes are listed with their meaning.\n\n{_head('of', 'array', 'shape', 'unit', 'meaning')}{rows}\n"
+
+
+def _column_rows(request: Request) -> str:
+    columns = LAYOUTS[request.format].columns(request)
+    rows = "".join(_row(f"`{one.name}`", one.unit, one.meaning) for one in columns)
+    return f"## Columns\n\n{_head('column', 'unit', 'meaning')}{rows}\n" if rows else ""
+
+
+def card_text(data: Dataset, request: Request) -> str:
+    """README.md of the export that `request` describes."""
+    first = data[request.trials[0]]
+    kinds = _kinds(data, request)
     tags = "".join(f"- {tag}\n" for tag in _keywords(kinds, request))
     front = f"pretty_name: {_title(kinds)}\n" + (f"license: {request.licence}\n" if request.licence else "")
     front += f"task_categories:\n- robotics\ntags:\n{tags}"
     if request.format == "lerobot":
         front += "configs:\n- config_name: default\n  data_files: data/*/*.parquet\n"
+    files = "".join(_row(f"`{name}`", text) for name, text in LAYOUTS[request.format].files.items())
+    scene = f"The scene:\n\n{_fence(data.scene)}\n" if data.scene else ""
     return (f"{BEGINNING}{front}---\n\n"
             f"# Recordings of {', '.join(kinds)} with labels of slip\n\n"
-            f"{len(request.trials)} trials, written by `slipbench export --format {request.format}`.\n\n"
-            f"## Sensors\n\n{_row('sensor', 'type', 'rate', 'axes')}{_row(*['---'] * 4)}{rates}\n"
-            f"## Arrays\n\nShapes are those of one sample. Codes are listed with their meaning.\n\n"
-            f"{_row('of', 'array', 'shape', 'unit', 'meaning')}{_row(*['---'] * 5)}{arrays}{events}\n"
-            f"## Origin\n\n{_row('what', 'value')}{_row('---', '---')}{_row('version', f'slipbench {data.version}')}{_row('seed', str(data.seed))}"
-            f"{_row('command', f'`{without_folders(data.command)}`')}{_row(f'SHA-256 of trial {request.trials[0]}', f'`{trial.sha256}`')}\n"
-            f"The scene:\n\n{_fence(data.scene)}\n"
+            f"{counted(len(request.trials), 'trial')}, written by `slipbench export --format {request.format}`.\n\n"
+            f"{_sensor_rows(data, request)}"
+            f"## Files\n\n{_head('file', 'content')}{files}\n"
+            f"{_array_rows(data, request)}{_column_rows(request)}"
+            f"## Origin\n\n{_head('what', 'value')}{_row('version', f'slipbench {data.version}')}{_row('seed', str(data.seed))}"
+            f"{_row('command', f'`{without_folders(data.command)}`')}{_row(f'SHA-256 of trial {request.trials[0]}', f'`{first.sha256}`')}\n"
+            f"{scene}"
             f"## Citation\n\n{_citation(data)}\n")
 
 
 def write_card(data: Dataset, request: Request, output: Output) -> None:
-    """Writes README.md and croissant.json among the files of `output`, after all others."""
+    """Writes README.md and croissant.json among the files of `output` and those that the program has written, after all others."""
     Path(output.path("README.md")).write_text(card_text(data, request), encoding="utf-8")
-    text = croissant_text(data, request, output.files())
+    written = [(Path(os.path.relpath(file, request.out)).as_posix(), file) for file in request.files]
+    text = croissant_text(data, request, [*written, *output.files()])
     Path(output.path("croissant.json")).write_text(text, encoding="utf-8")
+
+
+def _first_line(path: str) -> str:
+    """The first line of a table, which may be compressed."""
+    with gzip.open(path, "rt") if path.endswith(".gz") else open(path, encoding="utf-8") as file:
+        return file.readline().rstrip("\n")
+
+
+def _column(request: Request, states: dict[str, str], name: str) -> croissant.Column:
+    """What a column of a table is that the program has written. `states`: what the arrays of labels mean."""
+    for one in LAYOUTS[request.format].columns(request):
+        if one.pattern and re.fullmatch(one.pattern, name):
+            return croissant.Column(name, one.type, f"{one.meaning}; unit {one.unit}" if one.unit else one.meaning)
+    return croissant.Column(name, "sc:Integer", states[name]) if name in states else croissant.Column(name, "sc:Float", "")
+
+
+def _written_tables(data: Dataset, request: Request, files: list[croissant.File]) -> Iterator[croissant.Table]:
+    """The tables with a header that the program has written: one for all files that have the same columns."""
+    layout = LAYOUTS[request.format]
+    found: dict[tuple[str, str], list[str]] = {}
+    for name, path in files:
+        match = re.fullmatch(layout.table + r"(\.gz)?", name) if layout.table else None
+        if match:
+            found.setdefault((match.groupdict().get("table", "recordings"), _first_line(path)), []).append(name)
+    named = {group: (kind, text, re.sub(r"\(\?P<\w+>", "(?:", layout.table.replace(f"(?P<{group}>", "(")))
+             for group, (kind, text) in NAMED.items() if f"?P<{group}>" in layout.table}
+    states = {one.name: _meaning(one) for one in _series(data, request) if one.kind == "labels"}
+    names = [table for table, _ in found]
+    for number, ((table, header), some) in enumerate(found.items()):
+        yield croissant.Table(table if names.count(table) == 1 else f"{table}-{number}", some, [_column(request, states, name) for name in header.split(",")],
+                              "text/csv", named)
+
+
+def _parquet_tables(request: Request, files: list[croissant.File]) -> Iterator[croissant.Table]:
+    if request.format == "parquet":
+        for name, path in files:
+            if name.endswith(".parquet"):
+                yield croissant.Table(name.removesuffix(".parquet"), [name], croissant.parquet_columns(path))
+    if request.format == "lerobot":
+        frames = [file for file in files if file[0].startswith("data/")]
+        yield croissant.Table("frames", [name for name, _ in frames], croissant.parquet_columns(frames[0][1]), "application/x-parquet")
 
 
 def croissant_text(data: Dataset, request: Request, files: list[croissant.File]) -> str:
     """croissant.json of the export that `request` describes, which consists of `files`."""
-    kinds = _kinds(data, request)
+    kinds, files = _kinds(data, request), sorted(files)
     return croissant.croissant_text(
-        name=_title(kinds), description=f"{len(request.trials)} trials of {', '.join(kinds)} with labels of slip, as {request.format}.", version=data.version,
-        licence=request.licence, citation=_citation(data), keywords=_keywords(kinds, request), files=files, tables=request.format == "parquet")
+        name=_title(kinds), description=f"{counted(len(request.trials), 'trial')} of {', '.join(kinds)} with labels of slip, as {request.format}.", version=data.version,
+        licence=request.licence, citation=_citation(data), keywords=_keywords(kinds, request), files=files,
+        tables=[*_parquet_tables(request, files), *_written_tables(data, request, files)])
+
+
+def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
+    """Writes the card beside the files that the program has written; returns the names of all files."""
+    with Output(request.out, "a card of slipbench", lambda beginning: beginning.startswith(CARDS)) as output:
+        write_card(data, request, output)
+        progress.check()
+        return [*request.files, *output.publish()]

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Iterable
-from typing import Any
+from dataclasses import dataclass, field
+from glob import escape
+from typing import TYPE_CHECKING, Any
 
-import pyarrow as pa
-import pyarrow.parquet as pq
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 # As the specification prints it; readers expect all of these terms.
 CONTEXT: dict[str, Any] = {
@@ -23,8 +26,37 @@ CONTEXT: dict[str, Any] = {
     "subField": "cr:subField", "transform": "cr:transform"}
 BEGINNING = '{\n "@context": {\n  "@language": "en",'
 FORMATS = {".parquet": "application/x-parquet", ".mcap": "application/octet-stream", ".json": "application/json", ".yaml": "application/yaml",
-           ".csv": "text/csv", ".xml": "application/xml", ".md": "text/markdown"}
+           ".csv": "text/csv", ".gz": "application/gzip", ".hdf5": "application/x-hdf5", ".npz": "application/zip", ".xml": "application/xml", ".md": "text/markdown"}
 File = tuple[str, str]  # name in the export, and the path that has its content
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table. `type`: of its values, such as "sc:Float"; `repeated`: a row has several of them."""
+
+    name: str
+    type: str
+    description: str
+    repeated: bool = False
+
+
+@dataclass(frozen=True)
+class Table:
+    """Files with the same columns.
+
+    Attributes:
+        name: of the table
+        files: their names
+        columns: in order
+        encoding: MIME type of the files where there can be several; empty: there is one
+        named: what the files' names say: name of a column, and its type, description, and the regular expression with one group
+    """
+
+    name: str
+    files: list[str]
+    columns: list[Column]
+    encoding: str = ""
+    named: dict[str, tuple[str, str, str]] = field(default_factory=dict)
 
 
 def _digest(path: str) -> str:
@@ -38,6 +70,10 @@ def _file_object(name: str, path: str) -> dict[str, Any]:
 
 
 def _data_type(kind: pa.DataType) -> str:
+    import pyarrow as pa
+
+    if pa.types.is_fixed_size_list(kind) or pa.types.is_list(kind):
+        return _data_type(kind.value_type)
     if pa.types.is_boolean(kind):
         return "sc:Boolean"
     if pa.types.is_integer(kind):
@@ -53,19 +89,38 @@ def _described(field: pa.Field) -> str:
     return codes or ("" if unit in ("", "1") else f"unit {unit}")
 
 
-def _record_set(name: str, path: str) -> dict[str, Any]:
+def parquet_columns(path: str) -> list[Column]:
     """The columns of a Parquet file."""
-    table = name.removesuffix(".parquet")
-    fields = []
-    for field in pq.read_schema(path):
-        one = {"@type": "cr:Field", "@id": f"{table}/{field.name}", "name": field.name, "dataType": _data_type(field.type),
-               "source": {"fileObject": {"@id": name}, "extract": {"column": field.name}}}
-        described = _described(field)
-        fields.append(one | ({"description": described} if described else {}))
-    return {"@type": "cr:RecordSet", "@id": table, "name": table, "field": fields}
+    import pyarrow.parquet as pq  # which only the formats need that are written with it
+
+    return [Column(field.name, _data_type(field.type), _described(field), field.type.num_fields > 0) for field in pq.read_schema(path)]
 
 
-def croissant_text(*, name: str, description: str, version: str, licence: str, citation: str, keywords: list[str], files: Iterable[File], tables: bool) -> str:
+def _field_of(table: Table, number: int, column: Column, source: dict[str, Any]) -> dict[str, Any]:
+    """`number`: of the column, which makes its identifier where its name has other characters than identifiers may have."""
+    name = column.name if re.fullmatch(r"[\w.-]+", column.name) else f"column-{number}"
+    about: dict[str, Any] = {"@type": "cr:Field", "@id": f"{table.name}/{name}", "name": column.name, "dataType": column.type, "source": source}
+    if column.description:
+        about["description"] = column.description
+    if column.repeated:
+        about["repeated"] = True
+    return about
+
+
+def _record_set(table: Table) -> dict[str, Any]:
+    of = {"fileSet": {"@id": f"{table.name}-files"}} if table.encoding else {"fileObject": {"@id": table.files[0]}}
+    fields = [_field_of(table, 0, Column(name, kind, description), of | {"extract": {"fileProperty": "fullpath"}, "transform": {"regex": regex}})
+              for name, (kind, description, regex) in table.named.items()]
+    fields += [_field_of(table, number, column, of | {"extract": {"column": column.name}}) for number, column in enumerate(table.columns, 1)]
+    return {"@type": "cr:RecordSet", "@id": table.name, "name": table.name, "field": fields}
+
+
+def _file_set(table: Table) -> dict[str, Any]:
+    return {"@type": "cr:FileSet", "@id": f"{table.name}-files", "name": f"{table.name}-files", "encodingFormat": table.encoding,
+            "includes": [escape(name) for name in table.files]}
+
+
+def croissant_text(*, name: str, description: str, version: str, licence: str, citation: str, keywords: list[str], files: Iterable[File], tables: Iterable[Table]) -> str:
     """croissant.json of an export.
 
     Args:
@@ -76,7 +131,7 @@ def croissant_text(*, name: str, description: str, version: str, licence: str, c
         citation: how to cite the data
         keywords: of the data
         files: all files of the export
-        tables: whether Parquet files are tables, described column by column
+        tables: those that are described column by column
 
     Returns:
         JSON that begins with BEGINNING.
@@ -86,7 +141,8 @@ def croissant_text(*, name: str, description: str, version: str, licence: str, c
                              "version": version, "citeAs": citation, "keywords": keywords}
     if licence:
         about["license"] = licence
-    about["distribution"] = [_file_object(*file) for file in files]
+    tables = list(tables)
+    about["distribution"] = [*(_file_object(*file) for file in files), *(_file_set(table) for table in tables if table.encoding)]
     if tables:
-        about["recordSet"] = [_record_set(*file) for file in files if file[0].endswith(".parquet")]
+        about["recordSet"] = [_record_set(table) for table in tables]
     return json.dumps(about, indent=1, ensure_ascii=False) + "\n"

@@ -8,6 +8,7 @@ import re
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from dataclasses import field as dataclass_field
 from pathlib import Path
 from typing import Any
 
@@ -37,27 +38,42 @@ RATE_TOLERANCE = 0.01  # share by which a recorder's clock may be off, as everyw
 
 @dataclass(frozen=True)
 class Feature:
-    """A column of the dataset: `values` [frames, values of a frame]."""
+    """A column of the dataset.
+
+    Attributes:
+        name: of the column
+        columns: names of its values; of a table the names along each axis
+        values: [frames, values of a frame]
+        shape: of a frame's values, where they are a table; empty: a row
+        about: metadata of the column in the data files: unit, and the key of codes as JSON, word to number
+    """
 
     name: str
-    columns: list[str] | None
+    columns: list[str] | dict[str, list[str]] | None
     values: NDArray[Any]
+    shape: tuple[int, ...] = ()
+    about: dict[str, str] = dataclass_field(default_factory=dict)
 
     @property
     def described(self) -> dict[str, Any]:
         """As meta/info.json has it."""
-        return {"dtype": self.values.dtype.name, "shape": [self.values.shape[1]], "names": self.columns}
+        return {"dtype": self.values.dtype.name, "shape": list(self.shape or self.values.shape[1:]), "names": self.columns}
 
     @property
     def field(self) -> pa.Field:
         """As the data files have it."""
         kind, width = pa.from_numpy_dtype(self.values.dtype), self.values.shape[1]
-        return pa.field(self.name, kind if width == 1 else pa.list_(kind, width))
+        of_frame = pa.list_(pa.list_(kind)) if self.shape else kind if width == 1 else pa.list_(kind, width)  # a table as lerobot stores it
+        return pa.field(self.name, of_frame, metadata=self.about)
 
     @property
     def array(self) -> pa.Array:
         """The values as the data files have them."""
         flat = pa.array(self.values.reshape(-1))
+        if self.shape:
+            rows, columns = self.shape
+            of_rows = pa.ListArray.from_arrays(np.arange(len(self.values) * rows + 1, dtype=np.int32) * columns, flat)
+            return pa.ListArray.from_arrays(np.arange(len(self.values) + 1, dtype=np.int32) * rows, of_rows)
         return flat if self.values.shape[1] == 1 else pa.FixedSizeListArray.from_arrays(flat, self.values.shape[1])
 
 
@@ -104,10 +120,10 @@ class Stats:
         joined |= {name: (shares * of[name]).sum(axis=0) for name in QUANTILES}
         return Stats(sum(one.frames for one in some), total, {name: np.where(total > 0, one, 0) for name, one in joined.items()})
 
-    def lists(self) -> dict[str, list[float] | list[int]]:
-        """By lerobot's names."""
-        return {**{name: one.tolist() for name, one in self.of.items() if name in ("min", "max", "mean", "std")}, "count": [self.frames],
-                **{name: self.of[name].tolist() for name in QUANTILES}}
+    def lists(self, shape: list[int]) -> dict[str, Any]:
+        """By lerobot's names, in the shape of the feature."""
+        of = {name: one.reshape(shape).tolist() for name, one in self.of.items()}
+        return {**{name: of[name] for name in ("min", "max", "mean", "std")}, "count": [self.frames], **{name: of[name] for name in QUANTILES}}
 
 
 def _task(scene: str) -> str:
@@ -119,6 +135,36 @@ def _task(scene: str) -> str:
 def _joined(name: str, some: list[Series], prefix: bool) -> Feature:
     columns = [f"{one.owner}_{column}" if prefix else column for one in some for column in one.columns]
     return Feature(name, columns, np.concatenate([one.values for one in some], axis=1).astype(np.float32))
+
+
+def _has_points(trial: StoredTrial, sensor: str) -> bool:
+    """True if the sensor measures the force of each unit and the places of its units are known."""
+    group, labels = trial.sensors[sensor], trial.labels.get(sensor)
+    return labels is not None and "unit_positions" in labels.attrs and "force" in group and group["force"].shape[1:] == (len(labels.attrs["unit_positions"]), 3)
+
+
+def _points(trial: StoredTrial, sensor: str, series: list[Series]) -> Feature:
+    """Where each unit is and its force, as the sensor measures them, in the pad frame. A sensor without displacements has its units at rest."""
+    labels, measured = trial.labels[sensor].attrs, {one.name: one.values for one in series if (one.kind, one.owner) == ("sensors", sensor)}
+    places = np.column_stack([labels["unit_positions"], labels["unit_heights"]])
+    force = measured["force"].reshape(-1, *places.shape)
+    moved = places + measured["displacement"].reshape(force.shape) if "displacement" in measured else np.broadcast_to(places, force.shape)
+    values = np.concatenate([moved, force], axis=2).astype(np.float32)
+    names = {"unit": [str(unit) for unit in range(len(places))], "value": ["x [m]", "y [m]", "z [m]", "fx [N]", "fy [N]", "fz [N]"]}
+    return Feature(f"observation.tactile.{sensor}", names, values.reshape(len(values), -1), values.shape[1:])
+
+
+def _check_points(trial: StoredTrial, request: Request, progress: Progress) -> list[str]:
+    """The sensors that get a feature of points; a note names the others. Raises InputError where there is none."""
+    found = [sensor for sensor in request.sensors if _has_points(trial, sensor)]
+    without = "the force of each unit is not measured, or the places of the units are not recorded"
+    if not found:
+        raise InputError(f"--points: {', '.join(request.sensors)}: {without}; allowed: --points with a simulated sensor that has a channel `force` "
+                         "[units, 3], such as papillarray")
+    for sensor in request.sensors:
+        if sensor not in found:
+            progress.note(f"{sensor} has no points: {without}")
+    return found
 
 
 def _features(trial: StoredTrial, series: list[Series]) -> Iterator[Feature]:
@@ -134,7 +180,8 @@ def _features(trial: StoredTrial, series: list[Series]) -> Iterator[Feature]:
         yield _joined("action", moving, True)
     for one in series:
         group = {"sensors": "observation", "labels": "labels", "truth": "truth", "control": "control"}[one.kind]
-        yield Feature(".".join(filter(None, (group, one.owner, one.name))), list(one.columns), one.values)
+        about = {"unit": one.unit} | ({"codes": one.codes} if one.codes else {})
+        yield Feature(".".join(filter(None, (group, one.owner, one.name))), list(one.columns), one.values, about=about)
 
 
 class _Writer:
@@ -181,7 +228,8 @@ class _Writer:
         self._episodes.append({
             "episode_index": episode, "trial": number, "tasks": [self._task], "length": len(t), "data/chunk_index": self._file // FILES_A_CHUNK,
             "data/file_index": self._file % FILES_A_CHUNK, "dataset_from_index": self._frames, "dataset_to_index": self._frames + len(t),
-            **{f"stats/{name}/{key}": values for name, one in zip(names, stats, strict=True) for key, values in one.lists().items()},
+            **{f"stats/{name}/{key}": values for name, one, feature in zip(names, stats, described, strict=True)
+               for key, values in one.lists(feature["shape"]).items()},
             "meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0})
         self._frames += len(t)
 
@@ -213,7 +261,7 @@ class _Writer:
         index = json.dumps({"index_columns": ["task"], "column_indexes": [], "columns": columns, "pandas_version": "2.0.0"})
         tasks = pa.table({"task_index": pa.array([0], pa.int64()), "task": [self._task]}).replace_schema_metadata({"pandas": index})
         pq.write_table(tasks, self._path("meta/tasks.parquet"))
-        stats = {name: Stats.together([episode[i] for episode in self._stats]).lists() for i, name in enumerate(self._names)}
+        stats = {name: Stats.together([episode[i] for episode in self._stats]).lists(self._features[i]["shape"]) for i, name in enumerate(self._names)}
         info = {
             "codebase_version": VERSION, "robot_type": ROBOT, "total_episodes": len(self._episodes), "total_frames": self._frames, "total_tasks": 1,
             "chunks_size": FILES_A_CHUNK, "data_files_size_in_mb": FILE_BYTES // 1_000_000, "video_files_size_in_mb": 200, "fps": self._fps, "splits": self._splits(),
@@ -340,6 +388,7 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     partials = {rate: _beside(target)[0] for rate, target in targets.items()}
     for target in targets.values():
         _check_target(target)
+    pointed = _check_points(data[order[0]], request, progress) if request.points else []
     made = make_folder(out)
     try:
         writers = {}
@@ -355,7 +404,9 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
                 t = _instants(number, trial, sensors, series, rate, request)
                 pieces = _pieces(len(t), round(rate))
                 for piece in pieces:
-                    writers[rate].append(number, parts.get(number), t[piece], list(_features(trial, [one.at(t[piece]) for one in series])))
+                    at = [one.at(t[piece]) for one in series]
+                    points = [_points(trial, sensor, at) for sensor in sensors if sensor in pointed]
+                    writers[rate].append(number, parts.get(number), t[piece], [*_features(trial, at), *points])
                 for note in _other_rate(trial, sensors, rate):
                     progress.note(f"trial {number}: {note}")
                 if len(pieces) > 1:

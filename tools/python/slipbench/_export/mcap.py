@@ -278,7 +278,7 @@ def _layout(topics: list[Topic]) -> str:
     states = []
     for topic in topics:
         if topic.type == "slipbench.Labels" or topic.name == "/control":
-            states += [f"{topic.name}.{name}" for name in topic.about if name in ("state", "state_micro", "state_paper", "detector_class")]
+            states += [f"{topic.name}.{name}" for name in topic.about if name in ("state", "state_micro", "state_paper", "state_recorded", "detector_class")]
         elif topic.name.startswith("/sensors/") and not topic.type.startswith("foxglove."):
             paths = []
             for name, text in topic.about.items():

@@ -10,7 +10,7 @@ from slipbench._export.series import Series
 LABELS = {
     "state": "slip state of the pad, rule strict: a unit counts as slipping when all of it slips",
     "state_micro": "slip state of the pad, rule micro: a unit counts as slipping as soon as a part of it slips",
-    "state_paper": "slip state of the pad by the rule of the sensor's publication, or as labelled in an imported recording",
+    "state_paper": "slip state of the pad by the rule of the sensor's publication",
     "state_recorded": "slip state of the pad as labelled in an imported recording",
     "unit_state": "contact state of each unit",
     "slip_velocity": "velocity at which the tip of each unit slips, x and y in the contact plane; 0 while the tip sticks",

@@ -24,17 +24,24 @@ About = dict[str, dict[str, str]]  # metadata of columns: unit, and the key of c
 
 def encodings(schema: pa.Schema) -> dict[str, Any]:
     """What the writer is told: the bytes of numbers with a fraction side by side, which zstd then halves; the others by dictionary."""
-    fractions = [path for field in schema for path in _leaves(field) if _holds_fractions(field.type)]
-    others = [path for field in schema for path in _leaves(field) if not _holds_fractions(field.type)]
+    fractions = [_leaf(field) for field in schema if _holds_fractions(field.type)]
+    others = [_leaf(field) for field in schema if not _holds_fractions(field.type)]
     return {"compression": "zstd", "column_encoding": dict.fromkeys(fractions, "BYTE_STREAM_SPLIT"), "use_dictionary": others}
 
 
+def _is_list(kind: pa.DataType) -> bool:
+    return bool(pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind))
+
+
 def _holds_fractions(kind: pa.DataType) -> bool:
-    return bool(pa.types.is_floating(kind.value_type if pa.types.is_fixed_size_list(kind) else kind))
+    return _holds_fractions(kind.value_type) if _is_list(kind) else bool(pa.types.is_floating(kind))
 
 
-def _leaves(field: pa.Field) -> list[str]:
-    return [f"{field.name}.list.element" if pa.types.is_list(field.type) or pa.types.is_fixed_size_list(field.type) else field.name]
+def _leaf(field: pa.Field) -> str:
+    path, kind = field.name, field.type
+    while _is_list(kind):
+        path, kind = f"{path}.list.element", kind.value_type
+    return str(path)
 
 
 class _Files:

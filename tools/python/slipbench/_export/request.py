@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from slipbench import Dataset, InputError
-from slipbench._program import Interrupt
+from slipbench._program import Interrupt, counted
 
 LINE_PERIOD = 5.0  # s, between lines where nobody watches
 BAR_PERIOD = 0.1  # s, between redraws
@@ -26,16 +26,19 @@ class Request:
     """As the program hands it over, in JSON; it has checked each of these.
 
     Attributes:
-        format: "lerobot", "mcap", "parquet" or "rosbag2"
+        format: as the command line names it
         dataset: path of the dataset's first file
         out: folder to write into
         trials: numbers of the trials
         sensors: names; every trial has them
         rate: Hz, of the rows; None: each sensor's own
-        labels: rule of the pad's state, "strict", "micro" or "paper"; None: by all three
+        labels: rule of the pad's state, "strict", "micro" or "paper"; None: by all three. Of the PapillArray's logs the rule of a pillar's slip
+        label_speed: speed of a tip from which such a rule calls it slip [m/s]; None: the rule has none
+        points: whether LeRobot gets position and force of each unit as one feature
         licence: of the data, for its card, such as "cc-by-4.0"; empty: not stated
         json: whether stdout is to have one JSON object and stderr no progress
         install: the command that installs what the formats need
+        files: paths of the files that the program itself has written, for which only the card is to be made; empty: there are none
     """
 
     format: str
@@ -45,9 +48,12 @@ class Request:
     sensors: list[str]
     rate: float | None
     labels: str | None
+    label_speed: float | None
+    points: bool
     licence: str
     json: bool
     install: str
+    files: list[str]
 
 
 def split_of(data: Dataset) -> dict[int, str]:
@@ -97,7 +103,7 @@ class Progress:
         if done == 1:
             expected, free = written * self._total, shutil.disk_usage(self._out).free
             if expected - written > free:
-                raise InputError(f"{self._out}: {self._total} trials take about {size_text(expected)}, found: {size_text(free)} free; "
+                raise InputError(f"{self._out}: {counted(self._total, 'trial')} would take about {size_text(expected)}, found: {size_text(free)} free; "
                                  "allowed: fewer trials (--split, --trial), fewer --sensors, a lower --rate")
             if self._total > 1:
                 self._say(f"{self._total} trials, about {size_text(expected)}\n")
@@ -123,7 +129,7 @@ class Progress:
     def end_notes(self) -> None:
         """Says how many notes were not shown."""
         if self._notes > MOST_NOTES:
-            sys.stderr.write(f"slipbench: note: {self._notes - MOST_NOTES} more trials likewise\n")
+            sys.stderr.write(f"slipbench: note: {counted(self._notes - MOST_NOTES, 'more note')}\n")
 
     def clear(self) -> None:
         """Removes an unfinished bar, so that a message starts on an empty line."""

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipbench import Arrays, InputError, StoredTrial
-from slipbench._data import RULES
+from slipbench._data import RULES, is_recording
+from slipbench._program import counted
 
 TIME_ROUNDING = 1e-9  # s: times closer than this are the same, k/rate and its like are rounded
 AXES = {"pose": ("x", "y", "z", "qw", "qx", "qy", "qz"), "velocity": ("vx", "vy", "vz", "wx", "wy", "wz"), "command": ("position", "speed", "force"),
@@ -69,7 +70,7 @@ def _series(kind: str, owner: str, group: Arrays, name: str, t: NDArray[np.float
         columns = tuple(f"{name}_{axis}" for axis in AXES[name]) if name in AXES else _label_columns(name, shape)
     values = array[:].reshape(len(array), -1)
     if len(t) != len(values) or len(columns) != values.shape[1]:
-        raise InputError(f"{kind}/{owner or 'loop'}/{name}: {values.shape[0]} rows of {values.shape[1]} values; expected {len(t)} of {len(columns)}")
+        raise InputError(f"{kind}/{owner or 'loop'}/{name}: {counted(values.shape[0], 'row')} of {values.shape[1]} values; expected {len(t)} of {len(columns)}")
     return Series(kind, owner, name, str(about["unit"]), str(about.get("codes", "")), columns, shape, t, values)
 
 
@@ -94,7 +95,8 @@ def label_series(trial: StoredTrial, sensor: str, rule: str | None) -> Iterator[
     left_out = {array for name, array in RULES.items() if rule not in (None, name)}
     for name in group:
         if name not in ("t", "events") and name not in left_out:
-            yield _series("labels", sensor, group, name, t)
+            one = _series("labels", sensor, group, name, t)
+            yield replace(one, name="state_recorded", columns=("state_recorded",)) if is_recording(group) else one
 
 
 def body_series(trial: StoredTrial) -> Iterator[Series]:

@@ -16,6 +16,7 @@ from slipbench._import.block import Block
 from slipbench._import.keys import TIME_UNITS
 from slipbench._import.labels import File, Lookup, States, object_of
 from slipbench._import.source import Source, stamps_of
+from slipbench._program import counted
 from slipbench.bin import _core
 
 # Which files of a folder are meant: those of the first of these kinds that it has.
@@ -205,7 +206,7 @@ def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int]
     components = channel.get("components", starred)
     if len(names) % components:
         raise InputError(
-            f"{source.title_place()}: has {len(names)} columns for channel {key}; expected a multiple of its {components} components"
+            f"{source.title_place()}: has {counted(len(names), 'column')} for channel {key}; expected a multiple of its {components} components"
         )
     if len(parts) == 1 and parts[0].ndim > 2 and "components" not in channel:
         return list(parts[0].shape[1:]), names, joined
@@ -244,8 +245,9 @@ def _missing_text(source: Source, times: np.ndarray, rows: np.ndarray, done: str
         texts.append(
             f"{last - first + 1} at {source.place(first)}, {times[after] - times[before]:.4g} s from {times[before]:.6g} s on"
         )
-    more = f" and {len(runs) - MOST_RUNS} more gaps" if len(runs) > MOST_RUNS else ""
-    return f"{len(rows)} of {len(times)} samples have missing values and {done}: {'; '.join(texts)}{more}"
+    more = f" and {counted(len(runs) - MOST_RUNS, 'more gap')}" if len(runs) > MOST_RUNS else ""
+    have, are = ("have", "are") if len(rows) > 1 else ("has", "is")
+    return f"{len(rows)} of {len(times)} samples {have} missing values and {are} {done}: {'; '.join(texts)}{more}"
 
 
 class Importer:
@@ -279,7 +281,7 @@ class Importer:
             rate = None  # the rows that are left have gaps
         times = times[kept]
         if len(times) < (1 if rate else 2):
-            raise InputError(f"{file.path}: has {len(times)} samples; expected two or more, which give the rate")
+            raise InputError(f"{file.path}: has {counted(len(times), 'sample')}; expected two or more, which give the rate")
         late = np.flatnonzero(~(np.diff(times) > 0))
         if late.size:
             row = int(late[0]) + 1
@@ -350,6 +352,6 @@ class Importer:
             if not np.isnan(times).all()
             else times
         )
-        done = "are left out" if self._policy == "gap" else "are NaN in the dataset"
+        done = "left out" if self._policy == "gap" else "NaN in the dataset"
         self._writer.warn(source.path, _missing_text(source, known, empty, done))
         return np.setdiff1d(every, empty) if self._policy == "gap" else every

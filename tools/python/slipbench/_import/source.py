@@ -10,6 +10,7 @@ import numpy as np
 
 from slipbench import InputError
 from slipbench._import.block import nearest
+from slipbench._program import counted
 
 MISSING = ("", "nan", "-nan", "+nan", "na", "n/a", "null", "none", "-")  # cells without a value, in lower case
 RANGE = " .. "
@@ -91,7 +92,7 @@ class Source:
             for title, group in zip(starred, groups, strict=True):
                 if len(group) != len(groups[0]):
                     raise InputError(
-                        f"{self.title_place()}: {starred[0]!r} is {len(groups[0])} columns and {title!r} is {len(group)}; "
+                        f"{self.title_place()}: {starred[0]!r} is {counted(len(groups[0]), 'column')} and {title!r} is {len(group)}; "
                         "expected as many"
                     )
             return [title for row in zip(*groups, strict=True) for title in row], len(starred)

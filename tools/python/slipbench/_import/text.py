@@ -14,6 +14,7 @@ import pandas as pd
 
 from slipbench import InputError
 from slipbench._import.source import MISSING, Source
+from slipbench._program import counted
 
 SEPARATORS = ("\t", ";", "|", ",", " ")  # in the order in which they are preferred; the last stands for any blanks
 NAMES = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks", "": "one column"}
@@ -215,7 +216,7 @@ class TextTable(Source):
             raise InputError(f"{self.path}: cannot be read as a table: {str(error).strip()}") from error
         if len(frame) != len(self._lines):
             raise InputError(
-                f"{self.path}: {len(self._lines)} lines give {len(frame)} rows; expected a row on each line, "
+                f"{self.path}: the table has {counted(len(self._lines), 'line')} and {counted(len(frame), 'row')}; expected a row on each line, "
                 "without line breaks inside quotes"
             )
         for k in used:

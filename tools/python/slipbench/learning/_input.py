@@ -268,7 +268,7 @@ def read_examples(datasets: Sequence[str], frames: Input, *, labels: str = "micr
     Args:
         datasets: paths of the first files
         frames: what to read
-        labels: "micro", "strict", "paper", "latched", "masked" or "tightened"
+        labels: "micro", "strict", "paper", "latched", "masked" or "tightened"; of recordings "recorded"
         classes: "slip" (hold, slip), "kind" (stable, translation, rotation) or "direction" (t, n, e, s, w, cw, aw)
         sensor: the scene's name; empty: every one that fits
         turned: copies of each example of a myrmex whose images are turned; they only train

@@ -161,11 +161,12 @@ TEST(Example, HasTheDirectionOfItsMotion) {
   TrialRecord imported;  // says its class, and nothing of the truth
   imported.params = R"({"object": "pen", "class": "cw"})";
   sensor.labels.state_micro.clear();
+  sensor.labels.truth = false;
   ExampleOptions options;
   options.input = spectra();
   options.classes = ClassRule::direction;
-  EXPECT_THAT(refusal_of([&] { example_of(imported, sensor, options); }), mentions({"--labels paper"}));
-  options.labels = LabelRule::paper;
+  EXPECT_THAT(refusal_of([&] { example_of(imported, sensor, options); }), mentions({"--labels recorded"}));
+  options.labels = LabelRule::recorded;
   EXPECT_THAT(example_of(imported, sensor, options).frames.label, ElementsAre(5, 5, 5));
   EXPECT_EQ(example_of(imported, sensor, options).object, R"(object="pen")");
 }
@@ -221,10 +222,12 @@ TEST(Example, OtherSensorsAreRefused) {
 TEST(Example, OfARecordingIsByItsOwnLabels) {
   SensorRecord recording = skin();
   recording.labels.state_micro.clear();
+  recording.labels.truth = false;
   recording.rate = 1e6 / 100.4;
-  EXPECT_THAT(refusal_of([&] { example(recording, LabelRule::latched); }),
-              mentions({"0 states", "latched", "450 samples", "paper"}));
-  EXPECT_THAT(example(recording, LabelRule::paper).frames.label, ElementsAre(0, 0, 0));
+  for (const LabelRule rule : {LabelRule::latched, LabelRule::paper})
+    EXPECT_THAT(refusal_of([&] { example(recording, rule); }), mentions({"is recorded", "--labels recorded"}));
+  EXPECT_THAT(example(recording, LabelRule::recorded).frames.label, ElementsAre(0, 0, 0));
+  EXPECT_THAT(refusal_of([&] { example(skin(), LabelRule::recorded); }), mentions({"is simulated", "micro, strict, paper"}));
 }
 
 TEST(SweptFacts, AreOfTheTrialsParameters) {

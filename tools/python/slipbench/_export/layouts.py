@@ -1,0 +1,146 @@
+"""How each format lays out the trials: its files, and the columns of the formats that hold other values than the dataset's arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from slipbench._export.request import Request
+from slipbench._export.series import Series
+
+MILLI = 1e3
+# Of a pillar, as its vendor and the ROS driver number them.
+VENDOR_CODES = "-2 not yet touched, -1 lost contact, 0 not known, 1 in contact, 2 tangentially loaded (true force of 0.05 N or more), 3 slips now"
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column, or several that differ in a number or an axis.
+
+    Attributes:
+        name: as the card shows it: "S<s>_P<p>_DX, DY, DZ"
+        pattern: regular expression of the names in the files; empty: the files do not name their columns
+        unit: empty for a pure number or a code
+        meaning: one sentence, with the key of a code
+        type: of its values in Croissant
+    """
+
+    name: str
+    pattern: str
+    unit: str
+    meaning: str
+    type: str = "sc:Float"
+
+
+def _no_columns(_: Request) -> list[Column]:
+    return []
+
+
+def _every(_: Series) -> bool:
+    return True
+
+
+def _none(_: Series) -> bool:
+    return False
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What the files of a format hold.
+
+    Attributes:
+        files: what a file holds, by its name
+        holds: whether the files have an array of the dataset
+        sensor: the only type of sensor that the format has; empty: any
+        columns: of the formats that hold other values
+        table: regular expression of the names of tables with a header, with the groups `table`, which distinguishes tables with different
+            columns, `trial` and `class`, where the name has them; empty: there are no such tables, or they are Parquet
+    """
+
+    files: dict[str, str]
+    holds: Callable[[Series], bool] = _every
+    sensor: str = ""
+    columns: Callable[[Request], list[Column]] = _no_columns
+    table: str = ""
+
+
+def _pillar_rule(request: Request) -> str:
+    """When a pillar counts as slipping in the logs of the PapillArray."""
+    speed = f"{MILLI * (request.label_speed or 0.0):g} mm/s"
+    return f"rule {request.labels}: a pillar slips when " + {
+        "strict": "all of it slips", "micro": "a part of it slips", "paper": f"its tip slides faster than {speed}",
+        "has_slipped": f"its tip has been faster than {speed} since it touched"}[request.labels or "strict"]
+
+
+def _vendor_columns(request: Request) -> list[Column]:
+    pillar = r"S\d_P\d_"
+    return [
+        Column("T_us", "T_us", "us", "time since the beginning of the trial", "sc:Integer"),
+        Column("S<s>_P<p>_DX, DY, DZ", pillar + "D[XYZ]", "mm", "displacement of the tip of pillar p of sensor s"),
+        Column("S<s>_P<p>_FX, FY, FZ", pillar + "F[XYZ]", "N", "force on pillar p"),
+        Column("S<s>_GG_FX, FY, FZ", r"S\d_GG_F[XYZ]", "N", "sum of the forces on all pillars"),
+        Column("S<s>_GG_TX, TY, TZ", r"S\d_GG_T[XYZ]", "N mm", "torque of these forces about the centre pillar"),
+        Column("S<s>_isSDActive", r"S\d_isSDActive", "", "1: slip detection is on", "sc:Integer"),
+        Column("S<s>_isRefLoad", r"S\d_isRefLoad", "", "1: the centre pillar is loaded", "sc:Integer"),
+        Column("S<s>_P<p>_isInContact", pillar + "isInContact", "", "1: the reported normal force is at least 0.5 N", "sc:Integer"),
+        Column("S<s>_P<p>_slipState", pillar + "slipState", "",
+               f"the truth in the codes of the vendor: {VENDOR_CODES}; {_pillar_rule(request)}", "sc:Integer"),
+        Column("S<s>_FrictionEst", r"S\d_FrictionEst", "", "-1: the estimator of the device is not simulated", "sc:Integer")]
+
+
+def _training_columns(request: Request) -> list[Column]:
+    return [Column("1", "", "s", "time since the beginning of the trial"),
+            Column("2 + 8 p", "", "", "contact of pillar p, 0 to 8: 0 detached, 1 touches"),
+            Column("3 + 8 p", "", "", f"slip of pillar p: 0 no, 1 slips; {_pillar_rule(request)}"),
+            Column("4 + 8 p to 6 + 8 p", "", "mm", "displacement of the tip of pillar p: x, y, z"),
+            Column("7 + 8 p to 9 + 8 p", "", "N", "force on pillar p: x, y, z")]
+
+
+def _grasp_columns(_: Request) -> list[Column]:
+    return [Column("object", "object", "", "what was grasped: shape and size in mm", "sc:Text"),
+            Column("slipped", "slipped", "", "0 held, 1 lost, as the `hold` of the scene calls it", "sc:Integer"),
+            Column("ff_biotac_<e>, mf_biotac_<e>, th_biotac_<e>", r"(ff|mf|th)_biotac_\d+", "counts",
+                   "electrode e, 1 to 24, of the finger's BioTac SP in the last sample before the lift", "sc:Integer")]
+
+
+def _slip_columns(_: Request) -> list[Column]:
+    return [Column("ff_e<e>", r"ff_e\d+", "counts", "electrode e, 1 to 24", "sc:Integer")]
+
+
+def _image_columns(_: Request) -> list[Column]:
+    return [Column("all", "", "counts", "the taxels column by column, 0 to 4095: high at rest, lower under pressure")]
+
+
+def _in_tables(one: Series) -> bool:
+    return one.kind == "sensors" or (one.kind == "labels" and one.name.startswith("state"))
+
+
+def _in_demonstrations(one: Series) -> bool:
+    return _in_tables(one) or one.kind == "truth" or (one.kind == "control" and one.name in ("command", "measured_position"))
+
+
+ARCHIVE = ("arrays of trial k under their paths: `sensors/<sensor>/<array>`, `labels/<sensor>/<array>`, `truth/<body>/<array>`, `control/<array>`; "
+           "`about` is a JSON text with the units and the keys of codes")
+LAYOUTS = {
+    "csv": Layout({"demo_<k>-<sensor>.csv": "trial k: a row a sample; `t [s]`, a column for each value as `NAME [UNIT]`, the states",
+                   "demo_<k>-<sensor>-<channel>.csv": "the same of a channel with times of its own"},
+                  _in_tables, table=r"demo_(?P<trial>\d+)-(?P<table>.+)\.csv"),
+    "npz": Layout({"demo_<k>.npz": ARCHIVE}),
+    "myrmex-rotated": Layout({"demo_<k>.npz": f"{ARCHIVE}. The taxels of a Myrmex of 12 x 12 or more are [samples, 12, 12, 12]: sample, turn by 0 to 330 degrees "
+                              "in steps of 30, row, column"}),
+    "robomimic": Layout({"robomimic.hdf5": "`data/demo_<k>`: trial k at one rate; `obs/<sensor>_<channel>`, `next_obs`, `actions` (scaled to -1 to 1), `states` "
+                         "(pose and velocity of all bodies), `rewards` (1 in the last row of a grasp that holds), `dones`, `<sensor>_<state>`"}, _in_demonstrations),
+    "parquet": Layout({"<sensor>.parquet": "a row a sample of all trials", "<sensor>-<channel>.parquet": "a row a sample of a channel with times of its own",
+                       "<sensor>-events.parquet": "a row an event", "body-<name>.parquet": "a row an instant of a body", "control.parquet": "a row a step of the loop",
+                       "trials.parquet": "a row a trial"}),
+    "lerobot": Layout({"data/*/*.parquet": "a row a frame", "meta/info.json": "the features", "meta/episodes/*/*.parquet": "a row an episode, with the number of its trial"}),
+    "mcap": Layout({"demo_<k>.mcap": "trial k: a topic for each sensor, its labels, the bodies and the loop", "foxglove-layout.json": "a layout for viewers"}),
+    "rosbag2": Layout({"demo_<k>": f"trial k as a ROS 2 bag; `slip_state` of a PapillArray's message: {VENDOR_CODES}", "slipbench_msgs": "the package of the messages"}),
+    "vendor-csv": Layout({"LOG_demo_<k>.csv": "trial k in the layout of the vendor's software, a row a sample"}, _none, "papillarray", _vendor_columns,
+                         r"(?P<table>LOG)_demo_(?P<trial>\d+)\.csv"),
+    "training-csv": Layout({"<move>/demo_<k>-v_<mm/s>-<slip or stop>.csv": "trial k: a row a sample at 1000 Hz, 73 columns without header; move and speed are those "
+                            "that the scene commands; stop: the pad braked within 100 ms of its start"}, _none, "papillarray", _training_columns),
+    "grasp-csv": Layout({"grasps.csv": "a row a grasp"}, _none, "biotac_sp", _grasp_columns, r"(?P<table>grasps)\.csv"),
+    "slip-csv": Layout({"<class>/<object><k>.csv": "trial k: a row a sample at 100 Hz without times; class: n towards the root of the finger, s towards its tip, "
+                        "e and w to its right and left, cw and aw turn, t rests"}, _none, "biotac_sp", _slip_columns, r"(?P<class>[a-z]+)/.+\.csv"),
+    "myrmex-csv": Layout({"demo_<k>-<sensor>.csv": "trial k: an image a line at 1000 Hz, without header and times"}, _none, "myrmex", _image_columns)}
