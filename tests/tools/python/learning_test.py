@@ -176,7 +176,7 @@ class Training(TrainingTest):
             for part, key in (("train", "trials_learnt"), ("valid", "trials_validated"), ("test", "trials_judged")):
                 self.assertEqual(trained.description["trained"][key], list(stored.mask(part)))
         self.assertEqual(trained.parts, {"learns": 12, "validates": 6, "judges": 6})
-        with self.assertRaisesRegex(InputError, r"split.h5.*every_trial=True \(--all\)"):
+        with self.assertRaisesRegex(InputError, "split.h5.*every_trial=True, which divides"):
             self.train(dataset=data, every_trial=False, split="trial")
 
     # Twice 24 trials: 10 judge, a fifth of the other 38, rounded up, validates.

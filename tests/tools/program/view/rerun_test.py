@@ -101,8 +101,8 @@ class Rerun(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         sent = {one[1]: one[2:] for one in self.said() if one[0] == "columns"}
         self.assertEqual(sent["sensors/pad/force [N]"][4]["shape"], [500, 27])  # as in test_sends_columns()
-        self.assertEqual(sent["labels/pad/state_paper"][4]["shape"], [500, 1])
-        self.assertEqual([name for name in sent if name.startswith("labels/")], ["labels/pad/state_paper"])
+        self.assertEqual(sent["labels/pad/state_recorded"][4]["shape"], [500, 1])
+        self.assertEqual([name for name in sent if name.startswith("labels/")], ["labels/pad/state_recorded"])
         self.assertFalse([name for name in sent if name.startswith("truth/")], "there are no bodies")
 
     def test_follows_a_run(self):
