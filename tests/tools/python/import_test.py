@@ -221,6 +221,17 @@ class Tables(ImportTest):
         self.assertEqual(np.argwhere(np.isnan(np.asarray(pad.force))).tolist(), [[3, 0], [4, 1], [8, 0]])
         self.assertTrue(slipbench.verify(self.folder / f"out_{self.count}.h5")["holds"])
 
+    def test_resampling_keeps_the_samples_beside_missing_ones(self):
+        rows = [[f"{k / 10:.1f}", f"{k}", "1"] for k in range(6)]
+        rows[3][1] = ""
+        output = self.folder / "resampled.h5"
+        self.write("map.yaml", MAP % ", missing: nan")
+        slipbench.import_recordings(
+            self.write("a.csv", table(rows=rows)), output, map=self.folder / "map.yaml", rate="10 Hz"
+        )
+        with slipbench.open(output) as data:
+            np.testing.assert_array_equal(np.asarray(data[0].sensors["pad"].force)[:, 0], [0, 1, 2, np.nan, 4, 5])
+
     def test_times_have_a_unit_are_dates_or_follow_from_a_rate(self):
         def timed(cells, time):
             return self.force(
