@@ -44,6 +44,16 @@ class DetectTest(unittest.TestCase):
     def detect(self, name, output=""):
         return slipbench.detect("force_ratio", self.place / f"{name}.h5", output and self.place / output, parameters={"ratio": 0.35})
 
+    def test_missing_values_are_not_taken_for_readings(self):
+        log = pd.read_csv(self.place / "log.csv")
+        log.loc[150:159, "f3"] = np.nan  # 1.5 s to 1.59 s
+        log.to_csv(self.place / "missing.csv", index=False)
+        (self.place / "missing.yaml").write_text(MAP.format(labels=LABELS + ", missing: nan"))
+        slipbench.import_recordings(self.place / "missing.csv", self.place / "missing.h5", map=self.place / "missing.yaml")
+        for judge in (slipbench.detect, slipbench.evaluate):
+            with self.assertRaisesRegex(slipbench.InputError, "trial 0: sensor pad: channel force has no value at 1.5 s"):
+                judge("force_ratio", self.place / "missing.h5")
+
     def test_alarms_are_those_of_eval_with_or_without_labels(self):
         judged = slipbench.evaluate("force_ratio", self.place / "labelled.h5", parameters={"ratio": 0.35})
         self.assertEqual(judged["labels"], "recorded")

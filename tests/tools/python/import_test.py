@@ -221,6 +221,17 @@ class Tables(ImportTest):
         self.assertEqual(np.argwhere(np.isnan(np.asarray(pad.force))).tolist(), [[3, 0], [4, 1], [8, 0]])
         self.assertTrue(slipbench.verify(self.folder / f"out_{self.count}.h5")["holds"])
 
+    def test_resampling_keeps_the_samples_beside_missing_ones(self):
+        rows = [[f"{k / 10:.1f}", f"{k}", "1"] for k in range(6)]
+        rows[3][1] = ""
+        output = self.folder / "resampled.h5"
+        self.write("map.yaml", MAP % ", missing: nan")
+        slipbench.import_recordings(
+            self.write("a.csv", table(rows=rows)), output, map=self.folder / "map.yaml", rate="10 Hz"
+        )
+        with slipbench.open(output) as data:
+            np.testing.assert_array_equal(np.asarray(data[0].sensors["pad"].force)[:, 0], [0, 1, 2, np.nan, 4, 5])
+
     def test_times_have_a_unit_are_dates_or_follow_from_a_rate(self):
         def timed(cells, time):
             return self.force(
@@ -310,6 +321,57 @@ class Tables(ImportTest):
             self.refused(MAP % ", decimal: ',', thousands: ','", self.write("a.csv", table(";"))),
         )
 
+    def test_empty_rows_and_missing_cells_shift_nothing(self):
+        rate = MAP.replace("{column: t}", "{rate: 100 Hz}") % ", missing: gap"
+        # The second sample is empty: the third stays at 0.02 s.
+        for name, map, text in (
+            ("a.tsv", rate, "f1\tf2\n1\t2\n\t\n3\t4\n5\t6\n"),
+            ("a.txt", rate.replace("f1, f2", "f1"), "f1\n1\n\n3\n5\n\n"),
+        ):
+            with self.subTest(name):
+                path = self.write(name, text)
+                values, times = self.force(map, path)
+                self.assertEqual(values[:, 0].tolist(), [1, 3, 5])
+                self.assertEqual(times.tolist(), [0, 0.02, 0.03])
+                self.assertIn(f"{name}:3: column f1 has no value", self.refused(map.replace(", missing: gap", ""), path))
+        for missing in ("", ", missing: gap", ", missing: nan"):
+            self.assertIn(
+                "a.txt:3: has 2 cells; expected 3: blanks do not show which cell is missing",
+                self.refused(MAP % missing, self.write("a.txt", "t f1 f2\n0 1 2\n1 2\n2 3 4\n")),
+            )
+
+    def test_commas_that_mean_two_things_are_refused(self):
+        path = self.write("a.csv", table(rows=[["0", '"1,000"', "1"], ["1", '"1,001"', "2"]]))
+        self.assertIn(
+            "a.csv:2: '1,000' has a decimal comma or a mark between thousands, which cannot be told apart",
+            self.refused(MAP % "", path),
+        )
+        self.assertEqual(self.force(MAP % ", thousands: ','", path)[0][:, 0].tolist(), [1000, 1001])
+        self.assertEqual(self.force(MAP % ", decimal: ','", path)[0][1, 0], np.float32(1.001))
+        # Programs that write decimal commas separate cells by semicolons.
+        path = self.write("a.csv", table(";", rows=[["0", "1,000", "1"], ["1", "1,001", "2"]]))
+        self.assertEqual(self.force(MAP % "", path)[0][1, 0], np.float32(1.001))
+        self.assertIn("found '1e400'", self.refused(MAP % "", self.write("a.csv", "t,f1,f2\n0,1e400,1\n1,2,3\n")))
+
+    def test_the_rate_follows_from_the_digits_of_the_stamps(self):
+        """Steps of 1/77 s in ms, written in two ways: the rate is 77 Hz, not one of fewer digits."""
+        milliseconds = [round(1000 * k / 77) for k in range(201)]
+        for time, keys, cells in (
+            (
+                "{column: t, format: '%d.%m.%Y %H.%M.%S.%f'}",
+                "",
+                [f"03.02.2026 10.00.{k // 1000:02d}.{k % 1000:03d}" for k in milliseconds],
+            ),
+            ("{column: t, unit: ms}", ", thousands: ','", [f'"{k:,}"' for k in milliseconds]),
+        ):
+            path = self.write("a.csv", table(rows=[[cell, "1", "2"] for cell in cells]))
+            pad = self.read((MAP % keys).replace("{column: t}", time), path)[0][0].sensors["pad"]
+            self.assertEqual(pad.rate, 77.0)
+        self.assertIn(
+            "found '10:75:00'",
+            self.refused(MAP % "", self.write("a.csv", table(rows=[["10:75:00", "1", "2"], ["10:76:00", "1", "2"]]))),
+        )
+
     def test_a_rate_that_is_given_is_the_rate(self):
         path = self.write("a.csv", table())
         self.assertEqual(
@@ -335,6 +397,41 @@ class Layouts(ImportTest):
             path,
         )
         np.testing.assert_array_equal(values[0], [2, 4, 6])
+
+    def test_columns_are_not_confused(self):
+        path = self.write("a.csv", "t,a,b,b,c\n0,1,2,3,4\n1,1,2,3,4\n")
+        map = MAP.replace("f1, f2", "%s") % ("a .. c", "")
+        self.assertIn("a.csv:1: has 2 columns 'b'", self.refused(map, path))
+        path = self.write("a.csv", "t,p0x,p2x,p0y,p1y\n0,1,2,3,4\n1,1,2,3,4\n")
+        self.assertIn(
+            "a.csv:1: the column 'p1y' would stand beside 'p2x'",
+            self.refused(map.replace("a .. c", "'p*x', 'p*y'"), path),
+        )
+
+    def test_labels_are_of_their_own_files(self):
+        """The name of a folder is not that of a file, and a row of a table is not that of two files."""
+        for name in ("slip_set/none_1.csv", "other/none_1.csv"):
+            self.write(f"set/{name}", table())
+        map = MAP % ", state: {file: '(slip|none)', values: {slip: 3, none: 1}, rule: the file}"
+        trials, _ = self.read(map, self.folder / "set")
+        self.assertEqual([int(trial.labels["pad"].state_paper[0]) for trial in trials], [1, 1])
+        labels = self.write("set/labels/all.csv", "file,label\nnone_1.csv,3\n")
+        map = MAP % ", state: {table: {path: ../labels/all.csv, column: label}, rule: a table}"
+        self.assertIn(
+            "the row 'none_1.csv' means other/none_1.csv and slip_set/none_1.csv",
+            self.refused(map, self.folder / "set"),
+        )
+        labels.write_text("file,label\nother/none_1.csv,3\nslip_set/none_1.csv,1\n")
+        trials, _ = self.read(map, self.folder / "set")
+        self.assertEqual([int(trial.labels["pad"].state_paper[0]) for trial in trials], [3, 1])
+
+    def test_warnings_of_missing_samples_name_the_sensor(self):
+        map = (
+            "{time: {column: t}, missing: gap, sensors: {a: {type: own, channels: {force: {unit: N, columns: [f1]}}}, "
+            "b: {type: own, channels: {force: {unit: N, columns: [f2]}}}}}"
+        )
+        _, warnings = self.read(map, self.write("a.csv", table(rows=[*ROWS, ["0.03", "", "1"], ["0.04", "1", "1"]])))
+        self.assertIn("a.csv: sensor a: 1 of 5 samples has missing values", warnings[0])
 
     def test_several_sensors_of_a_table_are_in_one_recording(self):
         map = "{time: {rate: 100 Hz}, sensors: {a: {type: own, channels: {force: {unit: N, columns: [f1]}}}, b: {type: own, channels: {force: {unit: N, columns: [f2]}}}}}"
@@ -489,6 +586,19 @@ class Arrays(ImportTest):
         for name in ("a.npz", "a.npy", "a.parquet"):
             self.write(name, b"not it")
             self.assertIn(f"{name}: cannot be read", self.refused(map, self.folder / name))
+
+    def test_times_and_labels_of_arrays(self):
+        times = np.arange(300) / 100
+        labels = (times > 1).astype(float)
+        map = MAP.replace("f1, f2", "f1") % ", state: {column: l, values: {0: non_slip, 1: gross}, rule: a button}"
+        # 1,000 s in float32 are known to 6e-5 s, which 100 Hz fits.
+        np.savez(self.folder / "a.npz", t=np.float32(times + 1000), f1=times, l=labels)
+        trial = self.read(map, self.folder / "a.npz")[0][0]
+        self.assertEqual(trial.sensors["pad"].rate, 100.0)
+        self.assertEqual(trial.labels["pad"].state_paper.tolist(), (1 + 2 * labels).tolist())
+        stamps = np.datetime64("2026-02-03T10:00:00", "ns") + (times * 1e9).round().astype("timedelta64[ns]")
+        np.savez(self.folder / "a.npz", t=stamps, f1=times, l=labels)
+        np.testing.assert_allclose(self.force(map, self.folder / "a.npz")[1], 1770112800 + times, rtol=0, atol=1e-6)
 
     def test_damaged_arrays_are_refused(self):
         """Found by fuzz_import.py."""
@@ -695,7 +805,9 @@ class Bags(ImportTest):
             | get_types_from_msg(
                 "uint8 sensor_pos\nxela_server_ros2/Taxel[] taxels\n", "xela_server_ros2/msg/SensorFull"
             )
-            | get_types_from_msg("xela_server_ros2/SensorFull[] sensors\n", "xela_server_ros2/msg/SensStream")
+            | get_types_from_msg(
+                "uint8 sensor_pos\nxela_server_ros2/SensorFull[] sensors\n", "xela_server_ros2/msg/SensStream"
+            )
         )
         taxel, full, stream = (
             store.types[f"xela_server_ros2/msg/{name}"] for name in ("Taxel", "SensorFull", "SensStream")
@@ -704,7 +816,8 @@ class Bags(ImportTest):
             connection = writer.add_connection("/xServTopic", stream.__msgtype__, typestore=store)
             for row in range(3):
                 message = stream(
-                    sensors=[full(sensor_pos=s, taxels=[taxel(x=s, y=k, z=row) for k in range(16)]) for s in (1, 2)]
+                    sensor_pos=9,
+                    sensors=[full(sensor_pos=s, taxels=[taxel(x=s, y=k, z=row) for k in range(16)]) for s in (1, 2)],
                 )
                 writer.write(connection, 10_000_000 * row, store.serialize_cdr(message, stream.__msgtype__))
         output = self.folder / "xela.h5"
@@ -715,6 +828,10 @@ class Bags(ImportTest):
             counts = np.asarray(sensors["skin_xServTopic_sensors_1"].counts)
             self.assertEqual(counts.shape, (3, 16, 3))
             self.assertEqual(counts[2, 5].tolist(), [2, 5, 2])
+        # The message has a field of the same name as the item's.
+        map = "{sensor: skin, type: own, each: sensors, channels: {place: {unit: '1', columns: [sensor_pos]}}}"
+        sensors = self.read(map, self.folder / "xela")[0][0].sensors
+        self.assertEqual([sensors[name].place[0, 0] for name in sorted(sensors)], [1, 2])
 
 
 if __name__ == "__main__":

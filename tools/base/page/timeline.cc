@@ -51,7 +51,12 @@ constexpr std::array<StateLook, 4> state_looks{
 
 // The end of a text that is too long for its place is left out.
 std::string shortened(const std::string& text) {
-  return text.size() <= most_key_letters ? text : text.substr(0, most_key_letters - 1) + "…";
+  std::size_t letters = 0, end = 0;  // `end`: of the letters that are kept
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const bool begins = (static_cast<unsigned char>(text[at]) & 0xC0U) != 0x80U;  // the first byte of a letter in UTF-8
+    if (begins && letters++ == most_key_letters - 1) end = at;
+  }
+  return letters <= most_key_letters ? text : text.substr(0, end) + "…";
 }
 
 // The key: a mark and a name for each thing that is drawn, in equal distances.

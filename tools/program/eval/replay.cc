@@ -68,6 +68,19 @@ class Rows {
   Replayed rows_;
 };
 
+// A missing value of a recording (`missing: nan` of its map) would count as no contact or as no slip.
+void check_no_missing_value(const SensorRecord& sensor) {
+  for (const SensorColumn& channel : sensor.channels) {
+    const auto missing = std::ranges::find_if_not(channel.values, [](float value) { return std::isfinite(value); });
+    if (missing == channel.values.end()) continue;
+    const auto row = static_cast<std::size_t>(missing - channel.values.begin()) / channel.row_size();
+    reject(
+        "sensor {}: channel {} has no value at {:.6g} s; allowed: a value in each sample, as `slipbench import` keeps with "
+        "missing: gap in the map",
+        sensor.name, channel.name, sensor.times_of(channel)[row]);
+  }
+}
+
 // The smallest scene that has a detector. Its sensor is not that of the dataset, with which make_detector() deals.
 constexpr const char* scene_around = "slipbench: 1\nsensors: {pad: {type: papillarray}}\n";
 
@@ -108,7 +121,10 @@ Replayed replay(const DetectorScene& detector, std::span<const SensorRecord> sen
   }
   const SensorSource& own = sources[sensor];
   FrameSource source{own.name, own.type, own.rate, own.channels, trial, duration, seed, sources};
-  if (!sensors[sensor].labels.truth) source.rate_rounding = rate_tolerance;
+  if (!sensors[sensor].labels.truth) {
+    check_no_missing_value(sensors[sensor]);
+    source.rate_rounding = rate_tolerance;
+  }
   if (counts_frames(detector.type)) check_evenly_spaced(sensors[sensor]);
   return replay(make_detector(detector, source), sensors, sensor);
 }

@@ -109,13 +109,13 @@ std::string unit_hint(double rate, bool mapped) {
   constexpr double slowest = 5.0;  // Hz
   struct Unit {
     const char* name;
-    double length;  // s
+    double per_second;
   };
-  constexpr std::array<Unit, 3> units{{{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
+  constexpr std::array<Unit, 3> units{{{"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}}};
   if (rate >= slowest) return "";
-  const auto* unit = std::ranges::find_if(units, [&](const Unit& one) { return rate / one.length >= slowest; });
+  const auto* unit = std::ranges::find_if(units, [&](const Unit& one) { return rate * one.per_second >= slowest; });
   if (unit == units.end()) return "";
-  return fmt::format("; times in {} would give {}{}", unit->name, format_quantity(rate / unit->length, Quantity::frequency),
+  return fmt::format("; times in {} would give {}{}", unit->name, format_quantity(rate * unit->per_second, Quantity::frequency),
                      mapped ? fmt::format(" (time: {{unit: {}}} in the map)", unit->name) : "");
 }
 

@@ -39,8 +39,13 @@ std::vector<float> interpolated(const SensorColumn& column, const std::vector<Sp
   values.reserve(spots.size() * width);
   for (const Spot& spot : spots) {
     const float* before = column.values.data() + spot.row * width;
-    for (std::size_t k = 0; k < width; ++k)
-      values.push_back(static_cast<float>((1.0 - spot.share) * double{before[k]} + spot.share * double{before[width + k]}));
+    for (std::size_t k = 0; k < width; ++k) {
+      // A sample is its own value, whatever is missing beside it.
+      const double value = spot.share == 0.0   ? before[k]
+                           : spot.share == 1.0 ? before[width + k]
+                                               : (1.0 - spot.share) * double{before[k]} + spot.share * double{before[width + k]};
+      values.push_back(static_cast<float>(value));
+    }
   }
   return values;
 }

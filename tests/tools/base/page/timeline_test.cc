@@ -37,6 +37,15 @@ TEST(Timeline, NamesAxesWithUnitsAndValuesInAKey) {
   EXPECT_THAT(timeline_html(sensor_from(0.0), {}, 1), HasSubstr("Further channels: level"));
 }
 
+// 16 letters of two bytes each: 14 are kept, none is cut in two.
+TEST(Timeline, CutsNamesBetweenLetters) {
+  SensorRecord sensor = sensor_from(0.0);
+  sensor.channel_names[8] = "ääääääääääääääää";
+  sensor.channel_names[7] = "ööööööööö";
+  const std::string html = timeline_html(sensor, {}, 1);
+  EXPECT_THAT(html, AllOf(HasSubstr(">ääääääääääääää…</text>"), HasSubstr(">ööööööööö</text>")));
+}
+
 // Value number k is that of component k mod 3 of unit k/3. Over 10 s value k changes by k N.
 TEST(Timeline, DrawsVectorsByTheirComponents) {
   SensorRecord sensor = sensor_from(0.0);

@@ -37,12 +37,20 @@ class Columns(Source):
         column = self._columns[title]
         if column.ndim != 1:
             raise InputError(f"{self.path}: {title} has {column.ndim} dimensions; expected one value a row")
+        if column.dtype.kind == "M":
+            return ["" if text == "NaT" else text for text in np.datetime_as_string(column).tolist()]
         if column.dtype.kind == "f":
             return ["" if np.isnan(value) else f"{value!r}" for value in column.tolist()]
         try:
             return [str(value) for value in column.tolist()]
         except (SystemError, ValueError) as error:  # code points beyond Unicode
             raise InputError(f"{self.path}: {title} holds a text that cannot be read: {error}") from error
+
+    def spacing(self, title: str) -> float:
+        column = self._columns[title]
+        if column.dtype.kind != "f" or np.isnan(column).all():
+            return 0.0
+        return float(np.spacing(np.nanmax(np.abs(column))))
 
 
 def read_npy(path: str) -> Columns:

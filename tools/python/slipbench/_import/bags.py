@@ -67,7 +67,8 @@ class Topic(Columns):
             }
             if not found:
                 break
-            found |= {title: column for title, column in self._columns.items() if not title.startswith(f"{each}[")}
+            # A field of the item goes before a field of the whole message with the same name.
+            found = {one: column for one, column in self._columns.items() if not one.startswith(f"{each}[")} | found
             topics.append(Topic(self.path, f"{self.name}, {each}[{len(topics)}]", self._times.tolist(), found))
         if not topics:
             raise InputError(

@@ -33,6 +33,7 @@ class Lookup:
         self.block = block
         self.place = block.only_one(PLACES)
         self._tables: dict[Path, dict[str, str]] = {}
+        self._used: dict[tuple[Path, str], str] = {}  # files by the rows of tables that name them without folders
         if self.place == "file":
             try:
                 self._pattern = re.compile(block.need("file"))
@@ -69,10 +70,10 @@ class Lookup:
                 )
             return full.parents[level - 1].name
         if self.place == "file":
-            match = self._pattern.search(file.name)
+            match = self._pattern.search(full.name)
             if not match or not match[1]:
                 raise InputError(
-                    f"{file.path}: the name {file.name!r} does not match {self.block.path('file')}: {self._pattern.pattern}"
+                    f"{file.path}: the name {full.name!r} does not match {self.block.path('file')}: {self._pattern.pattern}"
                 )
             return match[1]
         return self._of_table(file, full)
@@ -80,7 +81,7 @@ class Lookup:
     def _of_table(self, file: File, full: Path) -> str:
         named = self.block.need("table")
         for folder in (full.parent, Path(named.node.path).absolute().parent):
-            path = folder / named.need("path")
+            path = (folder / named.need("path")).resolve()  # one table for all files that share it
             if path.is_file():
                 break
         else:
@@ -93,6 +94,11 @@ class Lookup:
         rows = self._tables[path]
         for name in (file.name, full.name, full.stem):
             if name in rows:
+                other = self._used.setdefault((path, name), file.name)
+                if other != file.name:
+                    raise InputError(
+                        f"{path}: the row {name!r} means {other} and {file.name}; expected names with their folders"
+                    )
                 return rows[name]
         raise InputError(f"{file.path}: the table {path} has no row for {full.name!r}")
 
@@ -132,6 +138,8 @@ class States(Lookup):
 
     def _state(self, text: str, place: str) -> int | None:
         if self._values is not None:
+            if text not in self._values and re.fullmatch(r"[+-]?\d+\.0*", text):
+                text = text.partition(".")[0]  # arrays of floating point hold 1 as 1.0
             if text not in self._values:
                 raise InputError(
                     f"{place}: the label {text!r} is not in {self.block.path('values')}; found there: "

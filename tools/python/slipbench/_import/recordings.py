@@ -111,7 +111,12 @@ class Map:
         """The recordings; tables of labels and objects are left out."""
         lookups = [sensor.states for sensor in self.sensors] + [self.object]
         tables = {lookup.table for lookup in lookups if lookup is not None and lookup.table}
-        return [file for file in list_files(sources) if Path(file.path).name not in tables]
+        ends = [tuple(part for part in Path(table).parts if part not in (".", "..")) for table in tables]
+        return [
+            file
+            for file in list_files(sources)
+            if not any(Path(file.path).absolute().parts[-len(end) :] == end for end in ends)
+        ]
 
     def read(self, file: File) -> Iterator[tuple[str, Sensor, Source]]:
         """The sensors of a file: name, its block of the map, its columns."""
@@ -276,7 +281,7 @@ class Importer:
         empty = np.isnan(times)
         for _, _, values in channels.values():
             empty |= np.isnan(values).any(axis=1)
-        kept = self._kept(source, sensor, channels, times, np.flatnonzero(empty))
+        kept = self._kept(name, source, sensor, channels, times, np.flatnonzero(empty))
         if len(kept) < len(times):
             rate = None  # the rows that are left have gaps
         times = times[kept]
@@ -323,6 +328,7 @@ class Importer:
 
     def _kept(
         self,
+        name: str,
         source: Source,
         sensor: Sensor,
         channels: dict[str, tuple[list[int], list[str], np.ndarray]],
@@ -353,5 +359,6 @@ class Importer:
             else times
         )
         done = "left out" if self._policy == "gap" else "NaN in the dataset"
-        self._writer.warn(source.path, _missing_text(source, known, empty, done))
+        subject = f"sensor {name}: " if len(self._map.sensors) > 1 else ""
+        self._writer.warn(source.path, subject + _missing_text(source, known, empty, done))
         return np.setdiff1d(every, empty) if self._policy == "gap" else every

@@ -14,7 +14,7 @@ from slipbench._program import counted
 
 MISSING = ("", "nan", "-nan", "+nan", "na", "n/a", "null", "none", "-")  # cells without a value, in lower case
 RANGE = " .. "
-CLOCK = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)")
+CLOCK = re.compile(r"(\d{1,2}):([0-5]\d):([0-5]\d(?:[.,]\d+)?)")
 
 
 class Source:
@@ -23,9 +23,11 @@ class Source:
     Attributes:
         path: of the file
         titles: of its columns
+        thousands: mark between thousands in its cells; empty: there is none
     """
 
     titles: list[str]
+    thousands = ""
 
     def __init__(self, path: str) -> None:
         self.path = path
@@ -44,6 +46,10 @@ class Source:
     def texts(self, title: str) -> list[str]:
         """A column as texts."""
         raise NotImplementedError
+
+    def spacing(self, title: str) -> float:
+        """The distance of neighbouring numbers at the largest value of a column; 0 where the column is exact."""
+        return 0.0
 
     def clock(self) -> np.ndarray | None:
         """Times of the rows in ns of the recorder's clock; None: there are none."""
@@ -95,19 +101,27 @@ class Source:
                         f"{self.title_place()}: {starred[0]!r} is {counted(len(groups[0]), 'column')} and {title!r} is {len(group)}; "
                         "expected as many"
                     )
-            return [title for row in zip(*groups, strict=True) for title in row], len(starred)
+            for row in zip(*groups, strict=True):
+                for numbers, title in row:
+                    if numbers != row[0][0]:
+                        raise InputError(
+                            f"{self.title_place()}: the column {title!r} would stand beside {row[0][1]!r}; expected columns of the "
+                            "same numbers for each title with *"
+                        )
+            return [title for row in zip(*groups, strict=True) for _, title in row], len(starred)
         found: list[str] = []
         for title in columns:
             if RANGE in title and title not in self.titles:
                 first, last = (self.titles.index(self.find(end)) for end in title.split(RANGE, 1))
                 if last < first:
                     raise InputError(f"{self.title_place()}: {title!r} goes backwards; name the first column first")
-                found += self.titles[first : last + 1]
+                found += [self.find(one) for one in self.titles[first : last + 1]]
             else:
                 found.append(self.find(title))
         return found, 1
 
-    def _matches(self, title: str) -> list[str]:
+    def _matches(self, title: str) -> list[tuple[tuple[int, ...], str]]:
+        """The numbers in the place of each *, and the title that has them, by rising numbers."""
         pattern = re.compile(r"(\d+)".join(re.escape(part) for part in title.split("*")))
         found = [
             (tuple(int(number) for number in match.groups()), one)
@@ -119,7 +133,7 @@ class Source:
                 f"{self.title_place()}: no column is called {title!r} with a number for each *{nearest(title, self.titles)}"
                 f"{self.title_hint()}"
             )
-        return [self.find(one) for _, one in sorted(found)]
+        return [(numbers, self.find(one)) for numbers, one in sorted(found)]
 
 
 def resolution_of(cells: Iterable[str]) -> float:
@@ -157,11 +171,16 @@ def stamps_of(source: Source, title: str, scale: float | None, pattern: str = ""
                 for row, text in enumerate(texts)
             ]
         )
+        if pattern:
+            # The fraction may stand anywhere in such a text: the digits are those of the microseconds.
+            micro = np.round(times[~np.isnan(times)] % 1.0 * 1e6).astype(int)
+            return times, 10.0 ** -next(digits for digits in range(7) if not (micro % 10 ** (6 - digits)).any())
         digits = max(len(match[1]) if (match := re.search(r":\d{2}[.,](\d+)", text)) else 0 for text in filled)
         return times, 10.0**-digits
     times = source.values(title) * (scale or 1.0)
+    filled = [text.replace(source.thousands, "") for text in filled] if source.thousands else filled
     numbers = [text for text in filled if re.fullmatch(r"[+-]?[\d.,]+([eE][+-]?\d{1,3})?", text)]
-    return times, (resolution_of(numbers) if numbers else 0.0) * (scale or 1.0)
+    return times, max(resolution_of(numbers) if numbers else 0.0, source.spacing(title)) * (scale or 1.0)
 
 
 def _moment(source: Source, title: str, row: int, text: str, pattern: str) -> float:

@@ -21,6 +21,7 @@ NAMES = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blan
 SAMPLE = 100  # lines that separator and decimal mark are found by
 LARGEST = 2_000_000_000  # bytes of a table, which is in memory as a whole
 LONGEST = 1_000_000  # characters of a line
+EITHER = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # a decimal comma, or a mark between thousands
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 COMMA_NUMBER = re.compile(r"[+-]?(\d+,\d+|,\d+)([eE][+-]?\d+)?")
 THOUSANDS = {mark: re.compile(rf"[+-]?\d{{1,3}}({re.escape(mark)}\d{{3}})+(?!\d)") for mark in ",.'"}
@@ -136,12 +137,14 @@ class TextTable(Source):
         self._separator = {"tab": "\t", "blanks": " "}.get(separator, separator) or find_separator(sample)
         if len(self._separator) > 1:
             raise InputError(f"separator: expected one character, tab or blanks, found {separator!r}")
-        self._thousands = thousands
+        self.thousands = thousands
         self._decimal = (
             decimal
             or {",": ".", ".": ","}.get(thousands, "")
             or find_decimal(sample[1:] if header else sample, self._separator)
         )
+        if self._decimal == "," and not decimal and not thousands and self._separator != ";":
+            self._refuse_doubtful(numbered[: len(sample)])
         if self._decimal == thousands:
             raise InputError(f"decimal and thousands: expected two marks, found {thousands!r} for both")
         first = cells_of(numbered[0][1], self._separator)
@@ -157,10 +160,36 @@ class TextTable(Source):
         self.titles = [first[k] if header and first[k] else str(k + 1) for k in range(count)]
         if header and self._header_line == numbered[0][0]:
             numbered = numbered[1:]
+        if self._separator in ("\t", "") and numbered:
+            # A line of empty cells is a sample without values, which counts where times follow from a rate.
+            numbered += [
+                (number, line)
+                for number, line in enumerate(text.split("\n"), 1)
+                if numbered[0][0] < number < numbered[-1][0]
+                and number not in skipped
+                and not line.strip()
+                and self._separator in line
+            ]
+            numbered.sort()
         self._numbers = [number for number, _ in numbered]
         self._lines = [line for _, line in numbered]
         self._numeric_header = header and bool(first) and all(self._is_number(cell) for cell in self.titles)
         self._frame = pd.DataFrame()
+
+    def _refuse_doubtful(self, lines: list[tuple[int, str]]) -> None:
+        """Raises InputError where all commas in cells may be decimal marks as well as marks between thousands."""
+        commas = [
+            (number, cell)
+            for number, line in lines
+            for cell in cells_of(line, self._separator)
+            if COMMA_NUMBER.fullmatch(cell)
+        ]
+        if all(EITHER.fullmatch(cell) for _, cell in commas):
+            number, cell = commas[0]
+            raise InputError(
+                f"{self.path}:{number}: {cell!r} has a decimal comma or a mark between thousands, which cannot be told apart; "
+                "say decimal: ',' or thousands: ',' in the map"
+            )
 
     def _is_number(self, cell: str) -> bool:
         return bool(NUMBER.fullmatch(cell.replace(self._decimal, ".")))
@@ -187,7 +216,13 @@ class TextTable(Source):
             raise InputError(f"{self.title_place()}: the table has titles and no row")
         count = len(self.titles)
         texts = set(texts)
-        width = max(self._width(line) for line in self._lines)
+        widths = [self._width(line) for line in self._lines]
+        width = max(widths)
+        if self._separator == " " and min(widths) < count:
+            row = widths.index(min(widths))
+            raise InputError(
+                f"{self.place(row)}: has {counted(widths[row], 'cell')}; expected {count}: blanks do not show which cell is missing"
+            )
         order = range(width)
         wanted = {title: k for k, title in enumerate(self.titles) if title in set(titles)}
         places = {title: k for title, k in wanted.items() if k < width}
@@ -257,15 +292,16 @@ class TextTable(Source):
             values = self._numbers_of(title, column.astype(str).to_list())
         infinite = np.flatnonzero(np.isinf(values))
         if infinite.size:
-            self._refuse(title, int(infinite[0]), self.texts(title)[infinite[0]])
+            row = int(infinite[0])
+            self._refuse(title, row, cells_of(self._lines[row], self._separator)[self.titles.index(title)])
         return values
 
     def _numbers_of(self, title: str, cells: list[str]) -> np.ndarray:
         values = np.empty(len(cells))
         for row, cell in enumerate(cells):
             text = cell.strip().replace(MINUS, "-")
-            if self._thousands and THOUSANDS[self._thousands].match(text):
-                text = text.replace(self._thousands, "")
+            if self.thousands and THOUSANDS[self.thousands].match(text):
+                text = text.replace(self.thousands, "")
             if self._decimal == ",":
                 text = text.replace(".", "\0").replace(",", ".")  # a point in such a table separates thousands
             if NUMBER.fullmatch(text):
