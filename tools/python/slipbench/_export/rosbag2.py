@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
-from slipbench._export.card import CARDS, without_folders, write_card
+from slipbench._export.card import CARDS, check_card, without_folders, write_card
 from slipbench._export.cdr import Messages
 from slipbench._export.mcap_rows import MAGIC, Topic, write_mcap
 from slipbench._export.meanings import LABELS, codes_of
@@ -343,8 +343,7 @@ def _package(types: Types, version: str) -> Iterator[tuple[str, str]]:
         yield f"{PACKAGE}/msg/{name}.msg", types.texts[name]
 
 
-def _begins(beginning: bytes) -> bool:
-    return beginning.startswith((MAGIC, b"rosbag2_bagfile_information:", NOTICE.encode(), XML.encode(), CMAKE.encode(), *CARDS))
+BEGINNINGS = (MAGIC, b"rosbag2_bagfile_information:", NOTICE.encode(), XML.encode(), CMAKE.encode(), *CARDS)
 
 
 def _write_trial(number: int, trial: StoredTrial, data: Dataset, request: Request, types: Types, output: Output, about: dict[str, str]) -> int:
@@ -362,7 +361,8 @@ def _write_trial(number: int, trial: StoredTrial, data: Dataset, request: Reques
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     """Writes a bag for each trial, the package of their messages and a card; returns the names of the files."""
     parts, types = split_of(data), Types()
-    with Output(request.out, "a file of a ROS 2 bag by slipbench", _begins) as output:
+    check_card(request)
+    with Output(request.out, "a file of a ROS 2 bag by slipbench", *BEGINNINGS) as output:
         written = 0
         for done, number in enumerate(request.trials, 1):
             trial = data[number]
