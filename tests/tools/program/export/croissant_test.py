@@ -166,6 +166,14 @@ class Croissant(ExportTest):
         self.assertEqual([one["name"] for one in distribution(about)], ["README.md", "demo_1.npz"])
         self.assertIn("\n1 trial, written by", (out / "README.md").read_text())
 
+    def test_an_export_that_ends_early_leaves_no_card_of_the_one_before(self):
+        """Its digests would be those of files that have been replaced."""
+        out = self.folder / "out"
+        export(make(STAGE), out, "--format", "csv")
+        (out / "demo_1-pad.csv").write_text("mine")
+        export(make(STAGE), out, "--format", "csv", "--rate", "100 Hz", status=2)  # demo_0 is replaced, demo_1 is refused
+        self.assertEqual(sorted(contents(out)), ["demo_0-pad.csv", "demo_1-pad.csv", "demo_2-pad.csv"])
+
     def test_all_files_are_told(self):
         out = self.folder / "out"
         said, _ = export(make(STAGE), out, "--format", "npz", "--json")
