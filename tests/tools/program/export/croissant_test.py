@@ -143,6 +143,13 @@ class Croissant(ExportTest):
         lines, _ = rows("myrmex-rotated")
         self.assertEqual(sorted(line[2] for line in lines if line[1:2] == ["`taxels`"]), ["[12, 12, 12]", "[12, 12, 12]", "[4, 3]"])
 
+    def test_options_that_change_values_are_stated(self):
+        for format, words, stated in (("rosbag2", ["--labels", "micro", "--rate", "100 Hz"], "rosbag2 --labels micro --rate '100 Hz'"),
+                                      ("vendor-csv", ["--slip", "paper"], "vendor-csv --labels paper --label-speed '0.1 mm/s'"),
+                                      ("npz", [], "npz")):
+            folder, _ = self.exported(format, STAGE, *words)
+            self.assertIn(f"\n3 trials, written by `slipbench export --format {stated}`.\n", (folder / "README.md").read_text())
+
     def test_a_licence_is_text(self):
         for licence in ("no", "1.0", "-"):
             folder, _ = self.exported("npz", STAGE, f"--licence={licence}", "--trial", "0")

@@ -133,6 +133,15 @@ def _column_rows(request: Request) -> str:
     return f"## Columns\n\n{_head('column', 'unit', 'meaning')}{rows}\n" if rows else ""
 
 
+def _options(request: Request) -> str:
+    """The options by which the values in the files differ from those of the dataset."""
+    words = [f"--format {request.format}"]
+    words += [f"--labels {request.labels}"] if request.labels else []
+    words += [f"--label-speed '{1e3 * request.label_speed:g} mm/s'"] if request.label_speed is not None else []
+    words += [f"--rate '{request.rate:g} Hz'"] if request.rate is not None else []
+    return " ".join([*words, *(["--points"] if request.points else [])])
+
+
 def card_text(data: Dataset, request: Request) -> str:
     """README.md of the export that `request` describes."""
     first = data[request.trials[0]]
@@ -146,7 +155,7 @@ def card_text(data: Dataset, request: Request) -> str:
     scene = f"The scene:\n\n{_fence(data.scene)}\n" if data.scene else ""
     return (f"{BEGINNING}{front}---\n\n"
             f"# Recordings of {', '.join(kinds)}{_with_labels(data, request)}\n\n"
-            f"{counted(len(request.trials), 'trial')}, written by `slipbench export --format {request.format}`.\n\n"
+            f"{counted(len(request.trials), 'trial')}, written by `slipbench export {_options(request)}`.\n\n"
             f"{_sensor_rows(data, request)}"
             f"## Files\n\n{_head('file', 'content')}{files}\n"
             f"{_array_rows(data, request)}{_column_rows(request)}"

@@ -150,7 +150,7 @@ LAYOUTS = {
                        "trials.parquet": "a row a trial"}),
     "lerobot": Layout({"data/*/*.parquet": "a row a frame", "meta/info.json": "the features", "meta/episodes/*/*.parquet": "a row an episode, with the number of its trial"}),
     "mcap": Layout({"demo_<k>.mcap": "trial k: a topic for each sensor, its labels, the bodies and the loop", "foxglove-layout.json": "a layout for viewers"}),
-    "rosbag2": Layout({"demo_<k>": f"trial k as a ROS 2 bag; `slip_state` of a PapillArray's message: {VENDOR_CODES}", "slipbench_msgs": "the package of the messages"}),
+    "rosbag2": Layout({"demo_<k>": f"trial k as a ROS 2 bag; `slip_state` of a PapillArray's message: {VENDOR_CODES}; by the rule of `--labels`, without it strict", "slipbench_msgs": "the package of the messages"}),
     "vendor-csv": Layout({"LOG_demo_<k>.csv": "trial k in the layout of the vendor's software, a row a sample"}, _none, "papillarray", _vendor_columns, True,
                          table=r"(?P<table>LOG)_demo_(?P<trial>\d+)\.csv"),
     "training-csv": Layout({"<move>/demo_<k>-v_<mm/s>-<slip or stop>.csv": "trial k: a row a sample at 1000 Hz, 73 columns without header; move and speed are those "
