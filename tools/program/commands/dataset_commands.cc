@@ -234,7 +234,7 @@ Examples:
   slipbench import logs --format papillarray-csv -o recorded.h5
   slipbench import training --format training-csv -o published.h5 --seed 3
   slipbench import mine --map columns.yaml -o mine.h5)",
-                              "papillarray_ros, xela_ros, biotac_ros", import_formats_text()));
+                              "papillarray_ros, papillarray_ros2, xela_ros, biotac_ros", import_formats_text()));
   arguments.texts("SOURCE ...", options.sources, "Files, and folders whose recordings are all meant").required();
   arguments.read("--format NAME",
                  fmt::format("{}, see below (default: what --map describes)", fmt::join(import_format_names(), " or ")),
