@@ -153,6 +153,9 @@ Formats of any sensor:
 Formats of the PapillArray:
   vendor-csv    the log layout of the sensor vendor's own software, one file a trial
   training-csv  73 columns, no header, 1000 Hz, one file a trial: time, then contact, slip, displacement, force of each pillar
+Formats of the Myrmex:
+  myrmex-csv    counts alone, an image a line, one file a trial and sensor
+  myrmex-rotated npz with the images turned in steps of 30 degrees, as the published training augments them
 Format of grasps with three BioTac SP:
   grasp-csv     one file, a row a grasp: object, whether it slipped, the 72 electrodes before the lift
 Format of a BioTac SP that slides, turns or rests:

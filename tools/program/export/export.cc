@@ -157,6 +157,7 @@ std::string export_robomimic(const DatasetReader& reader, const std::vector<std:
   static_cast<void>(chosen_sensors(reader, trials.front(), options.sensors));
   const std::string path = out.prepare("robomimic.hdf5");
   check_robomimic_target(path, reader.files());
+  out.remove_card();
   const auto told = [&](std::size_t done, std::uintmax_t bytes) {
     if (progress) progress(done, trials.size(), bytes);
   };
@@ -285,6 +286,7 @@ constexpr std::array python_formats{ExportFormat::lerobot, ExportFormat::parquet
 
 constexpr std::string_view card_beginning = "---\n# Written by slipbench export.\n";  // as card.py writes it
 constexpr std::string_view croissant_beginning = "{\n \"@context\": {\n  \"@language\": \"en\",";
+constexpr std::array cards{std::pair{"/README.md", card_beginning}, std::pair{"/croissant.json", croissant_beginning}};
 
 // The sensors that are exported. All trials that Python writes have the same; other formats may leave out those that
 // a trial does not have.
@@ -409,6 +411,7 @@ std::string OutputFolder::write(const std::string& name, const TextKind& kind, c
   const std::string path = prepare(compress_ ? name + ".gz" : name);
   check_text_target(path, inputs_, compress_ ? TextKind{kind.name, &is_gzip} : kind);
   if (compress_) check_packed(path, kind);
+  remove_card();
   write_text_file(path, compress_ ? gzip(bytes) : bytes);
   return path;
 }
@@ -424,6 +427,15 @@ std::string OutputFolder::prepare(const std::string& name) {
   const std::filesystem::path path = std::filesystem::path(path_) / name;
   if (const std::string folder = path.parent_path().string(); name.find('/') != std::string::npos) make(folder);
   return path.string();
+}
+
+void OutputFolder::remove_card() const {
+  for (const auto& [name, beginning] : cards) {
+    const std::string path = path_ + name;
+    std::string found(beginning.size(), '\0');
+    std::ifstream file(path, std::ios::binary);
+    if (file.read(found.data(), static_cast<std::streamsize>(found.size())) && found == beginning) ::unlink(path.c_str());
+  }
 }
 
 void OutputFolder::make(const std::string& folder) {

@@ -98,6 +98,8 @@ class OutputFolder {
   // Makes the folder, and returns PATH/NAME for a file that someone else will write. Throws InputError for a name with control
   // characters and for one that leads out of the folder.
   std::string prepare(const std::string& name);
+  // Removes the card of an export before, whose digests would be wrong once its files are replaced. write() does so itself.
+  void remove_card() const;
 
   [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }
 

@@ -13,7 +13,7 @@ import numpy as np
 import pyarrow.parquet
 import yaml
 
-from _made import ExportTest, contents, export, make
+from _made import ExportTest, contents, export, import_table, make
 
 STAGE = "papillarray/stage.yaml"
 # Scene, and the folder below the output that has the card.
@@ -118,13 +118,51 @@ class Croissant(ExportTest):
             found.append(json.loads(pyarrow.parquet.read_schema(path).field(column).metadata[b"codes"]))
         self.assertEqual(found, [key] * 4)
 
+    def test_recordings_without_labels_have_none_in_their_card(self):
+        dataset = import_table(self.folder, "t,f\n0,1\n0.01,2\n0.02,3\n", "sensor: pad\ntype: own\ntime: {column: t}\nchannels: {force: {unit: N, columns: [f]}}\n")
+        for format, below in (("csv", ""), ("parquet", ""), ("lerobot", "100hz")):
+            export(dataset, self.folder / format, "--format", format)
+            card = (self.folder / format / below / "README.md").read_text()
+            self.assertIn("\n# Recordings of own\n", card)
+            self.assertNotIn("labels", json.loads((self.folder / format / below / "croissant.json").read_text())["description"])
+            # Nobody learns the folders of the machine, and no argument is lost.
+            self.assertIn("| command | `slipbench import 'my logs' --map 'my map.yaml' --seed 1` |", card)
+        folder, about = self.exported("myrmex-csv", "myrmex/slip.yaml")  # counts alone
+        self.assertIn("\n# Recordings of myrmex\n", (folder / "README.md").read_text())
+        self.assertNotIn("labels", about["description"])
+
+    def test_rates_and_shapes_are_those_of_the_files(self):
+        """The scene has sensors of 1000, 1000 and 500 Hz and arrays of 16 x 16 and 4 x 3 taxels."""
+        def rows(format):
+            text = (self.exported(format, "myrmex/slip.yaml")[0] / "README.md").read_text()
+            return [line.split(" | ") for line in text.splitlines()], text
+        lines, _ = rows("robomimic")  # all at the rate of the slowest
+        self.assertEqual([line[2] for line in lines if line[-1].startswith("pad frame")], ["500 Hz"] * 3)
+        _, text = rows("myrmex-csv")
+        self.assertIn("an image a line at the rate of the sensor", text)
+        lines, _ = rows("myrmex-rotated")
+        self.assertEqual(sorted(line[2] for line in lines if line[1:2] == ["`taxels`"]), ["[12, 12, 12]", "[12, 12, 12]", "[4, 3]"])
+
+    def test_options_that_change_values_are_stated(self):
+        for format, words, stated in (("rosbag2", ["--labels", "micro", "--rate", "100 Hz"], "rosbag2 --labels micro --rate '100 Hz'"),
+                                      ("vendor-csv", ["--slip", "paper"], "vendor-csv --labels paper --label-speed '0.1 mm/s'"),
+                                      ("npz", [], "npz")):
+            folder, _ = self.exported(format, STAGE, *words)
+            self.assertIn(f"\n3 trials, written by `slipbench export --format {stated}`.\n", (folder / "README.md").read_text())
+
+    def test_a_licence_is_text(self):
+        for licence in ("no", "1.0", "-"):
+            folder, _ = self.exported("npz", STAGE, f"--licence={licence}", "--trial", "0")
+            self.assertEqual(yaml.safe_load((folder / "README.md").read_text().split("---\n", 2)[1])["license"], licence)
+
     def test_a_card_of_somebody_else_is_kept(self):
-        for name in ("README.md", "croissant.json"):
-            out = self.folder / name
+        for name, format in (("README.md", "csv"), ("croissant.json", "csv"), ("README.md", "parquet"), ("croissant.json", "mcap"), ("README.md", "rosbag2")):
+            out = self.folder / f"{name}-{format}"
             out.mkdir()
             (out / name).write_text("mine")
-            _, said = export(make(STAGE), out, "--format", "csv", status=2)
-            self.assertIn(f"{out / name} exists and is no ", said)
+            _, said = export(make(STAGE), out, "--format", format, status=2)
+            self.assertRegex(said, f"{out / name}( exists and is no|: would be replaced and is not a) (dataset card|description)")
+            self.assertNotIn("trials", said)  # it is found before the data is written
             self.assertEqual(contents(out), {name: b"mine"})
 
     def test_a_second_export_describes_the_second(self):
@@ -134,6 +172,14 @@ class Croissant(ExportTest):
         about = json.loads((out / "croissant.json").read_text())
         self.assertEqual([one["name"] for one in distribution(about)], ["README.md", "demo_1.npz"])
         self.assertIn("\n1 trial, written by", (out / "README.md").read_text())
+
+    def test_an_export_that_ends_early_leaves_no_card_of_the_one_before(self):
+        """Its digests would be those of files that have been replaced."""
+        out = self.folder / "out"
+        export(make(STAGE), out, "--format", "csv")
+        (out / "demo_1-pad.csv").write_text("mine")
+        export(make(STAGE), out, "--format", "csv", "--rate", "100 Hz", status=2)  # demo_0 is replaced, demo_1 is refused
+        self.assertEqual(sorted(contents(out)), ["demo_0-pad.csv", "demo_1-pad.csv", "demo_2-pad.csv"])
 
     def test_all_files_are_told(self):
         out = self.folder / "out"

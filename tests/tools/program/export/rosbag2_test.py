@@ -10,7 +10,7 @@ from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from _made import ExportTest, contents, export, for_each_scene, make
+from _made import ExportTest, contents, export, for_each_scene, import_table, make
 
 # Message definitions of the driver and of the standard packages. ROS 2 compares their hashes, so these must be equal.
 DRIVER = {
@@ -229,6 +229,17 @@ class Rosbag2(ExportTest):
         _, said = export(make("papillarray/stage.yaml"), out, "--format", "rosbag2", status=2)
         self.assertRegex(said, "metadata.yaml.*ROS 2 bag.*another folder")
         self.assertEqual(contents(out), {"demo_1/metadata.yaml": b"my notes"})
+
+    def test_a_papillarray_with_other_channels_than_the_driver_has_its_own_message(self):
+        dataset = import_table(self.folder, "t,x,y,z,d\n0,0.1,0,2.4,0.33\n0.01,0.2,0,2.5,0.34\n",
+                               "sensor: a\ntype: papillarray\ntime: {column: t}\n"
+                               "channels: {force: {unit: N, components: 3, columns: [x, y, z]}, depth: {unit: m, scale: 1e-3, columns: [d]}}\n")
+        export(dataset, self.folder / "out", "--format", "rosbag2")
+        topics, types, _ = read(self.folder / "out/demo_0")
+        self.assertEqual(types, {"/sensors/a": "slipbench_msgs/msg/Papillarray"})
+        with h5py.File(dataset) as file:
+            group = file["data/demo_0/sensors/a"]
+            self.check_own(topics, "/sensors/a", group["t"], {"force": group["force"], "depth": group["depth"]})
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from slipbench import Dataset, StoredTrial
 from slipbench._export import croissant
 from slipbench._export.layouts import LAYOUTS
 from slipbench._export.meanings import LABELS, codes_of
-from slipbench._export.request import Output, Progress, Request
+from slipbench._export.request import Output, Progress, Request, check_replaceable
 from slipbench._export.series import Series, body_series, control_series, label_series, sensor_series
 from slipbench._program import counted
 
@@ -46,7 +46,8 @@ def _meaning(series: Series) -> str:
 
 def without_folders(command: str) -> str:
     """The command with the last part of each absolute path, since the folders are those of another machine."""
-    return re.sub(r"""(?<![^\s'"=])/[^\s'"]*/""", "", command)
+    command = re.sub(r"""'([\w.]+=)?/(?:[^']*/)?([^'/]+)/*'""", r"'\1\2'", command)  # quoted, since a name has a blank
+    return re.sub(r"""(?<![^\s'"=,[])/(?:[^\s'",\]]*/)?([^\s'",\]/]+)/*""", r"\1", command)
 
 
 def _first(data: Dataset, request: Request) -> dict[str, StoredTrial]:
@@ -67,15 +68,21 @@ def _series(data: Dataset, request: Request) -> Iterator[Series]:
     """The arrays that the files hold."""
     holds = LAYOUTS[request.format].holds
     trial = data[request.trials[0]]
-    series = [*body_series(trial), *control_series(trial)]
+    series: list[Series] = []
     for sensor, has in _first(data, request).items():
-        series = [*sensor_series(has, sensor), *label_series(has, sensor, request.labels), *series]
-    yield from filter(holds, series)
+        series += [*sensor_series(has, sensor), *label_series(has, sensor, request.labels)]
+    yield from filter(holds, [*series, *body_series(trial), *control_series(trial)])
 
 
 def _kinds(data: Dataset, request: Request) -> list[str]:
     """Types of the sensors."""
     return sorted({str(trial.sensors[sensor].attrs["type"]) for sensor, trial in _first(data, request).items()})
+
+
+def _with_labels(data: Dataset, request: Request) -> str:
+    """What a sentence about the recordings adds where the files have labels of slip."""
+    has = LAYOUTS[request.format].has_labels or any(one.kind == "labels" for one in _series(data, request))
+    return " with labels of slip" if has else ""
 
 
 def _title(kinds: list[str]) -> str:
@@ -91,10 +98,13 @@ def _citation(data: Dataset) -> str:
 
 
 def _sensor_rows(data: Dataset, request: Request) -> str:
-    rows = ""
-    for name in _first(data, request):
+    rows, first = "", _first(data, request)
+    common = request.rate
+    if request.format == "robomimic" and common is None:  # all sensors at the rate of the slowest
+        common = min(float(trial.sensors[name].attrs["rate_hz"]) for name, trial in first.items())
+    for name in first:
         sensors = [data[number].sensors[name] for number in request.trials if name in data[number].sensors]
-        rates = sorted({request.rate or float(sensor.attrs["rate_hz"]) for sensor in sensors})
+        rates = sorted({common or float(sensor.attrs["rate_hz"]) for sensor in sensors})
         rows += _row(f"`{name}`", str(sensors[0].attrs["type"]), ", ".join(f"{rate:g} Hz" for rate in rates), str(sensors[0].attrs.get("frame", "")))
     return f"## Sensors\n\n{_head('sensor', 'type', 'rate', 'axes')}{rows}\n"
 
@@ -105,7 +115,7 @@ def _array_rows(data: Dataset, request: Request) -> str:
     for one in _series(data, request):
         rule = f"; rule: {first[one.owner].labels[one.owner].attrs['rule']}" if one.name == "state_recorded" else ""
         unit = "code" if one.codes else "dimensionless" if one.unit in ("", "1") else one.unit
-        rows += _row(f"{PLACES[one.kind]} `{one.owner}`" if one.owner else PLACES[one.kind], f"`{one.name}`", str(list(one.shape)), unit, _meaning(one) + rule)
+        rows += _row(f"{PLACES[one.kind]} `{one.owner}`" if one.owner else PLACES[one.kind], f"`{one.name}`", str(LAYOUTS[request.format].shape(one)), unit, _meaning(one) + rule)
     for name, trial in first.items():
         if name in trial.labels and "events" in trial.labels[name]:
             kind = trial.labels[name]["events"]["kind"]
@@ -123,20 +133,29 @@ def _column_rows(request: Request) -> str:
     return f"## Columns\n\n{_head('column', 'unit', 'meaning')}{rows}\n" if rows else ""
 
 
+def _options(request: Request) -> str:
+    """The options by which the values in the files differ from those of the dataset."""
+    words = [f"--format {request.format}"]
+    words += [f"--labels {request.labels}"] if request.labels else []
+    words += [f"--label-speed '{1e3 * request.label_speed:g} mm/s'"] if request.label_speed is not None else []
+    words += [f"--rate '{request.rate:g} Hz'"] if request.rate is not None else []
+    return " ".join([*words, *(["--points"] if request.points else [])])
+
+
 def card_text(data: Dataset, request: Request) -> str:
     """README.md of the export that `request` describes."""
     first = data[request.trials[0]]
     kinds = _kinds(data, request)
     tags = "".join(f"- {tag}\n" for tag in _keywords(kinds, request))
-    front = f"pretty_name: {_title(kinds)}\n" + (f"license: {request.licence}\n" if request.licence else "")
+    front = f"pretty_name: {_title(kinds)}\n" + (f'license: "{request.licence}"\n' if request.licence else "")
     front += f"task_categories:\n- robotics\ntags:\n{tags}"
     if request.format == "lerobot":
         front += "configs:\n- config_name: default\n  data_files: data/*/*.parquet\n"
     files = "".join(_row(f"`{name}`", text) for name, text in LAYOUTS[request.format].files.items())
     scene = f"The scene:\n\n{_fence(data.scene)}\n" if data.scene else ""
     return (f"{BEGINNING}{front}---\n\n"
-            f"# Recordings of {', '.join(kinds)} with labels of slip\n\n"
-            f"{counted(len(request.trials), 'trial')}, written by `slipbench export --format {request.format}`.\n\n"
+            f"# Recordings of {', '.join(kinds)}{_with_labels(data, request)}\n\n"
+            f"{counted(len(request.trials), 'trial')}, written by `slipbench export {_options(request)}`.\n\n"
             f"{_sensor_rows(data, request)}"
             f"## Files\n\n{_head('file', 'content')}{files}\n"
             f"{_array_rows(data, request)}{_column_rows(request)}"
@@ -144,6 +163,12 @@ def card_text(data: Dataset, request: Request) -> str:
             f"{_row('command', f'`{without_folders(data.command)}`')}{_row(f'SHA-256 of trial {request.trials[0]}', f'`{first.sha256}`')}\n"
             f"{scene}"
             f"## Citation\n\n{_citation(data)}\n")
+
+
+def check_card(request: Request) -> None:
+    """Raises InputError if a file of another kind has the name of the card or of croissant.json. To be called before the data is written."""
+    for name, beginning in zip(("README.md", "croissant.json"), CARDS, strict=True):
+        check_replaceable(Path(request.out) / name, "a dataset card of slipbench", beginning)
 
 
 def write_card(data: Dataset, request: Request, output: Output) -> None:
@@ -199,14 +224,15 @@ def croissant_text(data: Dataset, request: Request, files: list[croissant.File])
     """croissant.json of the export that `request` describes, which consists of `files`."""
     kinds, files = _kinds(data, request), sorted(files)
     return croissant.croissant_text(
-        name=_title(kinds), description=f"{counted(len(request.trials), 'trial')} of {', '.join(kinds)} with labels of slip, as {request.format}.", version=data.version,
+        name=_title(kinds), description=f"{counted(len(request.trials), 'trial')} of {', '.join(kinds)}{_with_labels(data, request)}, as {request.format}.",
+        version=data.version,
         licence=request.licence, citation=_citation(data), keywords=_keywords(kinds, request), files=files,
         tables=[*_parquet_tables(request, files), *_written_tables(data, request, files)])
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     """Writes the card beside the files that the program has written; returns the names of all files."""
-    with Output(request.out, "a card of slipbench", lambda beginning: beginning.startswith(CARDS)) as output:
+    with Output(request.out, "a dataset card of slipbench", *CARDS) as output:
         write_card(data, request, output)
         progress.check()
         return [*request.files, *output.publish()]

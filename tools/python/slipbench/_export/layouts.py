@@ -9,6 +9,7 @@ from slipbench._export.request import Request
 from slipbench._export.series import Series
 
 MILLI = 1e3
+ROTATED = 12  # rows and columns of the images of myrmex-rotated, and their turns
 # Of a pillar, as its vendor and the ROS driver number them.
 VENDOR_CODES = "-2 not yet touched, -1 lost contact, 0 not known, 1 in contact, 2 tangentially loaded (true force of 0.05 N or more), 3 slips now"
 
@@ -44,6 +45,16 @@ def _none(_: Series) -> bool:
     return False
 
 
+def _own_shape(one: Series) -> list[int]:
+    return list(one.shape)
+
+
+def _rotated_shape(one: Series) -> list[int]:
+    """That of the augmented images: turn, row, column."""
+    is_image = one.kind == "sensors" and one.name == "taxels" and len(one.shape) == 2 and min(one.shape) >= ROTATED
+    return [ROTATED] * 3 if is_image else list(one.shape)
+
+
 @dataclass(frozen=True)
 class Layout:
     """What the files of a format hold.
@@ -53,6 +64,8 @@ class Layout:
         holds: whether the files have an array of the dataset
         sensor: the only type of sensor that the format has; empty: any
         columns: of the formats that hold other values
+        has_labels: True if these columns or the names of the files say whether it slips
+        shape: of a sample of an array
         table: regular expression of the names of tables with a header, with the groups `table`, which distinguishes tables with different
             columns, `trial` and `class`, where the name has them; empty: there are no such tables, or they are Parquet
     """
@@ -61,6 +74,8 @@ class Layout:
     holds: Callable[[Series], bool] = _every
     sensor: str = ""
     columns: Callable[[Request], list[Column]] = _no_columns
+    has_labels: bool = False
+    shape: Callable[[Series], list[int]] = _own_shape
     table: str = ""
 
 
@@ -127,7 +142,7 @@ LAYOUTS = {
                   _in_tables, table=r"demo_(?P<trial>\d+)-(?P<table>.+)\.csv"),
     "npz": Layout({"demo_<k>.npz": ARCHIVE}),
     "myrmex-rotated": Layout({"demo_<k>.npz": f"{ARCHIVE}. The taxels of a Myrmex of 12 x 12 or more are [samples, 12, 12, 12]: sample, turn by 0 to 330 degrees "
-                              "in steps of 30, row, column"}),
+                              "in steps of 30, row, column"}, shape=_rotated_shape),
     "robomimic": Layout({"robomimic.hdf5": "`data/demo_<k>`: trial k at one rate; `obs/<sensor>_<channel>`, `next_obs`, `actions` (scaled to -1 to 1), `states` "
                          "(pose and velocity of all bodies), `rewards` (1 in the last row of a grasp that holds), `dones`, `<sensor>_<state>`"}, _in_demonstrations),
     "parquet": Layout({"<sensor>.parquet": "a row a sample of all trials", "<sensor>-<channel>.parquet": "a row a sample of a channel with times of its own",
@@ -135,12 +150,12 @@ LAYOUTS = {
                        "trials.parquet": "a row a trial"}),
     "lerobot": Layout({"data/*/*.parquet": "a row a frame", "meta/info.json": "the features", "meta/episodes/*/*.parquet": "a row an episode, with the number of its trial"}),
     "mcap": Layout({"demo_<k>.mcap": "trial k: a topic for each sensor, its labels, the bodies and the loop", "foxglove-layout.json": "a layout for viewers"}),
-    "rosbag2": Layout({"demo_<k>": f"trial k as a ROS 2 bag; `slip_state` of a PapillArray's message: {VENDOR_CODES}", "slipbench_msgs": "the package of the messages"}),
-    "vendor-csv": Layout({"LOG_demo_<k>.csv": "trial k in the layout of the vendor's software, a row a sample"}, _none, "papillarray", _vendor_columns,
-                         r"(?P<table>LOG)_demo_(?P<trial>\d+)\.csv"),
+    "rosbag2": Layout({"demo_<k>": f"trial k as a ROS 2 bag; `slip_state` of a PapillArray's message: {VENDOR_CODES}; by the rule of `--labels`, without it strict", "slipbench_msgs": "the package of the messages"}),
+    "vendor-csv": Layout({"LOG_demo_<k>.csv": "trial k in the layout of the vendor's software, a row a sample"}, _none, "papillarray", _vendor_columns, True,
+                         table=r"(?P<table>LOG)_demo_(?P<trial>\d+)\.csv"),
     "training-csv": Layout({"<move>/demo_<k>-v_<mm/s>-<slip or stop>.csv": "trial k: a row a sample at 1000 Hz, 73 columns without header; move and speed are those "
-                            "that the scene commands; stop: the pad braked within 100 ms of its start"}, _none, "papillarray", _training_columns),
-    "grasp-csv": Layout({"grasps.csv": "a row a grasp"}, _none, "biotac_sp", _grasp_columns, r"(?P<table>grasps)\.csv"),
+                            "that the scene commands; stop: the pad braked within 100 ms of its start"}, _none, "papillarray", _training_columns, True),
+    "grasp-csv": Layout({"grasps.csv": "a row a grasp"}, _none, "biotac_sp", _grasp_columns, True, table=r"(?P<table>grasps)\.csv"),
     "slip-csv": Layout({"<class>/<object><k>.csv": "trial k: a row a sample at 100 Hz without times; class: n towards the root of the finger, s towards its tip, "
-                        "e and w to its right and left, cw and aw turn, t rests"}, _none, "biotac_sp", _slip_columns, r"(?P<class>[a-z]+)/.+\.csv"),
-    "myrmex-csv": Layout({"demo_<k>-<sensor>.csv": "trial k: an image a line at 1000 Hz, without header and times"}, _none, "myrmex", _image_columns)}
+                        "e and w to its right and left, cw and aw turn, t rests"}, _none, "biotac_sp", _slip_columns, True, table=r"(?P<class>[a-z]+)/.+\.csv"),
+    "myrmex-csv": Layout({"demo_<k>-<sensor>.csv": "trial k: an image a line at the rate of the sensor, without header and times"}, _none, "myrmex", _image_columns)}

@@ -19,7 +19,7 @@ from mcap_protobuf.schema import build_file_descriptor_set
 from numpy.typing import NDArray
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
-from slipbench._export.card import CARDS, without_folders, write_card
+from slipbench._export.card import CARDS, check_card, without_folders, write_card
 from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
 
@@ -325,7 +325,8 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     """Writes demo_<k>.mcap for each trial, a layout for viewers and a card; returns their names."""
     parts, library = split_of(data), f"slipbench {data.version}"
     kind = "an MCAP file, or a layout for Foxglove"
-    with Output(request.out, kind, lambda beginning: beginning.startswith((MAGIC, b'{\n "configById"', *CARDS))) as output:
+    check_card(request)
+    with Output(request.out, kind, MAGIC, b'{\n "configById"', *CARDS) as output:
         written = 0
         for done, number in enumerate(request.trials, 1):
             trial = data[number]

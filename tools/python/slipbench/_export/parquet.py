@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from slipbench import Dataset, InputError, StoredTrial
-from slipbench._export.card import CARDS, without_folders, write_card
+from slipbench._export.card import CARDS, check_card, without_folders, write_card
 from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
 
@@ -145,7 +145,8 @@ def _trials_table(data: Dataset, request: Request, origin: dict[str, str]) -> pa
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     """Writes trials.parquet, a card and a file for each sensor, its events, each body and the loop; returns their names."""
-    with Output(request.out, "a Parquet file", lambda beginning: beginning.startswith((b"PAR1", *CARDS))) as output:
+    check_card(request)
+    with Output(request.out, "a Parquet file", b"PAR1", *CARDS) as output:
         origin = _origin(data, request)
         files = _Files(output, origin)
         try:

@@ -8,7 +8,6 @@ import os
 import shutil
 import sys
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -83,6 +82,18 @@ def make_folder(folder: Path) -> bool:
         raise InputError(f"cannot make folder {folder}: {error.strerror}; {ALLOWED}") from error
 
 
+def check_replaceable(path: Path, allowed: str, *beginnings: bytes) -> None:
+    """Raises InputError if `path` is there and does not begin with one of `beginnings`. An empty file may be replaced. `allowed`: what it may be."""
+    if not path.is_symlink() and not path.exists():
+        return
+    if path.is_symlink() or not path.is_file():
+        raise InputError(f"{path}: is no plain file; allowed: a new name, or {allowed}")
+    with path.open("rb") as file:
+        beginning = file.read(4096)
+    if beginning and not beginning.startswith(beginnings):
+        raise InputError(f"{path}: would be replaced and is not {allowed}; allowed: another folder")
+
+
 class Progress:
     """A bar on a terminal, plain lines elsewhere; on stderr. After the first trial it tells how much there will be, or that there is no room."""
 
@@ -145,11 +156,11 @@ class Progress:
 class Output:
     """The files of an export. They get their names together, when all of them are whole; on an error nothing is left of them.
 
-    `begins` tells by a file's first bytes whether it is one of the format's, which alone is replaced.
+    Only files that begin with one of `beginnings` are replaced.
     """
 
-    def __init__(self, folder: str, allowed: str, begins: Callable[[bytes], bool]) -> None:
-        self._folder, self._allowed, self._begins = Path(folder), allowed, begins
+    def __init__(self, folder: str, allowed: str, *beginnings: bytes) -> None:
+        self._folder, self._allowed, self._beginnings = Path(folder), allowed, beginnings
         self._made: list[Path] = []
         self._files: list[Path] = []
 
@@ -165,7 +176,7 @@ class Output:
         for folder in reversed(path.relative_to(self._folder).parents[:-1]):
             self._make(self._folder / folder)
         for found in (path, self._partial(path)):
-            self._check(found)
+            check_replaceable(found, self._allowed, *self._beginnings)
         self._files.append(path)
         return str(self._partial(path))
 
@@ -201,15 +212,6 @@ class Output:
         if make_folder(folder):
             self._made.append(folder)
 
-    def _check(self, path: Path) -> None:
-        if not path.is_symlink() and not path.exists():
-            return
-        if path.is_symlink() or not path.is_file():
-            raise InputError(f"{path}: is no plain file; allowed: a new name, or {self._allowed}")
-        with path.open("rb") as file:
-            beginning = file.read(4096)
-        if beginning and not self._begins(beginning):
-            raise InputError(f"{path}: would be replaced and is not {self._allowed}; allowed: another folder")
 
 
 def tell(request: Request, files: list[str]) -> None:

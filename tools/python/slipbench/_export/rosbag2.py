@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipbench import Arrays, Dataset, InputError, StoredTrial
-from slipbench._export.card import CARDS, without_folders, write_card
+from slipbench._export.card import CARDS, check_card, without_folders, write_card
 from slipbench._export.cdr import Messages
 from slipbench._export.mcap_rows import MAGIC, Topic, write_mcap
 from slipbench._export.meanings import LABELS, codes_of
@@ -192,12 +192,15 @@ def _torque(force: NDArray[np.float64], displacement: NDArray[np.float64], label
     return np.stack([(y * fz - z * fy).sum(axis=1), (z * fx - x * fz).sum(axis=1), (x * fy - y * fx).sum(axis=1)], axis=1)
 
 
+def _is_of_the_driver(channels: list[Series]) -> bool:
+    """True if the channels are exactly those that the driver of the PapillArray publishes."""
+    return {one.name: one.shape for one in channels} == dict.fromkeys(("force", "displacement"), (PILLARS, 3))
+
+
 def _sensor_state(number: int, sensor: str, channels: list[Series], labels: list[Series], group: Arrays | None, rule: str | None) -> Topic:
     """A PapillArray as its driver publishes it; `number`: of the sensor at its hub."""
     values = {one.name: one for one in channels}
     force, displacement = (values[name].values for name in ("force", "displacement"))
-    if force.shape[1] != 3 * PILLARS:
-        raise InputError(f"sensor {sensor}: {force.shape[1] // 3} pillars; the driver's message is written for {PILLARS}; {ALLOWED}")
     topic, count = f"/hub_0/sensor_{number}", len(force)
     times = _times(values["force"].t, topic)
     newtons = force.reshape(count, PILLARS, 3)
@@ -279,7 +282,7 @@ def _topics(number: int, trial: StoredTrial, request: Request, types: Types) -> 
         group = trial.sensors[sensor]
         channels, labels = sensor_at(number, trial, sensor, request.labels, request.rate)
         truth = trial.labels.get(sensor)
-        if group.attrs["type"] == "papillarray":
+        if group.attrs["type"] == "papillarray" and _is_of_the_driver(channels):
             yield _sensor_state(hub, sensor, channels, labels, truth, request.labels)
             hub += 1
         else:
@@ -340,8 +343,7 @@ def _package(types: Types, version: str) -> Iterator[tuple[str, str]]:
         yield f"{PACKAGE}/msg/{name}.msg", types.texts[name]
 
 
-def _begins(beginning: bytes) -> bool:
-    return beginning.startswith((MAGIC, b"rosbag2_bagfile_information:", NOTICE.encode(), XML.encode(), CMAKE.encode(), *CARDS))
+BEGINNINGS = (MAGIC, b"rosbag2_bagfile_information:", NOTICE.encode(), XML.encode(), CMAKE.encode(), *CARDS)
 
 
 def _write_trial(number: int, trial: StoredTrial, data: Dataset, request: Request, types: Types, output: Output, about: dict[str, str]) -> int:
@@ -359,7 +361,8 @@ def _write_trial(number: int, trial: StoredTrial, data: Dataset, request: Reques
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     """Writes a bag for each trial, the package of their messages and a card; returns the names of the files."""
     parts, types = split_of(data), Types()
-    with Output(request.out, "a file of a ROS 2 bag by slipbench", _begins) as output:
+    check_card(request)
+    with Output(request.out, "a file of a ROS 2 bag by slipbench", *BEGINNINGS) as output:
         written = 0
         for done, number in enumerate(request.trials, 1):
             trial = data[number]
