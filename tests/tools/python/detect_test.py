@@ -104,6 +104,16 @@ class DetectTest(unittest.TestCase):
         self.assertEqual(json.loads(done.stdout)["files"], ["d.parquet", "d_samples.parquet"])
         self.assertEqual(len(pd.read_parquet(self.place / "d.parquet")), 1)
 
+    def test_neither_table_is_half_written(self):
+        (self.place / "e_samples.parquet.partial").mkdir()  # the second file cannot be written
+        with self.assertRaisesRegex(slipbench.InputError, "cannot write .*e.parquet"):
+            self.detect("plain", "e.parquet")
+        self.assertEqual(sorted(path.name for path in self.place.glob("e*.parquet*")), ["e_samples.parquet.partial"])
+
+    def test_a_recording_counts_once(self):
+        with self.assertRaisesRegex(slipbench.InputError, r"\./plain\.h5: was given before; allowed: each recording once"):
+            slipbench.detect("force_ratio", [self.place / "plain.h5", f"{self.place}/./plain.h5"], parameters={"ratio": 0.35})
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

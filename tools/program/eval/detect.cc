@@ -7,7 +7,9 @@
 #include <functional>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -96,7 +98,11 @@ std::string detected(const DetectOptions& options) {
   const Catalogues catalogues = program_catalogues();
   const TruthRule simulated = learnt_labels(training_of(options.detector));
   Json trials = Json::array(), sensor;
+  std::set<std::filesystem::path> given;
   for (const std::string& recording : options.recordings) {
+    std::error_code unreadable;  // whole_dataset() says so
+    if (!given.insert(std::filesystem::weakly_canonical(recording, unreadable)).second)
+      reject("{}: was given before; allowed: each recording once", recording);
     const DatasetReader reader = whole_dataset(recording);
     for (const std::size_t number : reader.trials()) {
       try {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from collections.abc import Mapping, Sequence
@@ -58,7 +59,7 @@ def samples_path(path: str) -> str:
 
 
 def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
-    """Writes the alarms, a row each, and beside them the samples, a row each.
+    """Writes the alarms, a row each, and beside them the samples, a row each. The files get their names once both are whole.
 
     Args:
         path: FILE.parquet
@@ -86,8 +87,9 @@ def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
                 earlier = False
             if not earlier:
                 raise _core.InputError(f"cannot write {name}: it holds something else than a table of slipbench detect; allowed: another -o")
+    partial = {name: f"{name}.partial" for name in targets}
     try:
-        with pq.ParquetWriter(path, alarms) as alarm_file, pq.ParquetWriter(samples_path(path), samples) as sample_file:
+        with pq.ParquetWriter(partial[path], alarms) as alarm_file, pq.ParquetWriter(partial[samples_path(path)], samples) as sample_file:
             for trial in result["trials"]:
                 where = {name: trial[name] for name in ("recording", "trial", "object")}
                 rows = [{**where, "alarm": k + 1, **alarm} for k, alarm in enumerate(trial["alarms"])]
@@ -107,6 +109,12 @@ def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
                         schema=samples,
                     )
                 )
+        for name, written in partial.items():
+            Path(written).replace(name)
     except OSError as error:
         raise _core.InputError(f"cannot write {path}: {error.strerror or error}") from error
+    finally:
+        for written in partial.values():
+            with contextlib.suppress(OSError):
+                Path(written).unlink()
     return list(targets)
