@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -183,6 +184,12 @@ class Training(TrainingTest):
     def test_several_datasets(self):
         trained = self.train(dataset=[self.data, self.write("more.h5", seed=6)])
         self.assertEqual(trained.parts, {"learns": 30, "validates": 8, "judges": 10})
+
+    def test_a_trial_counts_once(self):
+        copy = self.folder / "copy.h5"
+        shutil.copy(self.data, copy)
+        with self.assertRaisesRegex(InputError, f"{copy}: trial 0 is in {self.data}, too; allowed: each trial once"):
+            self.train(dataset=[self.data, copy])
 
     def test_what_does_not_fit_is_refused(self):
         for more, message in (({"recipe": short("piezo_fft_gru")}, "papillarray.*1000 Hz.*piezo_skin at 10000"), ({"sensor": "thumb"}, "thumb"),

@@ -304,8 +304,16 @@ HdSummary train_hd(const HdTraining& options) {
   hd::SavedModel saved{options.model, options.quantiser, {}, hd::generate(options.model, options.seed)};
   HdSummary summary;
   TrainingData data = read_learnt(options.dataset, options, summary);
+  std::set<std::string> trials;
+  const auto add_trials = [&] {
+    for (const Sequence& sequence : data.sequences) trials.insert(sequence.sha256);
+  };
   for (const std::string& dataset : options.with) {
     TrainingData more = read_learnt(dataset, options, summary);
+    add_trials();  // one that is there twice could be in training and in the test
+    for (const Sequence& sequence : more.sequences)
+      if (trials.contains(sequence.sha256))
+        reject("{}: a trial is in an earlier dataset, too; allowed: each trial once", dataset);
     data.command += " and " + more.command;
     std::ranges::move(more.sequences, std::back_inserter(data.sequences));
   }
@@ -327,9 +335,8 @@ HdSummary train_hd(const HdTraining& options) {
   summary.trained = saved.trained =
       fmt::format("{}; labels {}, seed {}, {}{}", data.command, slip_rule_name(options.sequences.labels), options.seed, learnt,
                   options.epochs > 0 ? fmt::format(", {} epochs", options.epochs) : "");
-  std::set<std::string> seen;
-  for (const Sequence& sequence : data.sequences) seen.insert(sequence.sha256);
-  hd::save(options.output, saved, seen);
+  add_trials();
+  hd::save(options.output, saved, trials);
   return summary;
 }
 

@@ -257,8 +257,10 @@ TEST_F(TrainTest, TeachesThePublishedCoresBundleAndEpochs) {
   EXPECT_EQ(hd::load(path("core")).model, training.model);
   training.epochs = 2;
   training.point = true;
-  training.with = {data};
   training.output = path("epochs");
+  training.with = {data};
+  EXPECT_THAT(refusal_of([&] { train_hd(training); }), mentions({"data.h5", "each trial once"}));
+  training.with = {dataset({{"seed", "6"}}, "more.h5")};
   const HdSummary summary = train_hd(training);
   EXPECT_EQ(summary.sequences, 48U);
   EXPECT_EQ(hd::load(path("epochs")).alarm.off, summary.alarm.off);

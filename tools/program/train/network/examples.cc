@@ -351,12 +351,21 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
 Examples read_examples(std::span<const std::string> dataset_paths, const ExampleOptions& options) {
   for (const std::string& path : dataset_paths) check_labels(path, options.labels);
   Examples all = read_examples(dataset_paths.front(), options);
+  // A trial that is there twice could be in training and in the evaluation.
+  std::map<std::string, std::string> dataset_of;
+  for (const Example& example : all.all) dataset_of.emplace(example.sha256, dataset_paths.front());
   std::size_t dataset = 0;
   for (const std::string& path : dataset_paths.subspan(1)) {
     ++dataset;
     Examples more = read_examples(path, options);
     if (more.inputs != all.inputs)
       reject("{}: {} values a frame, in {} {}; allowed: as many", path, more.inputs, dataset_paths.front(), all.inputs);
+    for (const Example& example : more.all) {
+      const auto earlier = dataset_of.find(example.sha256);
+      if (earlier != dataset_of.end())
+        reject("{}: trial {} is in {}, too; allowed: each trial once", path, example.trial, earlier->second);
+    }
+    for (const Example& example : more.all) dataset_of.emplace(example.sha256, path);
     const std::size_t first = all.all.back().trial + 1;
     for (Example& example : more.all) {
       example.trial += first;
