@@ -41,7 +41,7 @@ struct DrawKind {
 
 const std::vector<DrawKind>& draw_kinds();
 
-// Whether a sweep may not vary this key of a scene.
+// Returns true if a sweep cannot vary this key of a scene.
 bool is_fixed(std::string_view key);
 
 // One entry of `sweep`: an axis of the grid, or a draw.

@@ -147,7 +147,7 @@ nb::ndarray<nb::numpy, double> electrode_places() {
   return array_of(std::move(values), {biotac_sp::electrodes, 3});
 }
 
-// What a word stands for. Throws InputError, which names `key`, for a word that is not in the table.
+// Returns the value of a word. Throws InputError, which names `key`, for a word that is not in the table.
 template <class Words>
 auto value_of_word(const Words& words, const char* key, const std::string& name) {
   if (const auto value = hd::value_of(words, name)) return *value;

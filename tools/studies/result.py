@@ -115,7 +115,7 @@ def say_nothing(_: str) -> None:
 
 @dataclass(frozen=True)
 class Options:
-    """What the command line asks for.
+    """Options of the command line.
 
     Attributes:
         data: a dataset to use instead of a fresh one; empty: none

@@ -343,7 +343,7 @@ class Tables(ImportTest):
     def test_commas_that_mean_two_things_are_refused(self):
         path = self.write("a.csv", table(rows=[["0", '"1,000"', "1"], ["1", '"1,001"', "2"]]))
         self.assertIn(
-            "a.csv:2: '1,000' has a decimal comma or a mark between thousands, which cannot be told apart",
+            "a.csv:2: '1,000' has a decimal comma or a mark between thousands, which cannot be distinguished",
             self.refused(MAP % "", path),
         )
         self.assertEqual(self.force(MAP % ", thousands: ','", path)[0][:, 0].tolist(), [1000, 1001])

@@ -111,7 +111,7 @@ WRONG_MAPS = (
 
 
 def printed(*words):
-    """What `slipbench schema` prints."""
+    """Returns the output of `slipbench schema`."""
     return subprocess.run([PROGRAM, "schema", *words], check=True, capture_output=True, text=True).stdout
 
 

@@ -1,4 +1,4 @@
-// What a sensor emitted over time, with what a detector and the labels say of it, as drawings without scripts.
+// Draws a sensor's signals over time with the states by detector and labels, as SVG without scripts.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ struct TimeSpan {
   double begin = 0.0, end = 0.0;
 };
 
-// What is drawn with the signals. T: samples of the sensor.
+// States, probability and alarms that are drawn with the signals. T: samples of the sensor.
 struct TimelineMarks {
   std::vector<TimeSpan> alarms = {};  // shaded in every drawing
   // [T] of slip; NaN: no new estimate; empty: the detector has no probability, or there is no detector

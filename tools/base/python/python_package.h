@@ -26,7 +26,7 @@ class PythonModule {
   // them (slipbench/_program.py, Interrupt), since Python takes a while to start. Throws InputError when it cannot start.
   [[noreturn]] void start(std::string request) const;
 
-  // Whether the user sees what the module writes to stderr.
+  // Shows the user the module's stderr, or hides it.
   enum class Errors { shown, hidden };
   // Runs it as a child process, whose stdout is discarded, and returns its exit status, 128 + the signal where one ended
   // it. The child is killed once `interrupt` is set, which may be null: what it writes must be worth nothing then. It has

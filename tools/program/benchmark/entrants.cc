@@ -103,7 +103,7 @@ std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::st
   return output;
 }
 
-// Whether there are the package and PyTorch, without which no recipe is described.
+// Returns true if the Python package and PyTorch are installed. Recipes cannot be described without them.
 bool can_train(const Lesson& lesson, const Teaching& teaching) {
   try {
     const PythonModule module("slipbench._recipe", "benchmark", "");

@@ -9,7 +9,7 @@
 namespace slipbench {
 namespace {
 
-// What tools/studies/page.py writes.
+// Kind of the pages that tools/studies/page.py writes.
 constexpr page::PageKind page_kind{
     "a result", "slipbench reproduce", "result page", "result of a reproduction", {"reproduction"}};
 

@@ -18,7 +18,7 @@ struct DetectOptions {
 
 inline constexpr const char* detect_key = "slipbench_detect";
 
-// What the detector sees in each trial, by the code that evaluate() runs: the same samples, the same alarms.
+// Runs the detector on each trial by the code of evaluate(), so that samples and alarms are the same.
 // The object that --json prints; its first key is detect_key: 1.
 //   detector  {type, parameters}
 //   sensor    {name, type, rate_hz} of the first trial
@@ -44,7 +44,7 @@ page::TextTable detections_table(const Json& result, std::size_t most);
 // Reads the signals from the recordings that `result` names.
 std::string detect_page(const Json& result);
 
-// What -o names: FILE.csv (the alarms; the samples go to FILE_samples.csv), FILE.json or FILE.html (with FILE.json beside it).
+// Writes the file that -o names: FILE.csv (the alarms; the samples go to FILE_samples.csv), FILE.json or FILE.html (with FILE.json beside it).
 // FILE.parquet is written by Python (slipbench/_detect.py).
 // Throws InputError for another ending, and where a file cannot be put there or holds something else.
 void check_detect_output(const std::string& path);

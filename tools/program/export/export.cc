@@ -34,7 +34,7 @@ double label_speed(const ExportOptions& options) { return options.label_speed.va
 SlipRule slip_rule(const ExportOptions& options) { return options.slip_rule.value_or(SlipRule::strict); }
 
 bool is_pillar_log(ExportFormat format) { return format == ExportFormat::vendor_csv || format == ExportFormat::training_csv; }
-// Whether a pillar slips by the speed of its tip.
+// Returns true if the rule derives a pillar's slip from the speed of its tip.
 bool is_of_the_tip(const ExportOptions& options) {
   return options.slip_rule == SlipRule::paper || options.slip_rule == SlipRule::has_slipped;
 }
@@ -306,7 +306,7 @@ std::vector<std::string> sensors_of(const DatasetReader& reader, const std::vect
   return sensors;
 }
 
-// What Python is told (tools/python/slipbench/_export/request.py).
+// Returns the request for Python (tools/python/slipbench/_export/request.py).
 Json request_of(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options) {
   const DatasetReader reader = checked_dataset(dataset_path);
   const std::vector<std::size_t> trials = trials_to_export(reader, options);

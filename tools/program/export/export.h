@@ -62,7 +62,7 @@ using ExportProgress = std::function<void(std::size_t done, std::size_t total, s
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress = {});
 
-// Whether tools/python/slipbench/_export writes this format. It writes the dataset card of every format.
+// Returns true if tools/python/slipbench/_export writes this format. It writes the dataset card of every format.
 bool is_python_format(ExportFormat format);
 
 // To be called before export_dataset(), which may take long. Returns why README.md and croissant.json cannot be written

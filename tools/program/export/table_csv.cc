@@ -25,7 +25,7 @@ constexpr std::array<StateColumn, 3> state_columns{{{",state", SlipRule::strict,
                                                     {",state_micro", SlipRule::micro, &LabelRecord::state_micro},
                                                     {",state_paper", SlipRule::paper, &LabelRecord::state_paper}}};
 
-// Of a recording, which has no truth.
+// Labels of a recording, which has no truth.
 constexpr StateColumn recorded_column{",state_recorded", SlipRule::paper, &LabelRecord::state_paper};
 
 std::vector<StateColumn> states_by(std::optional<SlipRule> rule, const LabelRecord& labels) {

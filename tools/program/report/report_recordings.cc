@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t drawn_recordings = 12, first_channels = 4;
 constexpr const char* no_value = "–";
 
-// What the import noted of a recording: its file, its object and more.
+// Facts that the import recorded: file, object and more.
 Json notes_of(const TrialRecord& record) {
   Json notes = Json::parse(record.params, nullptr, false);
   return notes.is_object() ? notes : Json::object();
@@ -98,7 +98,7 @@ page::TextTable sensors_table(const TrialRecord& record) {
   return table;
 }
 
-// What the import noted, but for the object, which is in the title.
+// Facts that the import recorded, without the object, which is in the title.
 std::string about(const TrialRecord& record) {
   std::vector<std::string> texts;
   const Json notes = notes_of(record);

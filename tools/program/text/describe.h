@@ -44,7 +44,7 @@ std::vector<CatalogueItem> find_items(const std::vector<CatalogueItem>& items, c
 // The kind with this plural name. Throws InputError for another word, with the nearest one.
 CatalogueKind find_kind(const std::string& plural);
 
-// What a parameter may be: "> 0 m and <= 100 mm", "true, false".
+// Allowed values of a parameter: "> 0 m and <= 100 mm", "true, false".
 std::string allowed_text(const ParameterSpec& spec);
 
 // The part of a scene that names the item with all its parameters at their defaults, ready to be copied into a scene file.

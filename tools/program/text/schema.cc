@@ -35,7 +35,7 @@ constexpr std::array quantity_names{
     "number",    "length", "time", "speed",     "acceleration", "angle",   "angular_speed", "angular_acceleration",
     "frequency", "force",  "mass", "stiffness", "damping",      "pressure"};
 
-// What the sign of a text such as "4 mm" may be; bounds other than 0 cannot be told from a text with a unit.
+// Pattern for the sign of a text such as "4 mm". A pattern cannot check bounds other than 0 in a text with a unit.
 enum class Sign { any, non_negative, positive };
 
 Sign sign_of(const Range& range) {
@@ -431,7 +431,7 @@ class SceneSchema {
     return values;
   }
 
-  // What keys ask of each other. A sweep can add keys to the scene, so scenes with one are not asked for all of it.
+  // Rules between keys. A sweep can add keys to the scene, so some rules do not apply to scenes with a sweep.
   Json root_rules() {
     const Json motions = any_of_texts(arm_motions_);
     const Json arm{{"properties", {{"kind", motions}}}, {"allOf", {without("kind", reference("motion_lift"))}}};

@@ -20,7 +20,7 @@ struct RecipeLine {
 std::span<const RecipeLine> recipe_list();
 std::vector<std::string> recipe_names();
 
-// Whether it is one of a network.
+// True if the recipe trains a network.
 bool is_network_recipe(const std::string& name);
 // Throws InputError for an unknown name, with the nearest one.
 void check_recipe(const std::string& name);

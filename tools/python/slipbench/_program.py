@@ -83,7 +83,7 @@ def counted(count: int, what: str) -> str:
 
 
 def watched(stream: TextIO) -> bool:
-    """Whether a person watches the stream on a terminal."""
+    """Returns True if the stream is a terminal."""
     return stream.isatty() and os.environ.get("TERM") != "dumb"
 
 

@@ -28,7 +28,7 @@ def frequency_text(hertz: float) -> str:
 
 
 def input_text(frames: Input) -> str:
-    """What a network reads, in words."""
+    """Describes the input of a network."""
     picks = frames.channels.items() if hasattr(frames.channels, "items") else [(name, ()) for name in frames.channels]
     names = ", ".join(f"{len(values)} values of {name}" if len(values) else name for name, values in picks)
     text = f"{names} of a {frames.sensor} at {frequency_text(frames.rate)}"
@@ -66,7 +66,7 @@ def network_text(made: Callable[[int, int], Any]) -> str:
 
 
 def facts_of(recipe: Recipe) -> dict[str, str]:
-    """What is said of a recipe, by heading."""
+    """Returns the facts about a recipe by heading."""
     return {"Input": input_text(recipe.input), "Scaling": SCALINGS[recipe.scaling], "Network": network_text(recipe.network),
             "Networks": f"{recipe.members}, whose probabilities are averaged" if recipe.members > 1 else "1",
             "Classes": CLASSES[recipe.classes], "Training": training_text(recipe.training), "Labels": recipe.labels, "Split": recipe.split,

@@ -1,4 +1,4 @@
-"""What the tables of grasp stability share: networks, sets of grasps, and a table that compares networks."""
+"""Common parts of the tables of grasp stability: networks, sets of grasps, and a table that compares networks."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def examples_of(grasps: Grasps, network: StabilityNetwork, by_object: bool, seed
 
 @dataclass(frozen=True)
 class GraspSets:
-    """What a study of stability is made with.
+    """Networks and data of a study of stability.
 
     Attributes:
         real: None without --real

@@ -96,7 +96,7 @@ def palm_table(title: str, rows: list[Row], which: str, grasps: Grasps,
 
 
 def three_ways(rows: list[Row], validations: Validations) -> tuple[Table, dict[str, Any]]:
-    """What is learnt from real, synthetic and both grasps, judged on real objects left out.
+    """Results of training on real, synthetic and both kinds of grasps, evaluated on real objects that were left out.
 
     Args:
         rows: with real grasps
@@ -118,7 +118,7 @@ def three_ways(rows: list[Row], validations: Validations) -> tuple[Table, dict[s
 
 
 def real_figures(three_way: dict[str, Any]) -> list[RealFigure]:
-    """What `realism` takes.
+    """Figures for `realism`.
 
     Args:
         three_way: figures of three_ways()

@@ -137,7 +137,7 @@ def _objects(touches: Sequence[Touch]) -> int:
 
 @dataclass(frozen=True)
 class Touches:
-    """What is trained on and judges: recordings.
+    """Recordings for training and evaluation.
 
     Attributes:
         real: empty without --real
@@ -203,7 +203,7 @@ def published() -> Table:
 
 
 def real_figures(figures: Mapping[str, Any]) -> list[RealFigure]:
-    """What `realism` takes.
+    """Figures for `realism`.
 
     Args:
         figures: by row and column

@@ -94,7 +94,7 @@ def run_touches(scene: str, draws: int, options: Options) -> list[Touch]:
 
 @dataclass(frozen=True)
 class Window:
-    """What is cut out of a recording.
+    """A part that is cut out of a recording.
 
     Attributes:
         rows: of a window

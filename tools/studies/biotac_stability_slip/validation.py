@@ -58,7 +58,7 @@ class RowsNetwork(nn.Module):
 
 @dataclass(frozen=True)
 class Examples:
-    """What networks are trained and judged on.
+    """Data for training and evaluating networks.
 
     Attributes:
         features: [N, rows, inputs] of each example, not scaled
@@ -93,7 +93,7 @@ class Network:
 
 
 class Answers(NamedTuple):
-    """What networks say of A examples that they are not trained on.
+    """Answers of networks to A examples that they are not trained on.
 
     Attributes:
         example: [A] number among those that are judged
@@ -287,7 +287,7 @@ def _sequences(features: Floats, labels: Labels) -> list[tuple[Floats, Labels]]:
 
 
 def truth_of(path: str) -> str:
-    """What stands in the place of the truth in a dataset of recordings; empty: the dataset was simulated.
+    """Note that replaces the truth in a dataset of recordings; empty: the dataset was simulated.
 
     Args:
         path: of the dataset

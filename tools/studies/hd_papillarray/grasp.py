@@ -1,4 +1,4 @@
-"""What Table II measures in a grasp: the paper's estimate of the forces, the slip that its markers see, and the figures of a trial."""
+"""Figures of Table II in a grasp: the paper's estimate of the forces, the slip that its markers see, and the figures of a trial."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ def spread(values: ArrayLike) -> Spread:
 
 @dataclass(frozen=True)
 class GraspFigures:
-    """What a trial came to. All but `dropped` are NaN where the box was not held, or where there is no such figure.
+    """The result of a trial. All but `dropped` are NaN where the box was not held, or where there is no such figure.
 
     Attributes:
         dropped: or not lifted

@@ -221,7 +221,7 @@ def delay_table(draws: OfModels) -> Table:
 
 
 def confusion_table(draws: Draws) -> Table:
-    """What each class is called.
+    """Classes by the label that the detector reports.
 
     Args:
         draws: of CL-gstHDC by sequence

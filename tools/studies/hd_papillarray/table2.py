@@ -100,7 +100,7 @@ class GraspCell(NamedTuple):
     usable: bool
 
     def grid(self, draws: int = 1) -> Cell:
-        """What it simulates, with `draws` trials."""
+        """Returns the cell to simulate, with `draws` trials."""
         overrides: dict[str, str] = {}
         for choice in (PROTOCOLS[self.protocol], BOXES[self.box], SURFACES[self.surface], self.loop_choice):
             overrides |= choice.overrides
@@ -170,7 +170,7 @@ FIGURES: dict[str, tuple[str, float]] = {
 
 
 def published_of(cell: GraspCell) -> Published | None:
-    """What is published of the cell's surface and box."""
+    """Published figures of the cell's surface and box."""
     return PUBLISHED.get((cell.surface.removesuffix(FITTED), cell.box))
 
 
@@ -347,7 +347,7 @@ def setup_lines(trials: int, seed: int) -> list[str]:
 
 
 def remarks_on(cells: Sequence[GraspCell], results: Sequence[Grasps], seed: int) -> list[str]:
-    """What the rows at hand say by themselves, and what holds for all.
+    """Remarks on the rows at hand and on the whole table.
 
     Args:
         cells: the rows

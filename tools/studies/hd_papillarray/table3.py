@@ -55,7 +55,7 @@ ROWS = {
 
 
 def gru_figures(result: dict[str, Any]) -> dict[str, Any]:
-    """What Table III says of a detector.
+    """Figures of Table III of a detector.
 
     Args:
         result: of slipbench.evaluate()

@@ -1,1 +1,1 @@
-"""What a learned slip detector is worth in the published loop, and how many trials it takes."""
+"""The value of a learned slip detector in the published loop, and the number of trials that it needs."""

@@ -41,7 +41,7 @@ class Condition:
     mass: float
 
     def overrides(self) -> dict[str, str]:
-        """Of JUDGED_SCENE."""
+        """Returns the overrides of JUDGED_SCENE."""
         return {"box.mass": f"{self.mass:g} kg", "friction.static": f"{self.friction:g}", "friction.kinetic": f"{0.95 * self.friction:.4f}"}
 
 

@@ -27,7 +27,7 @@ Json = dict[str, Any]
 
 @dataclass(frozen=True)
 class Factor:
-    """What a scene draws, held at the middle of its range.
+    """A quantity that a scene draws, fixed at the middle of its range.
 
     Attributes:
         name: in the table
@@ -144,7 +144,7 @@ def given_row(board: Json, domain: str) -> Json:
 
 
 def figures_of(board: Json) -> Json:
-    """What a board says of the network that was given.
+    """Figures of a board on the network that was given.
 
     Args:
         board: what `slipbench benchmark --json` prints

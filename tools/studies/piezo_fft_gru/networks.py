@@ -261,7 +261,7 @@ def _share(part: int, whole: int) -> float:
 
 
 def _figures(folds_of: Iterable[NDArray[np.int64]]) -> Figures:
-    """Of [true, called] frames of each fold."""
+    """Returns the figures of [true, called] frames of each fold."""
     accuracy, f1 = [], []
     for (held, alarmed), (missed, seen) in folds_of:
         accuracy.append(50.0 * (_share(seen, missed + seen) + _share(held, held + alarmed)))

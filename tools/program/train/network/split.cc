@@ -31,7 +31,7 @@ std::string group_of(const Example& example, std::size_t experiment, Split split
   return {};
 }
 
-// What is dealt out apart: which classes occur, and whether something touches.
+// Key by which trials are divided separately: the classes that occur, and whether there is contact.
 using Kinds = std::set<int>;
 
 void add_kinds(Kinds& kinds, const Example& example) {

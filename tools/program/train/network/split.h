@@ -11,7 +11,7 @@
 
 namespace slipbench::train {
 
-// What is never learnt from together.
+// Groups that never appear in both training and test.
 enum class Split {
   trial,
   material,

@@ -80,7 +80,7 @@ def _kinds(data: Dataset, request: Request) -> list[str]:
 
 
 def _with_labels(data: Dataset, request: Request) -> str:
-    """What a sentence about the recordings adds where the files have labels of slip."""
+    """Returns the part of a sentence that says that the files have labels of slip."""
     has = LAYOUTS[request.format].has_labels or any(one.kind == "labels" for one in _series(data, request))
     return " with labels of slip" if has else ""
 
@@ -110,7 +110,7 @@ def _sensor_rows(data: Dataset, request: Request) -> str:
 
 
 def _array_rows(data: Dataset, request: Request) -> str:
-    """What the arrays of the dataset are that the files hold; empty where they hold none."""
+    """Describes the dataset's arrays in the files; empty where there are none."""
     rows, first = "", _first(data, request)
     for one in _series(data, request):
         rule = f"; rule: {first[one.owner].labels[one.owner].attrs['rule']}" if one.name == "state_recorded" else ""
@@ -186,7 +186,7 @@ def _first_line(path: str) -> str:
 
 
 def _column(request: Request, states: dict[str, str], name: str) -> croissant.Column:
-    """What a column of a table is that the program has written. `states`: what the arrays of labels mean."""
+    """Describes a column of a table that the program has written. `states`: what the arrays of labels mean."""
     for one in LAYOUTS[request.format].columns(request):
         if one.pattern and re.fullmatch(one.pattern, name):
             return croissant.Column(name, one.type, f"{one.meaning}; unit {one.unit}" if one.unit else one.meaning)

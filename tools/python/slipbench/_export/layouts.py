@@ -57,7 +57,7 @@ def _rotated_shape(one: Series) -> list[int]:
 
 @dataclass(frozen=True)
 class Layout:
-    """What the files of a format hold.
+    """Contents of the files of a format.
 
     Attributes:
         files: what a file holds, by its name

@@ -1,1 +1,1 @@
-"""What `slipbench import --map` reads in Python: `python -m slipbench._import REQUEST`, started by the program."""
+"""Readers of `slipbench import --map`: `python -m slipbench._import REQUEST`, started by the program."""

@@ -35,7 +35,7 @@ class Node:
 
     @property
     def described(self) -> str:
-        """What is written: a text in quotes, "a map", "a list", "nothing"."""
+        """Describes the value as written: a text in quotes, "a map", "a list", "nothing"."""
         return {"scalar": repr(self.text), "sequence": "a list", "map": "a map"}.get(self.kind, "nothing")
 
 

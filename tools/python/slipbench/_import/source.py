@@ -1,4 +1,4 @@
-"""What all readers hand over: columns by their titles, and where each row stands."""
+"""The common result of all readers: columns by their titles, and the place of each row."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Source:
         return self.path
 
     def title_hint(self) -> str:
-        """What an error about an unknown title adds."""
+        """Returns the hint of an error about an unknown title."""
         return ""
 
     def find(self, title: str) -> str:

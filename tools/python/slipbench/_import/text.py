@@ -187,7 +187,7 @@ class TextTable(Source):
         if all(EITHER.fullmatch(cell) for _, cell in commas):
             number, cell = commas[0]
             raise InputError(
-                f"{self.path}:{number}: {cell!r} has a decimal comma or a mark between thousands, which cannot be told apart; "
+                f"{self.path}:{number}: {cell!r} has a decimal comma or a mark between thousands, which cannot be distinguished; "
                 "say decimal: ',' or thousands: ',' in the map"
             )
 
@@ -276,7 +276,7 @@ class TextTable(Source):
             and len(cells) > len(self.titles)
             and all(re.fullmatch(r"[+-]?\d+", cell) for cell in cells if cell)
         ):
-            cause = "; commas seem to be both the separator and the decimal mark, which cannot be told apart"
+            cause = "; commas seem to be both the separator and the decimal mark, which cannot be distinguished"
         elif all(filled(cells_of(line, self._separator)) == len(self.titles) + 1 for line in self._lines[:SAMPLE]):
             cause = "; where rows begin with a name that has no title, as R writes them, use header: false and skip the titles"
         raise InputError(f"{self.place(row)}: has {filled(cells)} cells; expected {len(self.titles)}{cause}")

@@ -319,7 +319,7 @@ def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
 
 
 def _answer_of(module: nn.Module, name: str, *arguments: Any) -> Any:
-    """What the module returns. Raises InputError with PyTorch's message where its layers do not fit the frames."""
+    """Runs the module. Raises InputError with PyTorch's message where its layers do not fit the frames."""
     try:
         return module(*arguments)
     except (RuntimeError, TypeError) as error:
