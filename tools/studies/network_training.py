@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import multiprocessing
-import os
 import signal
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import ForkProcess
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ Labels = NDArray[np.uint8]
 Sequences = Sequence[tuple[Floats, Labels]]
 
 REPORT_EVERY = 10  # networks between two lines of progress
+END_WITHIN = 10  # s in which a process that is told to end removes its files; then it is killed
 
 
 def folds(groups: ArrayLike, count: int, seed: int) -> NDArray[np.int64]:
@@ -109,27 +111,19 @@ def train_detector(name: str, recipe: str | Recipe, dataset: str, output: str, o
                  progress=lambda _, report: options.say(f"{name}: step {report.step} of {report.steps}"))
 
 
-_work: Callable[[int], Any] | None = None  # inherited by the worker processes, which are forks of this one
-
-
 def _end(*_: object) -> None:
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # the pool may send another, which would stop the removal of files
-    raise SystemExit
+    raise SystemExit(1)
 
 
-def _begin() -> None:
-    """Prepares a worker process: its parent handles Ctrl-C and ends it by SIGTERM, after which it removes its temporary files."""
+def _run(work: Callable[[int], Any], index: int, connection: Connection) -> None:
+    """Does the work of a process and sends its result, or its error with the text of where it arose. The parent handles Ctrl-C, and ends the process by
+    SIGTERM, upon which it removes its temporary files."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _end)
-    set_num_threads(1)
-
-
-def _do(index: int) -> Any:
-    assert _work is not None
     try:
-        return plain(_work(index))
-    except SystemExit:  # the pool would keep it and wait for more work
-        os._exit(1)
+        connection.send((plain(work(index)), None, ""))
+    except Exception as error:
+        connection.send((None, error, traceback.format_exc()))
 
 
 def train_all(name: str, subjects: Sequence[str], options: Options, work: Callable[[int], Any]) -> list[Any]:
@@ -148,44 +142,89 @@ def train_all(name: str, subjects: Sequence[str], options: Options, work: Callab
         InputError: of a network, or as KeptNetworks
         KeyboardInterrupt: after Ctrl-C; its text says what is kept
     """
-    global _work
     kept = KeptNetworks(options, name) if options.output else None
     results: list[Any] = [None if kept is None else kept.find(index) for index in range(len(subjects))]
     left = [index for index, one in enumerate(results) if one is None]
-    _work = work
-    set_num_threads(1)
+    set_num_threads(1)  # for the processes, which are forks of this one
+    processes = _Processes(work)
     try:
-        with ProcessPoolExecutor(min(jobs_of(options), max(len(left), 1)), multiprocessing.get_context("fork"), _begin) as pool:
-            running: dict[Future[Any], int] = {}
-            try:
-                for number, index in enumerate(left):
-                    if number % REPORT_EVERY == 0 or subjects[index] != subjects[left[number - 1]]:
-                        options.say(f"{subjects[index]} ({number} of {len(left)} begun)")
-                    running[pool.submit(_do, index)] = index
-                    if len(running) == jobs_of(options):
-                        _collect(running, results, kept)
-                while running:
-                    _collect(running, results, kept)
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                for process in multiprocessing.active_children():
-                    process.terminate()
-                raise
+        for number, index in enumerate(left):
+            if number % REPORT_EVERY == 0 or subjects[index] != subjects[left[number - 1]]:
+                options.say(f"{subjects[index]} ({number} of {len(left)} begun)")
+            processes.start(index)
+            if len(processes) == jobs_of(options):
+                _collect(processes, results, kept)
+        while processes:
+            _collect(processes, results, kept)
     except KeyboardInterrupt:
         if kept is not None and kept.size:
             raise KeyboardInterrupt(f"interrupted; {kept.size} networks are kept in {kept.path}; the same command with --resume goes on") from None
         raise
     finally:
-        _work = None
+        processes.end()
         if kept is not None:
             kept.remove_if_empty()
     return results
 
 
-def _collect(running: dict[Future[Any], int], results: list[Any], kept: KeptNetworks | None) -> None:
+class _Processes:
+    """Processes that each train one network."""
+
+    def __init__(self, work: Callable[[int], Any]) -> None:
+        self._work = work
+        self._context = multiprocessing.get_context("fork")
+        self._running: dict[Connection, tuple[int, ForkProcess]] = {}
+
+    def __len__(self) -> int:
+        return len(self._running)
+
+    def start(self, index: int) -> None:
+        """Starts the process of network `index`."""
+        ours, theirs = self._context.Pipe(duplex=False)
+        process = self._context.Process(target=_run, args=(self._work, index, theirs))
+        process.start()
+        theirs.close()  # so that reading ends where the process does
+        self._running[ours] = index, process
+
+    def take(self) -> Iterator[tuple[int, Any]]:
+        """Waits until at least one network is done.
+
+        Yields:
+            number and result of each network that is done
+
+        Raises:
+            Exception: the error of a network
+            RuntimeError: where a process was killed
+        """
+        for connection in wait(list(self._running)):
+            assert isinstance(connection, Connection)
+            index, process = self._running.pop(connection)
+            with connection:
+                try:
+                    result, error, text = connection.recv()
+                except EOFError:
+                    process.join()
+                    raise RuntimeError(f"the process of network {index} ended with exit status {process.exitcode}") from None
+            process.join()
+            if error is not None:
+                raise error from RuntimeError(text)
+            yield index, result
+
+    def end(self) -> None:
+        """Ends the processes that still run; returns when they have removed their files."""
+        for _, process in self._running.values():
+            process.terminate()
+        for connection, (_, process) in self._running.items():
+            process.join(END_WITHIN)
+            process.kill()
+            process.join()
+            connection.close()
+        self._running.clear()
+
+
+def _collect(processes: _Processes, results: list[Any], kept: KeptNetworks | None) -> None:
     """Waits until at least one network is done and takes the results."""
-    for future in wait(running, return_when=FIRST_COMPLETED).done:
-        index = running.pop(future)
-        results[index] = future.result()
+    for index, result in processes.take():
+        results[index] = result
         if kept is not None:
-            kept.keep(index, results[index])
+            kept.keep(index, result)

@@ -1,6 +1,8 @@
 """What studies that teach networks share: folds, networks that are kept. Argument: the program, which is not used."""
 
 import multiprocessing
+import os
+import signal
 import sys
 import tempfile
 import time
@@ -102,9 +104,13 @@ class Kept(unittest.TestCase):
 
             with self.assertRaisesRegex(InputError, "the first"):
                 train_all(NAME, ["a", "a"], Options(jobs=2), work)
-            for process in multiprocessing.active_children():
-                process.join()
+            self.assertEqual(multiprocessing.active_children(), [])
             self.assertEqual(list(Path(folder).iterdir()), [])
+
+    def test_a_process_that_is_killed_is_an_error(self):
+        with self.assertRaisesRegex(RuntimeError, "network 1 ended with exit status -9"):
+            train_all(NAME, ["a"] * 3, Options(jobs=2), lambda index: index if index != 1 else os.kill(os.getpid(), signal.SIGKILL))
+        self.assertEqual(multiprocessing.active_children(), [])
 
     def test_results_are_in_order_whatever_the_jobs(self):
         for jobs in (1, 2):
