@@ -91,13 +91,15 @@ constexpr const char* rule =
 BoardTable board_table(const Json& set) {
   BoardTable table;
   const std::string domain = set.contains("domain") ? ", " + set.at("domain").get<std::string>() : "";
-  table.title = fmt::format("{}{}, {}: {} trials", set.at("track").get<std::string>(), domain,
+  const std::string disturbance = set.contains("disturbance") ? " by " + set.at("disturbance").get<std::string>() : "";
+  table.title = fmt::format("{}{}{}, {}: {} trials", set.at("track").get<std::string>(), domain, disturbance,
                             set.at("sensor").get<std::string>(), set.at("trials").get<std::size_t>());
   const bool grasps = !set.at("rows").empty() && set.at("rows")[0].contains("grasps");
   const bool needless = grasps && set.at("rows")[0].contains("needless");
   table.cells.head = {"", "rank", "kind", "score", "95 %", "credit", "false alarms/min", "wrongly slip", "recall"};
-  const std::vector<std::string> events = grasps ? std::vector<std::string>{"dropped", "not lifted", "force/least", "slip"}
-                                                 : std::vector<std::string>{"median delay", "early", "missed"};
+  const std::vector<std::string> events =
+      grasps ? std::vector<std::string>{"dropped", "not lifted", "force/least", "slip"}
+             : std::vector<std::string>{"median delay", "slipped, median", "before gross slip", "early", "missed"};
   table.cells.head.insert(table.cells.head.end(), events.begin(), events.end());
   if (needless) table.cells.head.emplace_back("needless force");
   for (const Json& row : set.at("rows")) {
@@ -120,6 +122,8 @@ BoardTable board_table(const Json& set) {
       if (needless) cells.push_back(points(row.at("needless")));
     } else {
       cells.push_back(shown(row.at("figures").at("figures").at("delay_median_s").at("value"), ms, " ms", 0));
+      cells.push_back(shown(row.at("figures").at("figures").at("slip_distance_median_m").at("value"), ms, " mm", 3));
+      cells.push_back(share_of(row, "before_gross_slip"));
       cells.push_back(share_of(row, "early"));
       cells.push_back(share_of(row, "missed"));
     }

@@ -70,7 +70,8 @@ std::vector<double> figures_of(const Pool& pool) {
   set("delay_p10_s", quantile(pool.delays, 0.1));
   set("delay_p90_s", quantile(pool.delays, 0.9));
   set("slip_distance_median_m", median(pool.distances));
-  if (!pool.distances.empty() || pool.counts.seen == 0) set("before_gross_slip", ratio(static_cast<double>(pool.before_gross_slip), slipping));
+  if (!pool.distances.empty() || pool.counts.seen == 0)
+    set("before_gross_slip", ratio(static_cast<double>(pool.before_gross_slip), slipping));
   set("early", ratio(static_cast<double>(pool.counts.early), slipping));
   set("missed", ratio(static_cast<double>(pool.counts.missed), slipping));
   constexpr PadState stick = PadState::non_slip;

@@ -47,15 +47,17 @@ struct Truth {
   std::vector<PadState> state;        // [T]
   std::vector<bool> masked;           // [T] no frame to be judged by, though alarms in it count; empty: none is
   std::vector<float> stuck_fraction;  // [T], NaN while nothing touches
-  std::vector<double> slip_distance;  // [T] m, path slipped since the start, mean of the touching units; NaN while nothing touches; empty: not known
-  double period = 0.0;                // s, from one sample to the next
+  std::vector<double>
+      slip_distance;  // [T] m, path slipped since the start, mean of the touching units; NaN while nothing touches; empty: not known
+  double period = 0.0;  // s, from one sample to the next
 
   double first_slip = std::numeric_limits<double>::quiet_NaN();  // s, the one to be judged by: in a grasp the first of the lift
   // Closing fingers may make a grasp's sensor slip; from then until the lift no alarm counts, and none from a drop on.
   double any_slip = std::numeric_limits<double>::quiet_NaN();     // s, the first at all
   double judged_from = -std::numeric_limits<double>::infinity();  // s, the lift's beginning
   double judged_until = std::numeric_limits<double>::infinity();  // s, the drop
-  double gross_slip = std::numeric_limits<double>::infinity();    // s, the first sample from first_slip on in which nothing that touches sticks
+  double gross_slip =
+      std::numeric_limits<double>::infinity();  // s, the first sample from first_slip on in which nothing that touches sticks
 
   // Whether an alarm at that time counts (dataset/README.md, How the detector did).
   [[nodiscard]] bool counts(double t) const { return (!(t >= any_slip) || t >= judged_from) && !(t >= judged_until); }

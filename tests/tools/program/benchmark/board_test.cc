@@ -143,7 +143,7 @@ double score_on(const Held& held, const Trials& trials, const std::function<Dete
   for (const auto& [scene, record] : trials) {
     const eval::Truth truth = eval::truth_of(&scene, record, record.sensors[0], eval::TruthRule::masked);
     const eval::Replayed replayed = eval::replay(detector(scene), record.sensors, 0, record.seed, record.trial);
-    parts.push_back(recording_part(eval::judged(record.trial, truth, replayed, held.grace ? truth.period : 0.0)));
+    parts.push_back(recording_part(eval::judged(record.trial, truth, replayed, held.grace ? truth.period : 0.0), held));
   }
   return score_of(parts, held).value;
 }

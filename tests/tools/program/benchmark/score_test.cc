@@ -34,24 +34,24 @@ GraspOutcome grasp(double ratio, bool dropped) {
 // A slip that is seen after 0, 1 or 3 times half_delay earns 1, 1/2 or 1/4.
 TEST(Score, CreditFallsWithTheDelay) {
   for (const auto& [delay, credit] : {std::pair{0.0, 1.0}, {half_delay, 0.5}, {3.0 * half_delay, 0.25}}) {
-    EXPECT_DOUBLE_EQ(recording_part(judgement(Detection::seen, delay, 0, 0)).credit, credit);
+    EXPECT_DOUBLE_EQ(recording_part(judgement(Detection::seen, delay, 0, 0), open).credit, credit);
   }
-  EXPECT_EQ(recording_part(judgement(Detection::missed, none, 0, 0)).credit, 0.0);
-  EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1)).credit, 0.0);
+  EXPECT_EQ(recording_part(judgement(Detection::missed, none, 0, 0), open).credit, 0.0);
+  EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1), open).credit, 0.0);
 }
 
 TEST(Score, ConstantAnswersEarnNothing) {
-  const std::vector<Part> never{recording_part(judgement(Detection::missed, none, 0, 0))};
+  const std::vector<Part> never{recording_part(judgement(Detection::missed, none, 0, 0), open)};
   EXPECT_EQ(score_of(never, open).value, 0.0);
-  const std::vector<Part> always{recording_part(judgement(Detection::early, none, 60, 1))};
+  const std::vector<Part> always{recording_part(judgement(Detection::early, none, 60, 1), open)};
   EXPECT_EQ(score_of(always, open).value, -1.0) << "no credit, and slip is said in all of the time without it";
 }
 
 // One trial seen at once, one early with an alarm a sample long: credit 1/2. Two trials have 1.2 s without slip: 1 alarm is 50 a minute, which the
 // limit of 1 a minute makes 1/50 of the credit; one sample of 120 was wrong.
 TEST(Score, FalseAlarmsBeyondTheLimitTakeTheCreditAway) {
-  const std::vector<Part> parts{recording_part(judgement(Detection::seen, 0.0, 0, 0)),
-                                recording_part(judgement(Detection::early, none, 1, 1))};
+  const std::vector<Part> parts{recording_part(judgement(Detection::seen, 0.0, 0, 0), open),
+                                recording_part(judgement(Detection::early, none, 1, 1), open)};
   const Score score = score_of(parts, open);
   EXPECT_DOUBLE_EQ(score.credit, 0.5);
   EXPECT_NEAR(score.alarms_per_minute, 50.0, 1e-9);
@@ -62,11 +62,11 @@ TEST(Score, FalseAlarmsBeyondTheLimitTakeTheCreditAway) {
 TEST(Score, RecordingsWithoutSlipOnlyCost) {
   eval::Judgement quiet = judgement(Detection::quiet, none, 0, 0);
   quiet.slip_time = none;
-  const Part seen = recording_part(judgement(Detection::seen, half_delay, 0, 0));
-  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet)}, open).value, 0.5);
+  const Part seen = recording_part(judgement(Detection::seen, half_delay, 0, 0), open);
+  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet, open)}, open).value, 0.5);
   quiet.frames[1][1] = 30;
   quiet.frames[1][3] = 30;
-  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet)}, open).value, 0.5 - 30.0 / 120.0);
+  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet, open)}, open).value, 0.5 - 30.0 / 120.0);
 }
 
 // The least force earns 1, worst_force_ratio times it 0, half-way 1/2. A dropped box and one that needs no tightening earn nothing, and the latter
