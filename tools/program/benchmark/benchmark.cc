@@ -25,6 +25,7 @@
 #include "tools/base/record/encoder.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"
+#include "tools/program/benchmark/bound.h"
 #include "tools/program/benchmark/entrants.h"
 #include "tools/program/benchmark/protocol.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -114,15 +115,21 @@ eval::Replayed as_true(const eval::Truth& truth) {
   return seen;
 }
 
-Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule) {
+// Neither has a rank: no detector can do what they do.
+bool is_measure(const Entrant& entrant) { return entrant.kind == Kind::oracle || entrant.kind == Kind::bound; }
+
+// `stuck`: the same trial without slip; nullptr where nobody needs it.
+Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule,
+                       const TrialRecord* stuck = nullptr) {
   Answer answer;
   try {
     const eval::Truth truth = eval::truth_of(scene, record, record.sensors[seat.sensor], rule);
-    const eval::Replayed replayed =
-        seat.entrant->kind == Kind::oracle
-            ? as_true(truth)
-            : eval::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
-    answer.judgement = judged(held, record.trial, truth, replayed);
+    const auto replayed = [&] {
+      if (seat.entrant->kind == Kind::oracle) return as_true(truth);
+      if (seat.entrant->kind == Kind::bound) return signal_known(record, *stuck, seat.sensor, truth);
+      return eval::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
+    };
+    answer.judgement = judged(held, record.trial, truth, replayed());
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", record.trial, error.what());
   }
@@ -167,7 +174,7 @@ void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const T
     bool seated = false;
     for (const std::size_t sensor : readers) {
       const Seat seat{entrant, sensor, first.sensors[sensor].name};
-      if (entrant->kind != Kind::oracle) {
+      if (!is_measure(*entrant)) {
         try {
           eval::replay(detector_for(seat, nullptr, nullptr), first.sensors, sensor, first.seed, first.trial);
         } catch (const InputError& error) {
@@ -313,7 +320,7 @@ Json board_json(Json json, Board board) {
   double last = std::numeric_limits<double>::infinity();
   for (const Seat& seat : board.seats) {
     Json row = row_json(board, seat);
-    if (seat.entrant->kind != Kind::oracle) {
+    if (!is_measure(*seat.entrant)) {
       ++place;
       if (value(seat) < last) rank = place;  // equal scores share a rank
       last = value(seat);
@@ -372,8 +379,10 @@ struct HeldTrials {
     return sweep;
   }
   [[nodiscard]] const TrialPlan& plan() const { return read.planned.plan; }
-  [[nodiscard]] TrialRecord recorded(std::size_t number) const {
+  // `sticks`: on a surface on which nothing slips.
+  [[nodiscard]] TrialRecord recorded(std::size_t number, bool sticks = false) const {
     TrialPlan::Trial planned = plan().trial(number);
+    if (sticks) planned.scene = without_slip(planned.scene);
     // Neither a sensor that follows another's contact nor one on a stage changes anything for the others.
     const bool carries = planned.scene.dynamic();
     std::erase_if(planned.scene.sensors, [&](const SensorScene& sensor) {
@@ -389,6 +398,10 @@ struct HeldTrials {
   std::set<std::string> readers;  // sensors that a detector of some set may read
 };
 
+bool has_bound(const Board& board) {
+  return std::ranges::any_of(board.seats, [](const Seat& seat) { return seat.entrant->kind == Kind::bound; });
+}
+
 // All detectors hear the same recordings.
 void judge_recordings(std::vector<Board>& boards, const HeldTrials& trials, const Options& options) {
   struct Judged {
@@ -401,10 +414,13 @@ void judge_recordings(std::vector<Board>& boards, const HeldTrials& trials, cons
         const TrialRecord record = trials.recorded(trials.numbers[k]);
         const Scene scene = trials.plan().trial(trials.numbers[k]).scene;
         Judged judged{{}, record.params, hexadecimal(trial_digest(record))};
+        std::optional<TrialRecord> stuck;
+        if (std::ranges::any_of(boards, has_bound)) stuck = trials.recorded(trials.numbers[k], true);
         for (const Board& board : boards) {
           std::vector<Answer>& answers = judged.answers.emplace_back();
           for (const Seat& seat : board.seats)
-            answers.push_back(recorded_answer(seat, &board.held, &scene, record, rule_of(board.held.track)));
+            answers.push_back(
+                recorded_answer(seat, &board.held, &scene, record, rule_of(board.held.track), stuck ? &*stuck : nullptr));
         }
         return judged;
       },
@@ -446,6 +462,9 @@ std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const
   for (const Entrant& entrant : entrants) {
     // In open recordings the protocols before slip-3 have no oracle.
     if (entrant.kind == Kind::oracle && (held == nullptr || (held->track == Track::open && !held->by_distance))) continue;
+    if (entrant.kind == Kind::bound &&
+        (held == nullptr || !held->by_distance || held->track == Track::loop || !held->disturbance.empty()))
+      continue;
     if (held == nullptr ? entrant.told != Told::nothing : !can_be_told(entrant, *held)) continue;
     if (entrant.reads.empty() || held == nullptr || entrant.reads == held->sensor) some.push_back(&entrant);
   }
@@ -581,6 +600,7 @@ Json benchmark(const Options& options) {
     for (Entrant& entrant : taught.entrants) entrants.push_back(std::move(entrant));
   }
   entrants.push_back(oracle_entrant());
+  entrants.push_back(bound_entrant());
   std::vector<Missing> missing = missing_entrants();
   missing.insert(missing.end(), taught.untaught.begin(), taught.untaught.end());
   const Catalogues catalogues = program_catalogues();
