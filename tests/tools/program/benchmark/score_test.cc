@@ -40,6 +40,35 @@ TEST(Score, CreditFallsWithTheDelay) {
   EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1), open).credit, 0.0);
 }
 
+// By slip-3 a slip that is seen after 0, 1 or 3 times half_slip_distance earns 1, 1/2 or 1/4, whatever the delay.
+TEST(Score, CreditFallsWithTheSlippedDistance) {
+  const Held by_distance{.track = Track::open, .by_distance = true};
+  for (const auto& [distance, credit] : {std::pair{0.0, 1.0}, {half_slip_distance, 0.5}, {3.0 * half_slip_distance, 0.25}}) {
+    eval::Judgement one = judgement(Detection::seen, 5.0, 0, 0);
+    one.slip_distance = distance;
+    EXPECT_DOUBLE_EQ(recording_part(one, by_distance).credit, credit);
+  }
+  EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1), by_distance).credit, 0.0);
+}
+
+// Twelve recordings: in two a part slips, which leaves ten; eight of these are silent.
+TEST(Score, DisturbedRecordingsAreScoredBySpecificity) {
+  const Held disturbed{.track = Track::open, .by_distance = true, .disturbance = "knock"};
+  std::vector<Part> parts;
+  for (int k = 0; k < 12; ++k) {
+    eval::Judgement one = judgement(k < 2 ? Detection::missed : Detection::quiet, none, 0, 0);
+    if (k >= 2) one.slip_time = none;
+    if (k >= 10) one.alarm_time = 0.3;
+    parts.push_back(recording_part(one, disturbed));
+  }
+  const Score score = score_of(parts, disturbed);
+  EXPECT_EQ(score.judged, 10U);
+  EXPECT_DOUBLE_EQ(score.value, 0.8);
+  const Interval exact = clopper_pearson(8, 10), interval = score_interval(parts, disturbed);
+  EXPECT_DOUBLE_EQ(interval.low, exact.low);
+  EXPECT_DOUBLE_EQ(interval.high, exact.high);
+}
+
 TEST(Score, ConstantAnswersEarnNothing) {
   const std::vector<Part> never{recording_part(judgement(Detection::missed, none, 0, 0), open)};
   EXPECT_EQ(score_of(never, open).value, 0.0);
