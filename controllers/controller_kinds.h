@@ -51,6 +51,7 @@ ControllerKind plugin();
 ControllerKind reorient();
 ControllerKind step_on_slip();
 ControllerKind stuck_fraction();
+ControllerKind timed_grip();
 
 }  // namespace controllers
 }  // namespace slipbench

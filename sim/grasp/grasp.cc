@@ -150,6 +150,10 @@ Entry box_entry() {
           number_spec("table_stiffness", Quantity::stiffness, "100 N/mm", positive,
                       "Stiffness of the table under the four corners of the box together.",
                       "assumed: a box of 0.2 kg sinks in by 0.02 mm"),
+          table_spec(4, "push", {{"t", Quantity::time}, {"x", Quantity::force}, {"y", Quantity::force}, {"z", Quantity::force}},
+                     "Force from outside on the box over time, along the world's axes, straight between the rows.", "free"),
+          vector_spec(3, "push_place", Quantity::length, "[0 mm, 0 mm, 0 mm]", any_value,
+                      "Where the push acts, from the box's middle.", "free"),
       }};
 }
 

@@ -56,7 +56,7 @@ TEST(Controllers, ThatWaitForADetectorRefuseASceneWithoutOne) {
   const auto refused = [&](const std::string& name) { return refusal_of([&] { (void)make_controller(named(name), source); }); };
   for (const std::string name : {"step_on_slip", "stuck_fraction"})
     EXPECT_THAT(refused(name), refused_at("controller.type", {name, "detector"}));
-  for (const char* name : {"constant_force", "force_pid", "force_ratio", "hold_preset"}) {
+  for (const char* name : {"constant_force", "force_pid", "force_ratio", "hold_preset", "timed_grip"}) {
     EXPECT_EQ(refused(name), "accepted") << name;
   }
 }

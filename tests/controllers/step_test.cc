@@ -1,4 +1,5 @@
-// The controllers that step by counts: constant_force, hold_preset, step_on_slip.
+// The controllers that step by counts: constant_force, hold_preset, timed_grip, step_on_slip.
+#include <cmath>
 
 #include "tests/controllers/rig.h"
 #include "tests/expect.h"
@@ -68,6 +69,32 @@ TEST(HoldPreset, DropsWhatThePresetDoesNotHold) {
     EXPECT_EQ(plant.holds(), held) << load;
     EXPECT_DOUBLE_EQ(plant.grip(), 4.8);
   }
+}
+
+// Taken at 14 counts, as constant_force does above. Then 3 counts more at 1 s, and from 1.4 s on 4 counts less in 0.4 s: one in 0.1 s, rounded, so
+// that the change from 3 to 2 comes at 1.45 s, which the update at 1.46 s sees, and so on; -1 from 1.76 s on.
+TEST(TimedGrip, TakesTheBoxAndThenFollowsItsTable) {
+  Named controller = named("timed_grip");
+  controller.parameters.set("changes", NumberTable{"", {{1.0, 0.0}, {1.0, 3.0}, {1.4, 3.0}, {1.8, -1.0}}});
+  ToyPlant plant;
+  const auto history = plant.run(*make_controller(controller, papillarray_source()), 100);
+  const auto command = [&history](double time) { return history[static_cast<std::size_t>(std::lround(time / period))].command; };
+  EXPECT_EQ(command(0.98), 14);
+  EXPECT_EQ(command(1.0), 17);
+  EXPECT_EQ(command(1.44), 17);
+  EXPECT_EQ(command(1.46), 16);
+  EXPECT_EQ(command(1.56), 15);
+  EXPECT_EQ(command(1.66), 14);
+  EXPECT_EQ(command(1.74), 14);
+  EXPECT_EQ(command(1.76), 13);
+  EXPECT_EQ(history.back().command, 13);
+}
+
+TEST(TimedGrip, RefusesTimesThatFall) {
+  Named controller = named("timed_grip");
+  controller.parameters.set("changes", NumberTable{"", {{2.0, 0.0}, {1.0, 3.0}}});
+  EXPECT_THAT(refusal_of([&] { (void)make_controller(controller, papillarray_source()); }),
+              refused_at("controller.changes", {"row 2", "1 s", "2 s"}));
 }
 
 TEST(StepOnSlip, StepsWhileTheClassIsIncipientOrGross) {

@@ -14,6 +14,7 @@
 #include "sim/core/math.h"
 #include "sim/core/math/rotation.h"
 #include "sim/effects/effect_catalogue.h"
+#include "sim/grasp/push.h"
 #include "sim/motion/motion.h"
 #include "sim/mujoco/bodies/dynamic_state.h"
 #include "sim/mujoco/bodies/model_builder.h"
@@ -123,6 +124,8 @@ struct GraspSimulation::State {
         guided(dynamic_cast<Guided*>(motion.get())),
         lift(guided != nullptr ? LiftTimes{never, never} : lift_times(scene.motion.parameters)),
         spring(finger_spring(scene.grasp->grip)),
+        push(scene.grasp->box.table("push")),
+        push_place(Eigen::Vector3d::Map(scene.grasp->box.vector("push_place").data())),
         layouts{*pads.front(), second_pad(scene.grasp->grip, *pads.front()), box_corners(scene.grasp->box, grasp.box_size)},
         own_contact(scene.contact.has_value()) {
     const Parameters& grip = scene.grasp->grip;
@@ -176,6 +179,7 @@ struct GraspSimulation::State {
 
   [[nodiscard]] double lift_start() const { return guided != nullptr ? guided->lift_start() : lift.start; }
   void drive(double time);
+  void push_box(double time);
   void observe(double time);
   [[nodiscard]] BodyState finger_now(const Finger& finger) const;
 
@@ -185,6 +189,8 @@ struct GraspSimulation::State {
   Guided* guided;                  // the same, where the controller commands it
   LiftTimes lift;                  // of one that is prescribed
   FingerSpring spring;
+  Push push;
+  Eigen::Vector3d push_place;        // m, from the box's middle, in its axes
   std::array<PadLayout, 3> layouts;  // the sensor's, the second pad's, the corners'
   std::unique_ptr<DynamicSimulation> simulation;
   std::array<Finger, 2> fingers{};
@@ -250,6 +256,19 @@ void GraspSimulation::State::drive(double time) {
     mju_copy3(applied, wrench.data());
     mju_copy3(applied + 3, torque.data());
   }
+  if (!push.empty()) push_box(time);
+}
+
+// The push of the step that begins now.
+void GraspSimulation::State::push_box(double time) {
+  const mjModel* m = simulation->model();
+  mjData* d = simulation->data();
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(d->xmat + 9 * box);
+  const Eigen::Vector3d force = push.mean(time, time + simulation->time_step(0));
+  const Eigen::Vector3d torque = push_place.cross(rotation.transpose() * force);  // a free joint's is in its own frame
+  mjtNum* applied = d->qfrc_applied + m->jnt_dofadr[m->body_jntadr[box]];
+  mju_copy3(applied, force.data());
+  mju_copy3(applied + 3, torque.data());
 }
 
 void GraspSimulation::State::observe(double time) {

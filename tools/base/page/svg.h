@@ -35,7 +35,7 @@ Axis round_axis(std::span<const double> values, double times, double begin, doub
 inline constexpr std::size_t series_count = 8;
 
 // A drawing of a size [px]. Places are from its upper left corner, rounded to 0.1 px. `kind`: classes of web/drawing.css: a series "s0" to "s7",
-// "mesh", "limit"; of a text "name" and "small", and "middle" and "end" for what of it stands at its place.
+// "mesh", "limit", the levels "level0" (bad) to "level3" (good) of a bar; of a text "name" and "small", and "middle" and "end" for what of it stands at its place.
 class Svg {
  public:
   Svg(double width, double height);

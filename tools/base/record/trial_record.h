@@ -143,7 +143,7 @@ struct GraspOutcome {
   // s, from the first tick of the lift at which a unit of the sensor's pad truly slips until a command that follows from a later
   // read, and closes further, begins to act; NaN: none before the drop, the detector is
   // Detection::early, or the controller closes to hold a force alone (Answers: constant_force,
-  // hold_preset, force_pid, and step_on_slip while its detector says nothing).
+  // hold_preset, force_pid, timed_grip, and step_on_slip while its detector says nothing).
   double reaction_time = std::numeric_limits<double>::quiet_NaN();
   std::optional<TurnOutcome> turn = {};  // empty where the arm's motion is prescribed
 

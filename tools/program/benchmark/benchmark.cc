@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -23,6 +25,7 @@
 #include "tools/base/record/encoder.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"
+#include "tools/program/benchmark/bound.h"
 #include "tools/program/benchmark/entrants.h"
 #include "tools/program/benchmark/protocol.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -97,12 +100,36 @@ eval::Judgement judged(const Held* held, std::size_t trial, const eval::Truth& t
   return eval::judged(trial, truth, replayed, held != nullptr && held->grace ? truth.period : 0.0);
 }
 
-Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule) {
+// Of the oracle: slip is seen at the instant at which it begins, and as long as it lasts.
+eval::Replayed as_true(const eval::Truth& truth) {
+  eval::Replayed seen;
+  seen.seen = truth.state;
+  seen.seen_since = truth.time;
+  for (std::size_t row = 0; row < truth.time.size(); ++row) {
+    if (!slips(truth.state[row]) || !(truth.time[row] >= truth.first_slip)) continue;
+    seen.seen_since[row] = truth.first_slip;
+    break;
+  }
+  seen.stuck_fraction.assign(truth.time.size(), std::numeric_limits<double>::quiet_NaN());
+  seen.probability = seen.stuck_fraction;
+  return seen;
+}
+
+// Neither has a rank: no detector can do what they do.
+bool is_measure(const Entrant& entrant) { return entrant.kind == Kind::oracle || entrant.kind == Kind::bound; }
+
+// `stuck`: the same trial without slip; nullptr where nobody needs it.
+Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule,
+                       const TrialRecord* stuck = nullptr) {
   Answer answer;
   try {
-    const eval::Replayed replayed =
-        eval::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
-    answer.judgement = judged(held, record.trial, eval::truth_of(scene, record, record.sensors[seat.sensor], rule), replayed);
+    const eval::Truth truth = eval::truth_of(scene, record, record.sensors[seat.sensor], rule);
+    const auto replayed = [&] {
+      if (seat.entrant->kind == Kind::oracle) return as_true(truth);
+      if (seat.entrant->kind == Kind::bound) return signal_known(record, *stuck, seat.sensor, truth);
+      return eval::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
+    };
+    answer.judgement = judged(held, record.trial, truth, replayed());
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", record.trial, error.what());
   }
@@ -147,7 +174,7 @@ void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const T
     bool seated = false;
     for (const std::size_t sensor : readers) {
       const Seat seat{entrant, sensor, first.sensors[sensor].name};
-      if (entrant->kind != Kind::oracle) {
+      if (!is_measure(*entrant)) {
         try {
           eval::replay(detector_for(seat, nullptr, nullptr), first.sensors, sensor, first.seed, first.trial);
         } catch (const InputError& error) {
@@ -185,7 +212,7 @@ std::vector<Part> parts_of(const Board& board, const Seat& seat) {
   for (std::size_t k = 0; k < seat.answers.size(); ++k) {
     const Answer& answer = seat.answers[k];
     parts.push_back(answer.grasp ? grasp_part(answer.judgement, *answer.grasp, board.untightened[k])
-                                 : recording_part(answer.judgement));
+                                 : recording_part(answer.judgement, board.held));
   }
   return parts;
 }
@@ -229,6 +256,10 @@ Json row_json(const Board& board, const Seat& seat) {
               {"said", score.said},
               {"figures", eval::summary_json(eval::summarised(judgements))}};
   if (board.held.needless) row["needless"] = score.needless;
+  if (!board.held.disturbance.empty()) {
+    row["specificity"] = score.specificity;
+    row["judged"] = score.judged;
+  }
   if (seat.answers.front().grasp) row["grasps"] = grasps_json(seat);
   return row;
 }
@@ -289,7 +320,7 @@ Json board_json(Json json, Board board) {
   double last = std::numeric_limits<double>::infinity();
   for (const Seat& seat : board.seats) {
     Json row = row_json(board, seat);
-    if (seat.entrant->kind != Kind::oracle) {
+    if (!is_measure(*seat.entrant)) {
       ++place;
       if (value(seat) < last) rank = place;  // equal scores share a rank
       last = value(seat);
@@ -335,10 +366,12 @@ void in_order(std::size_t count, const Options& options, const std::function<Res
   }
 }
 
-// A set's trials, as they are simulated.
+// The trials of sets that share a scene, as they are simulated.
 struct HeldTrials {
-  HeldTrials(const Held& held, std::size_t asked, const Catalogues& catalogues)
-      : read(read_sweep(sweep_of(held), catalogues)), numbers(chosen_trials(read.planned.plan.size(), asked)) {}
+  HeldTrials(std::span<const Held> sharing, std::size_t asked, const Catalogues& catalogues)
+      : read(read_sweep(sweep_of(sharing.front()), catalogues)), numbers(chosen_trials(read.planned.plan.size(), asked)) {
+    for (const Held& held : sharing) readers.insert(held.readers.begin(), held.readers.end());
+  }
 
   static SweepOptions sweep_of(const Held& held) {
     SweepOptions sweep;
@@ -346,8 +379,15 @@ struct HeldTrials {
     return sweep;
   }
   [[nodiscard]] const TrialPlan& plan() const { return read.planned.plan; }
-  [[nodiscard]] TrialRecord recorded(std::size_t number) const {
-    const TrialPlan::Trial planned = plan().trial(number);
+  // `sticks`: on a surface on which nothing slips.
+  [[nodiscard]] TrialRecord recorded(std::size_t number, bool sticks = false) const {
+    TrialPlan::Trial planned = plan().trial(number);
+    if (sticks) planned.scene = without_slip(planned.scene);
+    // Neither a sensor that follows another's contact nor one on a stage changes anything for the others.
+    const bool carries = planned.scene.dynamic();
+    std::erase_if(planned.scene.sensors, [&](const SensorScene& sensor) {
+      return !readers.contains(sensor.name) && !(carries && sensor.follows.empty());
+    });
     TrialRecord record = run_trial(planned.scene, number, Recording::full).record;
     record.params = params_json(planned.drawn);
     return record;
@@ -355,12 +395,17 @@ struct HeldTrials {
 
   ReadSweep read;
   std::vector<std::size_t> numbers;
+  std::set<std::string> readers;  // sensors that a detector of some set may read
 };
 
-// All of a board's detectors hear the same recordings.
-void judge_recordings(Board& board, const Held& held, const HeldTrials& trials, const Options& options) {
+bool has_bound(const Board& board) {
+  return std::ranges::any_of(board.seats, [](const Seat& seat) { return seat.entrant->kind == Kind::bound; });
+}
+
+// All detectors hear the same recordings.
+void judge_recordings(std::vector<Board>& boards, const HeldTrials& trials, const Options& options) {
   struct Judged {
-    std::vector<Answer> answers;
+    std::vector<std::vector<Answer>> answers;  // of each board, of each of its seats
     std::string params, digest;
   };
   in_order<Judged>(
@@ -369,19 +414,28 @@ void judge_recordings(Board& board, const Held& held, const HeldTrials& trials, 
         const TrialRecord record = trials.recorded(trials.numbers[k]);
         const Scene scene = trials.plan().trial(trials.numbers[k]).scene;
         Judged judged{{}, record.params, hexadecimal(trial_digest(record))};
-        for (const Seat& seat : board.seats)
-          judged.answers.push_back(recorded_answer(seat, &held, &scene, record, rule_of(held.track)));
+        std::optional<TrialRecord> stuck;
+        if (std::ranges::any_of(boards, has_bound)) stuck = trials.recorded(trials.numbers[k], true);
+        for (const Board& board : boards) {
+          std::vector<Answer>& answers = judged.answers.emplace_back();
+          for (const Seat& seat : board.seats)
+            answers.push_back(
+                recorded_answer(seat, &board.held, &scene, record, rule_of(board.held.track), stuck ? &*stuck : nullptr));
+        }
         return judged;
       },
-      [&board](Judged&& judged) {
-        for (std::size_t k = 0; k < board.seats.size(); ++k) board.seats[k].answers.push_back(std::move(judged.answers[k]));
-        board.params.push_back(std::move(judged.params));
-        board.digests.push_back(std::move(judged.digest));
+      [&boards](Judged&& judged) {
+        for (std::size_t b = 0; b < boards.size(); ++b) {
+          for (std::size_t k = 0; k < boards[b].seats.size(); ++k)
+            boards[b].seats[k].answers.push_back(std::move(judged.answers[b][k]));
+          boards[b].params.push_back(judged.params);
+          boards[b].digests.push_back(judged.digest);
+        }
       });
 }
 
 // Each detector closes the loop of grasps of its own.
-void judge_grasps(Board& board, const Held& held, const HeldTrials& trials, const Options& options) {
+void judge_grasps(Board& board, const HeldTrials& trials, const Options& options) {
   for (const std::size_t number : trials.numbers) {
     board.params.push_back(params_json(trials.plan().trial(number).drawn));
     board.digests.push_back(text_sha256(fmt::format("{} {} {}", trials.read.seed, number, board.params.back())));
@@ -392,7 +446,7 @@ void judge_grasps(Board& board, const Held& held, const HeldTrials& trials, cons
       trials.numbers.size() * seats, options,
       [&](std::size_t k) {
         const std::size_t number = trials.numbers[k / seats];
-        return grasp_answer(board.seats[k % seats], held, trials.plan().trial(number).scene, number);
+        return grasp_answer(board.seats[k % seats], board.held, trials.plan().trial(number).scene, number);
       },
       [&](Answer&& answer) { board.seats[done++ % seats].answers.push_back(std::move(answer)); });
   const auto tightens_never = [](const Seat& seat) { return seat.entrant->name == never_slip; };
@@ -402,25 +456,57 @@ void judge_grasps(Board& board, const Held& held, const HeldTrials& trials, cons
   }
 }
 
-Json held_json(const Held& held, const std::vector<const Entrant*>& entrants, const Options& options,
-               const Catalogues& catalogues) {
-  if (options.say)
-    options.say(fmt::format("{}: {}{}", track_name(held.track), held.sensor, held.domain.empty() ? "" : ", " + held.domain));
-  const HeldTrials trials(held, options.asked.trials, catalogues);
-  Board board{.held = held};
+// Those that can be judged on a set of simulated trials; null: on recordings of a real sensor.
+std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const Held* held) {
+  std::vector<const Entrant*> some;
+  for (const Entrant& entrant : entrants) {
+    // In open recordings the protocols before slip-3 have no oracle.
+    if (entrant.kind == Kind::oracle && (held == nullptr || (held->track == Track::open && !held->by_distance))) continue;
+    if (entrant.kind == Kind::bound &&
+        (held == nullptr || !held->by_distance || held->track == Track::loop || !held->disturbance.empty()))
+      continue;
+    if (held == nullptr ? entrant.told != Told::nothing : !can_be_told(entrant, *held)) continue;
+    if (entrant.reads.empty() || held == nullptr || entrant.reads == held->sensor) some.push_back(&entrant);
+  }
+  return some;
+}
+
+std::string set_name(const Held& held) {
+  std::string name(track_name(held.track));
+  for (const std::string& word : {held.sensor, held.domain, held.disturbance}) name += word.empty() ? "" : ", " + word;
+  return name;
+}
+
+// Of sets whose trials are those of one scene.
+std::vector<Json> sets_json(std::span<const Held> sharing, const std::vector<Entrant>& entrants, const Options& options,
+                            const Catalogues& catalogues) {
+  const HeldTrials trials(sharing, options.asked.trials, catalogues);
   const TrialRecord first = trials.recorded(trials.numbers.front());
-  seat_all(board, entrants, first, places_of(held.readers, first));
-  (held.track == Track::open ? judge_recordings : judge_grasps)(board, held, trials, options);
-  std::string digests;
-  for (const std::string& digest : board.digests) digests += digest + "\n";
-  Json json = {{"track", track_name(held.track)},
-               {"sensor", held.sensor},
-               {"scene", held.scene},
-               {"trials", trials.numbers.size()},
-               {"data_sha256", text_sha256(digests)},
-               {"labels", eval::label_rule_name(rule_of(held.track))}};
-  if (!held.domain.empty()) json["domain"] = held.domain;
-  return board_json(std::move(json), std::move(board));
+  std::vector<Board> boards;
+  for (const Held& held : sharing) {
+    if (options.say) options.say(set_name(held));
+    seat_all(boards.emplace_back(Board{.held = held}), entering(entrants, &held), first, places_of(held.readers, first));
+  }
+  if (sharing.front().track == Track::open)
+    judge_recordings(boards, trials, options);
+  else
+    judge_grasps(boards.front(), trials, options);
+  std::vector<Json> sets;
+  for (Board& board : boards) {
+    const Held held = board.held;
+    std::string digests;
+    for (const std::string& digest : board.digests) digests += digest + "\n";
+    Json json = {{"track", track_name(held.track)},
+                 {"sensor", held.sensor},
+                 {"scene", held.scene},
+                 {"trials", trials.numbers.size()},
+                 {"data_sha256", text_sha256(digests)},
+                 {"labels", eval::label_rule_name(rule_of(held.track))}};
+    if (!held.domain.empty()) json["domain"] = held.domain;
+    if (!held.disturbance.empty()) json["disturbance"] = held.disturbance;
+    sets.push_back(board_json(std::move(json), std::move(board)));
+  }
+  return sets;
 }
 
 // A dataset of real recordings.
@@ -489,17 +575,6 @@ std::vector<Entrant> known_entrants(const Asked& asked) {
   return entrants;
 }
 
-// Those that can be judged on a set of simulated trials; null: on recordings of a real sensor.
-std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const Held* held) {
-  std::vector<const Entrant*> some;
-  for (const Entrant& entrant : entrants) {
-    if (entrant.kind == Kind::oracle && (held == nullptr || held->track != Track::loop)) continue;
-    if (held == nullptr ? entrant.told != Told::nothing : !can_be_told(entrant, *held)) continue;
-    if (entrant.reads.empty() || held == nullptr || entrant.reads == held->sensor) some.push_back(&entrant);
-  }
-  return some;
-}
-
 Json protocol_json(const Protocol& protocol, const Asked& asked) {
   return {{"name", protocol.name},
           {"sha256", protocol_sha256(protocol)},
@@ -525,19 +600,25 @@ Json benchmark(const Options& options) {
     for (Entrant& entrant : taught.entrants) entrants.push_back(std::move(entrant));
   }
   entrants.push_back(oracle_entrant());
+  entrants.push_back(bound_entrant());
   std::vector<Missing> missing = missing_entrants();
   missing.insert(missing.end(), taught.untaught.begin(), taught.untaught.end());
   const Catalogues catalogues = program_catalogues();
   Json transfer = Json::array();
   for (const std::string& file : asked.real) transfer.push_back(transfer_json(file, entering(entrants, nullptr), options));
   Json sets = Json::array();
-  for (const Held& held : protocol.held_out) {
-    if (!asked.sensor.empty() && held.sensor != asked.sensor) continue;
-    Json set = held_json(held, entering(entrants, &held), options, catalogues);
-    for (const Missing& one : missing) {
-      if (one.sensor == held.sensor) set["left_out"].push_back({{"detector", one.name}, {"why", one.why}});
+  std::vector<Held> asked_for;
+  std::ranges::copy_if(protocol.held_out, std::back_inserter(asked_for),
+                       [&asked](const Held& held) { return asked.sensor.empty() || held.sensor == asked.sensor; });
+  for (auto held = asked_for.begin(); held != asked_for.end();) {
+    const auto next = std::find_if(held, asked_for.end(), [&held](const Held& other) { return other.scene != held->scene; });
+    for (Json& set : sets_json({held, next}, entrants, options, catalogues)) {
+      for (const Missing& one : missing) {
+        if (set.at("sensor") == one.sensor) set["left_out"].push_back({{"detector", one.name}, {"why", one.why}});
+      }
+      sets.push_back(std::move(set));
     }
-    sets.push_back(std::move(set));
+    held = next;
   }
   for (Json& set : transfer) sets.push_back(std::move(set));
   Json machine = environment_json();

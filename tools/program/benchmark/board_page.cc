@@ -1,5 +1,10 @@
 #include "tools/program/benchmark/benchmark.h"
 
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "tools/base/page/svg.h"
@@ -17,6 +22,10 @@ std::string shown(const Json& value, double scale, const char* unit, int digits)
 
 std::string share_of(const Json& row, const char* key) {
   return shown(row.at("figures").at("figures").at(key).at("value"), percent, " %", 0);
+}
+
+bool is_detector(const Json& row) {
+  return row.at("kind") != "control" && row.at("kind") != "bound" && row.at("kind") != "oracle";
 }
 
 // Scores with their intervals, the best on top.
@@ -37,12 +46,11 @@ std::string drawing(const Json& set) {
   double y = top + 0.5 * line;
   for (const Json& row : rows) {
     const Json& score = row.at("score");
-    const bool is_detector = row.at("kind") != "control" && row.at("kind") != "oracle";
+    const bool detects = is_detector(row);
     svg.text("small end", left - 8.0, y + 4.0, row.at("detector").get<std::string>());
     if (!score.at("low").is_null())
-      svg.line(is_detector ? "s0" : "s1", across.at(score.at("low").get<double>()), y, across.at(score.at("high").get<double>()),
-               y);
-    svg.dot(is_detector ? "s0" : "s1", across.at(score.at("value").get<double>()), y, 4.0);
+      svg.line(detects ? "s0" : "s1", across.at(score.at("low").get<double>()), y, across.at(score.at("high").get<double>()), y);
+    svg.dot(detects ? "s0" : "s1", across.at(score.at("value").get<double>()), y, 4.0);
     y += line;
   }
   svg.text("middle", 0.5 * (left + right), foot + 32.0, "score");
@@ -75,6 +83,108 @@ std::string set_html(const Json& set) {
   return page::section_html(table.title, note, html);
 }
 
+double score_of(const Json& row) { return row.at("score").at("value").get<double>(); }
+
+// The first of the rows, which are the best first, of one kind or of any detector; nullptr: there is none.
+const Json* best(const Json& set, const std::string& kind) {
+  for (const Json& row : set.at("rows")) {
+    if (kind.empty() ? is_detector(row) : row.at("kind") == kind) return &row;
+  }
+  return nullptr;
+}
+
+// Of each sensor the best detector on open recordings, with its interval, beside the best control and who knows the signal.
+std::string sensors_drawing(const Json& sets) {
+  constexpr double width = 720.0, left = 300.0, right = 700.0, line = 22.0, top = 12.0;
+  std::vector<const Json*> open;
+  for (const Json& set : sets) {
+    if (set.contains("domain") && !set.contains("disturbance")) open.push_back(&set);
+  }
+  const double foot = top + line * static_cast<double>(open.size());
+  const page::Axis across{.low = -0.5, .high = 1.0, .begin = left, .end = right, .ticks = {-0.5, 0.0, 0.5, 1.0}};
+  page::Svg svg(width, foot + 58.0);
+  for (const double tick : across.ticks) {
+    svg.line("mesh", across.at(tick), top, across.at(tick), foot);
+    svg.text("small middle", across.at(tick), foot + 14.0, fmt::format("{:.0f}", percent * tick));
+  }
+  const auto place = [&across](double score) { return across.at(std::max(score, across.low)); };
+  double y = top + 0.5 * line;
+  for (const Json* set : open) {
+    const Json* detector = best(*set, "");
+    std::string name = fmt::format("{}, {}", set->at("sensor").get<std::string>(), set->at("domain").get<std::string>());
+    if (detector != nullptr) name += ": " + detector->at("detector").get<std::string>();
+    svg.text("small end", left - 8.0, y + 4.0, name);
+    if (const Json* known = best(*set, "bound")) svg.dot("s2", place(score_of(*known)), y, 5.0);
+    if (const Json* control = best(*set, "control")) svg.dot("s1", place(score_of(*control)), y, 3.0);
+    if (detector != nullptr) {
+      const Json& score = detector->at("score");
+      if (!score.at("low").is_null())
+        svg.line("s0", place(score.at("low").get<double>()), y, place(score.at("high").get<double>()), y);
+      svg.dot("s0", place(score_of(*detector)), y, 4.0);
+    }
+    y += line;
+  }
+  double x = left;
+  for (const auto& [kind, text] : {std::pair{"s0", "best detector"}, {"s2", "signal known"}, {"s1", "best control"}}) {
+    svg.dot(kind, x, foot + 40.0, 4.0);
+    svg.text("small", x + 9.0, foot + 44.0, text);
+    x += 120.0;
+  }
+  return "<div class=\"scroll\">" + svg.element("Scores on open recordings by sensor, with 95 % intervals") + "</div>\n";
+}
+
+// Specificity of each detector, a row, under each disturbance, a column.
+std::string disturbances_drawing(const Json& sets) {
+  constexpr double left = 270.0, line = 22.0, top = 24.0, column = 88.0;
+  std::vector<std::string> columns, rows;
+  std::map<std::pair<std::string, std::string>, const Json*> cells;
+  for (const Json& set : sets) {
+    if (!set.contains("disturbance")) continue;
+    const std::string disturbance = set.at("disturbance").get<std::string>();
+    if (std::ranges::find(columns, disturbance) == columns.end()) columns.push_back(disturbance);
+  }
+  for (const Json& set : sets) {
+    if (!set.contains("disturbance")) continue;
+    for (const Json& row : set.at("rows")) {
+      if (!is_detector(row)) continue;
+      const std::string name = fmt::format("{}: {}", set.at("sensor").get<std::string>(), row.at("detector").get<std::string>());
+      cells[{name, set.at("disturbance").get<std::string>()}] = &row;
+    }
+  }
+  for (const auto& [key, row] : cells) {
+    if (std::ranges::find(rows, key.first) == rows.end()) rows.push_back(key.first);
+  }
+  page::Svg svg(left + column * static_cast<double>(columns.size()), top + line * static_cast<double>(rows.size()) + 8.0);
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    svg.text("small middle", left + column * (static_cast<double>(c) + 0.5), top - 8.0, columns[c]);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const double y = top + line * static_cast<double>(r);
+    svg.text("small end", left - 8.0, y + 15.0, rows[r]);
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const auto cell = cells.find({rows[r], columns[c]});
+      if (cell == cells.end()) continue;
+      const double share = cell->second->at("specificity").get<double>();
+      const double x = left + column * static_cast<double>(c);
+      svg.bar(fmt::format("level{}", share < 0.5 ? 0 : share < 0.8 ? 1 : share < 0.95 ? 2 : 3), x, y, column - 2.0, line - 2.0);
+      svg.text("small middle name", x + 0.5 * column, y + 15.0, fmt::format("{:.0f} %", percent * share));
+    }
+  }
+  return "<div class=\"scroll\">" + svg.element("Share of disturbed recordings without an alarm") + "</div>\n";
+}
+
+// What a board of slip-3 says first; empty of other protocols.
+std::string overview_html(const Json& sets) {
+  const auto disturbed = [](const Json& set) { return set.contains("disturbance"); };
+  if (std::ranges::none_of(sets, disturbed)) return "";
+  return page::section_html("Score by sensor", "open recordings; the best detector, its interval by trial",
+                            sensors_drawing(sets)) +
+         page::section_html(
+             "Specificity",
+             "share of the recordings without an alarm, in which nothing slips and the hand moves, the grip or the load "
+             "changes, another motor runs, or the box is knocked",
+             disturbances_drawing(sets));
+}
+
 constexpr const char* opening =
     "Scores of slip detectors, each with its 95 % interval by trial: 100 is the best there can be, 0 is what never saying slip earns.";
 
@@ -83,7 +193,9 @@ constexpr const char* rule =
     "(half_delay + delay) of a slip that is seen from its true beginning on, and 0 of one that is missed or alarmed early. A grasp's is 1 with the "
     "least force that holds, 0 from force_ratio times that on or when the box is dropped or not lifted; boxes that the preset force holds have none to earn, and "
     "false alarms have their price in force, not in the limit. From slip-2 on the mean needless force on boxes that the preset holds is taken off: "
-    "0 of the force of who never tightens, 1 from force_ratio times that on. Early alarms are false alarms. Never to say slip gives 0, always to say it "
+    "0 of the force of who never tightens, 1 from force_ratio times that on. By slip-3 an open recording's credit is half_slip_distance / "
+    "(half_slip_distance + slipped), by the path that the object has slipped over the pad when the alarm comes; a disturbed recording is one in which nothing slips, and "
+    "the score is the share of them without an alarm. Early alarms are false alarms. Never to say slip gives 0, always to say it "
     "nearly the least there is. Intervals: 95 %, by trial.";
 
 }  // namespace
@@ -91,13 +203,18 @@ constexpr const char* rule =
 BoardTable board_table(const Json& set) {
   BoardTable table;
   const std::string domain = set.contains("domain") ? ", " + set.at("domain").get<std::string>() : "";
-  table.title = fmt::format("{}{}, {}: {} trials", set.at("track").get<std::string>(), domain,
-                            set.at("sensor").get<std::string>(), set.at("trials").get<std::size_t>());
+  const std::string disturbance = set.contains("disturbance") ? " by " + set.at("disturbance").get<std::string>() : "";
+  const std::size_t trials = set.at("trials").get<std::size_t>();
+  table.title = fmt::format("{}{}{}, {}: {} trials", set.at("track").get<std::string>(), domain, disturbance,
+                            set.at("sensor").get<std::string>(), trials);
+  if (!disturbance.empty() && !set.at("rows").empty())
+    table.title += fmt::format(", {} of them without slip", set.at("rows")[0].at("judged").get<std::size_t>());
   const bool grasps = !set.at("rows").empty() && set.at("rows")[0].contains("grasps");
   const bool needless = grasps && set.at("rows")[0].contains("needless");
   table.cells.head = {"", "rank", "kind", "score", "95 %", "credit", "false alarms/min", "wrongly slip", "recall"};
-  const std::vector<std::string> events = grasps ? std::vector<std::string>{"dropped", "not lifted", "force/least", "slip"}
-                                                 : std::vector<std::string>{"median delay", "early", "missed"};
+  const std::vector<std::string> events =
+      grasps ? std::vector<std::string>{"dropped", "not lifted", "force/least", "slip"}
+             : std::vector<std::string>{"median delay", "slipped, median", "before gross slip", "early", "missed"};
   table.cells.head.insert(table.cells.head.end(), events.begin(), events.end());
   if (needless) table.cells.head.emplace_back("needless force");
   for (const Json& row : set.at("rows")) {
@@ -120,6 +237,8 @@ BoardTable board_table(const Json& set) {
       if (needless) cells.push_back(points(row.at("needless")));
     } else {
       cells.push_back(shown(row.at("figures").at("figures").at("delay_median_s").at("value"), ms, " ms", 0));
+      cells.push_back(shown(row.at("figures").at("figures").at("slip_distance_median_m").at("value"), ms, " mm", 3));
+      cells.push_back(share_of(row, "before_gross_slip"));
       cells.push_back(share_of(row, "early"));
       cells.push_back(share_of(row, "missed"));
     }
@@ -135,10 +254,12 @@ std::string board_page(const Json& result) {
   const std::string name = protocol.at("name").get<std::string>(),
                     part = protocol.at("whole").get<bool>() ? "" : ", a part of it";
   std::string body = page::head_html(page_kind.generator, "Slip detectors on " + name + part, {opening});
+  body += overview_html(result.at("sets"));
   for (const Json& set : result.at("sets")) body += set_html(set);
   if (result.contains("transfer")) body += page::section_html("transfer", result.at("transfer").get<std::string>(), "");
   const std::vector<std::vector<std::string>> constants{
       {"half_delay", fmt::format("{:g} ms", ms * protocol.at("half_delay_s").get<double>())},
+      {"half_slip_distance", fmt::format("{:g} mm", ms * half_slip_distance)},
       {"limit", fmt::format("{:g} false alarms a minute", protocol.at("alarms_per_minute").get<double>())},
       {"force_ratio", fmt::format("{:g}", protocol.at("force_ratio").get<double>())},
       {"protocol", protocol.at("sha256").get<std::string>()}};

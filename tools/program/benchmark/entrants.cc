@@ -158,7 +158,7 @@ std::string file_of(const DetectorScene& detector) {
 }
 
 std::string kind_word(Kind kind) {
-  constexpr std::array words{"shipped", "trained", "given", "control", "oracle"};
+  constexpr std::array words{"shipped", "trained", "given", "control", "bound", "oracle"};
   return words.at(static_cast<std::size_t>(kind));
 }
 
@@ -226,6 +226,8 @@ Entrant oracle_entrant() {
   }
   return oracle;
 }
+
+Entrant bound_entrant() { return {.name = "signal known", .kind = Kind::bound, .sha256 = text_sha256("signal known")}; }
 
 Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const std::string& folder) {
   Taught taught;

@@ -98,6 +98,58 @@ Protocol slip_2() {
   return protocol;
 }
 
+// What is judged of one sensor by slip-3; `disturbed`: the reader in the scenes that all sensors share.
+struct SensorSets3 {
+  std::string type;
+  std::vector<std::string> open, loop, disturbed;
+  std::string mover;
+  Controls inside, outside;
+};
+
+Protocol slip_3() {
+  const std::string folder = "scenes/benchmark/slip-3/";
+  const std::vector<SensorSets3> sensors{
+      {"papillarray", {"pad", "slow"}, {"pad", "fast"}, {"pad", "fast"}, "", {none, none}, {none, none}},
+      {"piezo_skin", {"pad"}, {"skin"}, {"skin"}, "", {none, none}, {none, none}},
+      {"nib_pad", {"pad"}, {"skin"}, {"nibs"}, "pull", {none, none}, {none, none}},
+      {"myrmex", {"left"}, {"skin"}, {"foam"}, "apart", {none, none}, {none, none}},
+      {"biotac_sp", {"pad"}, {"skin"}, {"finger"}, "", {none, none}, {none, none}},
+      {"magnetic_skin", {"pad"}, {"skin"}, {"magnets"}, "", {none, none}, {none, none}},
+      {"gel_markers", {"pad"}, {"skin"}, {"gel"}, "", {none, none}, {none, none}},
+      {"taxels", {"pad"}, {"skin"}, {"taxels"}, "", {none, none}, {none, none}},
+  };
+  constexpr Controls in_loop{none, none};
+  Protocol protocol{.name = "slip-3", .held_out = {}, .lessons = {}};
+  const auto add = [&](Held held, const std::string& scene, Controls controls) {
+    held.scene = folder + scene + ".yaml";
+    held.grace = held.by_distance = true;
+    held.needless = held.track == Track::loop;
+    held.clock = controls.clock;
+    held.time = controls.time;
+    protocol.held_out.push_back(std::move(held));
+  };
+  for (const SensorSets3& sensor : sensors) {
+    Held open{.track = Track::open, .sensor = sensor.type, .readers = sensor.open, .mover = sensor.mover, .domain = "inside"};
+    add(open, "open_" + sensor.type, sensor.inside);
+    open.domain = "outside";
+    add(open, "outside_" + sensor.type, sensor.outside);
+  }
+  for (const std::string disturbance : {"hand", "grip", "load", "motor", "knock"}) {
+    for (const SensorSets3& sensor : sensors) {
+      add({.track = Track::open,
+           .sensor = sensor.type,
+           .readers = sensor.disturbed,
+           .domain = "disturbed",
+           .disturbance = disturbance},
+          disturbance, {none, none});
+    }
+  }
+  for (const SensorSets3& sensor : sensors) {
+    add({.track = Track::loop, .sensor = sensor.type, .readers = sensor.loop}, "loop_" + sensor.type, in_loop);
+  }
+  return protocol;
+}
+
 // The bytes of a scene, and of the model that it names.
 std::string scene_digest(const std::string& scene) {
   const std::string path = project_file(scene);
@@ -134,7 +186,7 @@ std::string_view track_name(Track track) {
 }
 
 const std::vector<Protocol>& protocols() {
-  static const std::vector<Protocol> all{slip_1(), slip_2()};
+  static const std::vector<Protocol> all{slip_1(), slip_2(), slip_3()};
   return all;
 }
 
@@ -154,6 +206,7 @@ std::string protocol_sha256(const Protocol& protocol) {
     text += fmt::format("{} {} {} {} {} {} {}\n", track_name(held.track), held.sensor, held.scene, fmt::join(held.readers, ","),
                         held.mover, held.clock, held.time);
     if (held.grace) text += fmt::format("{} {} {}\n", held.domain, held.grace, held.needless);
+    if (held.by_distance) text += fmt::format("{} {}\n", half_slip_distance, held.disturbance);
     scenes.insert(held.scene);
   }
   for (const Lesson& lesson : protocol.lessons) {
@@ -164,10 +217,15 @@ std::string protocol_sha256(const Protocol& protocol) {
   return text_sha256(text);
 }
 
-Part recording_part(const eval::Judgement& judgement) {
+Part recording_part(const eval::Judgement& judgement, const Held& held) {
   Part part = alarms_of(judgement);
   part.credited = !std::isnan(judgement.slip_time);
-  if (judgement.detection == Detection::seen) part.credit = half_delay / (half_delay + judgement.delay);
+  part.judged = held.disturbance.empty() || !part.credited;
+  part.silent = std::isnan(judgement.alarm_time);
+  if (judgement.detection == Detection::seen) {
+    part.credit = held.by_distance ? half_slip_distance / (half_slip_distance + judgement.slip_distance)
+                                   : half_delay / (half_delay + judgement.delay);
+  }
   return part;
 }
 
@@ -186,8 +244,11 @@ Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, con
 
 Score score_of(std::span<const Part> parts, const Held& held) {
   Part sum;
-  double credited = 0.0;
+  double credited = 0.0, judged = 0.0, silent = 0.0;
   for (const Part& part : parts) {
+    if (!part.judged) continue;
+    ++judged;
+    silent += part.silent ? 1.0 : 0.0;
     sum.credit += part.credit;
     sum.needless += part.needless;
     credited += part.credited ? 1.0 : 0.0;
@@ -198,15 +259,23 @@ Score score_of(std::span<const Part> parts, const Held& held) {
   }
   Score score;
   score.credit = share(sum.credit, credited);
-  score.needless = share(sum.needless, static_cast<double>(parts.size()) - credited);
+  score.needless = share(sum.needless, judged - credited);
   score.alarms_per_minute = seconds_a_minute * share(sum.alarms, sum.quiet);
   score.said = share(sum.said, sum.still);
+  score.specificity = share(silent, judged);
+  score.judged = static_cast<std::size_t>(judged);
   const double counts = held.track == Track::loop ? 1.0 : alarm_limit / std::max(score.alarms_per_minute, alarm_limit);
-  score.value = score.credit * counts - score.said - (held.needless ? score.needless : 0.0);
+  score.value =
+      !held.disturbance.empty() ? score.specificity : score.credit * counts - score.said - (held.needless ? score.needless : 0.0);
   return score;
 }
 
 Interval score_interval(std::span<const Part> parts, const Held& held) {
+  if (!held.disturbance.empty()) {
+    const auto judged = std::ranges::count_if(parts, &Part::judged);
+    const auto silent = std::ranges::count_if(parts, [](const Part& part) { return part.judged && part.silent; });
+    return clopper_pearson(static_cast<std::size_t>(silent), static_cast<std::size_t>(judged));
+  }
   if (parts.size() < eval::fewest_experiments) return {none, none};
   return bootstrap_intervals(parts.size(), eval::bootstrap_draws, eval::bootstrap_seed,
                              [&](std::span<const std::size_t> drawn) {

@@ -1,4 +1,4 @@
-// The protocols slip-1 and slip-2: what is judged, what learns, and the constants of the score. Their scenes are scenes/benchmark/NAME/*.yaml.
+// The protocols slip-1, slip-2 and slip-3: what is judged, what learns, and the constants of the score. Their scenes are scenes/benchmark/NAME/*.yaml.
 #pragma once
 
 #include <cstddef>
@@ -18,6 +18,7 @@ namespace slipbench::benchmark {
 // Constants of the score.
 using train::alarm_limit;
 using train::half_delay;
+inline constexpr double half_slip_distance = 0.25e-3;  // m, slipped over the pad: a slip seen so far on earns a half by slip-3
 inline constexpr double worst_force_ratio =
     2.5;  // greatest grip force over the least that holds, from which on a grasp earns nothing
 
@@ -34,7 +35,9 @@ struct Held {
   std::string mover{};                 // the actuator that makes it slip; empty: the motion itself
   std::string domain{};                // "inside" or "outside" of what scenes/learn draws; empty: not told apart
   bool grace = false;                  // an alarm less than a sample period before the slip is no early one
-  bool needless = false;               // a grasp's score is lowered by force that its box did not need (Score)
+  bool by_distance = false;            // a slip that is seen earns by how far the object has slipped, not by how long
+  std::string disturbance{};  // "knock": what disturbs a recording in which nothing slips; empty: slip is to be seen (Score)
+  bool needless = false;      // a grasp's score is lowered by force that its box did not need (Score)
   // What controls are told, which feel nothing: what scores best on these very trials, so that nothing of the kind scores better. NaN: never to say
   // slip scores better than any. The steps are those of the README.
   double clock = std::numeric_limits<double>::quiet_NaN();  // s after the start, from which the control `clock` says slip
@@ -70,6 +73,8 @@ std::string protocol_sha256(const Protocol& protocol);
 
 // What one trial gives.
 struct Part {
+  bool judged = true;     // false: a recording that was to have no slip has one, and is left out
+  bool silent = true;     // no alarm counts
   double credit = 0.0;    // 0 to 1
   bool credited = true;   // false: the trial has nothing to earn, as a recording without slip
   double alarms = 0.0;    // false alarms begun, the early ones among them
@@ -79,8 +84,9 @@ struct Part {
   double still = 0.0;     // of so many
 };
 
-// Of a recording: the credit is half_delay / (half_delay + delay) of a slip that is seen, 0 of one that is missed or alarmed early.
-Part recording_part(const eval::Judgement& judgement);
+// Of a recording: the credit of a slip that is seen is half_delay / (half_delay + delay), or with Held::by_distance half_slip_distance /
+// (half_slip_distance + Judgement::slip_distance); it is 0 of one that is missed or alarmed early.
+Part recording_part(const eval::Judgement& judgement, const Held& held);
 // Of a grasp that `untightened`, that of who never tightens, does not hold: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) of a box that is
 // held, r the greatest grip force over the least that holds, at most 1 and at least 0; 0 of one that is dropped or not lifted. Of a grasp that who never
 // tightens holds there is nothing to earn; its `needless` is (r - 1) / (worst_force_ratio - 1), r the greatest grip force over that of who never
@@ -92,7 +98,9 @@ struct Score {
   double alarms_per_minute = 0.0;  // of time without true slip
   double said = 0.0;               // share of the samples without true slip that are called slip
   double needless = 0.0;           // mean over the grasps that need no tightening; 0 where there is none
-  // The credit times min(1, alarm_limit / alarms_per_minute), less `said`: -1 to 1. In a loop the credit less `said`, since a false alarm has cost
+  double specificity = 0.0;        // share of the recordings without an alarm
+  std::size_t judged = 0;          // trials
+  // Of disturbed recordings the specificity. Else the credit times min(1, alarm_limit / alarms_per_minute), less `said`: -1 to 1. In a loop the credit less `said`, since a false alarm has cost
   // force there, and where Held::needless less `needless`: -2 to 1.
   double value = 0.0;
 };

@@ -333,7 +333,8 @@ std::unique_ptr<hd::Engine> make_hd_engine(std::string_view name, const hd::Mode
 const std::vector<ControllerKind>& controller_catalogue() {
   using namespace controllers;
   static const std::vector<ControllerKind> kinds{
-      constant_force(), force_pid(), force_ratio(), hold_preset(), plugin(), reorient(), step_on_slip(), stuck_fraction(),
+      constant_force(), force_pid(),    force_ratio(),    hold_preset(), plugin(),
+      reorient(),       step_on_slip(), stuck_fraction(), timed_grip(),
   };
   return kinds;
 }

@@ -25,7 +25,7 @@ using page::Svg;
 // A drawing and where its axes lie in it [px].
 constexpr double left = 62.0, right = 404.0, top = 30.0, foot = 248.0;
 constexpr page::Frame frame{420.0, 300.0, left, right, top, foot};
-constexpr double ms = 1e3;
+constexpr double ms = 1e3, mm = 1e3;
 
 std::string shown(const Json& value, Figure::Unit unit) {
   if (value.is_null()) return "–";
@@ -33,6 +33,7 @@ std::string shown(const Json& value, Figure::Unit unit) {
   switch (unit) {
     case Figure::Unit::share: return fmt::format("{:.1f} %", 100.0 * number);
     case Figure::Unit::time: return fmt::format("{:.1f} ms", ms * number);
+    case Figure::Unit::length: return fmt::format("{:.3f} mm", mm * number);
     case Figure::Unit::rate: return fmt::format("{:.2f}", number);
     case Figure::Unit::number: return fmt::format("{:.3f}", number);
   }

@@ -20,7 +20,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // Sums over trials.
 struct Pool {
   Summary counts;
-  std::vector<double> delays;
+  std::vector<double> delays, distances;
+  std::size_t before_gross_slip = 0;
   double stick_alarms = 0.0, stick_time = 0.0, air_alarms = 0.0, air_time = 0.0, stuck_error = 0.0, stuck_frames = 0.0;
 
   void add(const Judgement& trial) {
@@ -35,6 +36,10 @@ struct Pool {
     }
     if (!std::isnan(trial.slip_time)) ++counts.slipping;
     if (!std::isnan(trial.delay)) delays.push_back(trial.delay);
+    if (!std::isnan(trial.slip_distance)) {
+      distances.push_back(trial.slip_distance);
+      before_gross_slip += trial.before_gross_slip ? 1U : 0U;
+    }
     stick_alarms += static_cast<double>(trial.stick_alarms);
     stick_time += trial.stick_time;
     air_alarms += static_cast<double>(trial.air_alarms);
@@ -64,6 +69,9 @@ std::vector<double> figures_of(const Pool& pool) {
   set("delay_median_s", median(pool.delays));
   set("delay_p10_s", quantile(pool.delays, 0.1));
   set("delay_p90_s", quantile(pool.delays, 0.9));
+  set("slip_distance_median_m", median(pool.distances));
+  if (!pool.distances.empty() || pool.counts.seen == 0)
+    set("before_gross_slip", ratio(static_cast<double>(pool.before_gross_slip), slipping));
   set("early", ratio(static_cast<double>(pool.counts.early), slipping));
   set("missed", ratio(static_cast<double>(pool.counts.missed), slipping));
   constexpr PadState stick = PadState::non_slip;
@@ -166,6 +174,32 @@ double lift_start(const Scene& scene, const TrialRecord& record) {
   return std::numeric_limits<double>::infinity();
 }
 
+// Truth::slip_distance; empty for labels that are no simulation's.
+std::vector<double> slip_distances(const LabelRecord& labels, std::size_t rows) {
+  const std::size_t units = labels.units();
+  if (units == 0 || labels.slip_distance.size() != rows * units) return {};
+  std::vector<double> means;
+  for (std::size_t row = 0; row < rows; ++row) {
+    double sum = 0.0, touching = 0.0;
+    for (std::size_t k = row * units; k < (row + 1) * units; ++k) {
+      if (labels.unit_state[k] == static_cast<std::uint8_t>(UnitState::detached)) continue;
+      sum += static_cast<double>(labels.slip_distance[k]);
+      ++touching;
+    }
+    means.push_back(ratio(sum, touching));
+  }
+  return means;
+}
+
+// Straight between the rows, of which a NaN counts as the other one.
+double value_at(const std::vector<double>& time, const std::vector<double>& values, double t) {
+  const auto next = static_cast<std::size_t>(std::ranges::lower_bound(time, t) - time.begin());
+  if (next == time.size()) return values.back();
+  if (next == 0 || std::isnan(values[next - 1])) return values[next];
+  if (std::isnan(values[next])) return values[next - 1];
+  return std::lerp(values[next - 1], values[next], (t - time[next - 1]) / (time[next] - time[next - 1]));
+}
+
 bool turns(const Scene* scene) {
   if (scene == nullptr) return false;
   const auto& values = scene->motion.parameters.values();
@@ -245,6 +279,11 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
     const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(truth.first_slip);
     const double delay = result.alarm_time - truth.first_slip;
     result.delay = delay <= rounding ? 0.0 : delay;
+    if (!truth.slip_distance.empty()) {
+      const auto slipped = [&truth](double t) { return value_at(truth.time, truth.slip_distance, t); };
+      result.slip_distance = std::max(0.0, slipped(result.alarm_time) - slipped(truth.first_slip));
+      result.before_gross_slip = result.alarm_time < truth.gross_slip;
+    }
   }
   return result;
 }
@@ -282,6 +321,8 @@ Summary summarised(std::span<const Judgement> trials, bool with_intervals) {
   if (!with_intervals) return summary;
   if (summary.slipping > 0 && experiments.size() == trials.size()) {
     summary.estimates[place_of("early")].interval = clopper_pearson(summary.early, summary.slipping);
+    if (!std::isnan(values[place_of("before_gross_slip")]))
+      summary.estimates[place_of("before_gross_slip")].interval = clopper_pearson(all.before_gross_slip, summary.slipping);
     summary.estimates[place_of("missed")].interval = clopper_pearson(summary.missed, summary.slipping);
   }
   summary.estimates[place_of("auc")] = auc_of(trials, experiments);
@@ -381,6 +422,13 @@ Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord
     if (record.outcome.grasp->dropped) truth.judged_until = record.outcome.grasp->drop_time;
   }
   truth.first_slip = first_slip(sensor, rule, truth.state, truth.judged_from);
+  truth.slip_distance = slip_distances(sensor.labels, truth.time.size());
+  for (std::size_t row = 0; row < truth.stuck_fraction.size(); ++row) {
+    if (truth.stuck_fraction[row] == 0.0F && truth.time[row] >= truth.first_slip) {
+      truth.gross_slip = truth.time[row];
+      break;
+    }
+  }
   return truth;
 }
 

@@ -47,13 +47,17 @@ struct Truth {
   std::vector<PadState> state;        // [T]
   std::vector<bool> masked;           // [T] no frame to be judged by, though alarms in it count; empty: none is
   std::vector<float> stuck_fraction;  // [T], NaN while nothing touches
-  double period = 0.0;                // s, from one sample to the next
+  std::vector<double>
+      slip_distance;  // [T] m, path slipped since the start, mean of the touching units; NaN while nothing touches; empty: not known
+  double period = 0.0;  // s, from one sample to the next
 
   double first_slip = std::numeric_limits<double>::quiet_NaN();  // s, the one to be judged by: in a grasp the first of the lift
   // Closing fingers may make a grasp's sensor slip; from then until the lift no alarm counts, and none from a drop on.
   double any_slip = std::numeric_limits<double>::quiet_NaN();     // s, the first at all
   double judged_from = -std::numeric_limits<double>::infinity();  // s, the lift's beginning
   double judged_until = std::numeric_limits<double>::infinity();  // s, the drop
+  double gross_slip =
+      std::numeric_limits<double>::infinity();  // s, the first sample from first_slip on in which nothing that touches sticks
 
   // Whether an alarm at that time counts (dataset/README.md, How the detector did).
   [[nodiscard]] bool counts(double t) const { return (!(t >= any_slip) || t >= judged_from) && !(t >= judged_until); }
@@ -84,6 +88,10 @@ struct Judgement {
   double slip_time = std::numeric_limits<double>::quiet_NaN();   // s, true; NaN: none to be judged by
   double alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, the first that counts; NaN: none
   double delay = std::numeric_limits<double>::quiet_NaN();  // s, of Detection::seen alone, where the trial has several samples
+  // Of Detection::seen alone, where the truth knows it: m, path slipped from the first slip to the alarm, mean of the touching units; whether the
+  // alarm came before gross slip.
+  double slip_distance = std::numeric_limits<double>::quiet_NaN();
+  bool before_gross_slip = false;
   // An alarm is false where slip begins to be seen while the pad truly sticks, or touches nothing.
   std::size_t stick_alarms = 0, air_alarms = 0;
   // s, for which the pad sticks, or touches nothing, and alarms count. A trial of one sample lasts no time.
@@ -105,7 +113,7 @@ std::size_t wrong_frames(const Confusion& frames);
 struct Figure {
   std::string_view key;   // "recall_of_slip"
   std::string_view name;  // as tables have it
-  enum class Unit { share, time, rate, number } unit;
+  enum class Unit { share, time, length, rate, number } unit;
 };
 
 // All figures of which an interval is known, the most telling first.
@@ -115,6 +123,8 @@ inline constexpr std::array figures{
     Figure{"delay_median_s", "delay from the true first slip, median", Figure::Unit::time},
     Figure{"delay_p10_s", "delay, 10 %", Figure::Unit::time},
     Figure{"delay_p90_s", "delay, 90 %", Figure::Unit::time},
+    Figure{"slip_distance_median_m", "slipped distance at the alarm, median", Figure::Unit::length},
+    Figure{"before_gross_slip", "seen before gross slip, of the trials that slip", Figure::Unit::share},
     Figure{"early", "early, of the trials that slip", Figure::Unit::share},
     Figure{"missed", "missed, of the trials that slip", Figure::Unit::share},
     Figure{"false_alarms_per_minute", "false alarms a minute of true stick", Figure::Unit::rate},

@@ -115,6 +115,47 @@ TEST(GraspStatics, IdealForceIsThatAgainstTheWeight) {
   EXPECT_TRUE(drops->truth().dropped || drops->truth().left_behind);
 }
 
+// A pull down is weight: the pads carry both, and let the box go where both together are 2 mu F.
+TEST(GraspStatics, PullOnTheBoxIsCarriedByThePads) {
+  const std::string lift = "grip: {}\nmotion: {kind: lift, settle: 1 s, distance: 20 mm}\nduration: 4 s\n";
+  GraspRig rig(firm + lift + "box: {push: [[2 s, 0 N, 0 N, 0 N], [2.2 s, 0 N, 1 N, -1.5 N], [4 s, 0 N, 1 N, -1.5 N]]}\n");
+  rig.run_to(1.99);
+  EXPECT_NEAR(rig.pads_on_box().z(), weight, 1e-3 * weight);
+  rig.run_to(3.5);
+  EXPECT_NEAR(rig.pads_on_box().z(), weight + 1.5, 1e-3 * weight);
+  EXPECT_NEAR(rig.pads_on_box().y(), -1.0, 1e-3 * weight);
+  EXPECT_FALSE(rig->truth().dropped);
+}
+
+TEST(GraspStatics, PullDropsTheBoxAtTheFrictionLimit) {
+  for (const bool beyond : {false, true}) {
+    GraspRig firm_box = held_at(2.0, 4.5);
+    firm_box.run_to(5.0);
+    // At twice the ideal force the pads carry the weight twice: a pull of one weight more is the limit.
+    const double limit = 2.0 * (2.0 * weight / (2.0 * 4.5)) * firm_box->truth().grip_force - weight;
+    GraspRig rig = held_at(2.0, 4.5,
+                           fmt::format("box: {{push: [[3 s, 0 N, 0 N, 0 N], [6 s, 0 N, 0 N, {0} N], [8 s, 0 N, 0 N, {0} N]]}}\n",
+                                       -limit * (beyond ? 1.005 : 0.995)));
+    rig.run();
+    EXPECT_EQ(rig->truth().dropped || rig->truth().left_behind || rig->truth().slip.norm() > 5e-3, beyond);
+  }
+}
+
+// 30 mm beside the box's middle a pull of 0.5 N down turns the box about X as a weight there would.
+TEST(GraspStatics, PullBesideTheMiddleTurnsTheBox) {
+  const std::string lift = "grip: {}\nmotion: {kind: lift, settle: 1 s, distance: 20 mm}\nduration: 4 s\n";
+  GraspRig pulled(
+      firm + lift +
+      "box: {push: [[2 s, 0 N, 0 N, 0 N], [2.2 s, 0 N, 0 N, -0.5 N], [4 s, 0 N, 0 N, -0.5 N]], push_place: [0 mm, 30 mm, 0 mm]}\n");
+  const auto roll = [&pulled] { return pulled.body("box").pose.rotation(2, 1); };  // rad, of the box about X, which is small
+  pulled.run_to(1.99);
+  const double before = roll();
+  pulled.run_to(3.5);
+  // 15 mN m on 23.2 to 25.6 N m/rad, as CentreOfMassTurnsTheBoxAgainstTheFingers has them.
+  EXPECT_LT(roll() - before, -0.015 / 25.6);
+  EXPECT_GT(roll() - before, -0.015 / 23.2);
+}
+
 TEST(GraspStatics, HeldBoxDoesNotCreep) {
   GraspRig rig(firm + "grip: {}\nmotion: {kind: lift, settle: 1 s, distance: 20 mm}\nduration: 14 s\n");
   rig.run_to(3.0);

@@ -91,6 +91,31 @@ TEST(Board, HasEveryDetectorInEveryTrackOfItsSensor) {
   EXPECT_NE(result.at("transfer"), "");
 }
 
+// The oracle sees each slip at its instant, who never says slip has no false alarm, and nobody is ranked above who knows more than a detector can.
+TEST(Board, OfSlip3HasItsMeasures) {
+  const Json result = board("slip-3", "taxels", 3, 2);
+  std::set<std::string> disturbances;
+  for (const Json& set : result.at("sets")) {
+    SCOPED_TRACE(set.at("scene"));
+    if (set.at("track") != "open recordings") continue;
+    EXPECT_EQ(score(set, "oracle"), 1.0);
+    EXPECT_TRUE(row_of(set, "oracle").at("rank").is_null());
+    if (set.contains("disturbance")) {
+      disturbances.insert(set.at("disturbance"));
+      EXPECT_EQ(score(set, "never slip"), 1.0);
+      EXPECT_EQ(score(set, "always slip"), 0.0);
+      EXPECT_GT(row_of(set, "never slip").at("judged").get<std::size_t>(), 0U);
+    } else {
+      EXPECT_EQ(score(set, "never slip"), 0.0);
+      const Json& known = row_of(set, "signal known");
+      EXPECT_EQ(known.at("false_alarms_per_minute"), 0.0);
+      EXPECT_TRUE(known.at("rank").is_null());
+    }
+  }
+  EXPECT_EQ(disturbances, (std::set<std::string>{"grip", "hand", "knock", "load", "motor"}));
+  EXPECT_THAT(board_page(result), mentions({"Specificity", "knock", "Score by sensor", "signal known"}));
+}
+
 // The same bytes with one thread and with two.
 TEST(Board, SameBytesWhateverTheThreads) {
   const Json one = board("slip-1", "papillarray", 2, 1);
@@ -143,7 +168,7 @@ double score_on(const Held& held, const Trials& trials, const std::function<Dete
   for (const auto& [scene, record] : trials) {
     const eval::Truth truth = eval::truth_of(&scene, record, record.sensors[0], eval::TruthRule::masked);
     const eval::Replayed replayed = eval::replay(detector(scene), record.sensors, 0, record.seed, record.trial);
-    parts.push_back(recording_part(eval::judged(record.trial, truth, replayed, held.grace ? truth.period : 0.0)));
+    parts.push_back(recording_part(eval::judged(record.trial, truth, replayed, held.grace ? truth.period : 0.0), held));
   }
   return score_of(parts, held).value;
 }

@@ -34,24 +34,53 @@ GraspOutcome grasp(double ratio, bool dropped) {
 // A slip that is seen after 0, 1 or 3 times half_delay earns 1, 1/2 or 1/4.
 TEST(Score, CreditFallsWithTheDelay) {
   for (const auto& [delay, credit] : {std::pair{0.0, 1.0}, {half_delay, 0.5}, {3.0 * half_delay, 0.25}}) {
-    EXPECT_DOUBLE_EQ(recording_part(judgement(Detection::seen, delay, 0, 0)).credit, credit);
+    EXPECT_DOUBLE_EQ(recording_part(judgement(Detection::seen, delay, 0, 0), open).credit, credit);
   }
-  EXPECT_EQ(recording_part(judgement(Detection::missed, none, 0, 0)).credit, 0.0);
-  EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1)).credit, 0.0);
+  EXPECT_EQ(recording_part(judgement(Detection::missed, none, 0, 0), open).credit, 0.0);
+  EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1), open).credit, 0.0);
+}
+
+// By slip-3 a slip that is seen after 0, 1 or 3 times half_slip_distance earns 1, 1/2 or 1/4, whatever the delay.
+TEST(Score, CreditFallsWithTheSlippedDistance) {
+  const Held by_distance{.track = Track::open, .by_distance = true};
+  for (const auto& [distance, credit] : {std::pair{0.0, 1.0}, {half_slip_distance, 0.5}, {3.0 * half_slip_distance, 0.25}}) {
+    eval::Judgement one = judgement(Detection::seen, 5.0, 0, 0);
+    one.slip_distance = distance;
+    EXPECT_DOUBLE_EQ(recording_part(one, by_distance).credit, credit);
+  }
+  EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1), by_distance).credit, 0.0);
+}
+
+// Twelve recordings: in two a part slips, which leaves ten; eight of these are silent.
+TEST(Score, DisturbedRecordingsAreScoredBySpecificity) {
+  const Held disturbed{.track = Track::open, .by_distance = true, .disturbance = "knock"};
+  std::vector<Part> parts;
+  for (int k = 0; k < 12; ++k) {
+    eval::Judgement one = judgement(k < 2 ? Detection::missed : Detection::quiet, none, 0, 0);
+    if (k >= 2) one.slip_time = none;
+    if (k >= 10) one.alarm_time = 0.3;
+    parts.push_back(recording_part(one, disturbed));
+  }
+  const Score score = score_of(parts, disturbed);
+  EXPECT_EQ(score.judged, 10U);
+  EXPECT_DOUBLE_EQ(score.value, 0.8);
+  const Interval exact = clopper_pearson(8, 10), interval = score_interval(parts, disturbed);
+  EXPECT_DOUBLE_EQ(interval.low, exact.low);
+  EXPECT_DOUBLE_EQ(interval.high, exact.high);
 }
 
 TEST(Score, ConstantAnswersEarnNothing) {
-  const std::vector<Part> never{recording_part(judgement(Detection::missed, none, 0, 0))};
+  const std::vector<Part> never{recording_part(judgement(Detection::missed, none, 0, 0), open)};
   EXPECT_EQ(score_of(never, open).value, 0.0);
-  const std::vector<Part> always{recording_part(judgement(Detection::early, none, 60, 1))};
+  const std::vector<Part> always{recording_part(judgement(Detection::early, none, 60, 1), open)};
   EXPECT_EQ(score_of(always, open).value, -1.0) << "no credit, and slip is said in all of the time without it";
 }
 
 // One trial seen at once, one early with an alarm a sample long: credit 1/2. Two trials have 1.2 s without slip: 1 alarm is 50 a minute, which the
 // limit of 1 a minute makes 1/50 of the credit; one sample of 120 was wrong.
 TEST(Score, FalseAlarmsBeyondTheLimitTakeTheCreditAway) {
-  const std::vector<Part> parts{recording_part(judgement(Detection::seen, 0.0, 0, 0)),
-                                recording_part(judgement(Detection::early, none, 1, 1))};
+  const std::vector<Part> parts{recording_part(judgement(Detection::seen, 0.0, 0, 0), open),
+                                recording_part(judgement(Detection::early, none, 1, 1), open)};
   const Score score = score_of(parts, open);
   EXPECT_DOUBLE_EQ(score.credit, 0.5);
   EXPECT_NEAR(score.alarms_per_minute, 50.0, 1e-9);
@@ -62,11 +91,11 @@ TEST(Score, FalseAlarmsBeyondTheLimitTakeTheCreditAway) {
 TEST(Score, RecordingsWithoutSlipOnlyCost) {
   eval::Judgement quiet = judgement(Detection::quiet, none, 0, 0);
   quiet.slip_time = none;
-  const Part seen = recording_part(judgement(Detection::seen, half_delay, 0, 0));
-  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet)}, open).value, 0.5);
+  const Part seen = recording_part(judgement(Detection::seen, half_delay, 0, 0), open);
+  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet, open)}, open).value, 0.5);
   quiet.frames[1][1] = 30;
   quiet.frames[1][3] = 30;
-  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet)}, open).value, 0.5 - 30.0 / 120.0);
+  EXPECT_DOUBLE_EQ(score_of(std::vector<Part>{seen, recording_part(quiet, open)}, open).value, 0.5 - 30.0 / 120.0);
 }
 
 // The least force earns 1, worst_force_ratio times it 0, half-way 1/2. A dropped box and one that needs no tightening earn nothing, and the latter

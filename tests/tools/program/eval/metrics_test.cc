@@ -45,6 +45,27 @@ TEST(Judged, TheFirstAlarmDecides) {
   EXPECT_EQ(result.frames[1][3], 1U);
 }
 
+// The path is 0 until 0.55 s, 0.2 mm at 0.6 s and 1 mm at 0.7 s, from when on nothing sticks: an alarm at 0.65 s comes after 0.6 mm, before gross slip,
+// one at 0.7 s after 1 mm and not before it.
+TEST(Judged, SlippedDistanceIsThatAtTheAlarm) {
+  Truth slides = truth();
+  slides.slip_distance = {nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.2e-3, 1.0e-3, 1.4e-3, 1.4e-3};
+  slides.gross_slip = 0.7;
+  Replayed answers = seen({none, stick, stick, stick, stick, stick, stick, all, all, stick});
+  const double at_first_slip = 0.1e-3;  // half way from 0.5 s to 0.6 s
+  const Judgement late = judged(0, slides, answers);
+  EXPECT_NEAR(late.slip_distance, 1.0e-3 - at_first_slip, 1e-12);
+  EXPECT_FALSE(late.before_gross_slip);
+  answers.seen_since[7] = 0.65;  // an estimate between the samples
+  const Judgement soon = judged(0, slides, answers);
+  EXPECT_NEAR(soon.slip_distance, 0.6e-3 - at_first_slip, 1e-12);
+  EXPECT_TRUE(soon.before_gross_slip);
+  const Judgement early = judged(0, slides, seen({none, stick, all, stick, stick, stick, stick, all, all, stick}));
+  EXPECT_TRUE(std::isnan(early.slip_distance));
+  EXPECT_FALSE(early.before_gross_slip);
+  EXPECT_TRUE(std::isnan(judged(0, truth(), answers).slip_distance)) << "not known";
+}
+
 // Alarms at 0 s in the air, at 0.2 s and, after a pause of one sample, at 0.4 s: early, by the first of them.
 TEST(Judged, AnAlarmBeforeTheSlipIsEarlyAndCountedWhereItBegins) {
   const Judgement result = judged(0, truth(), seen({all, stick, some, stick, some, some, all, all, stick, stick}));

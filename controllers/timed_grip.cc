@@ -1,0 +1,66 @@
+// A controller that changes the grip at times that the scene says, whatever the sensor feels.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "controllers/grip.h"
+#include "sim/core/error.h"
+
+namespace slipbench::controllers {
+namespace {
+
+class TimedGrip final : public GripController {
+ public:
+  TimedGrip(const Parameters& p, const GripSource& source)
+      : GripController(p, source, "timed_grip"), changes_(p.table("changes").rows) {
+    for (std::size_t k = 1; k < changes_.size(); ++k) {
+      if (changes_[k][0] < changes_[k - 1][0]) {
+        throw SceneValueError("controller.changes",
+                              fmt::format("row {} is at {:g} s, before row {} at {:g} s; allowed: times that do not fall", k + 1,
+                                          changes_[k][0], k, changes_[k - 1][0]));
+      }
+    }
+  }
+
+  GripCommand update(const ControlInput& input) override {
+    const double time = input.gripper.time;
+    if (!taken_ && force_.total(input.frame) >= preset_) taken_ = position_.value_or(input.gripper.position);
+    position_ = taken_ ? moved(*taken_, std::round(counts_at(time))) : moved(input.gripper.position, 1);
+    command_.position = *position_;
+    return command_;
+  }
+
+ private:
+  // Straight between the rows: 0 before the first, the last one's from then on.
+  [[nodiscard]] double counts_at(double time) const {
+    const auto next = std::ranges::find_if(changes_, [time](const std::vector<double>& row) { return row[0] > time; });
+    if (next == changes_.begin()) return 0.0;
+    const std::vector<double>& before = *std::prev(next);
+    if (next == changes_.end()) return before[1];
+    return std::lerp(before[1], (*next)[1], (time - before[0]) / ((*next)[0] - before[0]));
+  }
+
+  std::vector<std::vector<double>> changes_;  // rows of time [s] and counts
+  std::optional<int> position_;               // counts, last command
+  std::optional<int> taken_;                  // counts, last command when the preset was reached
+};
+
+}  // namespace
+
+ControllerKind timed_grip() {
+  return {
+      {"timed_grip", "Disturbance: takes the box with the preset force, then tightens and loosens by a timetable.",
+       "until F >= preset for the first time: position = measured position + 1 count\n"
+       "from then on: position = the last command until then + round(counts(t)), counts straight between the rows of `changes`; 0 before\n"
+       "the first row, the last row's after it. Two rows at one time are a step. Positions end at 0 and at 255.\n"
+       "F: sum of the pillars' normal forces.",
+       "what a task asks of a grip beside slip",
+       with_registers({table_spec(2, "changes", {{"t", Quantity::time}, {"counts"}},
+                                  "When the grip changes, and by how many counts beyond that of the preset.", "free")})},
+      created<TimedGrip>,
+      Answers::nothing};
+}
+
+}  // namespace slipbench::controllers

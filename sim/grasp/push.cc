@@ -1,0 +1,37 @@
+#include "sim/grasp/push.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/error.h"
+
+namespace slipbench {
+
+Push::Push(NumberTable rows) : rows_(std::move(rows)) {
+  const std::vector<std::vector<double>>& all = rows_.rows;
+  if (all.size() == 1) throw SceneValueError("box.push", "has one row; needed: two or more, between which a force acts");
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    if (all[k][0] < all[k - 1][0]) {
+      throw SceneValueError("box.push",
+                            fmt::format("row {} is at {:g} s, before row {} at {:g} s; allowed: times that do not fall", k + 1,
+                                        all[k][0], k, all[k - 1][0]));
+    }
+  }
+}
+
+Eigen::Vector3d Push::mean(double begin, double end) const {
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
+  for (std::size_t k = 1; k < rows_.rows.size(); ++k) {
+    const std::vector<double>&first = rows_.rows[k - 1], &last = rows_.rows[k];
+    const double from = std::max(begin, first[0]), until = std::min(end, last[0]);
+    if (!(from < until)) continue;
+    const Eigen::Vector3d force = Eigen::Vector3d::Map(&first[1]);
+    const Eigen::Vector3d slope = (Eigen::Vector3d::Map(&last[1]) - force) / (last[0] - first[0]);
+    impulse += (until - from) * (force + (0.5 * (from + until) - first[0]) * slope);
+  }
+  return impulse / (end - begin);
+}
+
+}  // namespace slipbench

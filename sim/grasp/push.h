@@ -1,0 +1,27 @@
+// A force from outside on the box of a grasp: a pull, a push, a knock.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "sim/core/parameters.h"
+
+namespace slipbench {
+
+// Over time: straight between the rows of `box.push`, none before the first and after the last.
+class Push {
+ public:
+  // `rows`: time [s], then force [N] along x, y and z of the world. Throws SceneValueError at box.push for a single row, and where a time is
+  // earlier than that of the row before.
+  explicit Push(NumberTable rows);
+
+  [[nodiscard]] bool empty() const { return rows_.rows.empty(); }
+
+  // The mean force [N] between two instants [s], begin < end: a body that it acts on over a step gains the whole impulse, however short
+  // a knock is against the step.
+  [[nodiscard]] Eigen::Vector3d mean(double begin, double end) const;
+
+ private:
+  NumberTable rows_;
+};
+
+}  // namespace slipbench

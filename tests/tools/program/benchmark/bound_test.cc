@@ -1,0 +1,58 @@
+// Who knows a slip's signal: against the closed form of a step in white noise.
+#include "tools/program/benchmark/bound.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "sim/core/random.h"
+
+namespace slipbench::benchmark {
+namespace {
+
+constexpr std::size_t rows = 2000, touches = 500, slips = 1500;
+constexpr double rate = 1000.0, deviation = 0.1;
+
+TrialRecord recorded(double step) {
+  RandomStream random(7, 0, "bound");
+  TrialRecord record;
+  SensorRecord& sensor = record.sensors.emplace_back();
+  sensor.rate = rate;
+  SensorColumn& column = sensor.channels.emplace_back(SensorColumn{.name = "signal", .unit = "V", .shape = {1}, .values = {}});
+  for (std::size_t row = 0; row < rows; ++row) {
+    sensor.time.push_back(static_cast<double>(row) / rate);
+    column.values.push_back(static_cast<float>(deviation * random.normal() + (row >= slips ? step : 0.0)));
+  }
+  return record;
+}
+
+eval::Truth truth_of(const TrialRecord& record) {
+  eval::Truth truth;
+  truth.time = record.sensors[0].time;
+  truth.state.assign(rows, PadState::no_contact);
+  for (std::size_t row = touches; row < rows; ++row) truth.state[row] = row < slips ? PadState::non_slip : PadState::gross;
+  truth.first_slip = static_cast<double>(slips) / rate;
+  return truth;
+}
+
+// A step of half a deviation adds 1/4 a sample, so the 9 of three deviations are reached by 36 samples. Both estimates scatter: the deviation of 1,500
+// samples by 1.17/sqrt(1500) = 3 % (Rousseeuw and Croux, J. Am. Stat. Assoc. 88, 1993), and the correlation of 500 samples, which is 0, by 0.045, so that up to
+// (1 - 0.09)^2 of the energy is left: 36 (1 - 0.06) to 36 (1 + 0.06)/0.83, which are 33 to 46 samples.
+TEST(SignalKnown, SeesAStepWhenItsEnergyIsThatOfThreeDeviations) {
+  const TrialRecord record = recorded(0.5 * deviation), stuck = recorded(0.0);
+  const eval::Truth truth = truth_of(record);
+  const eval::Replayed seen = signal_known(record, stuck, 0, truth);
+  std::size_t first = 0;
+  while (first < rows && seen.seen[first] != PadState::gross) ++first;
+  EXPECT_GE(first, slips + 33 - 1);
+  EXPECT_LE(first, slips + 46 - 1);
+}
+
+TEST(SignalKnown, SaysNothingWhereTheSlipChangesNothing) {
+  const TrialRecord record = recorded(0.0);
+  for (const PadState state : signal_known(record, record, 0, truth_of(record)).seen) EXPECT_EQ(state, PadState::non_slip);
+}
+
+}  // namespace
+}  // namespace slipbench::benchmark

@@ -1,0 +1,95 @@
+#include "tools/program/benchmark/bound.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "tools/base/statistics/descriptive.h"
+
+namespace slipbench::benchmark {
+namespace {
+
+constexpr double most_friction = 100.0;  // that a scene may have
+
+struct Noise {
+  double correlation = 0.0;  // from one sample to the next
+  double deviation = 0.0;    // of what a sample adds
+};
+
+// One value of a channel in each sample; `touching`: the first sample in contact.
+Noise noise_of(const std::vector<double>& values, std::size_t touching) {
+  Noise noise;
+  double mean = 0.0, square = 0.0, product = 0.0;
+  for (std::size_t t = 0; t < touching; ++t) mean += values[t] / static_cast<double>(touching);
+  for (std::size_t t = 0; t < touching; ++t) {
+    square += (values[t] - mean) * (values[t] - mean);
+    if (t > 0) product += (values[t] - mean) * (values[t - 1] - mean);
+  }
+  if (square > 0.0) noise.correlation = std::clamp(product / square, 0.0, 1.0);
+  std::vector<double> added;
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t t = std::max<std::size_t>(touching, 1); t < values.size(); ++t) {
+    added.push_back(values[t] - noise.correlation * values[t - 1]);
+    if (const double change = std::abs(values[t] - values[t - 1]); change > 0.0) step = std::min(step, change);
+  }
+  const double middle = median(added);
+  for (double& one : added) one = std::abs(one - middle);
+  constexpr double of_a_normal = 1.4826;
+  noise.deviation = std::max(of_a_normal * median(added), std::isinf(step) ? 0.0 : step / std::sqrt(12.0));
+  return noise;
+}
+
+}  // namespace
+
+Scene without_slip(const Scene& scene) {
+  Scene stuck = scene;
+  stuck.friction.static_coefficient = stuck.friction.kinetic_coefficient = most_friction;
+  return stuck;
+}
+
+eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck, std::size_t sensor, const eval::Truth& truth) {
+  std::vector<std::pair<double, double>> energy;  // time [s], what is added then
+  for (std::size_t c = 0; c < record.sensors[sensor].channels.size(); ++c) {
+    const SensorColumn &column = record.sensors[sensor].channels[c], &without = stuck.sensors[sensor].channels[c];
+    const std::vector<double>& time = record.sensors[sensor].times_of(column);
+    const auto contact = std::ranges::find_if(truth.state, [](PadState state) { return state != PadState::no_contact; });
+    const double touch =
+        contact == truth.state.end() ? truth.time.back() : truth.time[static_cast<std::size_t>(contact - truth.state.begin())];
+    const auto touching = static_cast<std::size_t>(std::ranges::lower_bound(time, touch) - time.begin());
+    const std::size_t width = column.row_size();
+    for (std::size_t k = 0; k < width; ++k) {
+      std::vector<double> values(time.size()), signal(time.size());
+      bool differs = false;
+      for (std::size_t t = 0; t < time.size(); ++t) {
+        values[t] = static_cast<double>(without.values[t * width + k]);
+        signal[t] = static_cast<double>(column.values[t * width + k]) - values[t];
+        differs = differs || signal[t] != 0.0;
+      }
+      if (!differs) continue;
+      const Noise noise = noise_of(values, touching);
+      if (!(noise.deviation > 0.0)) continue;
+      for (std::size_t t = 1; t < time.size(); ++t) {
+        const double added = (signal[t] - noise.correlation * signal[t - 1]) / noise.deviation;
+        if (added != 0.0) energy.emplace_back(time[t], added * added);
+      }
+    }
+  }
+  std::ranges::sort(energy);
+  double sum = 0.0, from = std::numeric_limits<double>::infinity();
+  for (const auto& [time, added] : energy) {
+    sum += added;
+    if (sum < bound_deviations * bound_deviations) continue;
+    from = std::max(time, truth.first_slip);
+    break;
+  }
+  eval::Replayed seen;
+  for (const double time : truth.time) seen.seen.push_back(time >= from ? PadState::gross : PadState::non_slip);
+  seen.seen_since = truth.time;
+  seen.stuck_fraction.assign(truth.time.size(), std::numeric_limits<double>::quiet_NaN());
+  seen.probability = seen.stuck_fraction;
+  return seen;
+}
+
+}  // namespace slipbench::benchmark
