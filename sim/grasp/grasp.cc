@@ -300,7 +300,7 @@ Gripper::Gripper(const Parameters& grip, double opening, double phase, std::vect
       wrap_(grip.flag("wrap")),
       drift_amplitude_(drift.empty() ? 0.0 : grip.number("drift") * std::sqrt(2.0 / static_cast<double>(drift.size()))),
       drift_(std::move(drift)),
-      position_(std::clamp(std::floor(closed_at_ - opening / count_ + same_count), open_at_, closed_at_)),
+      position_(std::clamp(std::floor(closed_at_ - (opening - wander(0.0)) / count_ + same_count), open_at_, closed_at_)),
       target_(position_.at(0.0).position),
       force_limit_(weakest_) {
   if (write_after_ >= period_) {
@@ -349,16 +349,18 @@ void Gripper::update(double time, double force) {
 
 int Gripper::position(double time) const { return static_cast<int>(std::lround(position_.at(time).position)); }
 
-double Gripper::opening(double time) const {
-  double wander = 0.0;
-  for (const DriftTone& tone : drift_) wander += drift_amplitude_ * math::sin(tone.omega * time + tone.phase);
-  return (closed_at_ - position_.at(time).position) * count_ + wander;
+double Gripper::wander(double time) const {
+  double sum = 0.0;
+  for (const DriftTone& tone : drift_) sum += drift_amplitude_ * math::sin(tone.omega * time + tone.phase);
+  return sum;
 }
 
+double Gripper::opening(double time) const { return (closed_at_ - position_.at(time).position) * count_ + wander(time); }
+
 double Gripper::opening_speed(double time) const {
-  double wander = 0.0;
-  for (const DriftTone& tone : drift_) wander += drift_amplitude_ * tone.omega * math::cos(tone.omega * time + tone.phase);
-  return wander - position_.at(time).velocity * count_;
+  double rate = 0.0;
+  for (const DriftTone& tone : drift_) rate += drift_amplitude_ * tone.omega * math::cos(tone.omega * time + tone.phase);
+  return rate - position_.at(time).velocity * count_;
 }
 
 }  // namespace slipbench

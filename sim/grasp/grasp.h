@@ -72,6 +72,7 @@ class Gripper {
     GripCommand command;
   };
 
+  [[nodiscard]] double wander(double time) const;  // m, the drift's share of the opening
   [[nodiscard]] double instant(std::uint64_t count) const { return phase_ + static_cast<double>(count) * period_; }
   void obey(const Pending& pending);
 
