@@ -23,8 +23,8 @@ SMOOTHED = 6  # samples of the running mean that the recordings are
 BEFORE_THE_END = (1.5, 0.5)  # s, before a box was last held: what follows is the release
 GROSS = 3  # label of a pad that slips as a whole
 SCENE = "scenes/magnetic_skin/creep.yaml"
-REST = {"sensors": "{skin: {type: magnetic_skin, rate: 38 Hz, profile: recorded}}", "motion": "{kind: stage, gap: 100 mm, speed: 0, start: 30 s}",
-        "detector": "{type: none}", "duration": "20 s"}  # the pad would touch after 25 s
+REST = {"sensors": "{skin: {type: magnetic_skin, rate: 40 Hz, profile: recorded}}", "motion": "{kind: stage, gap: 100 mm, speed: 0, start: 30 s}",
+        "duration": "20 s"}  # the pad would touch after 25 s
 
 RATIO, SHARE, LEVEL, PEAK = 6.9, 0.88, 0.10, 1.15
 NOISE = (0.9, 0.9, 2.0)  # counts; of each axis
