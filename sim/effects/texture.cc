@@ -66,7 +66,8 @@ void check_profile(const Parameters& p) {
   const double duty = p.number("duty"), edge = p.number("edge"), wavelength = p.number("wavelength");
   if (p.choice("profile") == "sine") {
     if (duty != duty_assumed || edge != edge_assumed)
-      throw SceneValueError("effects.texture.profile", "a sine has no duty and no edge; allowed: bars with them, or neither of them");
+      throw SceneValueError("effects.texture.profile",
+                            "a sine has no duty and no edge; allowed: bars with them, or neither of them");
     return;
   }
   const double widest = std::min(duty, 1.0 - duty) * wavelength;
@@ -80,36 +81,35 @@ void check_profile(const Parameters& p) {
 
 EffectKind texture() {
   const std::string board = "recordings of a printed board (github.com/wngfra/FabricSlide)";
-  return {{"texture",
-           "The surface has ridges: sliding at speed v makes every unit vibrate at v/wavelength.",
-           "gap shrinks by height p(u) + waviness sin(2 pi s/waviness_length), s = x cos angle + y sin angle, u = s/wavelength\n"
-           "sine: p = sin(2 pi u). bars: p = clamp((duty - 2 |u - 1/4 - n|) wavelength/edge, -1, 1), n the nearest whole number:\n"
-           "1 over `duty` of the wavelength, -1 elsewhere, edges straight; its waves n = 0, 1, ... about a bar's middle have\n"
-           "the amplitudes 2 duty - 1, then 4 sin(pi n duty)/(pi n) sin(pi n e)/(pi n e), e = edge/wavelength\n"
-           "Slopes are taken as small: the normal is the plane's.",
-           board + ": peak at speed/3.97 mm, at any force",
-           {number_spec("wavelength", Quantity::length, "4 mm", positive, "Distance of the ridges.",
-                        "FabricSlide: 2 mm bars, 2 mm apart"),
-            number_spec("height", Quantity::length, "20 um", {0.0, 5e-3},
-                        "Amplitude, up to 5 mm: half of what a ridge stands out.",
-                        "assumed; printed boards have some tenths of a millimetre"),
-            number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction across the ridges, from the surface's X axis.",
-                        "assumed"),
-            choice_spec("profile", "sine", {"sine", "bars"}, "Shape of the ridges.", "free"),
-            number_spec("duty", Quantity::none, "0.5", {0.05, 0.95}, "Share of the wavelength that a bar takes, half of each edge included.",
-                        board + ": bars and gaps of 2 mm"),
-            number_spec("edge", Quantity::length, edge_default, positive, "Width of each of a bar's two edges.",
-                        "assumed: half a nozzle of a printer"),
-            number_spec("waviness", Quantity::length, "0 um", {0.0, 5e-3},
-                        "Amplitude of a slow wave along the same direction, as a board that is not flat has it.", "0: none"),
-            number_spec("waviness_length", Quantity::length, "150 mm", positive, "Length of the slow wave.",
-                        board + ": a quarter of the variance has one wave in the 150 mm of a slide")}},
-          [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
-            if (!context.flat_surface)
-              throw SceneValueError("effects", "texture needs a flat surface; allowed shapes: plane, box");
-            check_profile(p);
-            effects.surface.push_back(std::make_unique<Texture>(p));
-          }};
+  return {
+      {"texture",
+       "The surface has ridges: sliding at speed v makes every unit vibrate at v/wavelength.",
+       "gap shrinks by height p(u) + waviness sin(2 pi s/waviness_length), s = x cos angle + y sin angle, u = s/wavelength\n"
+       "sine: p = sin(2 pi u). bars: p = clamp((duty - 2 |u - 1/4 - n|) wavelength/edge, -1, 1), n the nearest whole number:\n"
+       "1 over `duty` of the wavelength, -1 elsewhere, edges straight; its waves n = 0, 1, ... about a bar's middle have\n"
+       "the amplitudes 2 duty - 1, then 4 sin(pi n duty)/(pi n) sin(pi n e)/(pi n e), e = edge/wavelength\n"
+       "Slopes are taken as small: the normal is the plane's.",
+       board + ": peak at speed/3.97 mm, at any force",
+       {number_spec("wavelength", Quantity::length, "4 mm", positive, "Distance of the ridges.",
+                    "FabricSlide: 2 mm bars, 2 mm apart"),
+        number_spec("height", Quantity::length, "20 um", {0.0, 5e-3}, "Amplitude, up to 5 mm: half of what a ridge stands out.",
+                    "assumed; printed boards have some tenths of a millimetre"),
+        number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction across the ridges, from the surface's X axis.",
+                    "assumed"),
+        choice_spec("profile", "sine", {"sine", "bars"}, "Shape of the ridges.", "free"),
+        number_spec("duty", Quantity::none, "0.5", {0.05, 0.95},
+                    "Share of the wavelength that a bar takes, half of each edge included.", board + ": bars and gaps of 2 mm"),
+        number_spec("edge", Quantity::length, edge_default, positive, "Width of each of a bar's two edges.",
+                    "assumed: half a nozzle of a printer"),
+        number_spec("waviness", Quantity::length, "0 um", {0.0, 5e-3},
+                    "Amplitude of a slow wave along the same direction, as a board that is not flat has it.", "0: none"),
+        number_spec("waviness_length", Quantity::length, "150 mm", positive, "Length of the slow wave.",
+                    board + ": a quarter of the variance has one wave in the 150 mm of a slide")}},
+      [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
+        if (!context.flat_surface) throw SceneValueError("effects", "texture needs a flat surface; allowed shapes: plane, box");
+        check_profile(p);
+        effects.surface.push_back(std::make_unique<Texture>(p));
+      }};
 }
 
 }  // namespace slipbench

@@ -107,9 +107,10 @@ Entry grip_entry() {
           number_spec("finger_inertia", Quantity::none, "1.2e-4", positive,
                       "Inertia of one finger about its middle, kg m2, the same about all axes.", "assumed: 80 g on 130 mm"),
 
-          number_spec("drift", Quantity::length, "0 mm", {0.0, 0.02},
-                      "Standard deviation of a slow wander of the opening that no count shows; on weak fingers the grip force wanders.",
-                      "0: none. On 1 N/mm a drift of 0.9 mm moves 4 N by 11 %, as public recordings of a uSkin on a gripper have it"),
+          number_spec(
+              "drift", Quantity::length, "0 mm", {0.0, 0.02},
+              "Standard deviation of a slow wander of the opening that no count shows; on weak fingers the grip force wanders.",
+              "0: none. On 1 N/mm a drift of 0.9 mm moves 4 N by 11 %, as public recordings of a uSkin on a gripper have it"),
           number_spec("drift_bandwidth", Quantity::frequency, "0.3 Hz", positive_up_to(10.0), "Highest frequency of the drift.",
                       "assumed: recorded grips change within seconds"),
 

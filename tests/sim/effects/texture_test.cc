@@ -144,8 +144,13 @@ TEST(Texture, LongestStepSeesTheEdgesOfBars) {
 
 TEST(Texture, RefusesEdgesThatDoNotFitAndBarsThatAreASine) {
   // duty 0.2 of 4 mm: a bar of 0.8 mm.
-  EXPECT_THAT(refusal_of([] { bars({{"duty", 0.2}, {"edge", 0.9e-3}}); }), refused_at("effects.texture.edge", {"0.9 mm", "0.8 mm"}));
-  EXPECT_THAT(refusal_of([] { installed(one_unit(k_n, k_t), {{"texture", {{"duty", 0.3}}}}); }),
+  EXPECT_THAT(refusal_of([] {
+                bars({{"duty", 0.2}, {"edge", 0.9e-3}});
+              }),
+              refused_at("effects.texture.edge", {"0.9 mm", "0.8 mm"}));
+  EXPECT_THAT(refusal_of([] {
+                installed(one_unit(k_n, k_t), {{"texture", {{"duty", 0.3}}}});
+              }),
               refused_at("effects.texture.profile", {"sine", "bars"}));
 }
 

@@ -327,7 +327,8 @@ namespace {
 
 // The first channel of three axes; null where the sensor has none.
 const SensorColumn* three_axes(const SensorRecord& sensor) {
-  const auto column = std::ranges::find_if(sensor.channels, [](const SensorColumn& one) { return !one.shape.empty() && one.shape.back() == 3; });
+  const auto column =
+      std::ranges::find_if(sensor.channels, [](const SensorColumn& one) { return !one.shape.empty() && one.shape.back() == 3; });
   return column == sensor.channels.end() ? nullptr : &*column;
 }
 
@@ -340,7 +341,9 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
   reader.check_recorded(reader.trials().front());
   const TrialRecord record = reader.read_trial(reader.trials().front());
   UnitsInput there{input};
-  const auto asked = [&](const SensorRecord& one) { return (sensor.empty() || one.name == sensor) && three_axes(one) != nullptr; };
+  const auto asked = [&](const SensorRecord& one) {
+    return (sensor.empty() || one.name == sensor) && three_axes(one) != nullptr;
+  };
   const auto as_recipe = [&](const SensorRecord& one) {
     return asked(one) && three_axes(one)->name == input.channels.front().name && one.rate >= slowest;
   };
