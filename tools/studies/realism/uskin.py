@@ -56,7 +56,7 @@ def smoothed(values: Doubles, samples: int = SMOOTHED) -> Doubles:
     Returns:
         [T - samples + 1, ...]
     """
-    return np.lib.stride_tricks.sliding_window_view(values, samples, axis=0).mean(axis=-1)
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(values, samples, axis=0).mean(axis=-1))
 
 
 def held(recording: Recording) -> NDArray[np.bool_]:
