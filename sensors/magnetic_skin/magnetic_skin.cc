@@ -83,7 +83,7 @@ const char* const recorded = "free; profile recorded: public recordings of a uSk
 constexpr struct {
   std::size_t parameter;
   double value;
-} of_recordings[] = {{k_tangential, 3500.0}, {noise, 2.2}, {noise_ratio, 2.2}, {placement, 0.2e-3}};
+} of_recordings[] = {{k_tangential, 3200.0}, {noise, 2.2}, {noise_ratio, 2.2}, {placement, 0.2e-3}};
 
 const slipbench_note notes[] = {
     {"Samples a second.", "free", 0.1, 1e4, ""},
