@@ -38,7 +38,11 @@ enum : std::size_t {
   offset,
   warming,
   warming_time,
-  fading
+  fading,
+  noise_ratio,
+  placement,
+  profile,
+  device
 };
 const slipbench_parameter slipbench_sensor_parameters[] = {
     SLIPBENCH_A_NUMBER("rate", 100.0, "Hz"),
@@ -63,12 +67,23 @@ const slipbench_parameter slipbench_sensor_parameters[] = {
     SLIPBENCH_A_NUMBER("warming", 0.0, ""),
     SLIPBENCH_A_NUMBER("warming_time", 600.0, "s"),
     SLIPBENCH_A_NUMBER("fading", 0.0011, ""),
+    SLIPBENCH_A_NUMBER("noise_ratio", 1.0, ""),
+    SLIPBENCH_A_NUMBER("placement", 0.0, "m"),
+    SLIPBENCH_A_TEXT("profile", "described"),
+    SLIPBENCH_A_TEXT("device", "fixed"),
     SLIPBENCH_NO_MORE,
 };
 
 namespace {
 
 const char* const chip = "Melexis MLX90393, data sheet";
+const char* const recorded = "free; profile recorded: public recordings of a uSkin on a gripper, sensors/magnetic_skin/README.md";
+
+// What the profile `recorded` says in place of a scene: figures of a device that was recorded.
+constexpr struct {
+  std::size_t parameter;
+  double value;
+} of_recordings[] = {{k_tangential, 3200.0}, {noise, 2.2}, {noise_ratio, 2.2}, {placement, 0.2e-3}};
 
 const slipbench_note notes[] = {
     {"Samples a second.", "free", 0.1, 1e4, ""},
@@ -89,11 +104,20 @@ const slipbench_note notes[] = {
     {"From the back of the skin to where the magnetometers measure.", "assumed: a package is 1 mm high", 1e-5, 0.1, ""},
     {"uT a count along X and Y; 16 bits saturate.", chip, 1e-3, 100.0, ""},
     {"uT a count along Z.", chip, 1e-3, 100.0, ""},
-    {"Standard deviation of a reading, in counts.", "measured: public recordings, sensors/magnetic_skin/README.md", 0.0, 1e4, ""},
+    {"Standard deviation of a reading along X and Y, in counts.", "measured: public recordings, sensors/magnetic_skin/README.md",
+     0.0, 1e4, ""},
     {"Standard deviation of an axis' offset, in counts.", "assumed: Earth's field, 50 uT from anywhere", 0.0, 3e4, ""},
     {"How much warmer the skin gets in the end [K].", "free", -100.0, 100.0, ""},
     {"Time constant of that.", "assumed", 1e-3, 1e9, ""},
     {"Share of the magnets' field that each K takes.", "NdFeB: reversible coefficient of remanence", -0.1, 0.1, ""},
+    {"Noise of a reading along Z over that along X and Y.", "1: eFlesh's recordings, sensors/magnetic_skin/README.md", 0.0, 100.0,
+     ""},
+    {"Standard deviation of a magnet's place, along X and Y each, from the middle of its cell: load then appears as shear.",
+     recorded, 0.0, 0.1, ""},
+    {"recorded: k_tangential, noise, noise_ratio and placement of a device that was recorded. described: as the scene says.",
+     recorded, 0.0, 0.0, "described|recorded"},
+    {"Whether all trials have one device, or each draws the magnets' places anew.", "fixed: a dataset is of one device", 0.0, 0.0,
+     "fixed|redrawn"},
 };
 
 constexpr double most_counts = 32767.0, pi = 3.141592653589793;
@@ -105,7 +129,7 @@ struct Magnet {
 };
 
 struct Skin {
-  std::array<double, std::size(slipbench_sensor_parameters) - 1> is;  // the parameters that are numbers
+  std::array<double, placement + 1> is;  // the parameters that are numbers; 0 of `chips`
   std::vector<slipbench_element> elements;
   std::vector<Magnet> magnets, moved;  // a cell each
   std::vector<Vector> magnetometers;
@@ -174,7 +198,7 @@ void measure(void* self, const slipbench_contact* contact, float* values) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t k = 3 * i + axis;
       double read = left * field[axis] / skin.sensitivity[axis] + skin.offset[k];
-      if (skin.is[noise] > 0.0) read += skin.is[noise] * normal(skin.random);
+      if (skin.is[noise] > 0.0) read += (axis == 2 ? skin.is[noise_ratio] : 1.0) * skin.is[noise] * normal(skin.random);
       read = std::clamp(std::nearbyint(read), -most_counts - 1.0, most_counts);
       counts[axis] = static_cast<float>(read);
       change[axis] = static_cast<float>((read - skin.rest[k]) * skin.sensitivity[axis]);
@@ -206,6 +230,20 @@ void place(Skin& skin) {
   if (!skin.forces) skin.magnetometers = {{0, 0, back}, {-end, 0, back}, {end, 0, back}, {0, end, back}, {0, -end, back}};
 }
 
+// FNV-1a of the sensor's name, from `state`.
+std::uint64_t keyed(std::uint64_t state, const char* name) {
+  for (const char* letter = name; *letter != '\0'; ++letter)
+    state = (state ^ static_cast<unsigned char>(*letter)) * UINT64_C(0x100000001b3);
+  return state;
+}
+
+// Moves the magnets off the middle of their cells, by random numbers that nothing else takes.
+void misplace(Skin& skin, std::uint64_t random) {
+  for (Magnet& magnet : skin.magnets) {
+    for (const std::size_t axis : {0, 1}) magnet.at[axis] += skin.is[placement] * normal(random);
+  }
+}
+
 }  // namespace
 
 const slipbench_abi slipbench_sensor_abi = SLIPBENCH_SENSOR_BUILD;
@@ -215,6 +253,7 @@ const slipbench_about slipbench_sensor_about = {
     "u = (1 - magnet_depth/thickness) u_surface: a dipole moves less than the surface above it, in a straight line to the rigid back\n"
     "B = sum of Br V/(4 pi) (3 r (z.r)/r^5 - z/r^3) [T], r from a dipole to the magnetometer, V its volume; nothing tilts\n"
     "counts = round(B (1 - fading T)/sensitivity + offset + noise), T = warming (1 - exp(-t/warming_time)), saturated at 16 bits\n"
+    "A magnet that stands e beside its cell's middle reads, alone at height h, B_x/B_z = -3 e/(2 h): dB_x/dB_z = -2 e/h under load\n"
     "field [uT] = (counts - counts at rest) sensitivity: the change since the skin was free and cold\n"
     "force (grid alone): of a lone dipole that makes this field, times k_normal and k_tangential; neighbours show as cross-talk",
     "Point dipoles: Jackson, Classical Electrodynamics, 5.6. Skins: Tomo and others, IEEE RA-L 3, 2018 (uSkin); Bhirangi and others, CoRL 2021 (ReSkin)",
@@ -225,13 +264,22 @@ void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* re
   readout->self = skin;
   readout->destroy = [](void* self) { delete static_cast<Skin*>(self); };
   for (std::size_t k = 0; k < skin->is.size(); ++k) skin->is[k] = source->parameters[k].number;
-  const auto& is = skin->is;
-  const char* wrong = nullptr;
+  auto& is = skin->is;
+  const char *wrong = nullptr, *named = "";
+  if (source->parameters[profile].text[0] == 'r') {
+    for (const auto& [parameter, value] : of_recordings) {
+      if (is[parameter] != slipbench_sensor_parameters[parameter].number) {
+        wrong = " is the profile's own; allowed: profile described";
+        named = slipbench_sensor_parameters[parameter].name;
+      }
+      is[parameter] = value;
+    }
+  }
   if (is[magnet_depth] >= is[thickness]) wrong = "magnet_depth is too deep; allowed: less than thickness";
   if (is[rows] != std::floor(is[rows]) || is[columns] != std::floor(is[columns]))
     wrong = "rows or columns is a fraction; allowed: a whole number";
   if (wrong != nullptr) {
-    std::snprintf(readout->refusal, sizeof readout->refusal, "%s", wrong);
+    std::snprintf(readout->refusal, sizeof readout->refusal, "%s%s", named, wrong);
     return;
   }
   skin->forces = source->parameters[chips].text[0] == 'g';
@@ -239,9 +287,10 @@ void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* re
   skin->sensitivity = {is[sensitivity], is[sensitivity], is[sensitivity_z]};
   place(*skin);
 
-  skin->random = readout->seed * UINT64_C(0xd1342543de82ef95) + readout->trial;
-  for (const char* letter = readout->name; *letter != '\0'; ++letter)
-    skin->random = (skin->random ^ static_cast<unsigned char>(*letter)) * UINT64_C(0x100000001b3);
+  const std::uint64_t of_seed = readout->seed * UINT64_C(0xd1342543de82ef95);
+  skin->random = keyed(of_seed + readout->trial, readout->name);
+  const std::uint64_t drawn_for = source->parameters[device].text[0] == 'r' ? readout->trial : 0;
+  if (is[placement] > 0.0) misplace(*skin, ~keyed(of_seed + drawn_for, readout->name));
   for (const Vector& at : skin->magnetometers) {
     const Vector field = field_at(at, skin->magnets);
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,6 +29,19 @@ void add_scatter(Grasp& grasp, const Parameters& scatter, double period, std::ui
   grasp.box_size.x() += scatter.number("width") * stream("width").uniform();
   grasp.friction_scale *= math::exp(scatter.number("friction") * stream("friction").normal());
   if (scatter.flag("phase")) grasp.phase += period * stream("phase").uniform();
+}
+
+// None where the fingers do not drift: then nothing is drawn.
+std::vector<DriftTone> draw_drift(const Parameters& grip, std::uint64_t seed, std::uint64_t trial) {
+  constexpr std::size_t tones = 8;  // nearly normal, and smooth
+  if (grip.number("drift") == 0.0) return {};
+  RandomStream stream(seed, trial, "grip.drift");
+  std::vector<DriftTone> drift(tones);
+  for (DriftTone& tone : drift) {
+    tone.omega = 2.0 * std::numbers::pi * stream.uniform(0.0, grip.number("drift_bandwidth"));
+    tone.phase = stream.uniform(0.0, 2.0 * std::numbers::pi);
+  }
+  return drift;
 }
 
 // Counts closer than this are the same: positions are sums of doubles.
@@ -56,7 +71,8 @@ Entry grip_entry() {
       .summary =
           "A gripper modelled on the Robotiq 2F-85: two fingers on springs, one with a sensor's pad, the other with a second pad.",
       .law =
-          "opening = (closed_at - position) count; speed and force linear in their registers; trapezoids of `acceleration`\n"
+          "opening = (closed_at - position) count + drift g(t); speed and force linear in their registers; trapezoids of `acceleration`\n"
+          "g = 1/2 sum of 8 sin(2 pi f t + p), f uniform up to drift_bandwidth, p uniform, drawn for each trial: variance 1\n"
           "finger: m x'' = k (drive - x) + 2 zeta sqrt(k m) (drive' - x') + pad; y, z and the turns likewise, with the hand in the drive's place\n"
           "The drive is self-locking: no force moves it. A closing drive stops where k (drive - x) reaches the force register's force.",
       .source = "SENSORS: Robotiq 2F-85; stiffness and latency of a real one are not published",
@@ -90,6 +106,13 @@ Entry grip_entry() {
           number_spec("finger_mass", Quantity::mass, "80 g", positive, "Mass of one finger.", "assumed"),
           number_spec("finger_inertia", Quantity::none, "1.2e-4", positive,
                       "Inertia of one finger about its middle, kg m2, the same about all axes.", "assumed: 80 g on 130 mm"),
+
+          number_spec(
+              "drift", Quantity::length, "0 mm", {0.0, 0.02},
+              "Standard deviation of a slow wander of the opening that no count shows; on weak fingers the grip force wanders.",
+              "0: none. On 1 N/mm a drift of 0.9 mm moves 4 N by 11 %, as public recordings of a uSkin on a gripper have it"),
+          number_spec("drift_bandwidth", Quantity::frequency, "0.3 Hz", positive_up_to(10.0), "Highest frequency of the drift.",
+                      "assumed: recorded grips change within seconds"),
 
           choice_spec("second_pad", "silicone", {"same", "silicone"},
                       "Pad of the other finger: flat silicone, or the same elements as the sensor's.", "published: silicone"),
@@ -192,6 +215,7 @@ Grasp draw_grasp(const GraspScene& scene, std::uint64_t seed, std::uint64_t tria
   grasp.yaw = grip.number("yaw");
   grasp.pitch = grip.number("pitch");
   grasp.phase = grip.number("phase");
+  grasp.drift = draw_drift(grip, seed, trial);
   if (scene.scatter) add_scatter(grasp, *scene.scatter, grip.number("period"), seed, trial);
 
   grasp.opening = grasp.box_size.x() + 2.0 * (grip.number("clearance") + std::abs(grasp.box_position.x()));
@@ -264,7 +288,7 @@ const std::vector<Protocol>& protocol_catalogue() {
   return protocols;
 }
 
-Gripper::Gripper(const Parameters& grip, double opening, double phase)
+Gripper::Gripper(const Parameters& grip, double opening, double phase, std::vector<DriftTone> drift)
     : count_(grip.number("count")),
       closed_at_(static_cast<double>(grip.integer("closed_at"))),
       open_at_(static_cast<double>(grip.integer("open_at"))),
@@ -279,7 +303,9 @@ Gripper::Gripper(const Parameters& grip, double opening, double phase)
       phase_(phase),
       dead_band_(static_cast<double>(grip.integer("dead_band"))),
       wrap_(grip.flag("wrap")),
-      position_(std::clamp(std::floor(closed_at_ - opening / count_ + same_count), open_at_, closed_at_)),
+      drift_amplitude_(drift.empty() ? 0.0 : grip.number("drift") * std::sqrt(2.0 / static_cast<double>(drift.size()))),
+      drift_(std::move(drift)),
+      position_(std::clamp(std::floor(closed_at_ - (opening - wander(0.0)) / count_ + same_count), open_at_, closed_at_)),
       target_(position_.at(0.0).position),
       force_limit_(weakest_) {
   if (write_after_ >= period_) {
@@ -328,8 +354,18 @@ void Gripper::update(double time, double force) {
 
 int Gripper::position(double time) const { return static_cast<int>(std::lround(position_.at(time).position)); }
 
-double Gripper::opening(double time) const { return (closed_at_ - position_.at(time).position) * count_; }
+double Gripper::wander(double time) const {
+  double sum = 0.0;
+  for (const DriftTone& tone : drift_) sum += drift_amplitude_ * math::sin(tone.omega * time + tone.phase);
+  return sum;
+}
 
-double Gripper::opening_speed(double time) const { return -position_.at(time).velocity * count_; }
+double Gripper::opening(double time) const { return (closed_at_ - position_.at(time).position) * count_ + wander(time); }
+
+double Gripper::opening_speed(double time) const {
+  double rate = 0.0;
+  for (const DriftTone& tone : drift_) rate += drift_amplitude_ * tone.omega * math::cos(tone.omega * time + tone.phase);
+  return rate - position_.at(time).velocity * count_;
+}
 
 }  // namespace slipbench

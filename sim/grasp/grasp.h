@@ -24,16 +24,24 @@ namespace slipbench {
 // Loop. Reads fall on phase + n period, writes `write_after` later; what a write says begins to act `latency` after it.
 // Motion. From then on a trapezoid in closed form, from where and how fast the fingers are: speed linear in its register from `slowest` to
 // `fastest`, `acceleration` a constant. So the motion does not depend on the step of who asks for it.
+// Drift. The fingers wander beside what the drive holds them at: opening = (closed_at - position) count + drift g(t), with
+// g(t) = 1/2 sum of 8 sin(2 pi f t + p), of variance 1. It is play and creep of the fingers, behind the encoder: no count shows it.
 // Force. While they close, the fingers stop where the force on them reaches that of the force register, linear from `weakest` to
 // `strongest`: at the first update() that finds it so. Between commands the position is held whatever the force: screw and nut lock
 // themselves.
 // Sources: shared SENSORS.md section 5 and GRASP.md; describe says of every parameter whether it is assumed.
 
+// A sine of the drift of a grip.
+struct DriftTone {
+  double omega, phase;  // rad/s, rad
+};
+
 class Gripper {
  public:
   // `grip`: parameters of the entry `grip` (grip_entry). It begins at rest, open by `opening` [m] or the next whole count more, as far
-  // as its stops allow. `phase` [s]: the first read. Throws SceneValueError where a write would come no earlier than the next read.
-  Gripper(const Parameters& grip, double opening, double phase);
+  // as its stops allow. `phase` [s]: the first read. `drift`: of the trial (Grasp); empty: none. Throws SceneValueError where a write would come
+  // no earlier than the next read.
+  Gripper(const Parameters& grip, double opening, double phase, std::vector<DriftTone> drift = {});
 
   // ---- The loop. Every read and write is to be done once, in order of time; a tick after the instant is soon enough, since the instants
   // themselves, not those of the calls, are what counts.
@@ -54,7 +62,7 @@ class Gripper {
   void update(double time, double force);
   [[nodiscard]] int position(double time) const;          // counts, what a read at that time says
   [[nodiscard]] double opening(double time) const;        // m, between the two pads' origins as they would be without load
-  [[nodiscard]] double opening_speed(double time) const;  // m/s, negative while they close
+  [[nodiscard]] double opening_speed(double time) const;  // m/s, negative while they close; with the drift's
 
  private:
   static constexpr double rounding = 1e-9;  // s, of times that are sums of steps
@@ -64,6 +72,7 @@ class Gripper {
     GripCommand command;
   };
 
+  [[nodiscard]] double wander(double time) const;  // m, the drift's share of the opening
   [[nodiscard]] double instant(std::uint64_t count) const { return phase_ + static_cast<double>(count) * period_; }
   void obey(const Pending& pending);
 
@@ -72,6 +81,8 @@ class Gripper {
   double period_, write_after_, latency_, phase_;  // s
   double dead_band_;                               // counts
   bool wrap_;
+  double drift_amplitude_;  // m, of each tone
+  std::vector<DriftTone> drift_;
 
   std::uint64_t reads_ = 0, writes_ = 0;
   std::deque<Pending> pending_;
@@ -88,6 +99,7 @@ struct Grasp {
   double friction_scale = 1.0;                             // of the pads
   double opening = 0.0;                                    // m, at least so much at the start
   double phase = 0.0;                                      // s, of the gripper's loop
+  std::vector<DriftTone> drift = {};                       // of the fingers; empty: none
 };
 
 // Every drawn quantity has a random stream of its own, keyed by (seed, trial): one more or less scatter shifts no other. Throws

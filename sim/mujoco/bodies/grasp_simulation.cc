@@ -119,7 +119,7 @@ struct GraspSimulation::State {
   State(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> rates, std::uint64_t trial,
         const DynamicSimulationOptions& options)
       : grasp(draw_grasp(*scene.grasp, scene.seed, trial)),
-        gripper(scene.grasp->grip, grasp.opening, grasp.phase),
+        gripper(scene.grasp->grip, grasp.opening, grasp.phase, grasp.drift),
         motion(make_motion(scene, trial)),
         guided(dynamic_cast<Guided*>(motion.get())),
         lift(guided != nullptr ? LiftTimes{never, never} : lift_times(scene.motion.parameters)),

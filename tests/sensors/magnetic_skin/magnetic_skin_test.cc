@@ -16,15 +16,19 @@ namespace {
 
 using Eigen::Vector3d;
 using Given = std::map<std::string, double>;
+using Texts = std::map<std::string, std::string>;
 using Rows = Eigen::MatrixX3d;
 
 // Without noise and offset unless `given` says otherwise.
 class Skin {
  public:
-  explicit Skin(Given given, const std::string& chips = "cross", std::uint64_t trial = 1, const std::string& name = "pad") {
-    given.insert({{"noise", 0}, {"offset", 0}});
+  explicit Skin(Given given, const std::string& chips = "cross", std::uint64_t trial = 1, const std::string& name = "pad",
+                const Texts& texts = {}) {
+    if (!texts.contains("profile")) given.insert({"noise", 0});
+    given.insert({"offset", 0});
     for (const auto& [key, value] : given) is_.set(key, value);
     is_.set("chips", chips);
+    for (const auto& [key, value] : texts) is_.set(key, value);
     sensor_ = magnetic_skin_sensor().create(is_, {}, 7, trial, name);
   }
 
@@ -141,8 +145,71 @@ TEST(MagneticSkin, CountsSaturateScatterAndDrift) {
   EXPECT_NEAR(warm.read(1, still, 6e4)(0, 2), cold * (1 - 0.011), 1);
 }
 
+// A lone dipole beside its magnetometer by (ex, ey), h below: B_x = 3 s h (-ex)/r^5, B_z = s (3 h^2/r^5 - 1/r^3), r^2 = h^2 + ex^2 + ey^2. The readings
+// at rest tell ex and ey; under load the law with these has to give what is read. Magnets 100 mm apart are alone: at that distance a dipole has
+// s/d^3 = 0.1 uT, of 3,500. Half a count is 0.3 uT of 3 s/h^4 = 1.3 uT/um: ex is known to 0.3 um.
+TEST(MagneticSkin, MisplacedMagnetShowsLoadAsShear) {
+  const Given given{{"rows", 20}, {"columns", 20}, {"pitch", 0.1}, {"placement", 0.2e-3}};
+  Skin skin(given, "grid");
+  const Rows rest = skin.read(1, Rows::Zero(400, 3));
+  Rows pressed = Rows::Zero(400, 3);
+  pressed.col(2).setConstant(0.5e-3);
+  const Rows loaded = skin.read(1, pressed);
+  const double s = skin.strength(), cx = skin.of("sensitivity"), cz = skin.of("sensitivity_z");
+  double squares = 0.0, sum = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    double ex = 0.0, ey = 0.0;
+    const auto field = [&](double h) -> Vector3d {
+      const double r2 = h * h + ex * ex + ey * ey, r3 = r2 * std::sqrt(r2), r5 = r2 * r3;
+      return {-3 * s * h * ex / r5 / cx, -3 * s * h * ey / r5 / cx, s * (3 * h * h / r5 - 1 / r3) / cz};
+    };
+    for (int k = 0; k < 20; ++k) {  // B_x is nearly -3 s ex/h^4: each round leaves some 3 (e/h)^2 of the error
+      const Vector3d now = field(skin.height());
+      const double slope = 3 * s / std::pow(skin.height(), 4) / cx;
+      ex += (now.x() - rest(i, 0)) / slope;
+      ey += (now.y() - rest(i, 1)) / slope;
+    }
+    // h^-4 grows by (4/3.625)^4 = 1.48: half a count at rest is 0.74 counts under load, and half a count there, 1.3 in all across. Along Z half a count,
+    // all neighbours of the grid, 9.0 s/d^3 = 1.1 counts, and what 0.3 um of 0.6 mm make of 6 s e^2/h^5, 0.2 counts.
+    const Vector3d under_load = field(skin.height() - skin.share() * 0.5e-3);
+    EXPECT_LT((under_load - loaded.row(i).transpose()).cwiseAbs().maxCoeff(), 1.8) << i;
+    sum += ex + ey;
+    squares += ex * ex + ey * ey;
+  }
+  // 800 draws: the sd of their sd is 0.2 mm/sqrt(1600) = 5 um, that of their mean 7 um.
+  EXPECT_NEAR(std::sqrt(squares / 800.0), 0.2e-3, 4 * 5e-6);
+  EXPECT_NEAR(sum / 800.0, 0.0, 4 * 7e-6);
+
+  Skin again(given, "grid", 2), other(given, "grid", 2, "pad", {{"device", "redrawn"}}), named(given, "grid", 1, "left");
+  EXPECT_EQ(again.read(1, Rows::Zero(400, 3)), rest);
+  EXPECT_NE(other.read(1, Rows::Zero(400, 3)), rest);
+  EXPECT_NE(named.read(1, Rows::Zero(400, 3)), rest);
+}
+
+// 2,000 values along Z, 4,000 across: the sd of their sd is 1.6 and 1.1 %. Rounding adds 1/12. The profile's figures: 2.2 counts, and 2.2 times that along Z.
+TEST(MagneticSkin, NoiseByAxisAndTheProfile) {
+  const Rows quiet = Skin(one({{"placement", 0.2e-3}})).read(1, still);
+  for (const bool profile : {false, true}) {
+    Skin skin = profile ? Skin(one(), "cross", 1, "pad", {{"profile", "recorded"}})
+                        : Skin(one({{"noise", 2.2}, {"noise_ratio", 2.2}, {"placement", 0.2e-3}}));
+    double across = 0, along = 0;
+    for (int sample = 0; sample < 400; ++sample) {
+      const Rows from_rest = skin.read(1, still) - quiet;
+      across += from_rest.leftCols(2).squaredNorm() / 4000;
+      along += from_rest.col(2).squaredNorm() / 2000;
+    }
+    // `quiet` is rounded, too.
+    EXPECT_NEAR(std::sqrt(across), std::sqrt(2.2 * 2.2 + 1.0 / 6), 0.05 * 2.2);
+    EXPECT_NEAR(std::sqrt(along), std::sqrt(4.84 * 4.84 + 1.0 / 6), 0.07 * 4.84);
+  }
+}
+
 TEST(MagneticSkin, RefusesWhatDoesNotGoTogether) {
   const auto refused = [](const Given& given) { return scene_refusal_of([&] { Skin{given}; }); };
+  EXPECT_THAT(scene_refusal_of([] {
+                Skin({{"placement", 1e-4}}, "grid", 1, "pad", {{"profile", "recorded"}});
+              }),
+              mentions({"placement", "profile"}));
   EXPECT_THAT(refused({{"rows", 1.5}}), mentions({"rows", "columns"}));
   EXPECT_THAT(refused({{"magnet_depth", 4e-3}}), mentions({"thickness"}));
 }

@@ -2,7 +2,10 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <map>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "tests/expect.h"
 #include "tests/sim/effects/effect_rig.h"
@@ -79,6 +82,76 @@ TEST(Texture, LongestStepSeesEveryWaveSixteenTimes) {
   ASSERT_EQ(effects.surface.size(), 1U);
   EXPECT_DOUBLE_EQ(effects.surface[0]->longest_step(10e-3), wavelength / (16.0 * 10e-3));
   EXPECT_EQ(effects.surface[0]->longest_step(0.0), std::numeric_limits<double>::infinity());
+}
+
+// A field on bars, with what the test changes of their parameters.
+FieldEffects bars(const std::map<std::string, double>& changes) {
+  const EffectKind& texture = kind_named("texture");
+  Parameters parameters = defaults_of(texture.about.parameters);
+  parameters.set("profile", std::string("bars"));
+  for (const auto& [key, value] : changes) parameters.set(key, value);
+  const PadLayout pad = one_unit(k_n, k_t);
+  FieldEffects effects;
+  texture.install(parameters, context_for(pad, true, 7, 0), effects);
+  return effects;
+}
+
+TEST(Texture, BarsHaveTheWavesOfATrapezoid) {
+  // A slide over 10 bars of 4 mm, 400 samples a bar, without friction. Wave n of a box of width D L that is smoothed over the edge e L, from -h to h:
+  // h 4 sin(pi n D)/(pi n) sin(pi n e)/(pi n e), and the mean h (2 D - 1). Sampling adds the waves 400 - n, 400 + n, 800 - n, ..., each of at most
+  // h 4/((pi n)^2 e): less than h 8/(pi^2 e 399^2) (1 + 1/4 + 1/9 + ...) = h 8.4e-6/e, 2.5e-4 h for e = 1/30 at n <= 7.
+  constexpr int samples = 4000;
+  for (const double duty : {0.5, 0.3}) {
+    for (const double e : {1.0 / 10.0, 1.0 / 30.0}) {
+      Field field(one_unit(k_n, k_t), Plane{}, {0.0, 0.0},
+                  bars({{"height", height}, {"wavelength", wavelength}, {"duty", duty}, {"edge", e * wavelength}}));
+      std::vector<double> force;
+      for (int k = 0; k < 2 * samples; ++k) {
+        field.step(at(40e-3 * k / samples, 0.0, -depth), 1.0 / samples);
+        if (k >= samples) force.push_back(field.normal_force(0));
+      }
+      const double aliased = 8.4e-6 / e * k_n * height;
+      EXPECT_NEAR(0.5 * amplitude(force, 0), k_n * (depth + height * (2.0 * duty - 1.0)), aliased);
+      for (int n = 1; n <= 7; ++n) {
+        const double wave = 4.0 * std::sin(pi * n * duty) / (pi * n) * std::sin(pi * n * e) / (pi * n * e);
+        EXPECT_NEAR(amplitude(force, 10 * n), k_n * height * std::abs(wave), aliased) << "duty " << duty << ", wave " << n;
+      }
+      const auto [least, most] = std::ranges::minmax(force);
+      EXPECT_NEAR(most - least, 2.0 * k_n * height, 1e-12);
+      // The middle of the first bar is where a sine has its crest, and of the first gap half a wavelength on.
+      EXPECT_DOUBLE_EQ(force[samples / 40], most);
+      EXPECT_DOUBLE_EQ(force[3 * samples / 40], least);
+    }
+  }
+}
+
+TEST(Texture, WavinessAddsASineOfItsOwn) {
+  // One wave of 40 mm under 10 bars: bin 1 of the spectrum has nothing of the bars.
+  Field field(one_unit(k_n, k_t), Plane{}, {0.0, 0.0},
+              bars({{"height", height}, {"wavelength", wavelength}, {"waviness", 50e-6}, {"waviness_length", 40e-3}}));
+  std::vector<double> force;
+  for (int k = 0; k < 2000; ++k) {
+    field.step(at(40e-3 * k / 1000, 0.0, -depth), 1e-3);
+    if (k >= 1000) force.push_back(field.normal_force(0));
+  }
+  EXPECT_NEAR(amplitude(force, 1), k_n * 50e-6, 1e-12);
+}
+
+TEST(Texture, LongestStepSeesTheEdgesOfBars) {
+  // A flank of 0.2 mm is half a wave of 0.4 mm, of which 16 samples at 10 mm/s are 2.5 ms apart.
+  EXPECT_NEAR(bars({{"edge", 0.2e-3}}).surface[0]->longest_step(10e-3), 2.5e-3, 1e-15);
+}
+
+TEST(Texture, RefusesEdgesThatDoNotFitAndBarsThatAreASine) {
+  // duty 0.2 of 4 mm: a bar of 0.8 mm.
+  EXPECT_THAT(refusal_of([] {
+                bars({{"duty", 0.2}, {"edge", 0.9e-3}});
+              }),
+              refused_at("effects.texture.edge", {"0.9 mm", "0.8 mm"}));
+  EXPECT_THAT(refusal_of([] {
+                installed(one_unit(k_n, k_t), {{"texture", {{"duty", 0.3}}}});
+              }),
+              refused_at("effects.texture.profile", {"sine", "bars"}));
 }
 
 TEST(Texture, RidgesDoNotReachBeyondTheEdgeOfABox) {

@@ -1,5 +1,6 @@
 // The drive of the gripper against closed forms: when it is read and written, how long its ways take, where it stops.
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -197,6 +198,30 @@ TEST(Gripper, DeadBandIgnoresSmallWays) {
   gripper.write({102, 0, 0});
   gripper.update(2.0, 0.0);
   EXPECT_NEAR(counts(gripper, 2.0), 102.0, 1e-11);
+}
+
+TEST(Gripper, DriftHasItsStandardDeviationAndNoCountShowsIt) {
+  // Eight sines of 1/2: the variance over whole periods is drift^2 8 (1/2)^2/2 = drift^2. These have 1 to 8 whole periods in 10 s, and 1000 samples
+  // of a sine of k < 500 periods have exactly its mean and variance.
+  std::vector<DriftTone> tones;
+  for (int k = 1; k <= 8; ++k) tones.push_back({2.0 * std::numbers::pi * 0.1 * k, 0.7 * k});
+  const Gripper gripper(grip({{"drift", 0.9e-3}}), 130.0 * count, 0.0, tones);
+  // At the start it is open by 130 counts or up to one more.
+  EXPECT_GE(gripper.opening(0.0), 130.0 * count - 1e-9);
+  EXPECT_LT(gripper.opening(0.0), 131.0 * count);
+  double sum = 0.0, squares = 0.0;
+  const int position = gripper.position(0.0);
+  for (int k = 0; k < 1000; ++k) {
+    const double time = 0.01 * k, wander = gripper.opening(time) - (230.0 - position) * count;
+    sum += wander;
+    squares += wander * wander;
+    EXPECT_EQ(gripper.position(time), position);
+    // Central difference: an error of h^2/6 times the third derivative, at most amplitude w^3 = 0.45 mm (5.03/s)^3 a tone: 8 of them 5e-8 m/s.
+    constexpr double h = 1e-3;
+    EXPECT_NEAR(gripper.opening_speed(time), (gripper.opening(time + h) - gripper.opening(time - h)) / (2.0 * h), 8e-8);
+  }
+  EXPECT_NEAR(sum / 1000.0, 0.0, 1e-15);
+  EXPECT_NEAR(std::sqrt(squares / 1000.0), 0.9e-3, 1e-12);
 }
 
 }  // namespace

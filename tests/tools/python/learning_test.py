@@ -268,6 +268,32 @@ class Training(TrainingTest):
         self.assertEqual((frames["sensor"], frames["rate"], frames["window"], frames["stride"]), ("taxels", 500, 5, 5))
         self.assertEqual((frames["spans"], len(frames["scale"])), ([5, 10, 20, 40, 80], 1))
 
+    # A skin at 100 Hz has one sample in 10 ms, of which spans take 2, 3, 4, 8 and 16; markers at 50 Hz 2, 3, 4, 5 and 8. The
+    # floor is a thousandth of the greatest value of the first trial. Counts of the skin less those at rest are its field.
+    def test_slip_gru_reads_three_axes_of_counts_and_of_markers(self):
+        for sensor, rate, channel, spans in (({"type": "magnetic_skin", "profile": "recorded"}, 100, "field", [2, 3, 4, 8, 16]),
+                                             ({"type": "gel_markers", "rate": "50 Hz"}, 50, "displacement", [2, 3, 4, 5, 8]),
+                                             ({"type": "taxels", "rate": "100 Hz", "channels": {"moved": "displacement"}}, 100, "moved", [2, 3, 4, 8, 16])):
+            with self.subTest(sensor=sensor["type"]):
+                data = self.write(f"{sensor['type']}-{channel}.h5", **{"sensors.pad": sensor})
+                frames = self.train(short("slip_gru"), dataset=data).description["input"]
+                self.assertEqual((frames["sensor"], frames["rate"], frames["window"], frames["stride"]), (sensor["type"], rate, 2, 1))
+                self.assertEqual((frames["channels"], frames["spans"]), ([{"name": channel}], spans))
+                with slipbench.open(data) as opened:
+                    largest = np.abs(opened[0].sensors["pad"][channel][:]).max()
+                self.assertAlmostEqual(frames["floor"] / largest, 1e-3, 9)
+
+    # In the loop of a grasp: the network sees all frames, at the rate of the skin, and its answers reach the controller.
+    def test_slip_gru_of_a_magnetic_skin_runs_in_a_grasps_loop(self):
+        scene = slipbench.Scene.load("magnetic_skin/creep.yaml").set({"duration": "5 s"})
+        data = str(self.folder / "creep.h5")
+        scene.write(data, draws=8)
+        model = self.train(short("slip_gru"), dataset=data).path
+        looped = scene.set({"detector": {"type": "network", "model": model}, "controller": {"type": "step_on_slip"}})
+        control = looped.run().control
+        self.assertEqual(control.sensor, "skin")
+        self.assertTrue(np.isin([1, 2, 3], control.detector_class).any())
+
     def test_a_module_of_ones_own(self):
         trained = self.train(network=Own)
         described = learning.Engine(trained.path).description

@@ -20,8 +20,9 @@ constexpr std::array all{
     RecipeLine{"papillarray_gru", "Tangential forces of the eight outer pillars, 40 ms at a time, through a GRU"},
     RecipeLine{"papillarray_gru5", "Five such networks, whose probabilities are averaged in one graph"},
     RecipeLine{"grasp_gru", "Forces and displacements of all nine pillars at 100 Hz through a GRU: slip in a grasp"},
-    RecipeLine{"slip_gru",
-               "Forces of units, their ratio and rates, each unit by the same weights, pooled, through a GRU at 100 Hz"},
+    RecipeLine{
+        "slip_gru",
+        "Three axes of each unit, their ratio and rates, each unit by the same weights, pooled, through a GRU; of any sensor"},
     RecipeLine{"myrmex_net1", "Spectra of 12 x 12 taxels through one convolution and 512 units"},
     RecipeLine{"myrmex_net2", "The same through two convolutions"},
     RecipeLine{"myrmex_net3", "The same through two convolutions and 1024 units"},

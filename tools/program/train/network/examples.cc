@@ -323,28 +323,54 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
   return example;
 }
 
+namespace {
+
+// The first channel of three axes; null where the sensor has none.
+const SensorColumn* three_axes(const SensorRecord& sensor) {
+  const auto column =
+      std::ranges::find_if(sensor.channels, [](const SensorColumn& one) { return !one.shape.empty() && one.shape.back() == 3; });
+  return column == sensor.channels.end() ? nullptr : &*column;
+}
+
+}  // namespace
+
 UnitsInput units_input(const std::string& dataset_path, const std::string& sensor, const network::Input& input) {
-  constexpr double slowest = 200.0;  // Hz
+  constexpr double slowest = 200.0;        // Hz, at which a frame is more than one sample
+  constexpr double floor_of_range = 1e-3;  // as 1 mN is of forces of some N
   const DatasetReader reader = whole_dataset(dataset_path);
   reader.check_recorded(reader.trials().front());
   const TrialRecord record = reader.read_trial(reader.trials().front());
   UnitsInput there{input};
-  const auto fitting = [&](const SensorRecord& one) {
-    const auto column = std::ranges::find(one.channels, input.channels.front().name, &SensorColumn::name);
-    return (sensor.empty() || one.name == sensor) && column != one.channels.end() && column->shape.back() == 3 &&
-           one.rate >= slowest;
+  const auto asked = [&](const SensorRecord& one) {
+    return (sensor.empty() || one.name == sensor) && three_axes(one) != nullptr;
   };
-  const auto found = std::ranges::find_if(record.sensors, fitting);
+  const auto as_recipe = [&](const SensorRecord& one) {
+    return asked(one) && three_axes(one)->name == input.channels.front().name && one.rate >= slowest;
+  };
+  auto found = std::ranges::find_if(record.sensors, as_recipe);
+  if (found == record.sensors.end()) found = std::ranges::find_if(record.sensors, asked);
   if (found == record.sensors.end()) return there;
+  const SensorColumn& column = *three_axes(*found);
   there.input.sensor = found->type;
   there.input.rate = found->rate;
-  there.units = count_of_values(std::ranges::find(found->channels, input.channels.front().name, &SensorColumn::name)->shape) / 3;
-  const auto rated = [&](std::size_t& samples) {
-    samples = static_cast<std::size_t>(std::lround(static_cast<double>(samples) * there.input.rate / input.rate));
+  there.units = count_of_values(column.shape) / 3;
+  if (column.name != input.channels.front().name) {
+    there.input.channels.front().name = column.name;
+    double largest = 0.0;
+    for (const float value : column.values) largest = std::max(largest, std::abs(static_cast<double>(value)));
+    if (largest == 0.0)
+      reject("{}: trial {}: channel {} of sensor {} is 0 throughout, so it has no scale; allowed: a first trial with contact",
+             dataset_path, record.trial, column.name, found->name);
+    there.input.floor = floor_of_range * largest;
+  }
+  const auto rated = [&](std::size_t& samples, std::size_t least) {
+    samples =
+        std::max(least, static_cast<std::size_t>(std::lround(static_cast<double>(samples) * there.input.rate / input.rate)));
   };
-  rated(there.input.window);
-  rated(there.input.stride);
-  std::ranges::for_each(there.input.spans, rated);
+  rated(there.input.window, 2);  // a change needs two samples
+  rated(there.input.stride, 1);
+  // Each span has to tell more than the one before.
+  for (std::size_t k = 0; k < there.input.spans.size(); ++k) rated(there.input.spans[k], k + 2);
   return there;
 }
 

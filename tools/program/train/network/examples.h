@@ -94,10 +94,12 @@ struct Examples {
   std::vector<Example> all;         // by trial, then by sensor
 };
 
-// What a network that sees units alike (Transform::units) reads of a dataset, whatever the sensor and however many its units: `input` with type
-// and rate of the first sensor of the first trial, or of `sensor`, that has its channel in threes at 200 Hz or more; samples of window, stride
-// and spans in the ratio of the rates. units: how many there are, 0 where none is, and the input is as it was. Throws InputError as
-// read_examples.
+// What a network that sees units alike (Transform::units) reads of a dataset, whatever the sensor and however many its units: `input` with type, rate
+// and channel of a sensor of the first trial; samples of window, stride and spans in the ratio of the rates, a window of 2 and spans of 2, 3, 4, ...
+// at least. The channel is the sensor's first of three axes. Where it is not the one of `input`, the floor is a thousandth of its greatest value in
+// that trial. Of several sensors, or those called `sensor`, the first with the channel of `input` at 200 Hz or more is taken, else the first with any
+// of three axes. units: how many there are, 0 where no sensor has such a channel, and the input is unchanged. Throws InputError as read_examples, and
+// for a channel that is 0 throughout.
 struct UnitsInput {
   network::Input input;
   std::size_t units = 0;

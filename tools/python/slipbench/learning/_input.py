@@ -288,9 +288,26 @@ def read_examples(datasets: Sequence[str], frames: Input, *, labels: str = "micr
 
 
 def fit_units(frames: Input, dataset: str, sensor: str) -> Input:
-    """An input of the transform `units` for the sensor that a dataset has: type, rate, and samples of windows and spans in the ratio of the rates."""
+    """An input of the transform `units` for the sensor that a dataset has: its type, rate and first channel of three axes.
+
+    Samples of windows and spans are in the ratio of the rates, a window of 2 and spans of 2, 3, 4, ... at least. Where the channel is not the one of
+    `frames`, the floor is a thousandth of the channel's greatest value in the first trial.
+
+    Args:
+        frames: what a recipe reads
+        dataset: path of the dataset
+        sensor: the scene's name; empty: the first with the channel of `frames` at 200 Hz or more, else the first with any of three axes
+
+    Returns:
+        The input, or `frames` where no sensor has three axes.
+
+    Raises:
+        InputError: no whole dataset, or a channel that is 0 throughout the first trial
+    """
     text, units = _core.units_input(str(dataset), sensor, frames.text())
     if units == 0:
         return frames
     found = json.loads(text)["input"]
-    return replace(frames, sensor=found["sensor"], rate=found["rate"], window=found["window"], stride=found["stride"], spans=tuple(found["spans"]))
+    [channel] = found["channels"]
+    return replace(frames, sensor=found["sensor"], rate=found["rate"], channels=[channel["name"]], window=found["window"], stride=found["stride"],
+                   spans=tuple(found["spans"]), floor=found["floor"])

@@ -226,7 +226,7 @@ class UnitsEncoder(nn.Module):
 
 
 class SlipGru(nn.Module):
-    """slip_gru: forces of units, their ratio and rates, each unit by the same weights, through a GRU. No paper's.
+    """slip_gru: three axes of each unit, their ratio and rates, each unit by the same weights, through a GRU. No paper's.
 
     | layer | output |
     |---|---|

@@ -109,7 +109,7 @@ def _papillarray() -> list[Recipe]:
                "all of it; the label is the truth, so that a grip which holds again is no slip, and tightening ends",
                Input(sensor="papillarray", rate=100.0, channels=["force", "displacement"]), networks.FrameGru,
                Training(steps=600, batch=32, clip=100, learning_rate=3e-3, validate_every=30)),
-        _slip("slip_gru", "Forces of units, their ratio and rates, each unit by the same weights, pooled, through a GRU at 100 Hz",
+        _slip("slip_gru", "Three axes of each unit, their ratio and rates, each unit by the same weights, pooled, through a GRU; of any sensor",
               frames=Input(sensor="papillarray", rate=1000.0, channels=["force"], window=10, stride=10, transform="units", spans=spans, floor=1e-3),
               network=partial(networks.SlipGru, features=2 + 3 * len(spans)), scaling="common",
               training=Training(steps=5000, batch=32, clip=150, learning_rate=3e-3, validate_every=250, onset_frames=20)),
