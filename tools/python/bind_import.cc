@@ -119,7 +119,8 @@ void bind_import(nb::module_& module) {
                     const std::string&>(),
            nb::arg("sources"), nb::arg("map"), nb::arg("output"), nb::arg("seed"), nb::arg("rate").none(), nb::arg("split_by"))
       .def("add_sensor", &MappedImport::add_sensor, nb::arg("name"), nb::arg("type"), nb::arg("frame"), nb::arg("time"),
-           nb::arg("resolution"), nb::arg("unit"), nb::arg("rate").none(), nb::arg("rule"), nb::arg("states").none(), nb::arg("channels"))
+           nb::arg("resolution"), nb::arg("unit"), nb::arg("rate").none(), nb::arg("rule"), nb::arg("states").none(),
+           nb::arg("channels"))
       .def("add", &MappedImport::add, nb::arg("path"), nb::arg("params"), nb::arg("object"))
       .def("warn", &MappedImport::warn, nb::arg("path"), nb::arg("text"))
       .def("finish", &MappedImport::finish, nb::arg("sources"), nb::arg("json"));

@@ -115,8 +115,8 @@ std::string unit_hint(double rate, double unit, bool mapped) {
   };
   constexpr std::array<Unit, 3> units{{{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
   if (rate >= slowest) return "";
-  const auto* finer = std::ranges::find_if(
-      units, [&](const Unit& one) { return one.seconds < unit && rate * unit / one.seconds >= slowest; });
+  const auto* finer =
+      std::ranges::find_if(units, [&](const Unit& one) { return one.seconds < unit && rate * unit / one.seconds >= slowest; });
   if (finer == units.end()) return "";
   const double other = std::round(1e6 * rate * unit / finer->seconds) / 1e6;  // Hz, without the rounding of the factors
   return fmt::format("; times in {} would give {}{}", finer->name, format_quantity(other, Quantity::frequency),

@@ -49,8 +49,8 @@ class RecordingWriter {
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
   // `path`: the source, as messages name it. `repeated_rows`: rows of the source that were left out because they repeat the row before. Sets the
-  // record's number and seed, and resamples it where options.rate says so. `time_units`: in which the times of each sensor were read [s], 0 for dates;
-  // empty: all in seconds. Throws InputError, and Interrupted (InterruptScope).
+  // record's number and seed, and resamples it where options.rate says so. `time_units`: of the times of each sensor as they
+  // were read [s], 0 for dates, or empty where all are seconds. Throws InputError, and Interrupted (InterruptScope).
   void add(TrialRecord record, const std::string& path, std::size_t repeated_rows, const std::vector<double>& time_units = {});
   // A warning about a source.
   void warn(const std::string& path, const std::string& text);
