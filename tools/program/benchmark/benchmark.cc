@@ -7,7 +7,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -18,6 +17,7 @@
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/given_once.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/project/project_file.h"
@@ -458,16 +458,6 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
   return Json::parse(board_json(std::move(json), std::move(board)).dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-// A dataset that is named twice would have two boards.
-void check_real(const std::vector<std::string>& files) {
-  std::set<std::filesystem::path> given;
-  for (const std::string& file : files) {
-    std::error_code unreadable;  // whole_dataset() reports it
-    if (!given.insert(std::filesystem::weakly_canonical(file, unreadable)).second)
-      reject("benchmark: --real {}: was given before; allowed: each dataset once", file);
-  }
-}
-
 void check_sensor(const std::string& sensor, const Protocol& protocol) {
   std::set<std::string> known;
   for (const Held& held : protocol.held_out) known.insert(held.sensor);
@@ -526,7 +516,7 @@ Json benchmark(const Options& options) {
   const Asked& asked = options.asked;
   const Protocol& protocol = find_protocol(options.protocol, "benchmark");
   check_sensor(asked.sensor, protocol);
-  check_real(asked.real);
+  check_given_once(asked.real, "dataset");
   std::vector<Entrant> entrants = known_entrants(asked);
   const ScratchFolder folder;
   Taught taught;

@@ -73,8 +73,7 @@ def read_npz(path: str) -> Columns:
     try:
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             size = sum(member.file_size for member in file.zip.infolist())
-            names = file.files
-            arrays = {} if size > LARGEST else {name: file[name] for name in names}
+            arrays = {} if size > LARGEST else {name: file[name] for name in file.files}
     except Exception as error:  # noqa: BLE001  damage shows in the archive, its compression or a header
         raise InputError(f"{path}: cannot be read as arrays: {error}") from error
     if size > LARGEST:
