@@ -726,6 +726,10 @@ class Arrays(ImportTest):
         write(2000)
         with mock.patch.object(arrays, "LARGEST", 16_000):  # 2,000 values of 8 bytes; the file has 4,000
             self.assertIn("has 2000 rows of 2 columns; expected at most 2000 values", self.refused(map, path))
+        write(4)
+        table = pa.parquet.read_table(path)
+        with mock.patch.object(pa.parquet, "read_table", return_value=table.slice(0, 0)):  # its list of row groups is lost
+            self.assertIn("a.parquet: is damaged: holds 0 rows; expected 4, as its end says", self.refused(map, path))
 
 
 PILLAR = "int64 id\nfloat32 dX\nfloat32 dY\nfloat32 dZ\nfloat32 fX\nfloat32 fY\nfloat32 fZ\nbool in_contact\nint64 slip_state\n"

@@ -114,6 +114,10 @@ def read_parquet(path: str) -> Columns:
                 "cut it in parts"
             )
         table = pyarrow.parquet.read_table(path)
+        if table.num_rows != head.num_rows:
+            raise InputError(
+                f"{path}: is damaged: holds {counted(table.num_rows, 'row')}; expected {head.num_rows}, as its end says"
+            )
         columns = {
             name: _parquet_column(f"{path}: column {name!r}", column)
             for name, column in zip(table.column_names, table.columns, strict=True)
