@@ -61,9 +61,10 @@ class MappedImport {
                std::optional<double> rate, const std::string& split_by)
       : options_{std::move(sources), nullptr, std::move(output), seed, std::move(map), rate}, writer_(options_, split_by) {}
 
-  // `rate` [Hz]: of samples without stamps; none: from the stamps, whose least difference is `resolution` [s].
+  // `rate` [Hz]: of samples without stamps; none: from the stamps, whose least difference is `resolution` [s] and which were
+  // read in `unit` [s]; 0: dates.
   void add_sensor(const std::string& name, const std::string& type, const std::string& frame, const Values<double>& time,
-                  double resolution, std::optional<double> rate, const std::string& rule,
+                  double resolution, double unit, std::optional<double> rate, const std::string& rule,
                   const std::optional<Values<std::uint8_t>>& states, const std::vector<ChannelParts>& channels) {
     SensorRecord sensor;
     sensor.name = name;
@@ -84,13 +85,14 @@ class MappedImport {
     sensor.rate = rate ? *rate : rate_of(sensor.time, resolution);
     if (!rate) sensor.timing = timing_of(sensor.time, resolution);
     sensors_.push_back(std::move(sensor));
+    time_units_.push_back(unit);
   }
   // The recording of the sensors that were added since the last one. `params`: JSON.
   void add(const std::string& path, const std::string& params, const std::string& object) {
     TrialRecord record = make_recording(Json::parse(params), object);
     record.sensors = std::exchange(sensors_, {});
     record.body_time = record.sensors.front().time;
-    writer_.add(std::move(record), path, 0);
+    writer_.add(std::move(record), path, 0, std::exchange(time_units_, {}));
   }
   void warn(const std::string& path, const std::string& text) { writer_.warn(path, text); }
   // Prints the result of the import as the program does.
@@ -103,6 +105,7 @@ class MappedImport {
   ImportOptions options_;
   RecordingWriter writer_;
   std::vector<SensorRecord> sensors_;
+  std::vector<double> time_units_;  // of each of them
 };
 
 }  // namespace
@@ -116,7 +119,8 @@ void bind_import(nb::module_& module) {
                     const std::string&>(),
            nb::arg("sources"), nb::arg("map"), nb::arg("output"), nb::arg("seed"), nb::arg("rate").none(), nb::arg("split_by"))
       .def("add_sensor", &MappedImport::add_sensor, nb::arg("name"), nb::arg("type"), nb::arg("frame"), nb::arg("time"),
-           nb::arg("resolution"), nb::arg("rate").none(), nb::arg("rule"), nb::arg("states").none(), nb::arg("channels"))
+           nb::arg("resolution"), nb::arg("unit"), nb::arg("rate").none(), nb::arg("rule"), nb::arg("states").none(),
+           nb::arg("channels"))
       .def("add", &MappedImport::add, nb::arg("path"), nb::arg("params"), nb::arg("object"))
       .def("warn", &MappedImport::warn, nb::arg("path"), nb::arg("text"))
       .def("finish", &MappedImport::finish, nb::arg("sources"), nb::arg("json"));

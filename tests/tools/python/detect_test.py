@@ -51,8 +51,32 @@ class DetectTest(unittest.TestCase):
         (self.place / "missing.yaml").write_text(MAP.format(labels=LABELS + ", missing: nan"))
         slipbench.import_recordings(self.place / "missing.csv", self.place / "missing.h5", map=self.place / "missing.yaml")
         for judge in (slipbench.detect, slipbench.evaluate):
-            with self.assertRaisesRegex(slipbench.InputError, "trial 0: sensor pad: channel force has no value at 1.5 s"):
+            with self.assertRaisesRegex(slipbench.InputError, r"trial 0: sensor pad: value 4 of channel force \(f3\) is missing at 1.5 s; .* missing: gap"):
                 judge("force_ratio", self.place / "missing.h5")
+
+    def test_a_dead_element_is_named_with_the_way_out(self):
+        log = pd.read_csv(self.place / "log.csv")
+        log[["f3", "f4", "f5"]] = np.nan  # the second pillar
+        log.to_csv(self.place / "dead.csv", index=False)
+        described = MAP.format(labels=LABELS + ", missing: nan")
+        ways = {"dead": described, "without": described.replace("f0 .. f26", "f0 .. f2, f6 .. f26"), "neighbour": described.replace("f0 .. f26", "f0 .. f2, f0 .. f2, f6 .. f26")}
+        for name, text in ways.items():
+            (self.place / f"{name}.yaml").write_text(text)
+            slipbench.import_recordings(self.place / "dead.csv", self.place / f"{name}.h5", map=self.place / f"{name}.yaml")
+        message = r"value 4 of channel force \(f3\) is missing in all samples; allowed: a map that leaves out the column of a dead element, or names a neighbour's"
+        for judge in (slipbench.detect, slipbench.evaluate):
+            with self.assertRaisesRegex(slipbench.InputError, message):
+                judge("force_ratio", self.place / "dead.h5")
+        alarms = self.detect("labelled")["trials"][0]["alarms"]
+        for name in ("without", "neighbour"):  # all pillars of the log read the same
+            self.assertEqual(self.detect(name)["trials"][0]["alarms"], alarms)
+
+    def test_an_unknown_detector_is_named_without_another_command(self):
+        for judge in (slipbench.detect, slipbench.evaluate):
+            with self.assertRaisesRegex(slipbench.InputError, "^no detector 'nope'; allowed: force_ratio, "):
+                judge("nope", self.place / "plain.h5")
+            with self.assertRaisesRegex(slipbench.InputError, "^no network is named; allowed: FILE.onnx"):
+                judge("network", self.place / "plain.h5")
 
     def test_alarms_are_those_of_eval_with_or_without_labels(self):
         judged = slipbench.evaluate("force_ratio", self.place / "labelled.h5", parameters={"ratio": 0.35})

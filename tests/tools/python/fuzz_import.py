@@ -78,6 +78,7 @@ sensors:
 time: {{column: t, unit: ms}}
 state: {{column: s, values: {{"0": no_contact, a: gross, "1": 2, "2": 1}}, rule: by hand}}
 object: {{file: '(.*)[.]csv'}}
+files: '*.csv'
 separator: ","
 decimal: .
 header: true
@@ -91,7 +92,7 @@ WORDS = [
     b"", b"0", b"-1", b"nan", b"inf", b"1e999", b"1e-400", b",", b";", b"\t", b"\"", b"\n", b"\r", b"\x00", b"#",
     b"\xff\xfe", b"\xef\xbb\xbf", b"{", b"}", b"[", b"]", b": ", b"- ", b"'", b"&a", b"*a", b"!!", b" .. ", b"*",
     b"[*]", b"(", b")", b"|", b"\\", b"12:00:00", b"2026-02-03T10:00", b"\xe2\x88\x92", b"=" * 80, b"[]",
-    b"string", b"float64", b"wstring", b"<=5",
+    b"string", b"float64", b"wstring", b"<=5", b" -> ", b"12:00:01.123 -> ", b"a:1", b"[!",
 ]  # fmt: skip
 
 

@@ -204,6 +204,27 @@ class Tables(ImportTest):
             with self.subTest(name):
                 self.assertIn(message, self.refused(MAP % "", self.write("a.csv", text)))
 
+    def test_logs_of_an_arduino_are_named(self):
+        rows = range(3)
+        monitor = "; lines begin with '12:00:01.000 ->', as Arduino's serial monitor writes times: replace ' -> '"
+        plotter = "are a name and a number, as for Arduino's serial plotter: write the numbers alone"
+        bare = "{sensor: pad, type: own, header: false, time: {column: 1}, channels: {force: {unit: N, columns: [2, 3]}}}"
+        stamped = "".join(f"12:00:01.{k:03d} -> {k},2,3\n" for k in rows)
+        cases = {
+            "a time before the values": (stamped, bare, monitor),
+            "a time before the titles": ("12:00:00.900 -> t,f1,f2\n" + stamped, MAP % "", monitor),
+            "a time before blanks": ("".join(f"12:00:01.{k:03d} -> {k} 2 3\n" for k in rows), bare, monitor),
+            "names with commas": ("".join(f"f1:{k},f2:2.5\n" for k in rows), MAP % "", plotter),
+            "names with tabs": ("".join(f"f1:{k}\tf2:-1e3\n" for k in rows), bare.replace(", 3", ""), plotter),
+            "names with blanks": ("".join(f"f1: {k} f2: 2.5\n" for k in rows), bare, plotter),
+        }
+        for name, (text, map, message) in cases.items():
+            with self.subTest(name):
+                self.assertIn(message, self.refused(map, self.write("a.csv", text)))
+        # 40,000 letters without a number: the search takes time in proportion to them, and the message has few of them.
+        message = self.refused(MAP % "", self.write("a.csv", ("a" * 40_000 + "\n") * 50))
+        self.assertRegex(message, r"has no column 'f1'; found: a{60}…; read with one column between the cells")
+
     def test_missing_cells_are_gaps_or_nan_and_reported_with_place_and_length(self):
         rows = [[f"{k / 100:.2f}", f"{k}", "1"] for k in range(10)]
         rows[3][1], rows[4][2], rows[8][1] = "", "NaN", "NA"
@@ -372,6 +393,21 @@ class Tables(ImportTest):
             self.refused(MAP % "", self.write("a.csv", table(rows=[["10:75:00", "1", "2"], ["10:76:00", "1", "2"]]))),
         )
 
+    def test_a_unit_of_slow_times_is_proposed_where_it_can_be_another(self):
+        rows = [[str(10_000 * k), "1", "2"] for k in range(5)]
+        path = self.write("a.csv", table(rows=rows))
+        for unit, message in {
+            "": "one sample every 1e+04 s; times in us would give 100 Hz (time: {unit: us} in the map)",  # 1e4 us is 1/(100 Hz)
+            ", unit: ms": "one sample every 10 s; times in us would give 100 Hz (time: {unit: us} in the map)",
+        }.items():
+            with self.subTest(unit):
+                self.assertIn(message, self.read((MAP % "").replace("column: t", "column: t" + unit), path)[1][0])
+        minutes = [[f"2026-01-01T10:0{k}:00", "1", "2"] for k in range(5)]
+        self.assertEqual(self.read(MAP % "", self.write("b.csv", table(rows=minutes)))[1], [])
+        days = (MAP % "").replace("column: t", "column: t, format: '%d.%m.%Y'")
+        rows = [[f"0{k}.01.2026", "1", "2"] for k in range(1, 6)]
+        self.assertEqual(self.read(days, self.write("c.csv", table(rows=rows)))[1], [])
+
     def test_a_rate_that_is_given_is_the_rate(self):
         path = self.write("a.csv", table())
         self.assertEqual(
@@ -497,6 +533,30 @@ class Layouts(ImportTest):
         self.write("set/b.txt", table("\t"))
         self.assertEqual(len(self.read(MAP % "", self.folder / "set")[0]), 2)
 
+    def test_the_map_chooses_files_of_a_folder(self):
+        for name in ("m1_bio", "m2_bio"):
+            self.write(f"set/{name}.csv", table())
+            self.write(f"set/{name.replace('bio', 'cp')}.csv", "timestamp,x\n0,1\n")
+        self.assertRegex(
+            self.refused(MAP % "", self.folder / "set"), r"m1_cp.csv:1: has no column 'f1'.* files: '\*_a\.csv' in the map"
+        )
+        chosen = MAP % ", files: '*_bio.csv'"
+        self.assertEqual([trial.params["file"] for trial in self.read(chosen, self.folder / "set")[0]], ["m1_bio.csv", "m2_bio.csv"])
+        self.write("set/notes.txt", "a text of another kind")
+        self.write("other.csv", table())
+        both = self.read(chosen, self.folder / "set", self.folder / "other.csv")[0]  # named by itself
+        self.assertEqual(len(both), 3)
+        self.assertIn(
+            "set: no file matches files: '*.dat' of the map; found: m1_bio.csv, m1_cp.csv, m2_bio.csv, m2_cp.csv",
+            self.refused(MAP % ", files: '*.dat'", self.folder / "set"),
+        )
+
+    def test_a_source_counts_once(self):
+        path = self.write("set/a.csv", table())
+        (self.folder / "link.csv").symlink_to(path)
+        for again in (path, self.folder / "set", self.folder / "set" / ".." / "set" / "a.csv", self.folder / "link.csv"):
+            self.assertIn("is named twice; allowed: each source once", self.refused(MAP % "", path, again))
+
     def test_a_map_is_checked_with_its_line(self):
         path = self.write("a.csv", table())
         lines = "sensor: pad\ntype: own\ntime: {column: t}\nchannels:\n  force: {unit: N, columns: [f1]}\n"
@@ -600,6 +660,23 @@ class Arrays(ImportTest):
         np.savez(self.folder / "a.npz", t=stamps, f1=times, l=labels)
         np.testing.assert_allclose(self.force(map, self.folder / "a.npz")[1], 1770112800 + times, rtol=0, atol=1e-6)
 
+    def test_arrays_of_another_length_are_named(self):
+        times = np.arange(10) / 100
+        np.savez(self.folder / "a.npz", t=times, f1=times, f2=times[:7], f3=np.float64(1.5))
+        for columns, message in {
+            "f1, f2": "a.npz: 'f2' holds 7 rows; expected 10, as most arrays hold",
+            "f3": "a.npz: 'f3' holds one value without rows; expected 10, as most arrays hold",
+            "f*": "a.npz: 'f2', which 'f*' means, holds 7 rows; expected 10",
+        }.items():
+            self.assertIn(message, self.refused((MAP % "").replace("f1, f2", columns), self.folder / "a.npz"))
+
+    def test_columns_of_one_name_are_refused(self):
+        times = pa.array(np.arange(10) / 100)
+        pa.parquet.write_table(pa.table([times] * 3, names=["t", "f1", "f1"]), self.folder / "a.parquet")
+        self.assertIn(
+            "a.parquet: has 2 columns 'f1'; expected titles that differ", self.refused(MAP % "", self.folder / "a.parquet")
+        )
+
     def test_damaged_arrays_are_refused(self):
         """Found by fuzz_import.py."""
         bare = "{sensor: pad, type: own, time: {column: '1'}, channels: {force: {unit: N, columns: ['2']}}}"
@@ -649,6 +726,10 @@ class Arrays(ImportTest):
         write(2000)
         with mock.patch.object(arrays, "LARGEST", 16_000):  # 2,000 values of 8 bytes; the file has 4,000
             self.assertIn("has 2000 rows of 2 columns; expected at most 2000 values", self.refused(map, path))
+        write(4)
+        table = pa.parquet.read_table(path)
+        with mock.patch.object(pa.parquet, "read_table", return_value=table.slice(0, 0)):  # its list of row groups is lost
+            self.assertIn("a.parquet: is damaged: holds 0 rows; expected 4, as its end says", self.refused(map, path))
 
 
 PILLAR = "int64 id\nfloat32 dX\nfloat32 dY\nfloat32 dZ\nfloat32 fX\nfloat32 fY\nfloat32 fZ\nbool in_contact\nint64 slip_state\n"

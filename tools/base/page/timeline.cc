@@ -81,15 +81,40 @@ Svg time_chart(const Frame& frame, const std::string& title, const TimeAxis& acr
   return svg;
 }
 
-// A state lasts until the next sample, the last one until the end of the recording.
+// Samples from `begin` to `end`, which is not one of them.
+struct Run {
+  std::size_t begin = 0, end = 0;
+};
+
+// The samples between gaps of the recording. A gap is longer than gap_steps median steps, and wide enough to be seen.
+std::vector<Run> runs_of(const TimeAxis& across, std::span<const double> times) {
+  constexpr double gap_steps = 5.0, least_width = 3.0;  // px
+  std::vector<double> steps;
+  for (std::size_t row = 1; row < times.size(); ++row) steps.push_back(times[row] - times[row - 1]);
+  std::vector<Run> runs{{0, times.size()}};
+  if (steps.empty()) return runs;
+  std::vector<double> ordered = steps;
+  const auto middle = ordered.begin() + static_cast<std::ptrdiff_t>(ordered.size() / 2);
+  std::ranges::nth_element(ordered, middle);
+  for (std::size_t row = 1; row < times.size(); ++row) {
+    if (steps[row - 1] <= gap_steps * *middle || across.at(times[row]) - across.at(times[row - 1]) < least_width) continue;
+    runs.back().end = row;
+    runs.push_back({row, times.size()});
+  }
+  return runs;
+}
+
+// A state lasts until the next sample, the last one before a gap until its own time.
 void draw_states(Svg& svg, const TimeAxis& across, double top, const std::vector<double>& time,
                  const std::vector<PadState>& states) {
-  for (std::size_t begin = 0; begin < states.size();) {
-    std::size_t end = begin + 1;
-    while (end < states.size() && states[end] == states[begin]) ++end;
-    const double from = across.at(time[begin]), to = across.at(time[std::min(end, states.size() - 1)]);
-    svg.bar(state_looks.at(static_cast<std::size_t>(states[begin])).kind, from, top, std::max(to - from, 0.5), strip_height);
-    begin = end;
+  for (const Run& run : runs_of(across, time)) {
+    for (std::size_t begin = run.begin; begin < run.end;) {
+      std::size_t end = begin + 1;
+      while (end < run.end && states[end] == states[begin]) ++end;
+      const double from = across.at(time[begin]), to = across.at(time[std::min(end, run.end - 1)]);
+      svg.bar(state_looks.at(static_cast<std::size_t>(states[begin])).kind, from, top, std::max(to - from, 0.5), strip_height);
+      begin = end;
+    }
   }
 }
 
@@ -113,8 +138,8 @@ std::string states_drawing(const std::vector<double>& time, const TimeAxis& acro
   return svg.element("States over time [s]");
 }
 
-// A line from value to value, which begins anew after missing ones. Of a bucket of samples the least and the largest value are
-// drawn, so that no peak is lost.
+// A line from value to value, which begins anew after missing ones and after gaps. The least and the largest value of a bucket
+// of samples are drawn, so that no peak is lost.
 void draw_values(Svg& svg, const std::string& kind, const TimeAxis& across, const Axis& up, std::span<const double> times,
                  std::span<const double> values) {
   const std::size_t bucket = std::max<std::size_t>(1, times.size() / most_buckets);
@@ -124,23 +149,25 @@ void draw_values(Svg& svg, const std::string& kind, const TimeAxis& across, cons
     if (line.size() > 1) svg.polyline(kind, line);
     line.clear();
   };
-  for (std::size_t begin = 0; begin < times.size(); begin += bucket) {
-    std::optional<std::size_t> least, most;
-    for (std::size_t row = begin; row < std::min(begin + bucket, times.size()); ++row) {
-      if (!std::isfinite(values[row])) continue;
-      if (!least || values[row] < values[*least]) least = row;
-      if (!most || values[row] > values[*most]) most = row;
+  for (const Run& run : runs_of(across, times)) {
+    for (std::size_t begin = run.begin; begin < run.end; begin += bucket) {
+      std::optional<std::size_t> least, most;
+      for (std::size_t row = begin; row < std::min(begin + bucket, run.end); ++row) {
+        if (!std::isfinite(values[row])) continue;
+        if (!least || values[row] < values[*least]) least = row;
+        if (!most || values[row] > values[*most]) most = row;
+      }
+      if (!least) {
+        end_line();
+        continue;
+      }
+      for (const std::size_t row : {std::min(*least, *most), std::max(*least, *most)}) {
+        line.push_back({across.at(times[row]), up.at(values[row])});
+        if (*least == *most) break;
+      }
     }
-    if (!least) {
-      end_line();
-      continue;
-    }
-    for (const std::size_t row : {std::min(*least, *most), std::max(*least, *most)}) {
-      line.push_back({across.at(times[row]), up.at(values[row])});
-      if (*least == *most) break;
-    }
+    end_line();
   }
-  end_line();
 }
 
 // One value of a channel over time.

@@ -19,6 +19,7 @@
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/content_check.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/given_once.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
 #include "tools/base/project/project_file.h"
@@ -590,6 +591,7 @@ Json benchmark(const Options& options) {
   const Asked& asked = options.asked;
   const Protocol& protocol = find_protocol(options.protocol, "benchmark");
   check_sensor(asked.sensor, protocol);
+  check_given_once(asked.real, "dataset");
   std::vector<Entrant> entrants = known_entrants(asked);
   const ScratchFolder folder;
   Taught taught;

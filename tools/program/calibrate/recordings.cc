@@ -9,6 +9,7 @@
 #include "sim/core/quantity.h"
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/given_once.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/import/import.h"
 
@@ -99,6 +100,7 @@ ChannelPlace place_of(const SensorRecord& sensor, const SensorColumn& column) {
 }  // namespace
 
 std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths, const ImportFormat* format) {
+  check_given_once(paths, "recording");
   std::vector<RawRecording> recordings;
   if (format != nullptr) {
     for_each_recording(paths, *format, [&](TrialRecord record, const std::string& source) {

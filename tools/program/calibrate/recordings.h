@@ -23,7 +23,7 @@ struct RawRecording {
 };
 
 // `paths`: datasets, whose trials are recordings in their order; or with `format` sources as `slipbench import` takes them. Throws InputError
-// where they cannot be read, where there is none, where a value is not finite and where samples are not evenly_spaced().
+// where they cannot be read, where there is none, where one is named twice, where a value is not finite and where samples are not evenly_spaced().
 std::vector<RawRecording> read_recordings(const std::vector<std::string>& paths, const ImportFormat* format);
 
 // One array of a sensor among the columns that are compared: units times components, a column each, components fastest.

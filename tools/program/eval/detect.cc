@@ -7,15 +7,14 @@
 #include <functional>
 #include <numeric>
 #include <optional>
-#include <set>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "tools/base/dataset/checked_dataset.h"
 #include "tools/base/dataset/reader.h"
+#include "tools/base/files/given_once.h"
 #include "tools/base/files/output_file.h"
 #include "tools/base/files/reject.h"
 #include "tools/program/catalogue/program_catalogues.h"
@@ -98,11 +97,8 @@ std::string detected(const DetectOptions& options) {
   const Catalogues catalogues = program_catalogues();
   const TruthRule simulated = learnt_labels(training_of(options.detector));
   Json trials = Json::array(), sensor;
-  std::set<std::filesystem::path> given;
+  check_given_once(options.recordings, "recording");
   for (const std::string& recording : options.recordings) {
-    std::error_code unreadable;  // whole_dataset() says so
-    if (!given.insert(std::filesystem::weakly_canonical(recording, unreadable)).second)
-      reject("{}: was given before; allowed: each recording once", recording);
     const DatasetReader reader = whole_dataset(recording);
     for (const std::size_t number : reader.trials()) {
       try {

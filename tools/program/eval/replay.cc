@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "detectors/detector_kinds.h"
 #include "detectors/hd/memory_files.h"
 #include "tools/base/files/reject.h"
@@ -68,16 +70,38 @@ class Rows {
   Replayed rows_;
 };
 
+// The name of a channel's value: the title of its column, where the recording has one.
+std::string value_name(const SensorRecord& sensor, const SensorColumn& channel, std::size_t value) {
+  std::size_t before = 0;
+  for (const SensorColumn& one : sensor.channels) {
+    if (&one == &channel) break;
+    before += one.row_size();
+  }
+  const std::string number = fmt::format("value {} of channel {}", value + 1, channel.name);
+  return before + value < sensor.channel_names.size() ? fmt::format("{} ({})", number, sensor.channel_names[before + value])
+                                                      : number;
+}
+
 // A missing value of a recording (`missing: nan` of its map) would count as no contact or as no slip.
 void check_no_missing_value(const SensorRecord& sensor) {
   for (const SensorColumn& channel : sensor.channels) {
     const auto missing = std::ranges::find_if_not(channel.values, [](float value) { return std::isfinite(value); });
     if (missing == channel.values.end()) continue;
-    const auto row = static_cast<std::size_t>(missing - channel.values.begin()) / channel.row_size();
+    const std::size_t width = channel.row_size();
+    const auto place = static_cast<std::size_t>(missing - channel.values.begin());
+    const std::string name = value_name(sensor, channel, place % width);
+    bool always = true;
+    for (std::size_t at = place % width; at < channel.values.size(); at += width)
+      always = always && !std::isfinite(channel.values[at]);
+    if (always)
+      reject(
+          "sensor {}: {} is missing in all samples; allowed: a map that leaves out the column of a dead element, or names a "
+          "neighbour's column in its place where the detector needs all elements",
+          sensor.name, name);
     reject(
-        "sensor {}: channel {} has no value at {:.6g} s; allowed: a value in each sample, as `slipbench import` keeps with "
-        "missing: gap in the map",
-        sensor.name, channel.name, sensor.times_of(channel)[row]);
+        "sensor {}: {} is missing at {:.6g} s; allowed: a value in each sample, as `slipbench import` keeps with missing: gap in "
+        "the map",
+        sensor.name, name, sensor.times_of(channel)[place / width]);
   }
 }
 
@@ -99,13 +123,13 @@ std::pair<std::string, std::vector<Override>> type_of(const std::string& text) {
   }
   const std::string allowed = allowed_names(text, names) + ", FILE.onnx, or a folder of memories";
   if (text == oracle_type)
-    throw InputError("eval: " + quote(text) + " is the oracle, which reads the simulation and no recording" + allowed);
+    throw InputError(quote(text) + " is the oracle, which reads the simulation and no recording" + allowed);
   if (std::ranges::find(names, text) != names.end()) return {text, {}};
   if (text.ends_with(".onnx")) return {"network", {{"detector.model", yaml_word(text)}}};
   std::error_code error;
   if (std::filesystem::is_directory(hd::memories_folder(text), error))
     return {"gst_hd", {{"detector.memories", yaml_word(text)}}};
-  throw InputError("eval: no detector " + quote(text) + allowed);
+  throw InputError("no detector " + quote(text) + allowed);
 }
 
 }  // namespace
@@ -166,7 +190,7 @@ std::unique_ptr<network::Engine> network_of(const DetectorScene& detector) {
   if (detector.type != "network") return nullptr;
   const std::string& model = detector.parameters.path("model");
   if (model == no_network)
-    throw InputError("eval: no network is named; allowed: FILE.onnx in place of 'network', or the parameter model=FILE.onnx");
+    throw InputError("no network is named; allowed: FILE.onnx in place of 'network', or the parameter model=FILE.onnx");
   return network::load_engine(model);
 }
 

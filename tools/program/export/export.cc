@@ -187,7 +187,7 @@ constexpr std::array formats{
     FormatKind{ExportFormat::vendor_csv, "vendor-csv", false, false, true, "", &export_vendor},
     FormatKind{ExportFormat::training_csv, "training-csv", false, false, true, "has 1000 rows a second", &export_training},
     FormatKind{ExportFormat::grasp_csv, "grasp-csv", false, false, true, "has a row a grasp"},
-    FormatKind{ExportFormat::myrmex_csv, "myrmex-csv", true, false, true, "has 1000 images a second and no time beside them",
+    FormatKind{ExportFormat::myrmex_csv, "myrmex-csv", true, false, true, "has every image of the sensor and no time beside them",
                &export_images},
     FormatKind{ExportFormat::myrmex_rotated, "myrmex-rotated", true, true, false, "", &export_archive},
     FormatKind{ExportFormat::slip_csv, "slip-csv", false, false, true, "has 100 rows a second", &export_slip}};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <set>
 
@@ -104,19 +105,22 @@ DatasetHeader header_of(const ImportOptions& options, const std::string& split_b
                                              : fmt::format("none: imported from {}", options.format->name)};
 }
 
-// "; times in ms would give 100 Hz" for a rate that no tactile sensor has; else empty. `mapped`: the user can say the unit.
-std::string unit_hint(double rate, bool mapped) {
+// Returns "; times in ms would give 100 Hz" for a rate that no tactile sensor has; else empty. `unit`: in which the times were
+// read [s]; 0: dates, whose unit is known. `mapped`: the user can say the unit.
+std::string unit_hint(double rate, double unit, bool mapped) {
   constexpr double slowest = 5.0;  // Hz
   struct Unit {
     const char* name;
-    double per_second;
+    double seconds;
   };
-  constexpr std::array<Unit, 3> units{{{"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}}};
+  constexpr std::array<Unit, 3> units{{{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
   if (rate >= slowest) return "";
-  const auto* unit = std::ranges::find_if(units, [&](const Unit& one) { return rate * one.per_second >= slowest; });
-  if (unit == units.end()) return "";
-  return fmt::format("; times in {} would give {}{}", unit->name, format_quantity(rate * unit->per_second, Quantity::frequency),
-                     mapped ? fmt::format(" (time: {{unit: {}}} in the map)", unit->name) : "");
+  const auto* finer =
+      std::ranges::find_if(units, [&](const Unit& one) { return one.seconds < unit && rate * unit / one.seconds >= slowest; });
+  if (finer == units.end()) return "";
+  const double other = std::round(1e6 * rate * unit / finer->seconds) / 1e6;  // Hz, without the rounding of the factors
+  return fmt::format("; times in {} would give {}{}", finer->name, format_quantity(other, Quantity::frequency),
+                     mapped ? fmt::format(" (time: {{unit: {}}} in the map)", finer->name) : "");
 }
 
 }  // namespace
@@ -138,10 +142,11 @@ void RecordingWriter::warn(const std::string& path, const std::string& text) {
   summary_.warnings.push_back({path, path + ": " + text});
 }
 
-// About the time stamps of a sensor as they were read.
-void RecordingWriter::warn_of_timing(const SensorRecord& sensor, const std::string& path, const std::string& subject) {
+// About the time stamps of a sensor as they were read. `unit`: as that of unit_hint().
+void RecordingWriter::warn_of_timing(const SensorRecord& sensor, double unit, const std::string& path,
+                                     const std::string& subject) {
   if (!sensor.timing) return;
-  if (const std::string hint = unit_hint(sensor.rate, options_.format == nullptr); !hint.empty())
+  if (const std::string hint = unit_hint(sensor.rate, unit, options_.format == nullptr); !hint.empty())
     warn(path, fmt::format("{}has one sample every {:.4g} s{}", subject, 1.0 / sensor.rate, hint));
   if (!steps_vary(*sensor.timing)) return;
   const std::string timing = timing_text(*sensor.timing, sensor.time.front());
@@ -166,14 +171,16 @@ void RecordingWriter::resample_and_note(TrialRecord& record, const std::string& 
                            record.num_samples(), format_quantity(rate, Quantity::frequency)));
 }
 
-void RecordingWriter::add(TrialRecord record, const std::string& path, std::size_t repeated_rows) {
+void RecordingWriter::add(TrialRecord record, const std::string& path, std::size_t repeated_rows,
+                          const std::vector<double>& time_units) {
   record.trial = summary_.trials++;
   record.seed = options_.seed;
-  for (const SensorRecord& sensor : record.sensors) {
-    const bool first = &sensor == &record.sensors.front();
+  for (std::size_t k = 0; k < record.sensors.size(); ++k) {
+    const SensorRecord& sensor = record.sensors[k];
     // The sensors of a table share its stamps, which are reported once.
-    if (first || sensor.time != record.sensors.front().time)
-      warn_of_timing(sensor, path, first ? "" : fmt::format("sensor {}: ", sensor.name));
+    if (k == 0 || sensor.time != record.sensors.front().time)
+      warn_of_timing(sensor, time_units.empty() ? 1.0 : time_units[k], path,
+                     k == 0 ? "" : fmt::format("sensor {}: ", sensor.name));
   }
   if (options_.rate) resample_and_note(record, path);
   summary_.samples += record.num_samples();

@@ -49,8 +49,9 @@ class RecordingWriter {
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
   // `path`: the source, as messages name it. `repeated_rows`: rows of the source that were left out because they repeat the row before. Sets the
-  // record's number and seed, and resamples it where options.rate says so. Throws InputError, and Interrupted (InterruptScope).
-  void add(TrialRecord record, const std::string& path, std::size_t repeated_rows);
+  // record's number and seed, and resamples it where options.rate says so. `time_units`: of the times of each sensor as they
+  // were read [s], 0 for dates, or empty where all are seconds. Throws InputError, and Interrupted (InterruptScope).
+  void add(TrialRecord record, const std::string& path, std::size_t repeated_rows, const std::vector<double>& time_units = {});
   // A warning about a source.
   void warn(const std::string& path, const std::string& text);
   // `sources`: number of files read. Gives the dataset its name.
@@ -58,7 +59,7 @@ class RecordingWriter {
 
  private:
   struct Target;
-  void warn_of_timing(const SensorRecord& sensor, const std::string& path, const std::string& subject);
+  void warn_of_timing(const SensorRecord& sensor, double unit, const std::string& path, const std::string& subject);
   void resample_and_note(TrialRecord& record, const std::string& path);
 
   ImportOptions options_;

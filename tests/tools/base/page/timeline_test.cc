@@ -73,6 +73,24 @@ TEST(Timeline, DrawsStatesAlarmsAndProbability) {
     EXPECT_THAT(html, HasSubstr(text));
 }
 
+// 0 s to 5 s, then 15 s to 20 s: 10 median steps are missing between 279 px and 693 px, as the axis is 828 px long for 20 s.
+TEST(Timeline, BreaksLinesAndStatesAtAGap) {
+  SensorRecord sensor = sensor_from(0.0);
+  for (std::size_t row = 6; row < sensor.time.size(); ++row) sensor.time[row] += 9.0;
+  sensor.time.back() = 20.0;
+  TimelineMarks marks;
+  marks.seen.assign(11, PadState::non_slip);
+  const std::string html = timeline_html(sensor, marks, all);
+  EXPECT_THAT(html, HasSubstr("class=\"bar non_slip\" x=\"72\" y=\"33\" width=\"207\""));   // 828 * 5/20
+  EXPECT_THAT(html, HasSubstr("class=\"bar non_slip\" x=\"693\" y=\"33\" width=\"207\""));  // 72 + 828 * 15/20
+  const auto lines = [](const std::string& text) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find("<polyline"); at != std::string::npos; at = text.find("<polyline", at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(lines(html), 2 * lines(timeline_html(sensor_from(0.0), {}, all)));
+}
+
 TEST(Timeline, CountsTheTimeOfAClockFromTheFirstSample) {
   EXPECT_EQ(time_origin({5.0, 6.0}), 0.0);
   EXPECT_EQ(time_origin({1.5e9, 1.5e9 + 1.0}), 1.5e9);

@@ -101,6 +101,14 @@ TEST(ReadRecordings, AreOneAtLeast) {
   EXPECT_THAT(slipbench::refusal_of([] { return read_recordings({}, nullptr); }), mentions({"no recording"}));
 }
 
+// Twice the same recording would halve the variance of what is fitted.
+TEST(ReadRecordings, AreGivenOnce) {
+  EXPECT_THAT(slipbench::refusal_of([] {
+                return read_recordings({"a.h5", "b.h5", "a.h5"}, nullptr);
+              }),
+              mentions({"a.h5: was given before; allowed: each recording once"}));
+}
+
 using Eigen::MatrixXd;
 
 // Two units of two components, 50 stretches, which begin at 0; the first unit carries sines, the second twice as much.

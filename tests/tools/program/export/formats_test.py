@@ -130,7 +130,7 @@ class Formats(ExportTest):
             with self.subTest(format=format):
                 _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "1001 Hz", status=2)
                 self.assertRegex(told, "trial 0.* 1001 Hz .*'pad'.* 1000 Hz")
-        for format, reason in (("training-csv", "1000 rows a second"), ("slip-csv", "100 rows a second"), ("myrmex-csv", "1000 images a second"),
+        for format, reason in (("training-csv", "1000 rows a second"), ("slip-csv", "100 rows a second"), ("myrmex-csv", "every image of the sensor"),
                                ("grasp-csv", "a row a grasp")):
             with self.subTest(format=format):
                 _, told = export(dataset, self.folder / "out", "--format", format, "--rate", "10 Hz", status=2)

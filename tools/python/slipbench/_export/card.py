@@ -103,7 +103,7 @@ def _sensor_rows(data: Dataset, request: Request) -> str:
     if request.format == "robomimic" and common is None:  # all sensors at the rate of the slowest
         common = min(float(trial.sensors[name].attrs["rate_hz"]) for name, trial in first.items())
     for name in first:
-        sensors = [data[number].sensors[name] for number in request.trials if name in data[number].sensors]
+        sensors = [found[name] for number in request.trials if name in (found := data[number].sensors)]
         rates = sorted({common or float(sensor.attrs["rate_hz"]) for sensor in sensors})
         rows += _row(f"`{name}`", str(sensors[0].attrs["type"]), ", ".join(f"{rate:g} Hz" for rate in rates), str(sensors[0].attrs.get("frame", "")))
     return f"## Sensors\n\n{_head('sensor', 'type', 'rate', 'axes')}{rows}\n"

@@ -9,17 +9,19 @@ import numpy as np
 
 from slipbench import InputError
 from slipbench._import.source import Source
+from slipbench._program import counted
 
 LARGEST = 2_000_000_000  # bytes of all arrays, which are in memory as a whole
 
 
 class Columns(Source):
-    """Columns in memory, each [T, ...] in numbers or [T] in texts."""
+    """Columns in memory, each [T, ...] in numbers or [T] in texts. `left_out`: as Source has it."""
 
-    def __init__(self, path: str, columns: dict[str, Any]) -> None:
+    def __init__(self, path: str, columns: dict[str, Any], left_out: dict[str, str] | None = None) -> None:
         super().__init__(path)
         self._columns = columns
         self.titles = list(columns)
+        self.left_out = left_out or {}
 
     def __len__(self) -> int:
         return len(next(iter(self._columns.values())))
@@ -67,7 +69,7 @@ def read_npy(path: str) -> Columns:
 
 
 def read_npz(path: str) -> Columns:
-    """Arrays by their names. Those with another number of rows than most, such as constants, are left out."""
+    """Arrays by their names. Those with another number of rows than most, such as constants, are left out: naming one is an error."""
     try:
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             size = sum(member.file_size for member in file.zip.infolist())
@@ -83,7 +85,13 @@ def read_npz(path: str) -> Columns:
     if not rows:
         raise InputError(f"{path}: has no array with a row for each sample; found: {', '.join(list(arrays)[:10])}")
     most = max(rows, key=lambda count: (rows[count], count))
-    return Columns(path, {name: array for name, array in arrays.items() if array.ndim and len(array) == most})
+    kept = {name: array for name, array in arrays.items() if array.ndim and len(array) == most}
+    left_out = {
+        name: f"holds {counted(len(array), 'row') if array.ndim else 'one value without rows'}; expected {most}, as most arrays hold"
+        for name, array in arrays.items()
+        if name not in kept
+    }
+    return Columns(path, kept, left_out)
 
 
 def read_parquet(path: str) -> Columns:
@@ -92,6 +100,12 @@ def read_parquet(path: str) -> Columns:
 
     try:
         head = pyarrow.parquet.read_metadata(path)
+        titles = head.schema.to_arrow_schema().names
+        for title, count in Counter(titles).items():
+            if count > 1:
+                raise InputError(
+                    f"{path}: has {count} columns {title!r}; expected titles that differ; rename one where the file is written"
+                )
         if head.num_rows == 0:
             raise InputError(f"{path}: the table has no row")
         if head.num_rows * head.num_columns * 8 > LARGEST:  # a small file may have many rows of one value
@@ -100,6 +114,10 @@ def read_parquet(path: str) -> Columns:
                 "cut it in parts"
             )
         table = pyarrow.parquet.read_table(path)
+        if table.num_rows != head.num_rows:
+            raise InputError(
+                f"{path}: is damaged: holds {counted(table.num_rows, 'row')}; expected {head.num_rows}, as its end says"
+            )
         columns = {
             name: _parquet_column(f"{path}: column {name!r}", column)
             for name, column in zip(table.column_names, table.columns, strict=True)

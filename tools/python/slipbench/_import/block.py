@@ -11,6 +11,7 @@ from slipbench._import.keys import BLOCKS, Key
 from slipbench.bin import _core
 
 LARGEST = 1_000_000  # lines that a list may skip, components
+LONGEST = 60  # letters of a name that a message lists
 
 
 class Node:
@@ -42,7 +43,8 @@ class Node:
 def nearest(name: str, known: list[str]) -> str:
     """ "; did you mean 'b'? It has a, b, c", for an error about a name that is not known. At most ten names are listed."""
     close = difflib.get_close_matches(name, known, 1) or [one for one in known if one.lower() == name.lower()][:1]
-    shown = ", ".join(known[:10]) + (f" and {len(known) - 10} more" if len(known) > 10 else "")
+    names = [one if len(one) <= LONGEST else one[:LONGEST] + "…" for one in known[:10]]
+    shown = ", ".join(names) + (f" and {len(known) - 10} more" if len(known) > 10 else "")
     return (f"; did you mean {close[0]!r}?" if close else ";") + f" found: {shown}"
 
 

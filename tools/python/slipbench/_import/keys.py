@@ -65,6 +65,12 @@ BLOCKS: dict[str, tuple[Key, ...]] = {
     "map": (
         Key("sensor", "name", "", "name of the only sensor; its keys then stand beside it"),
         Key("sensors", "blocks", "", "several sensors by their names", block="sensor"),
+        Key(
+            "files",
+            "text",
+            "all of a kind",
+            "pattern for the names of the files that are read in folders: '*_bio.csv'; files that are named themselves are all read",
+        ),
         *_SENSOR,
         Key(
             "object",

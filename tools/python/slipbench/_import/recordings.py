@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from slipbench._import.arrays import read_npy, read_npz, read_parquet
 from slipbench._import.block import Block
 from slipbench._import.keys import TIME_UNITS
 from slipbench._import.labels import File, Lookup, States, object_of
-from slipbench._import.source import Source, stamps_of
+from slipbench._import.source import MISSING, Source, stamps_of
 from slipbench._program import counted
 from slipbench.bin import _core
 
@@ -38,16 +39,46 @@ LARGEST = 1_000_000_000  # bytes of a recording
 SHORTEST = 1e-10  # s between two samples
 
 
-def list_files(sources: list[str]) -> list[File]:
-    """The recordings that files and folders mean, in the order of their names."""
+def list_files(sources: list[str], pattern: str = "") -> list[File]:
+    """The recordings that files and folders mean, in the order of their names.
+
+    Args:
+        sources: files and folders
+        pattern: for the names of files and bags in folders, such as "*_bio.csv"; empty: all
+
+    Returns:
+        The files, with the names that the dataset has for them.
+
+    Raises:
+        InputError: a source is not there, or a folder has no recording.
+    """
     endings: set[str] = set()
-    for source in sources:
-        if Path(source).is_dir() and not (Path(source) / "metadata.yaml").is_file():
-            # The database of a bag of ROS 2 is found by the bag's folder.
-            found = {".mcap" if path.suffix == ".db3" else path.suffix for path in Path(source).rglob("*")}
-            endings |= set(next((kind for kind in KINDS if found & set(kind)), ()))
+    folders = [source for source in sources if _is_folder(source)]
+    for source in folders:
+        paths = [path for path in Path(source).rglob("*") if _matches(path, pattern) or _matches(path.parent, pattern)]
+        # The database of a bag of ROS 2 is found by the bag's folder.
+        found = {".mcap" if path.suffix == ".db3" else path.suffix for path in paths}
+        endings |= set(next((kind for kind in KINDS if found & set(kind)), ()))
     every = [ending for kind in KINDS for ending in kind]
-    return [File(*one) for one in _core.list_sources(sources, sorted(endings) or every)]
+    files = [File(*one) for one in _core.list_sources(sources, sorted(endings) or every)]
+    named = {source for source in sources if source not in folders}
+    chosen = [file for file in files if file.path in named or _matches(Path(file.path), pattern)]
+    if not chosen:
+        names = ", ".join(Path(file.path).name for file in files[:5])
+        raise InputError(
+            f"{', '.join(folders)}: no file matches files: {pattern!r} of the map; found: {names}"
+            + (f" and {len(files) - 5} more" if len(files) > 5 else "")
+        )
+    return chosen
+
+
+def _is_folder(source: str) -> bool:
+    """True for a folder of recordings, which the folder of a bag is not."""
+    return Path(source).is_dir() and not (Path(source) / "metadata.yaml").is_file()
+
+
+def _matches(path: Path, pattern: str) -> bool:
+    return not pattern or fnmatchcase(path.name, pattern)
 
 
 class Sensor:
@@ -104,17 +135,19 @@ class Map:
             self.sensors = [Sensor(block.need("sensor"), block, block)]
         self.object = Lookup(block.need("object")) if "object" in block else None
         self._definitions: dict[str, Any] | None = None  # of messages; read with the first bag
+        self._named: set[str] = set()  # sources that are no folders
         if (comment := block.get("comment")) is not None and comment != comment.strip():
             block.fail(f"comment: expected a text without blanks around it, found {comment!r}", "comment")
 
     def files(self, sources: list[str]) -> list[File]:
         """The recordings; tables of labels and objects are left out."""
+        self._named = {source for source in sources if not _is_folder(source)}
         lookups = [sensor.states for sensor in self.sensors] + [self.object]
         tables = {lookup.table for lookup in lookups if lookup is not None and lookup.table}
         ends = [tuple(part for part in Path(table).parts if part not in (".", "..")) for table in tables]
         return [
             file
-            for file in list_files(sources)
+            for file in list_files(sources, self.block.get("files", ""))
             if not any(Path(file.path).absolute().parts[-len(end) :] == end for end in ends)
         ]
 
@@ -127,6 +160,7 @@ class Map:
         if not path.is_file():
             raise InputError(f"{file.path}: is not a plain file")
         source = self._open(file.path)
+        source.in_folder = file.path not in self._named
         titles: list[str] = []
         texts: list[str] = []
         for sensor in self.sensors:
@@ -235,6 +269,14 @@ def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | N
     return times, resolution, None
 
 
+def _time_unit(source: Source, sensor: Sensor) -> float:
+    """The unit in which a column of numbers was read as times [s]; 0 for dates, clocks of bags and rates, whose unit is known."""
+    if sensor.time is None or "column" not in sensor.time or "nanoseconds" in sensor.time or "format" in sensor.time:
+        return 0.0
+    texts = (text for text in source.texts(sensor.time.need("column")) if text.lower() not in MISSING)
+    return 0.0 if ":" in next(texts, "") else sensor.scale or 1.0
+
+
 def _runs(rows: np.ndarray) -> list[tuple[int, int]]:
     """First and last of each run of consecutive numbers."""
     cuts = np.flatnonzero(np.diff(rows) > 1) + 1
@@ -311,6 +353,7 @@ class Importer:
             sensor.block.get("frame", FRAME),
             np.ascontiguousarray(times),
             resolution,
+            _time_unit(source, sensor),
             rate,
             sensor.states.block.need("rule") if sensor.states else "",
             sensor.states.of_rows(file, source, kept) if sensor.states else None,

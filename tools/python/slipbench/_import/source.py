@@ -24,14 +24,19 @@ class Source:
         path: of the file
         titles: of its columns
         thousands: mark between thousands in its cells; empty: there is none
+        left_out: the reason for each column of the file that is not among the titles, for messages: "holds 7 rows"
+        in_folder: whether the file was found in a folder, where the map can choose files
     """
 
     titles: list[str]
     thousands = ""
+    left_out: dict[str, str]
+    in_folder = False
 
     def __init__(self, path: str) -> None:
         self.path = path
         self.titles = []
+        self.left_out = {}
 
     def __len__(self) -> int:
         raise NotImplementedError
@@ -67,11 +72,24 @@ class Source:
         """Returns the hint of an error about an unknown title."""
         return ""
 
+    def layout_hint(self) -> str:
+        """Returns the end of an error that names what else than cells the file has; empty: nothing is known."""
+        return ""
+
+    def _folder_hint(self) -> str:
+        return (
+            "; where a folder also holds other files, files: '*_a.csv' in the map reads those with such names"
+            if self.in_folder
+            else ""
+        )
+
     def find(self, title: str) -> str:
         """Returns `title`. Raises InputError unless there is exactly one such column."""
+        if title in self.left_out:
+            raise InputError(f"{self.title_place()}: {title!r} {self.left_out[title]}")
         if title not in self.titles:
             raise InputError(
-                f"{self.title_place()}: has no column {title!r}{nearest(title, self.titles)}{self.title_hint()}"
+                f"{self.title_place()}: has no column {title!r}{nearest(title, self.titles)}{self.title_hint()}{self._folder_hint()}"
             )
         if self.titles.count(title) > 1:
             raise InputError(
@@ -128,10 +146,13 @@ class Source:
             for one in self.titles
             if (match := pattern.fullmatch(one))
         ]
+        for one, reason in self.left_out.items():
+            if pattern.fullmatch(one):
+                raise InputError(f"{self.title_place()}: {one!r}, which {title!r} means, {reason}")
         if not found:
             raise InputError(
                 f"{self.title_place()}: no column is called {title!r} with a number for each *{nearest(title, self.titles)}"
-                f"{self.title_hint()}"
+                f"{self.title_hint()}{self._folder_hint()}"
             )
         return [(numbers, self.find(one)) for numbers, one in sorted(found)]
 
@@ -190,7 +211,8 @@ def _moment(source: Source, title: str, row: int, text: str, pattern: str) -> fl
             moment = datetime.strptime(text, pattern)
         except ValueError as error:
             raise InputError(
-                f"{source.place(row)}: column {title}: expected a time as time.format says, {pattern!r}, found {text!r}: {error}"
+                f"{source.place(row)}: column {title}: expected a time as time.format says, {pattern!r}, found {text!r}: "
+                f"{error}{source.layout_hint()}"
             ) from None
         return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
     if clock := CLOCK.fullmatch(text):
@@ -203,7 +225,7 @@ def _moment(source: Source, title: str, row: int, text: str, pattern: str) -> fl
             moment = datetime.fromisoformat(whole + "+00:00")
     except ValueError:
         raise InputError(
-            f"{source.place(row)}: column {title}: expected a time in ISO 8601 such as 2026-02-03T10:00:00.01, "
-            f"found {text!r}; say how times are written by time.format, such as '%d.%m.%Y %H:%M:%S.%f'"
+            f"{source.place(row)}: column {title}: expected a time in ISO 8601 such as 2026-02-03T10:00:00.01, found {text!r}"
+            + (source.layout_hint() or "; say how times are written by time.format, such as '%d.%m.%Y %H:%M:%S.%f'")
         ) from None
     return moment.timestamp() + (float(f"0.{fraction}") if fraction else 0.0)

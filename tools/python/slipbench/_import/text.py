@@ -25,6 +25,9 @@ EITHER = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # a decimal comma, or a mark be
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 COMMA_NUMBER = re.compile(r"[+-]?(\d+,\d+|,\d+)([eE][+-]?\d+)?")
 THOUSANDS = {mark: re.compile(rf"[+-]?\d{{1,3}}({re.escape(mark)}\d{{3}})+(?!\d)") for mark in ",.'"}
+ARDUINO = re.compile(r"\d{1,2}:\d{2}:\d{2}[.,]\d{1,6} -> ")  # a time of Arduino's serial monitor, before what was sent
+# "a:1" for Arduino's serial plotter. The limits keep the search linear in a long line.
+NAMED_NUMBER = re.compile(r"(?<!\w)[A-Za-z_]\w{0,63} ?: ?[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 MINUS = "\N{MINUS SIGN}"
 
 
@@ -200,7 +203,25 @@ class TextTable(Source):
     def title_place(self) -> str:
         return f"{self.path}:{self._header_line}"
 
+    def layout_hint(self) -> str:
+        sample = self._lines[:SAMPLE]
+        monitor = [match[0] for line in sample if (match := ARDUINO.match(line.strip()))]
+        if len(monitor) > len(sample) // 2:
+            return (
+                f"; lines begin with {monitor[0].strip()!r}, as Arduino's serial monitor writes times: replace ' -> ' by the "
+                "separator, or record without timestamps"
+            )
+        plotter = [NAMED_NUMBER.search(line) for line in sample]
+        if plotter and plotter[0] and all(not NAMED_NUMBER.sub("", line).strip(" \t,;") for line in sample):
+            return (
+                f"; cells such as {plotter[0][0]!r} are a name and a number, as for Arduino's serial plotter: write the numbers "
+                "alone, and the names as titles"
+            )
+        return ""
+
     def title_hint(self) -> str:
+        if hint := self.layout_hint():
+            return hint
         if self._numeric_header:
             return "; the first line holds numbers: a table without titles needs header: false, and its columns are called 1, 2, 3"
         return f"; read with {NAMES.get(self._separator, repr(self._separator))} between the cells"
@@ -270,16 +291,19 @@ class TextTable(Source):
 
     def _refuse_cells(self, row: int) -> None:
         cells = cells_of(self._lines[row], self._separator)
-        cause = ""
+        cause = self.layout_hint() or self._row_hint(cells)
+        raise InputError(f"{self.place(row)}: has {filled(cells)} cells; expected {len(self.titles)}{cause}")
+
+    def _row_hint(self, cells: list[str]) -> str:
         if (
             self._separator == ","
             and len(cells) > len(self.titles)
             and all(re.fullmatch(r"[+-]?\d+", cell) for cell in cells if cell)
         ):
-            cause = "; commas seem to be both the separator and the decimal mark, which cannot be distinguished"
-        elif all(filled(cells_of(line, self._separator)) == len(self.titles) + 1 for line in self._lines[:SAMPLE]):
-            cause = "; where rows begin with a name that has no title, as R writes them, use header: false and skip the titles"
-        raise InputError(f"{self.place(row)}: has {filled(cells)} cells; expected {len(self.titles)}{cause}")
+            return "; commas seem to be both the separator and the decimal mark, which cannot be distinguished"
+        if all(filled(cells_of(line, self._separator)) == len(self.titles) + 1 for line in self._lines[:SAMPLE]):
+            return "; where rows begin with a name that has no title, as R writes them, use header: false and skip the titles"
+        return ""
 
     def __len__(self) -> int:
         return len(self._lines)
@@ -313,16 +337,19 @@ class TextTable(Source):
         return values
 
     def _refuse(self, title: str, row: int, cell: str) -> None:
-        cause = ""
-        if row == 0 and all(not self._is_number(one) for one in cells_of(self._lines[0], self._separator)):
-            cause = f"; a row of units is left out by skip: [{self._numbers[0]}]"
-        elif re.fullmatch(r"[+-]?\d{1,3}([,.' ]\d{3})+([.,]\d*)?", cell.strip()):
-            cause = "; name the mark between thousands in the map: thousands: ','"
-        elif re.fullmatch(r"[+-]?[\d.]+[dD][+-]?\d+", cell.strip()):
-            cause = "; write the exponent with E"
+        cause = self.layout_hint() or self._cell_hint(row, cell)
         raise InputError(
             f"{self.place(row)}: column {self.titles.index(title) + 1}, {title}: expected a number, found {cell!r}{cause}"
         )
+
+    def _cell_hint(self, row: int, cell: str) -> str:
+        if row == 0 and all(not self._is_number(one) for one in cells_of(self._lines[0], self._separator)):
+            return f"; a row of units is left out by skip: [{self._numbers[0]}]"
+        if re.fullmatch(r"[+-]?\d{1,3}([,.' ]\d{3})+([.,]\d*)?", cell.strip()):
+            return "; name the mark between thousands in the map: thousands: ','"
+        if re.fullmatch(r"[+-]?[\d.]+[dD][+-]?\d+", cell.strip()):
+            return "; write the exponent with E"
+        return ""
 
     def texts(self, title: str) -> list[str]:
         return [cell.strip() for cell in self._frame[title].astype(str).to_list()]
