@@ -112,8 +112,10 @@ Entry about_19() {
   set("rate", "100 Hz", "log of dexrob/BioTac_slide_20_50");
   set("cycle_rate", "1.1 kHz", "the same: 22 readings of pac in a row of 10 ms, and each electrode once");
   set("radii", own_radii_19,
-      "outwards and across: skin of 7 mm radius above the electrodes (TAMS-Group/tams_biotac); along: assumed, electrodes reach 9.2 mm from their middle");
-  set("k_normal", "23.5 N/mm", "assumed: the SP's 0.047 N/mm3 of 500 mm2 of skin");
+      "outwards and across: skin of 7 mm radius above the electrodes (TAMS-Group/tams_biotac); along: fitted to the same, whose skin is a cylinder with a round end: within 1.4 mm above every electrode");
+  set("k_normal", "27.8 N/mm", "assumed: the SP's 0.047 N/mm3 of 591 mm2 of skin");
+  set("fluid_stiffness", "0.47",
+      "assumed as of the SP: at core_gap the pressure is the force over the area of contact, 2 pi 16 mm 1 mm");
   set("device", "fixed", "free");
   return entry;
 }

@@ -42,7 +42,7 @@ const std::array<Eigen::Vector3d, electrodes>& electrode_places() {
 // Published with TAMS-Group/tams_biotac and in several drivers, as x along the finger to its tip, y across, z outwards below 0.
 const std::array<Eigen::Vector3d, electrodes_19>& electrode_places_19() {
   static const std::array<Eigen::Vector3d, electrodes_19> places = [] {
-    constexpr double middle = -4.4;  // halfway from -13.6 to 4.763
+    constexpr double middle = -7.0;
     constexpr std::array<double, electrodes_19> x{0.993, -2.7, -6.2, -8.0,  -10.5, -13.4, 4.763, 3.031, 3.031, 1.299,
                                                   0.993, -2.7, -6.2, -8.0,  -10.5, -13.4, -2.8,  -9.8,  -13.6};
     constexpr std::array<double, electrodes_19> y{-4.855, -3.513, -3.513, -4.956, -3.513, -4.956, 0.0, -1.95, 1.95, 0.0,

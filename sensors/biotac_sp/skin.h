@@ -19,11 +19,11 @@ inline constexpr std::size_t electrodes_19 = 19;  // of its predecessor
 
 // Half axes of each one's skin, as a scene has them.
 inline constexpr const char* own_radii = "[13.85 mm, 10.1 mm, 9.85 mm]";
-inline constexpr const char* own_radii_19 = "[13.2 mm, 7 mm, 7 mm]";
+inline constexpr const char* own_radii_19 = "[16 mm, 7 mm, 7 mm]";
 
 // Middle of each electrode of an SP on the rigid core [m], in the device's own axes: x along the finger, y away from the object, z across.
 const std::array<Eigen::Vector3d, electrodes>& electrode_places();
-// The same of the predecessor. Its x is counted from the middle of its electrodes, 4.4 mm behind the maker's origin.
+// The same of the predecessor. Its x is counted from 7 mm behind the maker's origin, where half an ellipsoid comes nearest to its skin.
 const std::array<Eigen::Vector3d, electrodes_19>& electrode_places_19();
 
 // Reading of each of an SP that nothing touches [counts].
