@@ -91,7 +91,7 @@ DetectorKind band_energy_detector() {
                       number_spec(
                           "threshold", Quantity::none, "40", positive,
                           "Root mean square of the signal in the band from which on the pad slips, in the unit of the channel.",
-                          "assumed: twice the typical noise of the piezo_skin in the band, 20.8 counts; over a window its rms varies by 14 %"),
+                          "assumed: 1.65 times the typical noise of the piezo_skin in the band, 24.2 counts, whose rms varies by 14 % from window to window"),
                       number_spec("release", Quantity::none, "0.7", positive_up_to(1.0),
                                   "Share of the threshold below which a slip has ended.", "assumed")}},
       created<BandEnergy>};

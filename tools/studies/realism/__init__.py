@@ -12,11 +12,11 @@ import slipbench
 from slipbench import InputError
 from slipbench_studies.__main__ import run
 from slipbench_studies.grid import check_only
-from slipbench_studies.realism import hexapod
+from slipbench_studies.realism import biotac_19, hexapod, myrmex, piezo_skin
 from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
 
 GRASPS_A_BOX = 40  # of which the median's scatter is some 10 %
-OWN = {"hexapod": hexapod.figures}  # devices of which no paper's table has figures: what gives them
+OWN = {"hexapod": hexapod.figures, "piezo_skin": piezo_skin.figures, "biotac_19": biotac_19.figures, "myrmex": myrmex.figures}  # devices of which no paper's table has figures: what gives them
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,9 @@ class Source:
 
 SOURCES = {
     "hexapod": Source(True),
+    "piezo_skin": Source(True),
+    "biotac_19": Source(True),
+    "myrmex": Source(True),
     "hd-papillarray/table1": Source(True),
     "hd-papillarray/table2": Source(True, ("as_recorded", "oracle", "ptfe_fitted", "rubber_fitted", "felt_fitted"), GRASPS_A_BOX),
     "nib-reconfigurable/table1": Source(True),
