@@ -122,14 +122,15 @@ Entry about_19() {
 
 std::vector<Entry> electronics_parts_19() {
   const std::string as_sp = "as of the SP, assumed";
-  return electronics_of("BioTac of 19 electrodes",
-                        {{"gain", "10 % on each electrode's `gap`, " + as_sp, {}},
-                         {"offset", "on the logarithm of each electrode's impedance at rest, sd 0.02, " + as_sp, {}},
-                         {"drift", "1.5 counts/s, electrodes, " + as_sp, {}},
-                         {"skewed_noise", "electrodes: 1.25 counts, 20 public slides (dexrob/BioTac_slide_20_50); shape " + as_sp, {}},
-                         {"noise",
-                          "pac alone, 4.8 counts: a recording at rest has 4.5 to 5.1",
-                          {{"corner", "inf", "that recording is nearly white from 2 to 1100 Hz, with no line of the mains"}}}});
+  return electronics_of(
+      "BioTac of 19 electrodes",
+      {{"gain", "10 % on each electrode's `gap`, " + as_sp, {}},
+       {"offset", "on the logarithm of each electrode's impedance at rest, sd 0.02, " + as_sp, {}},
+       {"drift", "1.5 counts/s, electrodes, " + as_sp, {}},
+       {"skewed_noise", "electrodes: 1.25 counts, 20 public slides (dexrob/BioTac_slide_20_50); shape " + as_sp, {}},
+       {"noise",
+        "pac alone, 4.8 counts: a recording at rest has 4.5 to 5.1",
+        {{"corner", "inf", "that recording is nearly white from 2 to 1100 Hz, with no line of the mains"}}}});
 }
 
 std::vector<Entry> electronics_parts() {
@@ -152,8 +153,8 @@ std::vector<Entry> electronics_parts() {
 
 namespace {
 
-constexpr std::size_t slots_a_cycle = 2;                // and as many readings of pac
-constexpr double pdc_step = 0.0365e3, pac_step = 0.37;  // Pa a count: SP manual, section 5
+constexpr std::size_t slots_a_cycle = 2;                   // and as many readings of pac
+constexpr double pdc_step = 0.0365e3, pac_step = 0.37;     // Pa a count: SP manual, section 5
 constexpr double lowest_pac = 10.0, highest_pac = 1040.0;  // Hz: the same
 constexpr double pac_middle = 2048.0;                      // counts, of no vibration
 
@@ -491,7 +492,7 @@ std::unique_ptr<Sensor> make(const Parameters& parameters, const std::vector<Nam
   }
   const std::uint64_t device = fixed ? number : trial;
   return std::make_unique<BioTac<electrodes, slots>>(parameters, device_of(), electronics,
-                                                      ElectronicsKey{seed, trial, device, sensor_name});
+                                                     ElectronicsKey{seed, trial, device, sensor_name});
 }
 
 }  // namespace

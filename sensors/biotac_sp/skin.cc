@@ -43,8 +43,8 @@ const std::array<Eigen::Vector3d, electrodes>& electrode_places() {
 const std::array<Eigen::Vector3d, electrodes_19>& electrode_places_19() {
   static const std::array<Eigen::Vector3d, electrodes_19> places = [] {
     constexpr double middle = -7.0;
-    constexpr std::array<double, electrodes_19> x{0.993, -2.7, -6.2, -8.0,  -10.5, -13.4, 4.763, 3.031, 3.031, 1.299,
-                                                  0.993, -2.7, -6.2, -8.0,  -10.5, -13.4, -2.8,  -9.8,  -13.6};
+    constexpr std::array<double, electrodes_19> x{0.993, -2.7, -6.2, -8.0, -10.5, -13.4, 4.763, 3.031, 3.031, 1.299,
+                                                  0.993, -2.7, -6.2, -8.0, -10.5, -13.4, -2.8,  -9.8,  -13.6};
     constexpr std::array<double, electrodes_19> y{-4.855, -3.513, -3.513, -4.956, -3.513, -4.956, 0.0, -1.95, 1.95, 0.0,
                                                   4.855,  3.513,  3.513,  4.956,  3.513,  4.956,  0.0, 0.0,   0.0};
     constexpr std::array<double, electrodes_19> z{-1.116, -3.67, -3.67, -1.116, -3.67, -1.116, -2.33, -3.33, -3.33, -4.33,
@@ -123,11 +123,11 @@ Skin make_skin(const SkinFigures& figures, const std::string& sensor, std::span<
     const auto own = static_cast<std::size_t>(std::ranges::count(points, e, &Point::electrode));
     if (own == 0) {
       const auto length = [](double value) { return format_quantity(value, Quantity::length); };
-      throw SceneValueError(sensor + ".radii", "[" + length(radii.x()) + ", " + length(radii.y()) + ", " + length(radii.z()) +
-                                                   "] leaves electrode E" + std::to_string(e + 1) + " without one of the " +
-                                                   std::to_string(points.size()) +
-                                                   " elements of the skin; allowed: radii near the device's own, " +
-                                                   (places.size() == electrodes ? own_radii : own_radii_19) + ", or more elements");
+      throw SceneValueError(sensor + ".radii",
+                            "[" + length(radii.x()) + ", " + length(radii.y()) + ", " + length(radii.z()) +
+                                "] leaves electrode E" + std::to_string(e + 1) + " without one of the " +
+                                std::to_string(points.size()) + " elements of the skin; allowed: radii near the device's own, " +
+                                (places.size() == electrodes ? own_radii : own_radii_19) + ", or more elements");
     }
     skin.layout.units.push_back({first, own});
     first += own;

@@ -40,9 +40,9 @@ inline Eigen::Vector3d in_pad_frame(const Eigen::Vector3d& place, double bulge) 
 
 // The skin of a BioTac: half an ellipsoid of compliant friction points over the core with the electrodes.
 struct Skin {
-  PadLayout layout;                               // in P; unit e: what is nearer to electrode e than to any other
-  std::vector<double> area;                       // m2, of each element
-  std::vector<Eigen::Vector3d> above;             // m, in P: the skin's point over each electrode
+  PadLayout layout;                    // in P; unit e: what is nearer to electrode e than to any other
+  std::vector<double> area;            // m2, of each element
+  std::vector<Eigen::Vector3d> above;  // m, in P: the skin's point over each electrode
 };
 
 struct SkinFigures {

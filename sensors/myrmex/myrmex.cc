@@ -96,8 +96,8 @@ SLIPBENCH_DISPATCHED void read_cells(const FoamCell& cell_read, std::size_t taxe
 constexpr std::array<double, 6> creep_times{1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3};  // s
 
 // As read_cells(). `share`: what a sample leaves of f - y_k; `slow`: y_k of each taxel [N].
-void read_creeping_cells(const FoamCell& cell, double creep, const std::array<double, creep_times.size()>& share, std::size_t taxels,
-                         const double* force, double* play_1, double* play_2, double* slow, float* values) {
+void read_creeping_cells(const FoamCell& cell, double creep, const std::array<double, creep_times.size()>& share,
+                         std::size_t taxels, const double* force, double* play_1, double* play_2, double* slow, float* values) {
   for (std::size_t taxel = 0; taxel < taxels; ++taxel, slow += creep_times.size()) {
     const double felt = cell.felt(std::max(0.0, force[3 * taxel + 2]), play_1[taxel], play_2[taxel]);
     double sum = 0.0;
@@ -137,8 +137,8 @@ class Myrmex final : public PadSensor {
     if (slow_.empty()) {
       read_cells(cell_, taxels, truth.force.data(), plays_.data(), plays_.data() + taxels, values_.data());
     } else {
-      read_creeping_cells(cell_, creep_, creep_share_, taxels, truth.force.data(), plays_.data(), plays_.data() + taxels, slow_.data(),
-                          values_.data());
+      read_creeping_cells(cell_, creep_, creep_share_, taxels, truth.force.data(), plays_.data(), plays_.data() + taxels,
+                          slow_.data(), values_.data());
     }
     electronics_.apply(values_, truth.time);
     if (any_loaded_out(taxels, values_.data())) ++saturated_;
@@ -166,10 +166,10 @@ class Myrmex final : public PadSensor {
   FoamCell cell_;
   Electronics electronics_;
   std::uint64_t saturated_ = 0;
-  double creep_;                                           // a decade
-  std::array<double, creep_times.size()> creep_share_{};   // what a sample leaves of f - y_k
-  std::vector<double> plays_;                              // p_1 of all taxels, then p_2 [N]
-  std::vector<double> slow_;                               // y_k of each taxel [N]; empty: no creep
+  double creep_;                                          // a decade
+  std::array<double, creep_times.size()> creep_share_{};  // what a sample leaves of f - y_k
+  std::vector<double> plays_;                             // p_1 of all taxels, then p_2 [N]
+  std::vector<double> slow_;                              // y_k of each taxel [N]; empty: no creep
   std::vector<float> values_;
 };
 
@@ -216,11 +216,13 @@ Entry myrmex_entry() {
           number_spec("hysteresis", Quantity::none, "0.03", {0.0, 0.25},
                       "Share h by which unloading reads more, and loading less, than the force.",
                       "that cell: unloading minus loading up to 3 to 10 % of the range; 2 h (1 - 2h)/(1 + 2h) = 5.3 %"),
-          number_spec("creep", Quantity::none, "0", fraction,
-                      "Share by which what a taxel feels of a steady load grows for every tenfold time; 0: no creep.",
-                      "0: off unless asked for. 0.1 is a plausible foam, assumed; the sum of a held array (Weiss) grows by 0.26 to 1.6 a decade from 0.3 to 4 s, hand and grip included"),
-          number_spec("noise", Quantity::none, "0.0087890625", fraction, "Noise of a taxel, sd over the converter's range.",
-                      "9 of 1024 counts: a comparable cell at rest on a bench's 10-bit converter (TAMS-Group/tams_tactile_sensor_array_hardware). Loaded cells of an industrial array (Weiss) have 0.0007 to 0.0015"),
+          number_spec(
+              "creep", Quantity::none, "0", fraction,
+              "Share by which what a taxel feels of a steady load grows for every tenfold time; 0: no creep.",
+              "0: off unless asked for. 0.1 is a plausible foam, assumed; the sum of a held array (Weiss) grows by 0.26 to 1.6 a decade from 0.3 to 4 s, hand and grip included"),
+          number_spec(
+              "noise", Quantity::none, "0.0087890625", fraction, "Noise of a taxel, sd over the converter's range.",
+              "9 of 1024 counts: a comparable cell at rest on a bench's 10-bit converter (TAMS-Group/tams_tactile_sensor_array_hardware). Loaded cells of an industrial array (Weiss) have 0.0007 to 0.0015"),
       }};
 }
 
@@ -230,9 +232,7 @@ std::vector<Entry> myrmex_electronics() {
       {{"scan",
         "taxel by taxel, row by row, in the time of the fastest image",
         {{"duration", "526 us", "1/1.9 kHz, the paper's highest rate"}}},
-       {"white_noise",
-        "the sensor's parameter noise, of every taxel its own; white: assumed, no spectrum is published",
-        {}},
+       {"white_noise", "the sensor's parameter noise, of every taxel its own; white: assumed, no spectrum is published", {}},
        {"quantisation", "over 0 to 4095 counts", {{"bits", "12", "the paper, section 2"}}}});
 }
 

@@ -180,7 +180,8 @@ TEST(MyrmexCreep, IsForgottenAsSlowlyAsItCame) {
   for (int k = 0; k < 3000; ++k) felt(*sensor, 1.0);
   for (int k = 1; k <= 500; ++k) {
     double slow = 0.0;
-    for (const double time : {0.01, 0.1, 1.0, 10.0, 100.0, 1000.0}) slow += (1.0 - std::exp(-30.0 / time)) * std::exp(-0.01 * k / time);
+    for (const double time : {0.01, 0.1, 1.0, 10.0, 100.0, 1000.0})
+      slow += (1.0 - std::exp(-30.0 / time)) * std::exp(-0.01 * k / time);
     ASSERT_NEAR(felt(*sensor, 0.0), 0.97 * 0.1 * slow, rounding) << k;
   }
 }
@@ -230,7 +231,8 @@ TEST(MyrmexElectronics, NoiseIsAsTheParameterSays) {
   double square = 0.0;
   for (std::uint64_t trial = 0; trial < 10; ++trial) {
     const auto sensor = array({{"noise", 0.001}}, {part("white_noise")}, trial);
-    for (const float value : sensor->measure(pressed(256, 0.0)).values) square += std::pow(static_cast<double>(value) - full, 2) / 2560.0;
+    for (const float value : sensor->measure(pressed(256, 0.0)).values)
+      square += std::pow(static_cast<double>(value) - full, 2) / 2560.0;
   }
   EXPECT_NEAR(square / std::pow(4.095, 2), 1.0, 5.0 * std::sqrt(2.0 / 2560.0));
 }
