@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <span>
+#include <stdexcept>
 #include <utility>
 
 #include "sensors/biotac_sp/skin.h"
@@ -89,6 +91,48 @@ Entry about() {
       }};
 }
 
+Entry about_19() {
+  Entry entry = about();
+  entry.name = "biotac_19";
+  entry.summary = "BioTac fingertip of the older kind: 19 electrodes under fluid and a curved skin, static pressure, vibration.";
+  const auto replace = [&](const std::string& text, const std::string& by) {
+    const std::size_t at = entry.law.find(text);
+    if (at == std::string::npos) throw std::logic_error("biotac_sp: its law has no '" + text + "'");
+    entry.law.replace(at, text.size(), by);
+  };
+  replace("a round of 28: E1 to E24, PDC, TAC, TDC and\none more.", "a round of 22: E1 to E19, PDC, TAC and\nTDC.");
+  entry.source =
+      "places of the electrodes: TAMS-Group/tams_biotac; order of readings: log of dexrob/BioTac_slide_20_50. Laws and kernel are those of the BioTac SP, assumed to be the same";
+  const auto set = [&](const std::string& name, const std::string& text, const std::string& source) {
+    const auto spec = std::ranges::find(entry.parameters, name, &ParameterSpec::name);
+    if (spec == entry.parameters.end()) throw std::logic_error("biotac_sp: no parameter " + name);
+    spec->default_text = text;
+    spec->source = source;
+  };
+  set("rate", "100 Hz", "log of dexrob/BioTac_slide_20_50");
+  set("cycle_rate", "1.1 kHz", "the same: 22 readings of pac in a row of 10 ms, and each electrode once");
+  set("radii", own_radii_19,
+      "outwards and across: skin of 7 mm radius above the electrodes (TAMS-Group/tams_biotac); along: fitted to the same, whose skin is a cylinder with a round end: within 1.4 mm above every electrode");
+  set("k_normal", "27.8 N/mm", "assumed: the SP's 0.047 N/mm3 of 591 mm2 of skin");
+  set("fluid_stiffness", "0.47",
+      "assumed as of the SP: at core_gap the pressure is the force over the area of contact, 2 pi 16 mm 1 mm");
+  set("device", "fixed", "free");
+  return entry;
+}
+
+std::vector<Entry> electronics_parts_19() {
+  const std::string as_sp = "as of the SP, assumed";
+  return electronics_of(
+      "BioTac of 19 electrodes",
+      {{"gain", "10 % on each electrode's `gap`, " + as_sp, {}},
+       {"offset", "on the logarithm of each electrode's impedance at rest, sd 0.02, " + as_sp, {}},
+       {"drift", "1.5 counts/s, electrodes, " + as_sp, {}},
+       {"skewed_noise", "electrodes: 1.25 counts, 20 public slides (dexrob/BioTac_slide_20_50); shape " + as_sp, {}},
+       {"noise",
+        "pac alone, 4.8 counts: a recording at rest has 4.5 to 5.1",
+        {{"corner", "inf", "that recording is nearly white from 2 to 1100 Hz, with no line of the mains"}}}});
+}
+
 std::vector<Entry> electronics_parts() {
   const std::string recordings = "44 public recordings of a touch (yayaneath/BioTacSP-DoS)";
   return electronics_of(
@@ -109,14 +153,33 @@ std::vector<Entry> electronics_parts() {
 
 namespace {
 
-constexpr std::size_t slots = 28;                       // of a round: the electrodes, then pdc, and three that are not modelled
-constexpr std::size_t slots_a_cycle = 2;                // and as many readings of pac
-constexpr std::size_t cycles = slots / slots_a_cycle;   // of a round
-constexpr std::size_t pdc = electrodes;                 // its slot, and its place among the values
-constexpr std::size_t pac = electrodes + 1;             // first of its places among the values
-constexpr double pdc_step = 0.0365e3, pac_step = 0.37;  // Pa a count: SP manual, section 5
+constexpr std::size_t slots_a_cycle = 2;                   // and as many readings of pac
+constexpr double pdc_step = 0.0365e3, pac_step = 0.37;     // Pa a count: SP manual, section 5
 constexpr double lowest_pac = 10.0, highest_pac = 1040.0;  // Hz: the same
 constexpr double pac_middle = 2048.0;                      // counts, of no vibration
+
+// What differs between the two fingers beside the defaults of their parameters.
+struct Device {
+  std::span<const Eigen::Vector3d> places;  // of the electrodes, m, in the device's own axes
+  std::span<const double> rest;             // counts
+  std::span<const double> relative_noise;   // of each electrode against the mean of all
+  double noise;                             // sd of a reading of the mean electrode, counts
+  std::size_t slots;                        // of a round: the electrodes, then pdc, and those that are not modelled
+};
+
+constexpr std::size_t slots_sp = 28;  // TAC, TDC and one more
+constexpr std::size_t slots_19 = 22;  // TAC and TDC
+
+const Device& sp() {
+  static const Device device{electrode_places(), rest_readings(), relative_noise(), 3.1, slots_sp};
+  return device;
+}
+
+const Device& nineteen() {
+  static const std::vector<double> rest(electrodes_19, 3300.0), alike(electrodes_19, 1.0);
+  static const Device device{electrode_places_19(), rest, alike, 1.25, slots_19};
+  return device;
+}
 
 std::size_t cycles_a_sample(const Parameters& parameters, const std::string& sensor_name) {
   constexpr double rounding = 1e-9;  // of a quotient of decimal numbers
@@ -130,8 +193,9 @@ std::size_t cycles_a_sample(const Parameters& parameters, const std::string& sen
   return static_cast<std::size_t>(whole);
 }
 
-// Mean time from the reading of the slots `first` to before `end` to the end of a sample of so many cycles [s].
-double mean_age(std::size_t first, std::size_t end, std::size_t cycles_a_sample, double cycle_rate) {
+// Mean time from the reading of the slots `first` to before `end` of a round of `slots` to the end of a sample of so many cycles [s].
+double mean_age(std::size_t first, std::size_t end, std::size_t slots, std::size_t cycles_a_sample, double cycle_rate) {
+  const std::size_t cycles = slots / slots_a_cycle;
   double sum = 0.0;
   for (std::size_t sample = 1; sample <= cycles; ++sample) {
     for (std::size_t slot = first; slot < end; ++slot) {
@@ -141,8 +205,8 @@ double mean_age(std::size_t first, std::size_t end, std::size_t cycles_a_sample,
   return sum / static_cast<double>(cycles * (end - first)) / cycle_rate;
 }
 
-std::vector<Channel> make_channels(const Parameters& parameters, std::size_t cycles_a_sample) {
-  const std::size_t readings = slots_a_cycle * cycles_a_sample;
+std::vector<Channel> make_channels(const Parameters& parameters, const Device& device, std::size_t cycles_a_sample) {
+  const std::size_t electrodes = device.places.size(), readings = slots_a_cycle * cycles_a_sample;
   std::vector<std::string> names, pac_names;
   for (std::size_t e = 0; e < electrodes; ++e) names.push_back("E" + std::to_string(e + 1));
   for (std::size_t k = 0; k < readings; ++k) pac_names.push_back("PAC_" + std::to_string(k));
@@ -151,24 +215,24 @@ std::vector<Channel> make_channels(const Parameters& parameters, std::size_t cyc
                                 {"pac", "counts", {readings}, std::move(pac_names)}};
   const double cycle_rate = parameters.number("cycle_rate");
   if (parameters.choice("scan") == "device") {
-    channels[0].age = mean_age(0, electrodes, cycles_a_sample, cycle_rate);
-    channels[1].age = mean_age(pdc, pdc + 1, cycles_a_sample, cycle_rate);
+    channels[0].age = mean_age(0, electrodes, device.slots, cycles_a_sample, cycle_rate);
+    channels[1].age = mean_age(electrodes, electrodes + 1, device.slots, cycles_a_sample, cycle_rate);
   }
   channels[2].age = 0.5 * static_cast<double>(readings - 1) / (slots_a_cycle * cycle_rate);
   return channels;
 }
 
-Skin skin_of(const Parameters& parameters, const std::string& sensor) {
+Skin skin_of(const Parameters& parameters, const Device& device, const std::string& sensor) {
   const std::vector<double>& radii = parameters.vector("radii");
   return make_skin({.elements = static_cast<std::size_t>(parameters.integer("elements")),
                     .radii = {radii[0], radii[1], radii[2]},
                     .k_normal = parameters.number("k_normal"),
                     .shear = parameters.number("shear")},
-                   sensor);
+                   sensor, device.places);
 }
 
 // Electrodes at their own sensitivity, then their own logarithm of the impedance at rest: 1 and 0 but for `gain` and `offset`.
-SignalModel spread_model(double rate) {
+SignalModel spread_model(double rate, std::size_t electrodes) {
   SignalModel model;
   model.rate = rate;
   model.sources = 2 * electrodes;
@@ -181,13 +245,13 @@ SignalModel spread_model(double rate) {
 }
 
 // Of the electrodes, in counts; `rate`: of their rounds.
-SignalModel electrode_model(double rate) {
+SignalModel electrode_model(double rate, const Device& device) {
   SignalModel model;
   model.rate = rate;
-  model.sources = electrodes;
-  for (std::size_t e = 0; e < electrodes; ++e) {
+  model.sources = device.places.size();
+  for (std::size_t e = 0; e < model.sources; ++e) {
     model.source.push_back(e);
-    model.noise_sd.push_back(3.1 * relative_noise()[e]);
+    model.noise_sd.push_back(device.noise * device.relative_noise[e]);
     model.drift_sd.push_back(1.5);
   }
   return model;
@@ -213,9 +277,10 @@ std::vector<Named> parts(const std::vector<Named>& all, std::initializer_list<st
   return kept;
 }
 
-class BioTacSp final : public Sensor {
+template <std::size_t electrodes, std::size_t slots>
+class BioTac final : public Sensor {
  public:
-  BioTacSp(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
+  BioTac(const Parameters& parameters, const Device& device, const std::vector<Named>& electronics, const ElectronicsKey& key)
       : rate_(parameters.number("rate")),
         cycles_(cycles_a_sample(parameters, key.sensor_name)),
         device_scan_(parameters.choice("scan") == "device"),
@@ -224,9 +289,9 @@ class BioTacSp final : public Sensor {
         core_gap_(parameters.number("core_gap")),
         pdc_rest_(parameters.number("pdc_rest")),
         label_step_(parameters.number("label_step")),
-        skin_(skin_of(parameters, "sensors." + key.sensor_name)),
+        skin_(skin_of(parameters, device, "sensors." + key.sensor_name)),
         area_(Eigen::Map<const Eigen::ArrayXd>(skin_.area.data(), static_cast<Eigen::Index>(skin_.area.size()))),
-        channels_(make_channels(parameters, cycles_)),
+        channels_(make_channels(parameters, device, cycles_)),
         dents_(skin_,
                {.near = parameters.number("near"),
                 .far = parameters.number("far"),
@@ -236,26 +301,26 @@ class BioTacSp final : public Sensor {
                "sensors." + key.sensor_name),
         memory_(begin_of_values + pac + slots_a_cycle * cycles_),
         vibration_(lowest_pac, highest_pac, slots_a_cycle * parameters.number("cycle_rate"),
-                   std::span(memory_).first<BandPass::memory_size>()),
+                   std::span(memory_).template first<BandPass::memory_size>()),
         electrode_electronics_(parts(electronics, {"gain", "offset", "noise"}, false),
-                               electrode_model(device_scan_ ? parameters.number("cycle_rate") / cycles : rate_), key),
+                               electrode_model(device_scan_ ? parameters.number("cycle_rate") / cycles : rate_, device), key),
         vibration_electronics_(parts(electronics, {"noise"}, true),
                                vibration_model(slots_a_cycle * parameters.number("cycle_rate")), key),
         reported_(pac + slots_a_cycle * cycles_) {
     std::array<float, 2 * electrodes> spread{};
     std::fill_n(spread.begin(), electrodes, 1.0F);
-    Electronics(parts(electronics, {"gain", "offset"}, true), spread_model(rate_), key).apply(spread, 0.0);
+    Electronics(parts(electronics, {"gain", "offset"}, true), spread_model(rate_, electrodes), key).apply(spread, 0.0);
     for (std::size_t e = 0; e < electrodes; ++e) {
       scale_[e] = 1.0 / (parameters.number("gap") * static_cast<double>(spread[e]));
-      rest_[e] = impedance_of(rest_readings()[e]) * math::exp(static_cast<double>(spread[electrodes + e]));
+      rest_[e] = impedance_of(device.rest[e]) * math::exp(static_cast<double>(spread[electrodes + e]));
     }
     std::ranges::fill(values().subspan(pac), pac_middle);
     touching_.reserve(skin_.area.size());
     frame_.values = reported_;
   }
 
-  BioTacSp(const BioTacSp&) = delete;  // the frame and the filter point into the object
-  BioTacSp& operator=(const BioTacSp&) = delete;
+  BioTac(const BioTac&) = delete;  // the frame and the filter point into the object
+  BioTac& operator=(const BioTac&) = delete;
 
   [[nodiscard]] const PadLayout& layout() const override { return skin_.layout; }
   [[nodiscard]] double rate() const override { return rate_; }
@@ -305,6 +370,10 @@ class BioTacSp final : public Sensor {
   }
 
  private:
+  static constexpr std::size_t cycles = slots / slots_a_cycle;  // of a round: the electrodes, then pdc, then what is not modelled
+  static constexpr std::size_t pdc = electrodes;                // its slot, and its place among the values
+  static constexpr std::size_t pac = electrodes + 1;            // first of its places among the values
+
   // Of memory_, after the band-pass's: counters, the position read last, what disturbs the electrodes in this round, the values held.
   enum Place : std::size_t {
     next_cycle = BandPass::memory_size,
@@ -412,6 +481,7 @@ class BioTacSp final : public Sensor {
   std::uint64_t saturated_ = 0;
 };
 
+template <std::size_t electrodes, std::size_t slots, const Device& (*device_of)()>
 std::unique_ptr<Sensor> make(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
                              std::uint64_t trial, const std::string& sensor_name) {
   const bool fixed = parameters.choice("device") == "fixed";
@@ -421,7 +491,8 @@ std::unique_ptr<Sensor> make(const Parameters& parameters, const std::vector<Nam
                           std::to_string(number) + " says nothing of a device that is redrawn; allowed: 0, or device: fixed");
   }
   const std::uint64_t device = fixed ? number : trial;
-  return std::make_unique<BioTacSp>(parameters, electronics, ElectronicsKey{seed, trial, device, sensor_name});
+  return std::make_unique<BioTac<electrodes, slots>>(parameters, device_of(), electronics,
+                                                     ElectronicsKey{seed, trial, device, sensor_name});
 }
 
 }  // namespace
@@ -432,7 +503,15 @@ SensorKind biotac_sp_sensor() {
   using namespace biotac_sp;
   return {.about = about(),
           .electronics = electronics_parts(),
-          .create = make,
+          .create = make<electrodes, slots_sp, sp>,
+          .view = {.unit = "electrode", .units = "electrodes", .letter = "E", .first = 1}};
+}
+
+SensorKind biotac_19_sensor() {
+  using namespace biotac_sp;
+  return {.about = about_19(),
+          .electronics = electronics_parts_19(),
+          .create = make<electrodes_19, slots_19, nineteen>,
           .view = {.unit = "electrode", .units = "electrodes", .letter = "E", .first = 1}};
 }
 

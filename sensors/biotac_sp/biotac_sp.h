@@ -1,4 +1,4 @@
-// The BioTac SP fingertip: 24 electrodes on a rigid core, under a conducting fluid and a curved elastomer skin.
+// The BioTac SP fingertip and its predecessor: 24 or 19 electrodes on a rigid core, under a conducting fluid and a curved elastomer skin.
 #pragma once
 
 #include <vector>
@@ -18,14 +18,19 @@ namespace slipbench {
 // where radii, near or far leave an electrode without skin, InputError for unknown or repeated electronics.
 SensorKind biotac_sp_sensor();
 
+// The predecessor, biotac_19: the same with "electrodes" {19} and a round of 22 slots, of which two are not modelled.
+SensorKind biotac_19_sensor();
+
 }  // namespace slipbench
 
 namespace slipbench::biotac_sp {
 
-// What the catalogue says of the BioTac SP.
+// What the catalogue says of the BioTac SP and of its predecessor.
 
 Entry about();
+Entry about_19();
 // The parts of its electronics. `gain` and `offset` are those of the electrodes' sensitivity and of their impedance at rest.
 std::vector<Entry> electronics_parts();
+std::vector<Entry> electronics_parts_19();
 
 }  // namespace slipbench::biotac_sp

@@ -39,6 +39,23 @@ const std::array<Eigen::Vector3d, electrodes>& electrode_places() {
   return places;
 }
 
+// Published with TAMS-Group/tams_biotac and in several drivers, as x along the finger to its tip, y across, z outwards below 0.
+const std::array<Eigen::Vector3d, electrodes_19>& electrode_places_19() {
+  static const std::array<Eigen::Vector3d, electrodes_19> places = [] {
+    constexpr double middle = -7.0;
+    constexpr std::array<double, electrodes_19> x{0.993, -2.7, -6.2, -8.0, -10.5, -13.4, 4.763, 3.031, 3.031, 1.299,
+                                                  0.993, -2.7, -6.2, -8.0, -10.5, -13.4, -2.8,  -9.8,  -13.6};
+    constexpr std::array<double, electrodes_19> y{-4.855, -3.513, -3.513, -4.956, -3.513, -4.956, 0.0, -1.95, 1.95, 0.0,
+                                                  4.855,  3.513,  3.513,  4.956,  3.513,  4.956,  0.0, 0.0,   0.0};
+    constexpr std::array<double, electrodes_19> z{-1.116, -3.67, -3.67, -1.116, -3.67, -1.116, -2.33, -3.33, -3.33, -4.33,
+                                                  -1.116, -3.67, -3.67, -1.116, -3.67, -1.116, -5.08, -5.08, -5.08};
+    std::array<Eigen::Vector3d, electrodes_19> all;
+    for (std::size_t e = 0; e < electrodes_19; ++e) all[e] = Eigen::Vector3d((x[e] - middle) * mm, z[e] * mm, y[e] * mm);
+    return all;
+  }();
+  return places;
+}
+
 // Of the recordings in yayaneath/BioTacSP-DoS: 97th percentile over 111 recordings of the highest mean over 0.2 s. All of them are in
 // contact, so the true readings at rest may be a few counts higher.
 const std::array<double, electrodes>& rest_readings() {
@@ -60,12 +77,11 @@ const std::array<double, electrodes>& relative_noise() {
   return relative;
 }
 
-Skin make_skin(const SkinFigures& figures, const std::string& sensor) {
+Skin make_skin(const SkinFigures& figures, const std::string& sensor, std::span<const Eigen::Vector3d> places) {
   const Eigen::Vector3d& radii = figures.radii;
   Skin skin;
-  for (std::size_t e = 0; e < electrodes; ++e) {
-    const Eigen::Vector3d& place = electrode_places()[e];
-    skin.above[e] = in_pad_frame(place / place.cwiseQuotient(radii).norm(), radii.y());
+  for (const Eigen::Vector3d& place : places) {
+    skin.above.push_back(in_pad_frame(place / place.cwiseQuotient(radii).norm(), radii.y()));
   }
 
   struct Point {
@@ -87,7 +103,7 @@ Skin make_skin(const SkinFigures& figures, const std::string& sensor) {
     point.area = 2.0 * std::numbers::pi / count * radii.prod() * slope.norm();
     whole += point.area;
     double nearest = INFINITY;
-    for (std::size_t e = 0; e < electrodes; ++e) {
+    for (std::size_t e = 0; e < places.size(); ++e) {
       const double distance = (point.element.tip - skin.above[e]).squaredNorm();
       if (distance < nearest) {
         nearest = distance;
@@ -103,15 +119,15 @@ Skin make_skin(const SkinFigures& figures, const std::string& sensor) {
     skin.layout.elements.push_back(point.element);
     skin.area.push_back(point.area);
   }
-  for (std::size_t e = 0, first = 0; e < electrodes; ++e) {
+  for (std::size_t e = 0, first = 0; e < places.size(); ++e) {
     const auto own = static_cast<std::size_t>(std::ranges::count(points, e, &Point::electrode));
     if (own == 0) {
       const auto length = [](double value) { return format_quantity(value, Quantity::length); };
-      throw SceneValueError(sensor + ".radii", "[" + length(radii.x()) + ", " + length(radii.y()) + ", " + length(radii.z()) +
-                                                   "] leaves electrode E" + std::to_string(e + 1) + " without one of the " +
-                                                   std::to_string(points.size()) +
-                                                   " elements of the skin; allowed: radii near the device's own, [13.85 mm, " +
-                                                   "10.1 mm, 9.85 mm], or more elements");
+      throw SceneValueError(sensor + ".radii",
+                            "[" + length(radii.x()) + ", " + length(radii.y()) + ", " + length(radii.z()) +
+                                "] leaves electrode E" + std::to_string(e + 1) + " without one of the " +
+                                std::to_string(points.size()) + " elements of the skin; allowed: radii near the device's own, " +
+                                (places.size() == electrodes ? own_radii : own_radii_19) + ", or more elements");
     }
     skin.layout.units.push_back({first, own});
     first += own;
@@ -125,7 +141,7 @@ Dents::Dents(const Skin& skin, const Kernel& kernel, const std::string& sensor) 
   const std::vector<Element>& elements = skin.layout.elements;
   const auto n = static_cast<Eigen::Index>(elements.size());
   const Eigen::Map<const Eigen::ArrayXd> area(skin.area.data(), n);
-  const auto columns = static_cast<Eigen::Index>(electrodes);
+  const auto columns = static_cast<Eigen::Index>(skin.above.size());
   Eigen::ArrayXXd distance(n, columns);
   for (Eigen::Index e = 0; e < columns; ++e) {
     for (Eigen::Index i = 0; i < n; ++i) {

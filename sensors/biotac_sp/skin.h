@@ -1,4 +1,4 @@
-// What is known of each of the 24 electrodes of a BioTac SP. Electrode E1 has the index 0.
+// What is known of the electrodes of a BioTac: of an SP with 24, and of its predecessor with 19. Electrode E1 has the index 0.
 #pragma once
 
 #include <array>
@@ -14,15 +14,22 @@
 
 namespace slipbench::biotac_sp {
 
-inline constexpr std::size_t electrodes = 24;
+inline constexpr std::size_t electrodes = 24;     // of an SP
+inline constexpr std::size_t electrodes_19 = 19;  // of its predecessor
 
-// Middle of each electrode on the rigid core [m], in the device's own axes: x along the finger, y away from the object, z across.
+// Half axes of each one's skin, as a scene has them.
+inline constexpr const char* own_radii = "[13.85 mm, 10.1 mm, 9.85 mm]";
+inline constexpr const char* own_radii_19 = "[16 mm, 7 mm, 7 mm]";
+
+// Middle of each electrode of an SP on the rigid core [m], in the device's own axes: x along the finger, y away from the object, z across.
 const std::array<Eigen::Vector3d, electrodes>& electrode_places();
+// The same of the predecessor. Its x is counted from 7 mm behind the maker's origin, where half an ellipsoid comes nearest to its skin.
+const std::array<Eigen::Vector3d, electrodes_19>& electrode_places_19();
 
-// Reading of each that nothing touches [counts].
+// Reading of each of an SP that nothing touches [counts].
 const std::array<double, electrodes>& rest_readings();
 
-// Standard deviation of the noise of each against the mean of all.
+// Standard deviation of the noise of each of an SP against the mean of all.
 const std::array<double, electrodes>& relative_noise();
 
 // A position in the device's own axes in the pad frame P, whose origin is the skin's outermost point and whose +Z goes into the finger.
@@ -31,11 +38,11 @@ inline Eigen::Vector3d in_pad_frame(const Eigen::Vector3d& place, double bulge) 
   return {place.x(), -place.z(), place.y() + bulge};
 }
 
-// The skin of a BioTac SP: half an ellipsoid of compliant friction points over the core with the electrodes.
+// The skin of a BioTac: half an ellipsoid of compliant friction points over the core with the electrodes.
 struct Skin {
-  PadLayout layout;                               // in P; unit e: what is nearer to electrode e than to any other
-  std::vector<double> area;                       // m2, of each element
-  std::array<Eigen::Vector3d, electrodes> above;  // m, in P: the skin's point over each electrode
+  PadLayout layout;                    // in P; unit e: what is nearer to electrode e than to any other
+  std::vector<double> area;            // m2, of each element
+  std::vector<Eigen::Vector3d> above;  // m, in P: the skin's point over each electrode
 };
 
 struct SkinFigures {
@@ -49,9 +56,10 @@ struct SkinFigures {
 //   (x/a)^2 + (y/b)^2 + (z/c)^2 = 1,  y < 0.
 // Where the point u of the unit sphere comes to lie, an area of it is larger by a b c |(u_x/a, u_y/b, u_z/c)|: that is the element's weight,
 // so that sums over elements are integrals over the skin whatever n. Stiffness goes with the area (an elastic foundation).
-// `sensor`: its place in the scene, "sensors.finger". Throws SceneValueError of its radii where an electrode would have no element: the skin is
-// another shape than the electrodes', or the mesh too coarse for it.
-Skin make_skin(const SkinFigures& figures, const std::string& sensor);
+// `sensor`: its place in the scene, "sensors.finger". `places`: of the electrodes. Throws SceneValueError of its radii where an electrode would have
+// no element: the skin is another shape than the electrodes', or the mesh too coarse for it.
+Skin make_skin(const SkinFigures& figures, const std::string& sensor,
+               std::span<const Eigen::Vector3d> places = electrode_places());
 
 // From the dent of the skin to the counts of an electrode, and to the pressure of the fluid.
 
@@ -93,8 +101,8 @@ class Dents {
   }
 
  private:
-  Eigen::MatrixXd depth_;  // [N,24] 1
-  Eigen::MatrixXd drag_;   // [3N,24] 1/m, empty where a drag is not felt
+  Eigen::MatrixXd depth_;  // [N,electrodes] 1
+  Eigen::MatrixXd drag_;   // [3N,electrodes] 1/m, empty where a drag is not felt
 };
 
 // The divider in which an electrode is measured: Z = (4095/E - 1) 10 kOhm, E in counts (SP manual, section 5).

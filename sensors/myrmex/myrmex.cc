@@ -1,11 +1,13 @@
 #include "sensors/myrmex/myrmex.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <span>
 
 #include "sensors/electronics/pad_sensor.h"
 #include "sensors/myrmex/foam_cell.h"
+#include "sim/core/math.h"
 #include "sim/core/parameters.h"
 #include "sim/core/sensor.h"
 #include "sim/core/vectorise.h"
@@ -47,12 +49,12 @@ Channel make_channel(const Parameters& parameters) {
   return channel;
 }
 
-SignalModel signal_model(double rate, std::size_t taxels) {
+SignalModel signal_model(double rate, std::size_t taxels, double noise) {
   SignalModel model;
   model.rate = rate;
   model.sources = taxels;
   for (std::size_t taxel = 0; taxel < taxels; ++taxel) model.source.push_back(taxel);
-  model.noise_sd.assign(taxels, 9.0 / 1024.0 * full_scale);
+  model.noise_sd.assign(taxels, noise * full_scale);
   model.converter.assign(taxels, {0.0, full_scale});
   return model;
 }
@@ -87,6 +89,26 @@ SLIPBENCH_DISPATCHED void read_cells(const FoamCell& cell_read, std::size_t taxe
   }
 }
 
+// Creep of the foam: what a cell feels grows under a steady load by a share of it for every tenfold time, by Boltzmann's superposition
+//   f_c = f + creep sum_k y_k,  dy_k/dt = (f - y_k)/tau_k,  tau_k = 10 ms, 100 ms ... 1000 s
+// Each y_k is moved exactly for a force that stands over a sample. Under a step the sum grows by exp(-t/tau_last) - exp(-10 t/tau_first) from t to
+// 10 t, which is 1 well within the range of tau.
+constexpr std::array<double, 6> creep_times{1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3};  // s
+
+// As read_cells(). `share`: what a sample leaves of f - y_k; `slow`: y_k of each taxel [N].
+void read_creeping_cells(const FoamCell& cell, double creep, const std::array<double, creep_times.size()>& share,
+                         std::size_t taxels, const double* force, double* play_1, double* play_2, double* slow, float* values) {
+  for (std::size_t taxel = 0; taxel < taxels; ++taxel, slow += creep_times.size()) {
+    const double felt = cell.felt(std::max(0.0, force[3 * taxel + 2]), play_1[taxel], play_2[taxel]);
+    double sum = 0.0;
+    for (std::size_t k = 0; k < creep_times.size(); ++k) {
+      slow[k] = felt + share[k] * (slow[k] - felt);
+      sum += slow[k];
+    }
+    values[taxel] = static_cast<float>(cell.reading(felt + creep * sum));
+  }
+}
+
 SLIPBENCH_DISPATCHED bool any_loaded_out(std::size_t taxels, const float* values) {
   unsigned out = 0;
   SLIPBENCH_VECTORISE
@@ -100,16 +122,24 @@ class Myrmex final : public PadSensor {
       : PadSensor(parameters.number("rate"), make_layout(parameters), {make_channel(parameters)}),
         cell_{parameters.number("hysteresis"), 2.0 * parameters.number("resistance") / parameters.number("reference"),
               parameters.number("contact_resistance") / parameters.number("reference")},
-        electronics_(electronics, signal_model(rate_, layout_.units.size()), key),
+        electronics_(electronics, signal_model(rate_, layout_.units.size(), parameters.number("noise")), key),
+        creep_(parameters.number("creep")),
         plays_(2 * layout_.units.size()),
         values_(layout_.units.size()) {
     frame_.values = values_;
+    if (creep_ > 0.0) slow_.resize(creep_times.size() * layout_.units.size());
+    for (std::size_t k = 0; k < creep_times.size(); ++k) creep_share_[k] = math::exp(-1.0 / (rate_ * creep_times[k]));
   }
 
   const SensorFrame& measure(const ContactFrame& truth) override {
     const std::size_t taxels = values_.size();
     assert(static_cast<std::size_t>(truth.force.cols()) == taxels);
-    read_cells(cell_, taxels, truth.force.data(), plays_.data(), plays_.data() + taxels, values_.data());
+    if (slow_.empty()) {
+      read_cells(cell_, taxels, truth.force.data(), plays_.data(), plays_.data() + taxels, values_.data());
+    } else {
+      read_creeping_cells(cell_, creep_, creep_share_, taxels, truth.force.data(), plays_.data(), plays_.data() + taxels,
+                          slow_.data(), values_.data());
+    }
     electronics_.apply(values_, truth.time);
     if (any_loaded_out(taxels, values_.data())) ++saturated_;
     frame_.time = truth.time;
@@ -119,6 +149,7 @@ class Myrmex final : public PadSensor {
   [[nodiscard]] std::vector<std::span<double>> memory() override {
     std::vector<std::span<double>> memories = electronics_.memory();
     memories.emplace_back(plays_);
+    if (!slow_.empty()) memories.emplace_back(slow_);
     return memories;
   }
 
@@ -135,7 +166,10 @@ class Myrmex final : public PadSensor {
   FoamCell cell_;
   Electronics electronics_;
   std::uint64_t saturated_ = 0;
-  std::vector<double> plays_;  // p_1 of all taxels, then p_2 [N]
+  double creep_;                                          // a decade
+  std::array<double, creep_times.size()> creep_share_{};  // what a sample leaves of f - y_k
+  std::vector<double> plays_;                             // p_1 of all taxels, then p_2 [N]
+  std::vector<double> slow_;                              // y_k of each taxel [N]; empty: no creep
   std::vector<float> values_;
 };
 
@@ -155,6 +189,8 @@ Entry myrmex_entry() {
           "f: the normal force F of a taxel with the foam's memory, two plays p <- min(max(p, (1 - w) F), (1 + w) F):\n"
           "f = (F + p_1 + p_2)/3 with w = hysteresis and 2 hysteresis\n"
           "f is (1 - hysteresis) F in first loading and (1 + hysteresis) F in unloading: the counts are then lower at the same force.\n"
+          "With creep f becomes f + creep sum_k y_k, dy_k/dt = (f - y_k)/tau_k, tau_k = 10 ms to 1000 s, one a decade: under a steady load\n"
+          "f grows by the share creep for every tenfold time\n"
           "foam: k_n = modulus pitch^2/thickness a taxel, k_t = shear_share k_n",
       .source = cell + "; A. Visintin, Differential Models of Hysteresis (1994), ch. III (generalised play)",
       .parameters = {
@@ -180,6 +216,13 @@ Entry myrmex_entry() {
           number_spec("hysteresis", Quantity::none, "0.03", {0.0, 0.25},
                       "Share h by which unloading reads more, and loading less, than the force.",
                       "that cell: unloading minus loading up to 3 to 10 % of the range; 2 h (1 - 2h)/(1 + 2h) = 5.3 %"),
+          number_spec(
+              "creep", Quantity::none, "0", fraction,
+              "Share by which what a taxel feels of a steady load grows for every tenfold time; 0: no creep.",
+              "0: off unless asked for. 0.1 is a plausible foam, assumed; the sum of a held array (Weiss) grows by 0.26 to 1.6 a decade from 0.3 to 4 s, hand and grip included"),
+          number_spec(
+              "noise", Quantity::none, "0.0087890625", fraction, "Noise of a taxel, sd over the converter's range.",
+              "9 of 1024 counts: a comparable cell at rest on a bench's 10-bit converter (TAMS-Group/tams_tactile_sensor_array_hardware). Loaded cells of an industrial array (Weiss) have 0.0007 to 0.0015"),
       }};
 }
 
@@ -189,9 +232,7 @@ std::vector<Entry> myrmex_electronics() {
       {{"scan",
         "taxel by taxel, row by row, in the time of the fastest image",
         {{"duration", "526 us", "1/1.9 kHz, the paper's highest rate"}}},
-       {"white_noise",
-        "9 of 1024 counts at rest (the comparable cell), of every taxel its own; white: assumed, no spectrum is published",
-        {}},
+       {"white_noise", "the sensor's parameter noise, of every taxel its own; white: assumed, no spectrum is published", {}},
        {"quantisation", "over 0 to 4095 counts", {{"bits", "12", "the paper, section 2"}}}});
 }
 

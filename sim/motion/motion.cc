@@ -80,8 +80,12 @@ void MotorVibration::add_axis(Drive& drive, std::size_t axis, double speed, doub
     const std::complex<double> phase = line_phase_[axis][o];
     sum += phase.real() * orders_now[o].real() - phase.imag() * orders_now[o].imag();
   }
-  const double lead = settings_.lead[axis == idle_axis ? 0 : static_cast<Eigen::Index>(axis)];
   drive.lines += std::sqrt(speed / reference_speed) * sum;
+  add_noise(drive, axis, speed);
+}
+
+void MotorVibration::add_noise(Drive& drive, std::size_t axis, double speed) const {
+  const double lead = settings_.lead[axis == idle_axis ? 0 : static_cast<Eigen::Index>(axis)];
   drive.speed += speed;
   drive.corner += speed * (orders.back() * speed / lead);
 }
@@ -103,6 +107,7 @@ double MotorVibration::drive(const BodyState& stage, double dt) {
     }
     time_ += dt;
   }
+  if (settings_.rest_speed > 0.0) add_noise(now, idle_axis, settings_.rest_speed);
   if (now.speed == 0.0) return 0.0;
   const double corner = now.corner / now.speed;
   if (corner * dt != noise_corner_) {

@@ -28,6 +28,7 @@ struct MotorSettings {
   Eigen::Vector3d lead{8e-3, 8e-3, 4e-3};  // m, way of each axis, X, Y, Z, in a turn of its spindle
   double idle_speed = 0.0;                 // m/s, of a further axis, which does not carry the pad; its lead is that of X
   double idle_start = 0.0;                 // s, from when on that axis runs
+  double rest_speed = 0.0;                 // m/s, of an axis whose noise is as strong as that of all motors at rest
 };
 
 // Each axis that moves at v drives, with a mean square in proportion to v, half by lines at orders 1, 2, 8, 24, 50, 100, 200 of its spindle's
@@ -35,7 +36,8 @@ struct MotorSettings {
 // 2 pi position/lead, so a line follows any change of speed without a jump. This goes through the sum of the frame's five modes r, which
 // passes accelerations:
 //   H(s) = sum_r s^2/(s^2 + 2 zeta_r w_r s + w_r^2),  w_r/2 pi = 75, 130, 215, 330, 520 Hz, zeta_r = 0.03 to 0.05,
-// moved exactly between samples for a drive that is linear in between. An idle axis is a further one that moves at a constant speed.
+// moved exactly between samples for a drive that is linear in between. An idle axis is a further one that moves at a constant speed. Motors that
+// hold their position drive all the time with the noise of an axis at rest_speed, without lines, for nothing turns.
 // Source: the forms of NIB_PIEZO's dry run; all figures are assumed.
 class MotorVibration {
  public:
@@ -68,6 +70,7 @@ class MotorVibration {
 
   double drive(const BodyState& stage, double dt);
   void add_axis(Drive& drive, std::size_t axis, double speed, double turns) const;
+  void add_noise(Drive& drive, std::size_t axis, double speed) const;
   void set_step(double dt);
 
   MotorSettings settings_;

@@ -29,7 +29,8 @@ Entry stage_entry() {
       "square (1.6 mN level)^2 v/(10 mm/s). Half of it are lines at 1, 2, 8, 24, 50, 100, 200 times v/lead, half is noise of\n"
       "one pole at 200 v/lead. The frame has modes at 75, 130, 215, 330, 520 Hz (damping ratio 0.03 to 0.05); it passes on the\n"
       "sum of s^2/(s^2 + 2 zeta w s + w^2) over the modes. ln(level) varies by vibration_sd from recording to recording.\n"
-      "An idle axis adds its own such drive at v = idle_speed from idle_start on.",
+      "An idle axis adds its own such drive at v = idle_speed from idle_start on. Motors that hold their position add the noise of\n"
+      "such a drive at v = rest_speed throughout, without lines.",
       "Wang et al., IEEE RA-L 9 (2024) 1827 (protocol); constant accelerations, integrated exactly",
       {
           number_spec("compression", Quantity::length, "1 mm", positive_up_to(0.1), "How far the tallest element is pressed in.",
@@ -84,6 +85,9 @@ Entry stage_entry() {
                       "Speed of a further axis that does not carry the pad; only its motor is heard.",
                       "free: motors run without a slide"),
           number_spec("idle_start", Quantity::time, "0 s", non_negative, "From when on that axis runs, until the end.", "free"),
+          number_spec("rest_speed", Quantity::speed, "0 mm/s", {0.0, 10.0},
+                      "Speed at which an axis is as noisy as all motors are while they hold their position; 0: silent at rest.",
+                      "0: silent unless asked for; 1 to 3 mm/s at level 2 fit the mean spectrum of a real piezoelectric skin"),
       }};
 }
 
@@ -152,7 +156,8 @@ class Stage final : public Motion {
                  p.number("vibration_in_contact"),
                  {lead[0], lead[1], lead[2]},
                  p.number("idle_speed"),
-                 p.number("idle_start")};
+                 p.number("idle_start"),
+                 p.number("rest_speed")};
     }
   }
 

@@ -134,7 +134,7 @@ TEST(MyrmexMemory, KnowsTurnsAndNoTime) {
     const double from = force == 2.0 ? 0.0 : force == 0.7 ? 2.0 : 0.7;
     for (int k = 1; k <= 50; ++k) slowly = felt(*often, from + (force - from) * k / 50.0);
     EXPECT_NEAR(at_once, slowly, rounding) << force;
-    for (int k = 0; k < 20; ++k) EXPECT_EQ(felt(*often, force), slowly) << "nothing creeps";
+    for (int k = 0; k < 20; ++k) EXPECT_EQ(felt(*often, force), slowly) << "without creep nothing grows";
   }
   // An inner loop that comes back to its turn is forgotten (Madelung).
   const auto plain = straight_cell(), inner = straight_cell();
@@ -147,6 +147,48 @@ TEST(MyrmexMemory, KnowsTurnsAndNoTime) {
 TEST(MyrmexMemory, IsAllThatASampleLeaves) {
   const auto lasting = array({}, {part("scan"), part("white_noise"), part("quantisation")});
   const auto fresh = array({}, {part("scan"), part("white_noise"), part("quantisation")});
+  for (const double force : {3.0, 20.0, 11.0}) lasting->measure(pressed(256, force));
+  const auto from = lasting->memory(), to = fresh->memory();
+  ASSERT_EQ(from.size(), to.size());
+  for (std::size_t k = 0; k < from.size(); ++k) std::ranges::copy(from[k], to[k].begin());
+  for (const double force : {10.0, 14.0, 0.0}) {
+    const std::span<const float> a = lasting->measure(pressed(256, force)).values, b = fresh->measure(pressed(256, force)).values;
+    EXPECT_TRUE(std::ranges::equal(a, b)) << force;
+  }
+}
+
+// Under a step of F at t = 0 the cell feels f (1 + c sum_k (1 - exp(-t/tau_k))), f = (1 - h) F, and from t to 10 t it grows by the share c of f:
+// exp(-t/tau_k) - exp(-10 t/tau_k) over tau of 10 ms to 1000 s leaves exp(-t/1000 s) - exp(-10 t/10 ms), 0.9997 at t = 0.3 s.
+TEST(MyrmexCreep, GrowsByItsShareADecade) {
+  constexpr double creep = 0.1, at_first = 0.97;
+  const auto sensor = cell({{"contact_resistance", 0.0}, {"creep", creep}, {"rate", 100.0}});
+  std::vector<double> felt_at;
+  for (int k = 1; k <= 3000; ++k) {
+    felt_at.push_back(felt(*sensor, 1.0));
+    const double t = 0.01 * k;
+    double slow = 0.0;
+    for (const double time : {0.01, 0.1, 1.0, 10.0, 100.0, 1000.0}) slow += 1.0 - std::exp(-t / time);
+    ASSERT_NEAR(felt_at.back(), at_first * (1.0 + creep * slow), rounding) << t;
+  }
+  EXPECT_NEAR((felt_at[299] - felt_at[29]) / at_first, creep * 0.9997, 4.0 * rounding) << "0.3 to 3 s";
+  EXPECT_NEAR((felt_at[2999] - felt_at[299]) / at_first, creep * 0.997, 1e-4) << "3 to 30 s";
+}
+
+// Boltzmann: 30 s of load and then none leave c sum_k (1 - exp(-30 s/tau_k)) exp(-t/tau_k) of f after t, which is forgotten as slowly as it came.
+TEST(MyrmexCreep, IsForgottenAsSlowlyAsItCame) {
+  const auto sensor = cell({{"contact_resistance", 0.0}, {"creep", 0.1}, {"rate", 100.0}});
+  for (int k = 0; k < 3000; ++k) felt(*sensor, 1.0);
+  for (int k = 1; k <= 500; ++k) {
+    double slow = 0.0;
+    for (const double time : {0.01, 0.1, 1.0, 10.0, 100.0, 1000.0})
+      slow += (1.0 - std::exp(-30.0 / time)) * std::exp(-0.01 * k / time);
+    ASSERT_NEAR(felt(*sensor, 0.0), 0.97 * 0.1 * slow, rounding) << k;
+  }
+}
+
+TEST(MyrmexCreep, GoesOnFromItsMemory) {
+  const Changes creeping{{"creep", 0.1}};
+  const auto lasting = array(creeping), fresh = array(creeping);
   for (const double force : {3.0, 20.0, 11.0}) lasting->measure(pressed(256, force));
   const auto from = lasting->memory(), to = fresh->memory();
   ASSERT_EQ(from.size(), to.size());
@@ -182,6 +224,17 @@ TEST(MyrmexElectronics, ScanReadsOneTaxelAfterTheOther) {
   EXPECT_THAT(scene_refusal_of([&] { array({}, {slow}); }),
               AllOf(StartsWith("sensors.pad.electronics.scan.duration | "),
                     HasSubstr("1.5 ms is longer than the 1 ms between two samples")));
+}
+
+TEST(MyrmexElectronics, NoiseIsAsTheParameterSays) {
+  // 2,560 draws of 0.1 % of 4,095 counts: standard error of a mean square sqrt(2/2560) = 2.8 %. A float of 4,095 has steps of 0.0002.
+  double square = 0.0;
+  for (std::uint64_t trial = 0; trial < 10; ++trial) {
+    const auto sensor = array({{"noise", 0.001}}, {part("white_noise")}, trial);
+    for (const float value : sensor->measure(pressed(256, 0.0)).values)
+      square += std::pow(static_cast<double>(value) - full, 2) / 2560.0;
+  }
+  EXPECT_NEAR(square / std::pow(4.095, 2), 1.0, 5.0 * std::sqrt(2.0 / 2560.0));
 }
 
 TEST(MyrmexElectronics, NoiseIsThatOfTheComparableCell) {

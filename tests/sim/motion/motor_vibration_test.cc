@@ -81,6 +81,36 @@ TEST(MotorVibration, HearsAnIdleAxisFromItsStartOnAndDrawsNothingForNone) {
   EXPECT_GT(heard, 0.0);
 }
 
+TEST(MotorVibration, HumsAtRestAsNoiseOfAnAxisAtRestSpeed) {
+  // Motors that hold drive with noise alone: mean square A^2/2, A = 1.6 mN sqrt(2 mm/s/10 mm/s), of one pole f_c = 200 v/lead = 50 Hz, so of the
+  // one-sided density A^2/(pi f_c)/(1 + (f/f_c)^2). A step of the pole samples it: at f the density is that of e^(-|k| b), b = 2 pi f_c dt,
+  //   A^2 dt (1 - E^2)/(1 - 2 E cos(2 pi f dt) + E^2),  E = e^-b,
+  // and the modes pass |passed(f)|^2 of it. A periodogram of n = 400 segments has a standard error of 1/sqrt(n) = 5 % (Hann, no overlap). A mode of
+  // half width zeta f_r = 2.25 Hz is narrower than a bin of 10 Hz; the bins at 400 and 800 Hz are away from all modes.
+  constexpr int segment = 1000, segments = 400;
+  MotorVibration shaking = motors({.sd = 0.0, .rest_speed = 2e-3});
+  for (int k = 0; k < 5000; ++k) shaking.force(stage(0.0, 0.0), false, dt);  // the modes settle
+  double power_400 = 0.0, power_800 = 0.0;
+  for (int s = 0; s < segments; ++s) {
+    std::complex<double> at_400 = 0.0, at_800 = 0.0;
+    for (int k = 0; k < segment; ++k) {
+      const double tapered = shaking.force(stage(0.0, 0.0), false, dt) * (1.0 - std::cos(2.0 * pi * k / segment));
+      at_400 += tapered * std::polar(1.0, -2.0 * pi * 400.0 * dt * k);
+      at_800 += tapered * std::polar(1.0, -2.0 * pi * 800.0 * dt * k);
+    }
+    // One-sided: 2 dt |sum|^2 over the taper's sum of squares, 3/2 of the segment.
+    power_400 += 2.0 * dt * std::norm(at_400) / (1.5 * segment) / segments;
+    power_800 += 2.0 * dt * std::norm(at_800) / (1.5 * segment) / segments;
+  }
+  const double square = 1.6e-3 * 1.6e-3 * 0.2, keeps = std::exp(-2.0 * pi * 50.0 * dt);
+  const auto expected = [&](double f) {
+    return square * dt * (1.0 - keeps * keeps) / (1.0 - 2.0 * keeps * std::cos(2.0 * pi * f * dt) + keeps * keeps) *
+           std::norm(passed(f));
+  };
+  EXPECT_NEAR(power_400 / expected(400.0), 1.0, 5.0 / std::sqrt(segments));
+  EXPECT_NEAR(power_800 / expected(800.0), 1.0, 5.0 / std::sqrt(segments));
+}
+
 TEST(MotorVibration, GrowsInProportionToItsLevel) {
   MotorVibration once = motors({.level = 1.0}), twice = motors({.level = 2.0}),
                  touching = motors({.level = 1.0, .in_contact = 4.0});

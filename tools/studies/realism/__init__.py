@@ -12,11 +12,18 @@ import slipbench
 from slipbench import InputError
 from slipbench_studies.__main__ import run
 from slipbench_studies.grid import check_only
-from slipbench_studies.realism import fabric, hexapod, uskin
+from slipbench_studies.realism import biotac_19, fabric, hexapod, myrmex, piezo_skin, uskin
 from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
 
 GRASPS_A_BOX = 40  # of which the median's scatter is some 10 %
-OWN = {"hexapod": hexapod.figures, "uskin": uskin.figures, "fabric": fabric.figures}  # devices of which no paper's table has figures: what gives them
+OWN = {  # devices of which no paper's table has figures: what gives them
+    "hexapod": hexapod.figures,
+    "uskin": uskin.figures,
+    "fabric": fabric.figures,
+    "piezo_skin": piezo_skin.figures,
+    "biotac_19": biotac_19.figures,
+    "myrmex": myrmex.figures,
+}
 
 
 @dataclass(frozen=True)
@@ -40,6 +47,9 @@ SOURCES = {
     "hexapod": Source(True),
     "uskin": Source(True),
     "fabric": Source(True),
+    "piezo_skin": Source(True),
+    "biotac_19": Source(True),
+    "myrmex": Source(True),
     "hd-papillarray/table1": Source(True),
     "hd-papillarray/table2": Source(True, ("as_recorded", "oracle", "ptfe_fitted", "rubber_fitted", "felt_fitted"), GRASPS_A_BOX),
     "nib-reconfigurable/table1": Source(True),

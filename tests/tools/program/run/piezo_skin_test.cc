@@ -95,7 +95,7 @@ TEST(PiezoSkinStage, ATextureSoundsAtSpeedOverWavelength) {
 
 TEST(PiezoSkinStage, WhileItSticksNothingIsHeard) {
   // Pressed, at rest, sheared by 15 um at 0.1 mm/s, at rest: 5 N and 0.7 would let go after 0.58 mm. The typical noise leaves
-  // 3 counts sqrt(600/5000) = 1.06 counts in the band. At rest there is less than a tenth of it, half a second (nine times the 53 ms of the
+  // 70 counts sqrt(600/5000) = 24.2 counts in the band. At rest there is less than half a hundredth of it, half a second (nine times the 53 ms of the
   // amplifier) after the last motion. While it is sheared the ramp alone is heard, 0.1 mm/s 6 N/mm 0.35 2000/N = 420 counts/s, 8.4 counts over a
   // window: harmonics k of rms 8.4/(sqrt(2) pi k), 2.37 counts in the twelve bins.
   const Recorded of = slide({quiet, ideal, {"motion.speed", "0.1 mm/s"}, {"motion.travel", "15 um"}});
@@ -106,7 +106,7 @@ TEST(PiezoSkinStage, WhileItSticksNothingIsHeard) {
     double& loudest = frame.end < 1.5 || frame.end > 2.15 ? at_rest : sheared;
     loudest = std::max(loudest, frame.rms);
   }
-  EXPECT_LT(at_rest, 0.1 * 1.06);
+  EXPECT_LT(at_rest, 0.005 * 24.2);
   EXPECT_GT(sheared, 1.0);
   EXPECT_LT(sheared, 2.37);
 }
@@ -199,16 +199,18 @@ double separation(const Overrides& overrides, std::size_t trials) {
 }
 
 TEST(PiezoSkinStage, FramesTellSlipFromHoldUntilTheMotorsDrownIt) {
-  // Half of the recordings are of the motors alone. AUC of the power in 50 to 600 Hz, frames of 20 ms. What is left of 1 without motors are frames
-  // in which a force is built up, by pressing and before the slip begins.
+  // Half of the recordings are of the motors alone. AUC of the power in 50 to 600 Hz, frames of 20 ms. What is left of 1 without motors and noise are
+  // frames in which a force is built up, by pressing and before the slip begins.
   double last = 1.0;
   for (const char* level : {"0", "4", "8"}) {
-    const double value = separation({{"motion.vibration", level}}, 12);
+    const double value = separation({{"motion.vibration", level}, {"sensors.pad.electronics", "ideal"}}, 12);
     std::printf("motor level %s: AUC %.4f\n", level, value);
     EXPECT_GE(value, std::string(level) == "0" ? 0.95 : 0.5) << level;
     EXPECT_LT(value, last) << level;
     last = value;
   }
+  // The typical noise drowns the quietest slips: the published frames of motors and slip are still told apart by nine in ten of the pairs.
+  EXPECT_GE(separation({}, 12), 0.9);
 }
 
 TEST(PiezoSkinStage, TheDatasetIsThePublishedOne) {
