@@ -276,6 +276,7 @@ class PadInstance {
   double time_ = 0.0;                         // s
   double dt_ = 0.0;                           // s, since the commit
   bool sampled_ = false;                      // the sensor has taken a sample; else what it holds is in the state
+  bool felt_ = false;                         // the sensor has taken in the contact, so that its memory has changed
   std::span<const float> sample_;             // valid until it takes the next one
   double next_sample_ = 0.0;
 };

@@ -37,13 +37,16 @@ namespace slipbench {
 struct Sampling {
   std::size_t stride = 1;  // ticks between two readings
   std::size_t scans = 1;   // readings a sample (Sensor::scans)
+  std::size_t completing = scans - 1;  // number of the reading that completes a sample (Sensor::completing_scan)
 
   [[nodiscard]] bool reads_at(std::size_t tick) const { return tick % stride == 0; }
-  [[nodiscard]] bool completes_at(std::size_t tick) const { return tick % ticks() == (scans - 1) * stride; }
+  [[nodiscard]] bool completes_at(std::size_t tick) const { return tick % ticks() == completing * stride; }
   // Ticks between two samples.
   [[nodiscard]] std::size_t ticks() const { return stride * scans; }
   // Samples that are complete in a trial of so many ticks.
-  [[nodiscard]] std::size_t samples(std::size_t trial_ticks) const { return ((trial_ticks + stride - 1) / stride) / scans; }
+  [[nodiscard]] std::size_t samples(std::size_t trial_ticks) const {
+    return (trial_ticks + ticks() - 1 - completing * stride) / ticks();
+  }
 };
 
 // A pad's tick as the loop may see it: without the truth.
@@ -84,14 +87,18 @@ class Sampler {
   struct Pad {
     Sensor* sensor;
     Sampling sampling;
+    bool feels_every_tick;                // the sensor is told of the ticks between its readings, too
     std::size_t tick = 0;                 // the next one
     const SensorFrame* latest = nullptr;  // the sensor's own
 
-    // Whether the sensor is read at the next tick, and the sample that this completes; null: none.
-    [[nodiscard]] bool reads() const { return sampling.reads_at(tick); }
+    // Whether the sensor reads or feels the next tick, and the sample that this completes; null: none.
+    [[nodiscard]] bool reads() const { return sampling.reads_at(tick) || feels_every_tick; }
     const SensorFrame* measure(const ContactFrame& truth) {
       const std::size_t now = tick++;
-      if (!sampling.reads_at(now)) return nullptr;
+      if (!sampling.reads_at(now)) {
+        if (feels_every_tick) sensor->feel(truth);
+        return nullptr;
+      }
       const SensorFrame& frame = sensor->measure(truth);
       if (!sampling.completes_at(now)) return nullptr;
       return latest = &frame;
