@@ -8,6 +8,7 @@ import numpy as np
 
 from slipbench import InputError
 from slipbench_studies import realism
+from slipbench_studies.realism import hexapod
 from slipbench_studies.result import Options
 
 
@@ -15,7 +16,7 @@ class Hexapod(unittest.TestCase):
     def test_it_is_as_near_to_the_recordings_as_it_was_made(self):
         # Bars of the published protocol: the memory that learnt from the recordings is right in 87, 90 and 78 % of the frames here, and the forces of
         # pillars 1 to 8 are .034 N rms from theirs at most.
-        figures = realism.hexapod(Options())
+        figures = hexapod.figures(Options())
         for one, bar in zip(figures, (87.0, 90.0, 78.0), strict=False):
             self.assertGreaterEqual(one.ours, bar)
         self.assertEqual([one.real for one in figures[:1]], [91.8])
