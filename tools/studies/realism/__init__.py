@@ -12,11 +12,11 @@ import slipbench
 from slipbench import InputError
 from slipbench_studies.__main__ import run
 from slipbench_studies.grid import check_only
-from slipbench_studies.realism import hexapod
+from slipbench_studies.realism import hexapod, papillarray
 from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
 
 GRASPS_A_BOX = 40  # of which the median's scatter is some 10 %
-OWN = {"hexapod": hexapod.figures}  # devices of which no paper's table has figures: what gives them
+OWN = {"hexapod": hexapod.figures, "papillarray": papillarray.figures}  # devices of which no paper's table has figures: what gives them
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,7 @@ class Source:
 
 SOURCES = {
     "hexapod": Source(True),
+    "papillarray": Source(True),
     "hd-papillarray/table1": Source(True),
     "hd-papillarray/table2": Source(True, ("as_recorded", "oracle", "ptfe_fitted", "rubber_fitted", "felt_fitted"), GRASPS_A_BOX),
     "nib-reconfigurable/table1": Source(True),
