@@ -76,7 +76,7 @@ class Electronics {
     for (const auto& stage : stages_) stage->apply(values, time);
   }
 
-  // True if feel() must be called at every tick between two samples, for Sensor::feels_every_tick: the first part works there.
+  // True if the first part works between samples, so that feel() must be called at every tick there (Sensor::feels_every_tick).
   [[nodiscard]] bool feels_every_tick() const { return !stages_.empty() && stages_.front()->works_between_samples(); }
   // Hands the first part the undisturbed values between two samples, which it changes. Only where feels_every_tick(). `time` [s].
   void feel(std::span<float> values, double time) { stages_.front()->apply(values, time); }

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <string>
 
@@ -94,7 +95,7 @@ SignalModel signal_model(const PillarStiffness& stiffness, double rate, const Co
   };
   append(force_factor, &Figures::force, true, valid_force);
   append({1.0, 1.0, 1.0}, &Figures::displacement, false, valid_displacement);
-  append_couplings(model, stiffness, coupling);
+  if (coupling.any()) append_couplings(model, stiffness, coupling);
   return model;
 }
 
@@ -224,54 +225,25 @@ Channel make_channel(const std::string& name, const std::string& unit, char symb
   return channel;
 }
 
-class PapillArray final : public PadSensor {
+class PapillArray : public PadSensor {
  public:
   PapillArray(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
       : PadSensor(checked_rate(parameters, key.sensor_name),
                   make_layout(parameters, RandomStream(key.seed, key.device, "papillarray." + key.sensor_name + ".stiffness")),
                   {make_channel("force", "N", 'F'), make_channel("displacement", "m", 'D')}),
-        label_speed_(parameters.number("label_speed")),
         electronics_(electronics, signal_model(stiffness_of(parameters), rate_, coupling_figures(electronics)), key),
-        scans_(electronics_.feels_every_tick() ? static_cast<std::size_t>(least_readings / rate_) : 1) {
+        label_speed_(parameters.number("label_speed")) {
     frame_.values = values_;
-    if (scans_ > 1) between_.resize(1 + values_.size());
   }
 
-  [[nodiscard]] std::size_t scans() const override { return scans_; }
-  // A sample is at the same time with and without the filter.
-  [[nodiscard]] std::size_t completing_scan() const override { return 0; }
-
   const SensorFrame& measure(const ContactFrame& truth) override {
-    if (scans_ > 1) {
-      double& turn = between_.front();
-      const bool completes = turn == 0.0;
-      turn = turn + 1.0 < static_cast<double>(scans_) ? turn + 1.0 : 0.0;
-      const std::span<double> last = std::span(between_).subspan(1);
-      if (!completes) {
-        feel(truth);
-        std::ranges::transform(last, values_.begin(), [](double value) { return static_cast<float>(value); });
-        return frame_;
-      }
-      read_sample(truth);
-      std::ranges::copy(values_, last.begin());
-      return frame_;
-    }
-    read_sample(truth);
+    read(truth, values_);
+    electronics_.apply(values_, truth.time);
+    frame_.time = truth.time;
     return frame_;
   }
 
-  [[nodiscard]] bool feels_every_tick() const override { return electronics_.feels_every_tick(); }
-  void feel(const ContactFrame& truth) override {
-    std::array<float, 2 * channel_size> felt{};
-    read(truth, felt);
-    electronics_.feel(felt, truth.time);
-  }
-
-  [[nodiscard]] std::vector<std::span<double>> memory() override {
-    std::vector<std::span<double>> memories = electronics_.memory();
-    if (!between_.empty()) memories.emplace_back(between_);
-    return memories;
-  }
+  [[nodiscard]] std::vector<std::span<double>> memory() override { return electronics_.memory(); }
   [[nodiscard]] std::uint64_t saturated() const override { return electronics_.saturated(); }
 
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool rotating) const override {
@@ -288,7 +260,7 @@ class PapillArray final : public PadSensor {
     return in_contact && judged == 0 ? PadState::non_slip : pad_state(judged, slipping);
   }
 
- private:
+ protected:
   static void read(const ContactFrame& truth, std::array<float, 2 * channel_size>& values) {
     assert(truth.force.cols() == Eigen::Index{pillars} && truth.displacement.cols() == Eigen::Index{pillars});
     // One column a pillar, so the memory order is that of the channel's {9,3}.
@@ -298,18 +270,60 @@ class PapillArray final : public PadSensor {
     Values(values.data() + channel_size) = Truth(truth.displacement.data()).cast<float>();
   }
 
-  void read_sample(const ContactFrame& truth) {
-    read(truth, values_);
-    electronics_.apply(values_, truth.time);
-    frame_.time = truth.time;
+  Electronics electronics_;
+  std::array<float, 2 * channel_size> values_{};
+
+ private:
+  double label_speed_;
+};
+
+// With a filter before the converter: it is read at 1 kHz or more, and feels what is between. The first reading of a sample is the sample, so that
+// samples are at the same times as without the filter; the others hold it.
+class FilteredPapillArray final : public PapillArray {
+ public:
+  FilteredPapillArray(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
+      : PapillArray(parameters, electronics, key), scans_(static_cast<std::size_t>(least_readings / rate_)) {}
+
+  [[nodiscard]] std::size_t scans() const override { return scans_; }
+  [[nodiscard]] std::size_t completing_scan() const override { return 0; }
+  [[nodiscard]] bool feels_every_tick() const override { return true; }
+
+  void feel(const ContactFrame& truth) override {
+    std::array<float, 2 * channel_size> felt{};
+    read(truth, felt);
+    electronics_.feel(felt, truth.time);
   }
 
-  double label_speed_;
-  Electronics electronics_;
+  const SensorFrame& measure(const ContactFrame& truth) override {
+    double& turn = held_.back();
+    const bool completes = turn == 0.0;
+    turn = turn + 1.0 < static_cast<double>(scans_) ? turn + 1.0 : 0.0;
+    if (completes) {
+      PapillArray::measure(truth);
+      std::ranges::copy(values_, held_.begin());
+    } else {
+      feel(truth);
+      std::ranges::transform(held_.begin(), held_.end() - 1, values_.begin(), [](double value) { return static_cast<float>(value); });
+    }
+    return frame_;
+  }
+
+  [[nodiscard]] std::vector<std::span<double>> memory() override {
+    std::vector<std::span<double>> memories = electronics_.memory();
+    memories.emplace_back(held_);
+    return memories;
+  }
+
+ private:
   std::size_t scans_;
-  std::vector<double> between_;  // of a sample in several readings: how many it has had, then the values of the latest sample; empty: one reading
-  std::array<float, 2 * channel_size> values_{};
+  std::array<double, 2 * channel_size + 1> held_{};  // the latest sample, then how many of the sample's readings have been taken
 };
+
+std::unique_ptr<Sensor> create_papillarray(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
+                                           std::uint64_t trial, const std::string& sensor_name) {
+  const bool filtered = std::ranges::find(electronics, "low_pass", &Named::name) != electronics.end();
+  return (filtered ? created<FilteredPapillArray> : created<PapillArray>)(parameters, electronics, seed, trial, sensor_name);
+}
 
 }  // namespace
 }  // namespace papillarray
@@ -369,7 +383,7 @@ Entry papillarray_entry() {
 SensorKind papillarray_sensor() {
   return {.about = papillarray_entry(),
           .electronics = papillarray::electronics_parts(),
-          .create = created<papillarray::PapillArray>,
+          .create = papillarray::create_papillarray,
           .view = {.unit = "pillar",
                    .units = "pillars",
                    .letter = "P",

@@ -41,6 +41,8 @@ struct CouplingFigures {
   double normal_to_shear = 0.0;  // FZ to FX, FY
   double shear_to_shear = 0.0;   // FX to FY, FY to FX
   CouplingCarrier carrier = CouplingCarrier::force;
+
+  [[nodiscard]] bool any() const { return shear_to_normal > 0.0 || normal_to_shear > 0.0 || shear_to_shear > 0.0; }
 };
 
 // Those of the part `coupling` in `electronics`; zeros where it is not named.

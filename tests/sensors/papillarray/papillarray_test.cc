@@ -381,6 +381,29 @@ TEST(PapillArray, LowPassWorksBetweenTheSamplesOfASlowSensor) {
   EXPECT_FALSE(ideal->feels_every_tick());
 }
 
+// What a slow sensor carries from one reading to the next is its memory: the filter, and the sample that it holds.
+TEST(PapillArray, AMemoryThatIsTakenOverBetweenTwoSamplesGoesOnToTheSameBits) {
+  Parameters parameters = defaults();
+  parameters.set("rate", 250.0);
+  const auto lasting = make(parameters, typical()), fresh = make(parameters, typical());
+  ContactFrame truth = empty_frame();
+  const auto at = [&](std::size_t tick) {
+    truth.time = 1e-3 * static_cast<double>(tick);
+    truth.force.setConstant(std::sin(100.0 * truth.time));
+    truth.displacement.setConstant(1e-3 * std::sin(100.0 * truth.time));
+    return truth;
+  };
+  for (std::size_t tick = 0; tick < 10; ++tick) lasting->measure(at(tick));  // the sample of 8 ms, and one reading after it
+  const auto saved = lasting->memory(), loaded = fresh->memory();
+  ASSERT_EQ(saved.size(), loaded.size());
+  for (std::size_t k = 0; k < saved.size(); ++k) std::ranges::copy(saved[k], loaded[k].begin());
+  for (std::size_t tick = 10; tick < 30; ++tick) {
+    lasting->feel(at(tick));
+    fresh->feel(at(tick));
+    ASSERT_EQ(reading(*lasting, at(tick)), reading(*fresh, at(tick))) << tick;
+  }
+}
+
 // Force within 4 N along the surface and up to 15 N into it, displacement within 1 mm and up to 2.5 mm; a pulled pillar is not judged.
 TEST(PapillArray, CountsSamplesBeyondTheMakersRange) {
   const auto sensor = make(defaults(), {only("valid_range")});

@@ -87,21 +87,23 @@ class Sampler {
   struct Pad {
     Sensor* sensor;
     Sampling sampling;
-    bool feels_every_tick;                // the sensor is told of the ticks between its readings, too
+    std::size_t felt_stride;              // ticks between two that the sensor reads or feels
     std::size_t tick = 0;                 // the next one
     const SensorFrame* latest = nullptr;  // the sensor's own
 
     // Whether the sensor reads or feels the next tick, and the sample that this completes; null: none.
-    [[nodiscard]] bool reads() const { return sampling.reads_at(tick) || feels_every_tick; }
+    [[nodiscard]] bool reads() const { return tick % felt_stride == 0; }
     const SensorFrame* measure(const ContactFrame& truth) {
+      const bool due = reads();
       const std::size_t now = tick++;
-      if (!sampling.reads_at(now)) {
-        if (feels_every_tick) sensor->feel(truth);
-        return nullptr;
+      if (!due) return nullptr;
+      if (sampling.completes_at(now)) return latest = &sensor->measure(truth);
+      if (felt_stride == sampling.stride || sampling.reads_at(now)) {
+        sensor->measure(truth);
+      } else {
+        sensor->feel(truth);
       }
-      const SensorFrame& frame = sensor->measure(truth);
-      if (!sampling.completes_at(now)) return nullptr;
-      return latest = &frame;
+      return nullptr;
     }
   };
 
