@@ -15,7 +15,8 @@ const std::vector<PartKind>& part_kinds() {
   static const std::vector<PartKind> kinds = [] {
     std::vector<PartKind> all{low_pass_part(), scan_part()};
     for (PartKind& part : drawn_once_parts()) all.push_back(std::move(part));
-    for (const auto part : {noise_part, white_noise_part, skewed_noise_part, quantisation_part, valid_range_part}) all.push_back(part());
+    for (const auto part : {noise_part, white_noise_part, skewed_noise_part, quantisation_part, valid_range_part})
+      all.push_back(part());
     return all;
   }();
   return kinds;

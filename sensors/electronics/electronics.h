@@ -38,8 +38,8 @@ struct SignalModel {
   std::vector<double> gain_sd;      // [V] standard deviation of the gain about 1; 0: the value has no gain error
   std::vector<Coupling> couplings;
   std::vector<ConverterRange> converter = {};  // [V]; empty: the sensor has no part `quantisation`
-  std::vector<ConverterRange> valid = {};      // [V] where the maker states an accuracy; empty: the sensor has no part `valid_range`
-  std::vector<double> scan_share = {};  // [V] of the scan that is left after the value; empty: one after the other, by number
+  std::vector<ConverterRange> valid = {};  // [V] where the maker states an accuracy; empty: the sensor has no part `valid_range`
+  std::vector<double> scan_share = {};     // [V] of the scan that is left after the value; empty: one after the other, by number
 };
 
 // What keys the random streams of a sensor's electronics.

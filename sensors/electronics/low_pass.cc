@@ -22,7 +22,8 @@ struct Step {
   double passes_on;  // a E
 };
 
-SLIPBENCH_DISPATCHED void advance(std::size_t count, Step step, double* last, double* first_pole, double* second_pole, float* values) {
+SLIPBENCH_DISPATCHED void advance(std::size_t count, Step step, double* last, double* first_pole, double* second_pole,
+                                  float* values) {
   SLIPBENCH_VECTORISE
   for (std::size_t v = 0; v < count; ++v) {
     const double x = values[v], d = step.per_slope * (x - last[v]);
@@ -70,14 +71,15 @@ class LowPass final : public ElectronicsStage {
 
 PartKind low_pass_part() {
   return {
-      .entry = {.name = "low_pass",
-                .summary = "Analogue low-pass before the converter: two equal poles, at every step of the simulation.",
-                .law = "z = x/(1 + s/w)^2,  w = 2 pi corner/sqrt(sqrt(2) - 1) = 2 pi corner*1.554\n"
-                       "|z/x| = 1/(1 + (f/f_p)^2),  f_p = w/(2 pi): -3 dB at the corner; a step is at half after 1.678/w\n"
-                       "exact for a signal that goes straight between two steps of the simulation. The first value finds it settled.",
-                .source = "the definition of a filter of two equal poles",
-                .parameters = {number_spec("corner", Quantity::frequency, "235 Hz", positive_or_infinite,
-                                           "Frequency at which the amplitude is 3 dB down; inf: no filter.", "assumed")}},
+      .entry =
+          {.name = "low_pass",
+           .summary = "Analogue low-pass before the converter: two equal poles, at every step of the simulation.",
+           .law = "z = x/(1 + s/w)^2,  w = 2 pi corner/sqrt(sqrt(2) - 1) = 2 pi corner*1.554\n"
+                  "|z/x| = 1/(1 + (f/f_p)^2),  f_p = w/(2 pi): -3 dB at the corner; a step is at half after 1.678/w\n"
+                  "exact for a signal that goes straight between two steps of the simulation. The first value finds it settled.",
+           .source = "the definition of a filter of two equal poles",
+           .parameters = {number_spec("corner", Quantity::frequency, "235 Hz", positive_or_infinite,
+                                      "Frequency at which the amplitude is 3 dB down; inf: no filter.", "assumed")}},
       .drawn_per = DrawnPer::never,
       .make = made<LowPass>};
 }

@@ -34,14 +34,15 @@ class ValidRange final : public ElectronicsStage {
 }  // namespace
 
 PartKind valid_range_part() {
-  return {.entry = {.name = "valid_range",
-                    .summary = "Counts samples with a value beyond the range in which the maker states an accuracy; changes nothing.",
-                    .law = "saturated_samples = number of samples with a value below scale*lowest or above scale*highest",
-                    .source = "the definition",
-                    .parameters = {number_spec("scale", Quantity::none, "1", positive, "Factor on the device's own range.",
-                                               "1: as the maker states it")}},
-          .drawn_per = DrawnPer::never,
-          .make = made<ValidRange>};
+  return {
+      .entry = {.name = "valid_range",
+                .summary = "Counts samples with a value beyond the range in which the maker states an accuracy; changes nothing.",
+                .law = "saturated_samples = number of samples with a value below scale*lowest or above scale*highest",
+                .source = "the definition",
+                .parameters = {number_spec("scale", Quantity::none, "1", positive, "Factor on the device's own range.",
+                                           "1: as the maker states it")}},
+      .drawn_per = DrawnPer::never,
+      .make = made<ValidRange>};
 }
 
 }  // namespace slipbench

@@ -31,7 +31,7 @@ constexpr std::array<double, axes> gain_figures{0.18, 0.18, 0.093};  // force on
 
 // Where the maker states an accuracy; nothing is stated for a pillar that is pulled.
 constexpr double unlimited = std::numeric_limits<double>::infinity();
-constexpr std::array<ConverterRange, axes> valid_force{{{-4.0, 4.0}, {-4.0, 4.0}, {-unlimited, 15.0}}};                  // N
+constexpr std::array<ConverterRange, axes> valid_force{{{-4.0, 4.0}, {-4.0, 4.0}, {-unlimited, 15.0}}};               // N
 constexpr std::array<ConverterRange, axes> valid_displacement{{{-1e-3, 1e-3}, {-1e-3, 1e-3}, {-unlimited, 2.5e-3}}};  // m
 
 // At 100, 250 and 500 Hz the filter before the converter sees the signal at least as often as at the device's highest rate.
@@ -105,17 +105,19 @@ constexpr const char* coupling_source =
     "force against displacement of the four undamaged loaded pillars in 1,635 public snapshots (Contactile_Data, 2022): rms over pillars, at 7.1 and 3.9 N/mm, FZ of DX and DY 2.3, FX and FY of DZ 0.6, FX of DY and FY of DX 0.5 N/mm. A uniform coefficient has its limit at sqrt(3) times its rms. The same in x and y: assumed";
 
 std::vector<ParameterSpec> coupling_parameters() {
-  return {number_spec("shear_to_normal", Quantity::none, "1", non_negative,
-                      "Largest coefficient from FX and FY to FZ, in N of FZ for a N of shear.",
-                      "sqrt(3) * 2.3/3.9 = 1.02, from 1,635 public snapshots of one device"),
-          number_spec("normal_to_shear", Quantity::none, "0.15", non_negative,
-                      "Largest coefficient from FZ to FX and FY, in N of shear for a N of FZ.",
-                      "sqrt(3) * 0.6/7.1 = 0.15, from the same snapshots; compression in gripper recordings: up to 0.3 N/mm, 0.042"),
-          number_spec("shear_to_shear", Quantity::none, "0.22", non_negative, "Largest coefficient between FX and FY.",
-                      "sqrt(3) * 0.5/3.9 = 0.22, from the same snapshots"),
-          choice_spec("carrier", "force", {"force", "displacement", "both"},
-                      "What has the error: the reported force, the reported displacement, or each of them half of the variance.",
-                      "open: force against displacement cannot tell. force: a hypervector memory learnt on a real device is right in 87 % of the frames of undisturbed simulated displacements")};
+  return {
+      number_spec("shear_to_normal", Quantity::none, "1", non_negative,
+                  "Largest coefficient from FX and FY to FZ, in N of FZ for a N of shear.",
+                  "sqrt(3) * 2.3/3.9 = 1.02, from 1,635 public snapshots of one device"),
+      number_spec("normal_to_shear", Quantity::none, "0.15", non_negative,
+                  "Largest coefficient from FZ to FX and FY, in N of shear for a N of FZ.",
+                  "sqrt(3) * 0.6/7.1 = 0.15, from the same snapshots; compression in gripper recordings: up to 0.3 N/mm, 0.042"),
+      number_spec("shear_to_shear", Quantity::none, "0.22", non_negative, "Largest coefficient between FX and FY.",
+                  "sqrt(3) * 0.5/3.9 = 0.22, from the same snapshots"),
+      choice_spec(
+          "carrier", "force", {"force", "displacement", "both"},
+          "What has the error: the reported force, the reported displacement, or each of them half of the variance.",
+          "open: force against displacement cannot tell. force: a hypervector memory learnt on a real device is right in 87 % of the frames of undisturbed simulated displacements")};
 }
 
 }  // namespace
@@ -303,7 +305,8 @@ class FilteredPapillArray final : public PapillArray {
       std::ranges::copy(values_, held_.begin());
     } else {
       feel(truth);
-      std::ranges::transform(held_.begin(), held_.end() - 1, values_.begin(), [](double value) { return static_cast<float>(value); });
+      std::ranges::transform(held_.begin(), held_.end() - 1, values_.begin(),
+                             [](double value) { return static_cast<float>(value); });
     }
     return frame_;
   }
@@ -319,8 +322,8 @@ class FilteredPapillArray final : public PapillArray {
   std::array<double, 2 * channel_size + 1> held_{};  // the latest sample, then how many of the sample's readings have been taken
 };
 
-std::unique_ptr<Sensor> create_papillarray(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
-                                           std::uint64_t trial, const std::string& sensor_name) {
+std::unique_ptr<Sensor> create_papillarray(const Parameters& parameters, const std::vector<Named>& electronics,
+                                           std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
   const bool filtered = std::ranges::find(electronics, "low_pass", &Named::name) != electronics.end();
   return (filtered ? created<FilteredPapillArray> : created<PapillArray>)(parameters, electronics, seed, trial, sensor_name);
 }

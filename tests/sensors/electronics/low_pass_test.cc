@@ -93,8 +93,11 @@ TEST(LowPass, BeginsSettledAndWithoutACornerChangesNothing) {
 
 // Between two samples nothing else is at work, so nothing may stand before it.
 TEST(LowPass, ComesFirst) {
-  EXPECT_THAT(scene_refusal_of([] { Electronics({part("gain"), part("low_pass")}, two_values_a_source(1), default_key); }),
-              AllOf(StartsWith("sensors.pad.electronics | "), HasSubstr("'low_pass' comes after 'gain'"), HasSubstr("must come first")));
+  EXPECT_THAT(
+      scene_refusal_of([] {
+        Electronics({part("gain"), part("low_pass")}, two_values_a_source(1), default_key);
+      }),
+      AllOf(StartsWith("sensors.pad.electronics | "), HasSubstr("'low_pass' comes after 'gain'"), HasSubstr("must come first")));
   EXPECT_TRUE(Electronics({part("low_pass"), part("gain")}, two_values_a_source(1), default_key).feels_every_tick());
   EXPECT_FALSE(Electronics({part("gain")}, two_values_a_source(1), default_key).feels_every_tick());
   EXPECT_FALSE(Electronics({}, two_values_a_source(1), default_key).feels_every_tick());

@@ -35,8 +35,8 @@ inline SignalModel two_values_a_source(std::size_t sources, double rate = 1000.0
 // All parts, in the order of the signal path.
 inline std::vector<Entry> electronics_entries() {
   std::vector<PartFigures> parts;
-  for (const char* name : {"low_pass", "scan", "coupling", "gain", "offset", "drift", "noise", "white_noise", "skewed_noise", "quantisation",
-                           "valid_range"})
+  for (const char* name : {"low_pass", "scan", "coupling", "gain", "offset", "drift", "noise", "white_noise", "skewed_noise",
+                           "quantisation", "valid_range"})
     parts.push_back({name, "made up"});
   return electronics_of("made up", parts);
 }

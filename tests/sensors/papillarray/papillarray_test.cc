@@ -301,7 +301,8 @@ TEST(PapillArray, CouplingHasTheMeasuredStiffnessBetweenAxes) {
     coupling.parameters.set("carrier", std::string(carrier));
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
     for (std::uint64_t device = 0; device < 300; ++device) {
-      for (const Eigen::Matrix3d& stiffness : stiffness_read(parameters, coupling, device)) squares += stiffness.cwiseAbs2() / 2700.0;
+      for (const Eigen::Matrix3d& stiffness : stiffness_read(parameters, coupling, device))
+        squares += stiffness.cwiseAbs2() / 2700.0;
     }
     const auto rms = [&](Eigen::Index i, Eigen::Index j, Eigen::Index k, Eigen::Index l) {
       return 1e-3 * std::sqrt(0.5 * (squares(i, j) + squares(k, l)));

@@ -56,9 +56,8 @@ struct CouplingKey {
   const char* name;
   std::vector<std::pair<Index, Index>> pairs;
 };
-const CouplingKey coupling_keys[] = {{"shear_to_normal", {{2, 0}, {2, 1}}},
-                                     {"normal_to_shear", {{0, 2}, {1, 2}}},
-                                     {"shear_to_shear", {{0, 1}, {1, 0}}}};
+const CouplingKey coupling_keys[] = {
+    {"shear_to_normal", {{2, 0}, {2, 1}}}, {"normal_to_shear", {{0, 2}, {1, 2}}}, {"shear_to_shear", {{0, 1}, {1, 0}}}};
 
 const SensorColumn* channel_of(const SensorRecord& sensor, const std::string& name, const std::string& unit) {
   const auto found = std::ranges::find(sensor.channels, name, &SensorColumn::name);
@@ -204,9 +203,12 @@ Summary summary_of(const std::vector<UnitFit>& units) {
     if (unit.determined) known.push_back(&unit);
   }
   const auto count = static_cast<Index>(known.size());
-  Summary summary{VectorXd(count), VectorXd(count),
-                  VectorXd(count), VectorXd(count),
-                  std::vector<VectorXd>(std::size(coupling_keys), VectorXd(2 * count)), VectorXd(2 * count)};
+  Summary summary{VectorXd(count),
+                  VectorXd(count),
+                  VectorXd(count),
+                  VectorXd(count),
+                  std::vector<VectorXd>(std::size(coupling_keys), VectorXd(2 * count)),
+                  VectorXd(2 * count)};
   for (Index k = 0; k < count; ++k) {
     const UnitFit& unit = *known[static_cast<std::size_t>(k)];
     summary.normal(k) = unit.normal();
@@ -378,9 +380,9 @@ std::string snapshot_text(const Json& result) {
     text += fmt::format("Noise of idle units, sd along x, y, z: force {} mN, displacement {} um.\n", sds("force", 1e3),
                         sds("displacement", 1e6));
   }
-  text += fmt::format("Normal force of lateral displacement: {:.2g} N/mm rms{}.\n",
-                      1e-3 * result.at("shear_to_normal").get<double>(),
-                      result.at("type") == "papillarray" ? "" : "; no key of a scene sets this");
+  text +=
+      fmt::format("Normal force of lateral displacement: {:.2g} N/mm rms{}.\n", 1e-3 * result.at("shear_to_normal").get<double>(),
+                  result.at("type") == "papillarray" ? "" : "; no key of a scene sets this");
   text += fmt::format("Scene:\n  sensors:\n    {}:\n      type: {}\n", result.at("sensor").get<std::string>(),
                       result.at("type").get<std::string>());
   std::vector<std::pair<std::string, std::string>> parts;  // with their parameters

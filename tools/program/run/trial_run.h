@@ -35,8 +35,8 @@ namespace slipbench {
 
 // When a pad's sensor reads the contact, and when that completes a sample. Ticks are the pad's own (simulation.h).
 struct Sampling {
-  std::size_t stride = 1;  // ticks between two readings
-  std::size_t scans = 1;   // readings a sample (Sensor::scans)
+  std::size_t stride = 1;              // ticks between two readings
+  std::size_t scans = 1;               // readings a sample (Sensor::scans)
   std::size_t completing = scans - 1;  // number of the reading that completes a sample (Sensor::completing_scan)
 
   [[nodiscard]] bool reads_at(std::size_t tick) const { return tick % stride == 0; }

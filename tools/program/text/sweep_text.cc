@@ -237,8 +237,8 @@ std::string saturation_text(const TrialSummary& trial, const Style& style) {
     const auto found = trial.outcome.saturated.find(sensor.name);
     if (found == trial.outcome.saturated.end()) continue;
     const std::size_t samples = std::accumulate(sensor.state_count.begin(), sensor.state_count.end(), std::size_t{0});
-    text += fmt::format("  {}: {}: values beyond its range in {} of {} samples\n", style.bold("saturated"),
-                        sensor.name, found->second, samples);
+    text += fmt::format("  {}: {}: values beyond its range in {} of {} samples\n", style.bold("saturated"), sensor.name,
+                        found->second, samples);
   }
   return text;
 }
@@ -254,8 +254,8 @@ std::string saturations_text(const std::vector<TrialSummary>& trials, const Styl
   }
   std::string text;
   for (const auto& [sensor, found] : by_sensor) {
-    text += fmt::format("  {}: {}: values beyond its range in {} of {} trials, {} samples\n",
-                        style.bold("saturated"), sensor, found.first, trials.size(), found.second);
+    text += fmt::format("  {}: {}: values beyond its range in {} of {} trials, {} samples\n", style.bold("saturated"), sensor,
+                        found.first, trials.size(), found.second);
   }
   return text;
 }

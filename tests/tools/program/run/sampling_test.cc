@@ -121,10 +121,12 @@ TEST(Sampling, TheRecordHoldsWholeSamplesAndASlowChannelItsOwnTime) {
 // they hold does not depend on the rate.
 TEST(Sampling, AFilterFeelsTheTicksBetweenReadings) {
   const auto readings = [](const char* rate, const char* electronics) {
-    const Scene scene = stage_scene({{"duration", "300 ms"}, {"time_step", "0.2 ms"}, {"sensors.pad.rate", rate}, {"sensors.pad.electronics", electronics}});
+    const Scene scene = stage_scene(
+        {{"duration", "300 ms"}, {"time_step", "0.2 ms"}, {"sensors.pad.rate", rate}, {"sensors.pad.electronics", electronics}});
     return run_trial(scene, 0, Recording::full).record.sensors.front();
   };
-  const SensorRecord slow = readings("100 Hz", "[low_pass]"), fast = readings("1 kHz", "[low_pass]"), ideal = readings("100 Hz", "ideal");
+  const SensorRecord slow = readings("100 Hz", "[low_pass]"), fast = readings("1 kHz", "[low_pass]"),
+                     ideal = readings("100 Hz", "ideal");
   ASSERT_EQ(slow.time.size(), 30U);
   EXPECT_EQ(slow.time, ideal.time);
   const std::vector<float>&few = slow.channels[0].values, &many = fast.channels[0].values;
