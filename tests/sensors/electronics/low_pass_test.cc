@@ -91,6 +91,20 @@ TEST(LowPass, BeginsSettledAndWithoutACornerChangesNothing) {
     EXPECT_EQ(y[k], static_cast<double>(static_cast<float>(wave(1e-3 * static_cast<double>(k)))));
 }
 
+TEST(LowPass, TwoCallsAtOneTimeHaveOneAnswer) {
+  Electronics electronics({part("low_pass")}, two_values_a_source(1), default_key);
+  std::vector<float> values;
+  const auto at = [&](double time, float input) {
+    values.assign(2, input);
+    electronics.feel(values, time);
+    return values[0];
+  };
+  EXPECT_EQ(at(0.0, 0.0F), 0.0F);
+  const float once = at(1e-3, 1.0F);
+  EXPECT_GT(once, 0.0F);
+  EXPECT_EQ(at(1e-3, 5.0F), once);
+}
+
 // Between two samples nothing else is at work, so nothing may stand before it.
 TEST(LowPass, ComesFirst) {
   EXPECT_THAT(

@@ -388,19 +388,19 @@ TEST(PapillArray, AMemoryThatIsTakenOverBetweenTwoSamplesGoesOnToTheSameBits) {
   parameters.set("rate", 250.0);
   const auto lasting = make(parameters, typical()), fresh = make(parameters, typical());
   ContactFrame truth = empty_frame();
-  const auto at = [&](std::size_t tick) {
-    truth.time = 1e-3 * static_cast<double>(tick);
+  const auto at = [&](double tick) {
+    truth.time = 1e-3 * tick;
     truth.force.setConstant(std::sin(100.0 * truth.time));
     truth.displacement.setConstant(1e-3 * std::sin(100.0 * truth.time));
     return truth;
   };
-  for (std::size_t tick = 0; tick < 10; ++tick) lasting->measure(at(tick));  // the sample of 8 ms, and one reading after it
+  for (int tick = 0; tick < 10; ++tick) lasting->measure(at(tick));  // the sample of 8 ms, and one reading after it
   const auto saved = lasting->memory(), loaded = fresh->memory();
   ASSERT_EQ(saved.size(), loaded.size());
   for (std::size_t k = 0; k < saved.size(); ++k) std::ranges::copy(saved[k], loaded[k].begin());
-  for (std::size_t tick = 10; tick < 30; ++tick) {
-    lasting->feel(at(tick));
-    fresh->feel(at(tick));
+  for (int tick = 10; tick < 30; ++tick) {
+    lasting->feel(at(tick - 0.5));
+    fresh->feel(at(tick - 0.5));
     ASSERT_EQ(reading(*lasting, at(tick)), reading(*fresh, at(tick))) << tick;
   }
 }
