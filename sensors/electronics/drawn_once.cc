@@ -14,6 +14,10 @@ class CouplingStage final : public ElectronicsStage {
   CouplingStage(const Parameters& parameters, const SignalModel& model, RandomStream stream) {
     for (const Coupling& coupling : model.couplings) {
       const double limit = parameters.number("scale") * coupling.limit;
+      if (limit == 0.0) {
+        stream.uniform();  // so that the draws of the other pairs do not depend on this limit
+        continue;
+      }
       terms_.push_back({coupling.to, coupling.from, static_cast<float>(stream.uniform(-limit, limit)), 0.0F});
     }
   }

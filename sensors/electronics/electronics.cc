@@ -13,9 +13,10 @@ namespace {
 
 const std::vector<PartKind>& part_kinds() {
   static const std::vector<PartKind> kinds = [] {
-    std::vector<PartKind> all{scan_part()};
+    std::vector<PartKind> all{low_pass_part(), scan_part()};
     for (PartKind& part : drawn_once_parts()) all.push_back(std::move(part));
-    for (const auto part : {noise_part, white_noise_part, skewed_noise_part, quantisation_part}) all.push_back(part());
+    for (const auto part : {noise_part, white_noise_part, skewed_noise_part, quantisation_part, valid_range_part})
+      all.push_back(part());
     return all;
   }();
   return kinds;
@@ -44,6 +45,9 @@ Electronics::Electronics(const std::vector<Named>& parts, const SignalModel& mod
     const std::uint64_t drawn_for = kind.drawn_per == DrawnPer::device ? key.device : key.trial;
     stages_.push_back(kind.make(part->parameters, model,
                                 RandomStream(key.seed, drawn_for, "electronics." + key.sensor_name + "." + part->name)));
+    if (stages_.back()->works_between_samples() && stages_.size() > 1)
+      throw SceneValueError(path, "part '" + part->name + "' comes after '" + parts.front().name +
+                                      "'; it must come first, because it filters the signal before the converter samples it");
   }
 }
 
@@ -75,6 +79,7 @@ std::vector<Entry> electronics_of(const std::string& device, const std::vector<P
       spec->default_text = value.text;
       spec->source = value.source;
     }
+    entry.parameters = joined(std::move(entry.parameters), own.parameters);
     entries.push_back(std::move(entry));
   }
   return entries;

@@ -20,7 +20,7 @@ struct Coupling {
   double limit;  // unit of `to` over unit of `from`
 };
 
-// What the converter of a value spans, in the value's unit.
+// What the converter of a value spans, or where its readings are valid, in the value's unit.
 struct ConverterRange {
   double lowest;   // of code 0
   double highest;  // of the last code
@@ -38,7 +38,8 @@ struct SignalModel {
   std::vector<double> gain_sd;      // [V] standard deviation of the gain about 1; 0: the value has no gain error
   std::vector<Coupling> couplings;
   std::vector<ConverterRange> converter = {};  // [V]; empty: the sensor has no part `quantisation`
-  std::vector<double> scan_share = {};  // [V] of the scan that is left after the value; empty: one after the other, by number
+  std::vector<ConverterRange> valid = {};  // [V] where the maker states an accuracy; empty: the sensor has no part `valid_range`
+  std::vector<double> scan_share = {};     // [V] of the scan that is left after the value; empty: one after the other, by number
 };
 
 // What keys the random streams of a sensor's electronics.
@@ -58,24 +59,32 @@ class ElectronicsStage {
   virtual void apply(std::span<float> values, double time) = 0;
   // What the part carries from one sample to the next (Sensor::memory). Empty: nothing.
   [[nodiscard]] virtual std::span<double> memory() { return {}; }
-  // Samples in which the part cut a value off (Sensor::saturated).
+  // Samples in which a value was beyond the part's range (Sensor::saturated).
   [[nodiscard]] virtual std::uint64_t saturated() const { return 0; }
+  // True if apply() must also be called between samples, at every tick of the simulation.
+  [[nodiscard]] virtual bool works_between_samples() const { return false; }
 };
 
 // The parts of one sensor, applied in the order in which they are listed. Empty: ideal.
 class Electronics {
  public:
-  // Throws SceneValueError for an unknown part, a part that is listed twice, and parameters that do not go together or with the sensor.
+  // Throws SceneValueError for an unknown part, a part that is listed twice, a part that works between samples and is not the first one, and
+  // parameters that do not go together or with the sensor.
   Electronics(const std::vector<Named>& parts, const SignalModel& model, const ElectronicsKey& key);
 
   void apply(std::span<float> values, double time) {
     for (const auto& stage : stages_) stage->apply(values, time);
   }
 
+  // True if the first part works between samples, so that feel() must be called at every tick there (Sensor::feels_every_tick).
+  [[nodiscard]] bool feels_every_tick() const { return !stages_.empty() && stages_.front()->works_between_samples(); }
+  // Hands the first part the undisturbed values between two samples, which it changes. Only where feels_every_tick(). `time` [s].
+  void feel(std::span<float> values, double time) { stages_.front()->apply(values, time); }
+
   // The parts' memories, for Sensor::memory.
   [[nodiscard]] std::vector<std::span<double>> memory() const;
 
-  // Samples in which the converter cut a value off, for Sensor::saturated; 0 where the chain has none.
+  // Samples in which a part found a value beyond its range, for Sensor::saturated: cut off by the converter, or only counted by valid_range.
   [[nodiscard]] std::uint64_t saturated() const;
 
  private:
@@ -94,10 +103,11 @@ struct PartFigures {
   std::string part;
   std::string source;  // where its figures in the SignalModel come from
   std::vector<Default> defaults = {};
+  std::vector<ParameterSpec> parameters = {};  // further ones, by which the sensor fills its SignalModel
 };
 
 // The parts that a sensor has, in the order of `figures`, which is the one in which they are applied as `typical`: each with the
-// sensor's source before the part's own, and with the sensor's defaults. `device`: what it is called in the source, "PapillArray".
+// sensor's source before the part's own, with the sensor's defaults, and with its further parameters. `device`: what it is called in the source, "PapillArray".
 // Throws std::logic_error for a part or a parameter that there is not.
 std::vector<Entry> electronics_of(const std::string& device, const std::vector<PartFigures>& figures);
 

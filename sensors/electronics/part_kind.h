@@ -34,12 +34,14 @@ std::unique_ptr<ElectronicsStage> made(const Parameters& parameters, const Signa
   }
 }
 
+PartKind low_pass_part();
 PartKind scan_part();
 std::vector<PartKind> drawn_once_parts();  // coupling, gain, offset, drift
 PartKind noise_part();
 PartKind white_noise_part();
 PartKind skewed_noise_part();
 PartKind quantisation_part();
+PartKind valid_range_part();
 
 // The parameter that every part with a random disturbance has: a factor on the device's own figure.
 ParameterSpec scale_parameter();

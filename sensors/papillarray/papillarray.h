@@ -32,10 +32,26 @@ struct PillarStiffness {
 inline constexpr PillarStiffness gripper_stiffness{7.1e3, 3.9e3};
 inline constexpr PillarStiffness hexapod_stiffness{1.2e3, 0.65e3};
 
+// What has the error of the coupling.
+enum class CouplingCarrier { force, displacement, both };
+
+// Largest coefficients of the coupling between the axes of a pillar [N of force over N], and what carries it.
+struct CouplingFigures {
+  double shear_to_normal = 0.0;  // FX, FY to FZ
+  double normal_to_shear = 0.0;  // FZ to FX, FY
+  double shear_to_shear = 0.0;   // FX to FY, FY to FX
+  CouplingCarrier carrier = CouplingCarrier::force;
+
+  [[nodiscard]] bool any() const { return shear_to_normal > 0.0 || normal_to_shear > 0.0 || shear_to_shear > 0.0; }
+};
+
+// Those of the part `coupling` in `electronics`; zeros where it is not named.
+CouplingFigures coupling_figures(const std::vector<Named>& electronics);
+
 // The measured figures for the values force {9,3} [N], displacement {9,3} [m] at `rate` [Hz]. The force of an axis and the
 // displacement of that axis share a source. The force figures were measured at the gripper's stiffness and go in proportion to
 // it.
-SignalModel signal_model(const PillarStiffness& stiffness, double rate);
+SignalModel signal_model(const PillarStiffness& stiffness, double rate, const CouplingFigures& coupling);
 
 // The parts of its electronics, with the figures that were measured on a PapillArray.
 std::vector<Entry> electronics_parts();

@@ -173,6 +173,7 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
       instance_(instance),
       sensor_(config_.make_sensor(catalogue)),
       sensor_memory_(sensor_->memory()),
+      feels_every_tick_(sensor_->feels_every_tick()),
       labels_(sensor_->layout()),
       step_(model->opt.timestep),
       sample_time_(sensor_->rate() > 0.0 ? 1.0 / (sensor_->rate() * static_cast<double>(sensor_->scans())) : 0.0) {
@@ -373,14 +374,18 @@ void PadInstance::measure(const Parts& state) {
   next_sample_ = state.header[next_sample];
   // A simulation that keeps the state reads labels_ by sensors of its own.
   sampled_ = !keeps_state_ && sample_is_due(time_, next_sample_);
-  if (sampled_) {
+  if (sampled_ || feels_every_tick_) {
     const double* remembered = is_placed(state.fields) ? state.memory.data() : first_memory_.data();
     for (const std::span<double> memory : sensor_memory_) {
       std::copy_n(remembered, memory.size(), memory.begin());
       remembered += memory.size();
     }
+  }
+  if (sampled_) {
     sample_ = sensor_->measure(labels_.frame()).values;
     if (sample_time_ > 0.0) next_sample_ = std::floor(time_ / sample_time_ + rounding) + 1.0;
+  } else if (feels_every_tick_) {
+    sensor_->feel(labels_.frame());
   }
   measured_ = true;
 }
@@ -653,11 +658,11 @@ void PadInstance::remember_readings(const Parts& state) {
   labels_.settle(fields_, dt_);
   state.header[next_sample] = next_sample_;
   state.header[slip_angle] = labels_.frame().slip_angle;
-  if (sampled_) {
+  if (sampled_ || feels_every_tick_) {
     double* remembered = state.memory.data();
     for (const std::span<double> memory : sensor_memory_) remembered = std::copy(memory.begin(), memory.end(), remembered);
-    write_values(sample_, state.held.data());
   }
+  if (sampled_) write_values(sample_, state.held.data());
   if (config_.truth) write_truth(labels_.frame(), config_.unloaded, state.truth.data());
 }
 

@@ -198,7 +198,10 @@ class PadInstance {
   // Leaves the fields' state out of plugin_state from here on, which a large pad spends a quarter of its time on. For the only user of an mjData,
   // who steps it straight on from its beginning, explicitly and by an integrator of one stage: mj_setState, mj_copyData and resets then do not
   // carry it, and a second trial from the same state is refused. The sensor of the plugin is then not read, and its sensordata stays.
-  void keep_state() { keeps_state_ = true; }
+  void keep_state() {
+    keeps_state_ = true;
+    feels_every_tick_ = false;
+  }
   [[nodiscard]] Sensor& sensor() { return *sensor_; }
   [[nodiscard]] const PadConfig& config() const { return config_; }
   [[nodiscard]] std::span<const Field> fields() const { return fields_; }
@@ -244,6 +247,7 @@ class PadInstance {
   int instance_;
   std::unique_ptr<Sensor> sensor_;
   std::vector<std::span<double>> sensor_memory_;
+  bool feels_every_tick_;             // the sensor takes in the contact at steps without a sample, too
   std::vector<double> first_memory_;  // as the sensor was made: what a state of zeros stands for
   std::vector<Touched> touched_;
   std::vector<Field> fields_;           // one a touched geom

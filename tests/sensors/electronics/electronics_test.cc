@@ -41,7 +41,8 @@ TEST(Electronics, PartsSayWhatTheyAreAndStandAtTheirOwnFigures) {
     EXPECT_FALSE(entry.law.empty()) << entry.name;
     EXPECT_FALSE(entry.source.ends_with("General: ")) << entry.name;
     const Parameters defaults = defaults_of(entry.parameters);
-    EXPECT_TRUE(entry.name == "quantisation" || entry.name == "scan" || defaults.number("scale") == 1.0) << entry.name;
+    const bool has_scale = entry.name != "quantisation" && entry.name != "scan" && entry.name != "low_pass";
+    EXPECT_TRUE(!has_scale || defaults.number("scale") == 1.0) << entry.name;
   }
 }
 
@@ -180,6 +181,39 @@ TEST(CouplingPart, DrawsItsCoefficientsUniformlyWithinTheLimit) {
   const double n = static_cast<double>(many);
   EXPECT_NEAR(mean(coefficients), 0.0, 5.0 * 0.5 / std::sqrt(3.0 * n));
   EXPECT_NEAR(sd_about(0.0, coefficients) * std::sqrt(3.0) / 0.5, 1.0, 2.5 * std::sqrt(0.8 / n));
+}
+
+// A limit of 0 takes its draw and adds no term: the coefficients of the other pairs do not change.
+TEST(CouplingPart, ALimitOfZeroLeavesTheOtherDrawsAlone) {
+  SignalModel model = two_values_a_source(2);
+  model.couplings = {{0, 1, 0.5}, {1, 2, 0.5}, {2, 3, 0.5}};
+  const auto all = outputs({part("coupling")}, model, 1.0F, {0.0});
+  model.couplings[1].limit = 0.0;
+  const auto without = outputs({part("coupling")}, model, 1.0F, {0.0});
+  EXPECT_EQ(without[0][0], all[0][0]);
+  EXPECT_EQ(without[0][1], 1.0F);
+  EXPECT_NE(all[0][1], 1.0F);
+  EXPECT_EQ(without[0][2], all[0][2]);
+}
+
+TEST(ValidRange, CountsSamplesBeyondTheRangeAndChangesNothing) {
+  // The range is -2 to 2 and -6 to 6 (model.h); both ends belong to it.
+  Electronics electronics({part("valid_range")}, two_values_a_source(1), default_key);
+  const auto after = [&](float first, float second) {
+    std::vector<float> sample{first, second};
+    electronics.apply(sample, 0.0);
+    EXPECT_THAT(sample, ElementsAre(first, second));
+    return electronics.saturated();
+  };
+  EXPECT_EQ(after(2.0F, -6.0F), 0U);
+  EXPECT_EQ(after(2.01F, 0.0F), 1U);
+  EXPECT_EQ(after(-2.01F, 6.01F), 2U) << "a sample counts once";
+  EXPECT_EQ(after(0.0F, 0.0F), 2U);
+  // Half of the range.
+  Electronics narrow({part("valid_range", 0.5)}, two_values_a_source(1), default_key);
+  std::vector<float> sample{1.5F, 0.0F};
+  narrow.apply(sample, 0.0);
+  EXPECT_EQ(narrow.saturated(), 1U);
 }
 
 TEST(CouplingPart, ReadsTheUndisturbedSample) {

@@ -26,6 +26,7 @@ inline SignalModel two_values_a_source(std::size_t sources, double rate = 1000.0
       model.drift_sd.push_back(size);
       model.gain_sd.push_back(0.1 * size);
       model.converter.push_back({-2.0 * size, 2.0 * size});
+      model.valid.push_back({-2.0 * size, 2.0 * size});
     }
   }
   return model;
@@ -34,7 +35,8 @@ inline SignalModel two_values_a_source(std::size_t sources, double rate = 1000.0
 // All parts, in the order of the signal path.
 inline std::vector<Entry> electronics_entries() {
   std::vector<PartFigures> parts;
-  for (const char* name : {"scan", "coupling", "gain", "offset", "drift", "noise", "white_noise", "skewed_noise", "quantisation"})
+  for (const char* name : {"low_pass", "scan", "coupling", "gain", "offset", "drift", "noise", "white_noise", "skewed_noise",
+                           "quantisation", "valid_range"})
     parts.push_back({name, "made up"});
   return electronics_of("made up", parts);
 }

@@ -129,7 +129,7 @@ expect: {gross_slip_by: 1.0 s}
   EXPECT_EQ(left.choice("profile"), "hexapod");
   EXPECT_FALSE(left.flag("bias"));
   // typical: every part of the catalogue at its defaults.
-  ASSERT_EQ(scene.sensors[0].electronics.size(), 2u);
+  ASSERT_EQ(scene.sensors[0].electronics.size(), 7u);
   EXPECT_EQ(scene.sensors[0].electronics[0].name, "noise");
   EXPECT_EQ(scene.sensors[0].electronics[1].name, "drift");
   EXPECT_EQ(scene.sensors[0].electronics[1].parameters.number("slope"), 0.001);

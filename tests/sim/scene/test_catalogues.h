@@ -46,8 +46,14 @@ inline Catalogues test_catalogues() {
         spec("corner_drop", number, Quantity::length, "0.45 mm", non_negative),
         spec("profile", choice, Quantity::none, "gripper", any_value, {"gripper", "hexapod"}),
         spec("bias", flag, Quantity::none, "true")}}};
-  catalogues.electronics["papillarray"] = {{"noise", "noise", "", "", {spec("scale", number, Quantity::none, "1", non_negative)}},
-                                           {"drift", "drift", "", "", {spec("slope", number, Quantity::force, "1 mN")}}};
+  catalogues.electronics["papillarray"] = {
+      {"noise", "noise", "", "", {spec("scale", number, Quantity::none, "1", non_negative)}},
+      {"drift", "drift", "", "", {spec("slope", number, Quantity::force, "1 mN")}},
+      {"low_pass", "low-pass", "", "", {}},
+      {"coupling", "coupling", "", "", {spec("scale", number, Quantity::none, "1", non_negative)}},
+      {"gain", "gain", "", "", {}},
+      {"offset", "offset", "", "", {}},
+      {"valid_range", "valid range", "", "", {}}};
   catalogues.effects = {{"ageing", "ageing", "", "", {spec("rate", number, Quantity::none, "0.03", non_negative)}},
                         {"stribeck", "stribeck", "", "", {spec("speed", number, Quantity::speed, "1 mm/s", positive)}}};
   catalogues.bodies = {

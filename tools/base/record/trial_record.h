@@ -198,8 +198,8 @@ struct TrialOutcome {
   std::optional<GraspOutcome> grasp;  // empty: the scene is none
   std::optional<HoldOutcome> hold;    // empty: the scene has no `hold`
 
-  // By sensor, the samples in which its converter reported an end of its range for a value beyond it (Sensor::saturated). A
-  // sensor whose readings all lie within it is not in here.
+  // By sensor, the samples with a value beyond its range (Sensor::saturated). A sensor whose readings all lie within it is not in
+  // here.
   std::map<std::string, std::uint64_t> saturated;
 };
 
@@ -207,7 +207,7 @@ struct TrialOutcome {
 // max_slip_distance_m, false_alarm_time_s, detection_time_s, detection_delay_s; only with a detector: judged_slip_time_s,
 // detection (a detection_word()); and of a grasp, null without one: dropped, lifted, drop_time_s, lift_height_m, slip_translation_m, slip_rotation_rad,
 // max_grip_force_N, final_grip_force_N, ideal_grip_force_N, reaction_time_s; and only where the arm is guided: tilt_rad,
-// least_tilt_rad, standing. Only where the scene has `hold`: held, hold_from_s, moved_m. Only where a converter was at an end of its range: saturated_samples, an object {sensor: samples}.
+// least_tilt_rad, standing. Only where the scene has `hold`: held, hold_from_s, moved_m. Only where values were beyond a sensor's range: saturated_samples, an object {sensor: samples}.
 std::string outcome_json(const TrialOutcome& outcome);
 // The inverse. A dataset of a version without detectors has none of their keys. Throws InputError when `text` is no such object.
 TrialOutcome parse_outcome(const std::string& text);

@@ -47,9 +47,17 @@ struct UnitFit {
 
   [[nodiscard]] double normal() const { return matrix(2, 2); }
   [[nodiscard]] double tangential() const { return 0.5 * (matrix(0, 0) + matrix(1, 1)); }
-  // N of lateral force over N of normal force.
-  [[nodiscard]] Eigen::Vector2d coupling() const { return matrix.block<2, 1>(0, 2) / normal(); }
+  // N of the force of axis `to` over N of the force of axis `from`, since F_from = K_from,from d_from.
+  [[nodiscard]] double coupling(Index to, Index from) const { return matrix(to, from) / matrix(from, from); }
 };
+
+// The coefficients that one key of the part coupling bounds, as pairs of axes {to, from}.
+struct CouplingKey {
+  const char* name;
+  std::vector<std::pair<Index, Index>> pairs;
+};
+const CouplingKey coupling_keys[] = {
+    {"shear_to_normal", {{2, 0}, {2, 1}}}, {"normal_to_shear", {{0, 2}, {1, 2}}}, {"shear_to_shear", {{0, 1}, {1, 0}}}};
 
 const SensorColumn* channel_of(const SensorRecord& sensor, const std::string& name, const std::string& unit) {
   const auto found = std::ranges::find(sensor.channels, name, &SensorColumn::name);
@@ -184,7 +192,7 @@ Estimate mean_of(const VectorXd& values, double own_error) {
 // What single units say of the sensor.
 struct Summary {
   VectorXd normal, tangential, x, y;                  // N/m, of the units that determine them
-  VectorXd coupling;                                  // two a unit
+  std::vector<VectorXd> coupling;                     // of each of coupling_keys, two a unit
   VectorXd shear;                                     // N/m of normal force over lateral displacement, two a unit
   double normal_error = 0.0, tangential_error = 0.0;  // of the first unit
 };
@@ -195,14 +203,22 @@ Summary summary_of(const std::vector<UnitFit>& units) {
     if (unit.determined) known.push_back(&unit);
   }
   const auto count = static_cast<Index>(known.size());
-  Summary summary{VectorXd(count), VectorXd(count), VectorXd(count), VectorXd(count), VectorXd(2 * count), VectorXd(2 * count)};
+  Summary summary{VectorXd(count),
+                  VectorXd(count),
+                  VectorXd(count),
+                  VectorXd(count),
+                  std::vector<VectorXd>(std::size(coupling_keys), VectorXd(2 * count)),
+                  VectorXd(2 * count)};
   for (Index k = 0; k < count; ++k) {
     const UnitFit& unit = *known[static_cast<std::size_t>(k)];
     summary.normal(k) = unit.normal();
     summary.tangential(k) = unit.tangential();
     summary.x(k) = unit.matrix(0, 0);
     summary.y(k) = unit.matrix(1, 1);
-    summary.coupling.segment<2>(2 * k) = unit.coupling();
+    for (std::size_t key = 0; key < std::size(coupling_keys); ++key) {
+      Index at = 2 * k;
+      for (const auto& [to, from] : coupling_keys[key].pairs) summary.coupling[key](at++) = unit.coupling(to, from);
+    }
     summary.shear.segment<2>(2 * k) = unit.matrix.block<1, 2>(2, 0).transpose();
   }
   if (count > 0) {
@@ -217,16 +233,19 @@ Json key_json(const std::string& key, const std::string& unit, const Estimate& e
   return {{"key", key}, {"unit", unit}, {"value", estimate.value}, {"standard_error", estimate.error}};
 }
 
-// Factors on the PapillArray's own figures: `scale` of the parts coupling, gain and noise.
-void add_scales(Json& keys, const Snapshots& snapshots, const Summary& summary, const std::vector<UnitFit>& units) {
-  const SignalModel model = papillarray::signal_model({summary.normal.mean(), summary.tangential.mean()}, snapshots.rate);
-  const auto add = [&](const char* part, const Estimate& estimate) {
-    keys.push_back(key_json(fmt::format("sensors.{}.electronics.{}.scale", snapshots.sensor, part), "1", estimate));
+// The PapillArray's parts: the largest coefficients of coupling, and `scale` of gain and noise, a factor on the device's own figures.
+void add_parts(Json& keys, const Snapshots& snapshots, const Summary& summary, const std::vector<UnitFit>& units) {
+  const SignalModel model = papillarray::signal_model({summary.normal.mean(), summary.tangential.mean()}, snapshots.rate, {});
+  const auto add = [&](const std::string& parameter, const Estimate& estimate) {
+    keys.push_back(key_json(fmt::format("sensors.{}.electronics.{}", snapshots.sensor, parameter), "1", estimate));
   };
-  // c is uniform within scale*limit, so E[c^2] = (scale*limit)^2/3. The error of the mean square is passed on to its root.
-  const VectorXd square = summary.coupling.cwiseAbs2() * 3.0 / std::pow(model.couplings.front().limit, 2);
-  const double coupling = std::sqrt(square.mean());
-  add("coupling", {coupling, 0.5 / coupling * sd_of(square) / std::sqrt(static_cast<double>(square.size()))});
+  // c is uniform within its limit, so E[c^2] = limit^2/3. The error of the mean square is passed on to its root.
+  for (std::size_t key = 0; key < std::size(coupling_keys); ++key) {
+    const VectorXd square = 3.0 * summary.coupling[key].cwiseAbs2();
+    const double limit = std::sqrt(square.mean());
+    const double error = limit > 0.0 ? 0.5 / limit * sd_of(square) / std::sqrt(static_cast<double>(square.size())) : 0.0;
+    add(fmt::format("coupling.{}", coupling_keys[key].name), {limit, error});
+  }
   const Index count = summary.normal.size();
   if (count > 1) {
     const auto ratio = [&](const VectorXd& values, std::size_t axis) {
@@ -235,7 +254,7 @@ void add_scales(Json& keys, const Snapshots& snapshots, const Summary& summary, 
     const Eigen::Vector3d ratios(ratio(summary.x, 0), ratio(summary.y, 1), ratio(summary.normal, 2));
     const double gain = std::sqrt(ratios.squaredNorm() / 3.0);
     // The relative error of a standard deviation with f degrees of freedom is 1/sqrt(2 f).
-    add("gain", {gain, gain / std::sqrt(6.0 * static_cast<double>(count - 1))});
+    add("gain.scale", {gain, gain / std::sqrt(6.0 * static_cast<double>(count - 1))});
   }
   std::vector<double> scales;
   for (const UnitFit& unit : units) {
@@ -249,7 +268,7 @@ void add_scales(Json& keys, const Snapshots& snapshots, const Summary& summary, 
   }
   if (scales.size() > 1) {
     const VectorXd all = Eigen::Map<const VectorXd>(scales.data(), static_cast<Index>(scales.size()));
-    add("noise", {median(scales), median_error * sd_of(all) / std::sqrt(static_cast<double>(scales.size()))});
+    add("noise.scale", {median(scales), median_error * sd_of(all) / std::sqrt(static_cast<double>(scales.size()))});
   }
 }
 
@@ -299,7 +318,7 @@ Json fit_snapshots(const std::vector<RawRecording>& recordings, const std::strin
   Json keys = Json::array();
   keys.push_back(key_json(key + "k_normal", "N/m", mean_of(summary.normal, summary.normal_error)));
   keys.push_back(key_json(key + "k_tangential", "N/m", mean_of(summary.tangential, summary.tangential_error)));
-  if (snapshots.type == "papillarray") add_scales(keys, snapshots, summary, units);
+  if (snapshots.type == "papillarray") add_parts(keys, snapshots, summary, units);
   Json result{{"slipbench_snapshots", 1},
               {"sensor", snapshots.sensor},
               {"type", snapshots.type},
@@ -361,11 +380,12 @@ std::string snapshot_text(const Json& result) {
     text += fmt::format("Noise of idle units, sd along x, y, z: force {} mN, displacement {} um.\n", sds("force", 1e3),
                         sds("displacement", 1e6));
   }
-  text += fmt::format("Normal force of lateral displacement: {:.2g} N/mm rms; no key of a scene sets this.\n",
-                      1e-3 * result.at("shear_to_normal").get<double>());
+  text +=
+      fmt::format("Normal force of lateral displacement: {:.2g} N/mm rms{}.\n", 1e-3 * result.at("shear_to_normal").get<double>(),
+                  result.at("type") == "papillarray" ? "" : "; no key of a scene sets this");
   text += fmt::format("Scene:\n  sensors:\n    {}:\n      type: {}\n", result.at("sensor").get<std::string>(),
                       result.at("type").get<std::string>());
-  std::string parts;
+  std::vector<std::pair<std::string, std::string>> parts;  // with their parameters
   for (const Json& one : result.at("keys")) {
     const std::string path = one.at("key");
     const double value = one.at("value");
@@ -374,10 +394,15 @@ std::string snapshot_text(const Json& result) {
       text += fmt::format("      {}: {:.4g} N/mm\n", path.substr(path.rfind('.') + 1), 1e-3 * value);
     } else {
       const std::string name = path.substr(at + part.size());
-      parts += fmt::format("        - {}: {{scale: {:.3g}}}\n", name.substr(0, name.find('.')), value);
+      const std::string owner = name.substr(0, name.find('.'));
+      if (parts.empty() || parts.back().first != owner) parts.emplace_back(owner, "");
+      std::string& parameters = parts.back().second;
+      parameters += fmt::format("{}{}: {:.3g}", parameters.empty() ? "" : ", ", name.substr(owner.size() + 1), value);
     }
   }
-  return text + (parts.empty() ? "" : "      electronics:\n" + parts);
+  if (!parts.empty()) text += "      electronics:\n";
+  for (const auto& [name, parameters] : parts) text += fmt::format("        - {}: {{{}}}\n", name, parameters);
+  return text;
 }
 
 }  // namespace slipbench::calibrate

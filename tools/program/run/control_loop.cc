@@ -101,7 +101,11 @@ Sampler::Sampler(const Scene& scene, std::span<const std::unique_ptr<Sensor>> se
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
     const std::string& name = scene.sensors[pad].name;
     refuse_without_elements(name, sensors[pad]->layout(), simulation.contact(pad));
-    pads_.push_back({.sensor = sensors[pad].get(), .sampling = {simulation.stride(pad), sensors[pad]->scans()}});
+    const Sensor& sensor = *sensors[pad];
+    const std::size_t stride = simulation.stride(pad);
+    pads_.push_back({.sensor = sensors[pad].get(),
+                     .sampling = {stride, sensor.scans(), sensor.completing_scan()},
+                     .felt_stride = sensor.feels_every_tick() ? 1 : stride});
     remaining_ += simulation.ticks(pad);
     if (samples(pad) > 0) continue;
     const double shortest = static_cast<double>(pads_[pad].sampling.ticks()) * simulation.time_step(pad);

@@ -35,15 +35,18 @@ namespace slipbench {
 
 // When a pad's sensor reads the contact, and when that completes a sample. Ticks are the pad's own (simulation.h).
 struct Sampling {
-  std::size_t stride = 1;  // ticks between two readings
-  std::size_t scans = 1;   // readings a sample (Sensor::scans)
+  std::size_t stride = 1;              // ticks between two readings
+  std::size_t scans = 1;               // readings a sample (Sensor::scans)
+  std::size_t completing = scans - 1;  // number of the reading that completes a sample (Sensor::completing_scan)
 
   [[nodiscard]] bool reads_at(std::size_t tick) const { return tick % stride == 0; }
-  [[nodiscard]] bool completes_at(std::size_t tick) const { return tick % ticks() == (scans - 1) * stride; }
+  [[nodiscard]] bool completes_at(std::size_t tick) const { return tick % ticks() == completing * stride; }
   // Ticks between two samples.
   [[nodiscard]] std::size_t ticks() const { return stride * scans; }
   // Samples that are complete in a trial of so many ticks.
-  [[nodiscard]] std::size_t samples(std::size_t trial_ticks) const { return ((trial_ticks + stride - 1) / stride) / scans; }
+  [[nodiscard]] std::size_t samples(std::size_t trial_ticks) const {
+    return (trial_ticks + ticks() - 1 - completing * stride) / ticks();
+  }
 };
 
 // A pad's tick as the loop may see it: without the truth.
@@ -84,17 +87,23 @@ class Sampler {
   struct Pad {
     Sensor* sensor;
     Sampling sampling;
+    std::size_t felt_stride;              // ticks between two that the sensor reads or feels
     std::size_t tick = 0;                 // the next one
     const SensorFrame* latest = nullptr;  // the sensor's own
 
-    // Whether the sensor is read at the next tick, and the sample that this completes; null: none.
-    [[nodiscard]] bool reads() const { return sampling.reads_at(tick); }
+    // Whether the sensor reads or feels the next tick, and the sample that this completes; null: none.
+    [[nodiscard]] bool reads() const { return tick % felt_stride == 0; }
     const SensorFrame* measure(const ContactFrame& truth) {
+      const bool due = reads();
       const std::size_t now = tick++;
-      if (!sampling.reads_at(now)) return nullptr;
-      const SensorFrame& frame = sensor->measure(truth);
-      if (!sampling.completes_at(now)) return nullptr;
-      return latest = &frame;
+      if (!due) return nullptr;
+      if (sampling.completes_at(now)) return latest = &sensor->measure(truth);
+      if (felt_stride == sampling.stride || sampling.reads_at(now)) {
+        sensor->measure(truth);
+      } else {
+        sensor->feel(truth);
+      }
+      return nullptr;
     }
   };
 

@@ -313,8 +313,8 @@ std::vector<Warning> converter_warnings(const std::map<std::string, ConverterUse
     warnings.push_back(
         {"sensors." + name + ".electronics",
          fmt::format(
-             "the converter of sensor '{}' is at an end of its range in {} of {} samples: most of its signal is not there", name,
-             use.at_an_end, use.samples)});
+             "sensor '{}' has values beyond its range in {} of {} samples, which its converter cuts off or its maker states no accuracy for",
+             name, use.at_an_end, use.samples)});
   }
   return warnings;
 }

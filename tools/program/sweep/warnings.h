@@ -42,7 +42,7 @@ std::vector<Warning> split_warnings(const TrialPlan& plan, std::span<const std::
 // All of these of the trials that `sweep` would run, built; those of the split where it writes a dataset. `read`: its read_sweep().
 std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& sweep);
 
-// How often a sensor's converter was at an end of its range.
+// How often a sensor had a value beyond its range.
 struct ConverterUse {
   std::uint64_t at_an_end = 0;  // samples
   std::uint64_t samples = 0;

@@ -230,15 +230,15 @@ std::string grasps_text(const std::vector<GraspRow>& rows, const Style& style) {
   return fmt::format("{}: medians; slip and turn of the held\n", style.heading("grasps")) + table.text(style);
 }
 
-// Of the trial's sensors whose converters were at an end of their range.
+// Names the trial's sensors that had values beyond their range.
 std::string saturation_text(const TrialSummary& trial, const Style& style) {
   std::string text;
   for (const SensorSummary& sensor : trial.sensors) {
     const auto found = trial.outcome.saturated.find(sensor.name);
     if (found == trial.outcome.saturated.end()) continue;
     const std::size_t samples = std::accumulate(sensor.state_count.begin(), sensor.state_count.end(), std::size_t{0});
-    text += fmt::format("  {}: {}: its converter is at an end of its range in {} of {} samples\n", style.bold("saturated"),
-                        sensor.name, found->second, samples);
+    text += fmt::format("  {}: {}: values beyond its range in {} of {} samples\n", style.bold("saturated"), sensor.name,
+                        found->second, samples);
   }
   return text;
 }
@@ -254,8 +254,8 @@ std::string saturations_text(const std::vector<TrialSummary>& trials, const Styl
   }
   std::string text;
   for (const auto& [sensor, found] : by_sensor) {
-    text += fmt::format("  {}: {}: its converter is at an end of its range in {} of {} trials, {} samples of them\n",
-                        style.bold("saturated"), sensor, found.first, trials.size(), found.second);
+    text += fmt::format("  {}: {}: values beyond its range in {} of {} trials, {} samples\n", style.bold("saturated"), sensor,
+                        found.first, trials.size(), found.second);
   }
   return text;
 }

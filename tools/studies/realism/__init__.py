@@ -12,12 +12,13 @@ import slipbench
 from slipbench import InputError
 from slipbench_studies.__main__ import run
 from slipbench_studies.grid import check_only
-from slipbench_studies.realism import biotac_19, fabric, hexapod, myrmex, piezo_skin, uskin
+from slipbench_studies.realism import biotac_19, fabric, hexapod, myrmex, papillarray, piezo_skin, uskin
 from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
 
 GRASPS_A_BOX = 40  # of which the median's scatter is some 10 %
 OWN = {  # devices of which no paper's table has figures: what gives them
     "hexapod": hexapod.figures,
+    "papillarray": papillarray.figures,
     "uskin": uskin.figures,
     "fabric": fabric.figures,
     "piezo_skin": piezo_skin.figures,
@@ -45,6 +46,7 @@ class Source:
 
 SOURCES = {
     "hexapod": Source(True),
+    "papillarray": Source(True),
     "uskin": Source(True),
     "fabric": Source(True),
     "piezo_skin": Source(True),

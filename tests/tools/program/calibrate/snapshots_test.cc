@@ -28,7 +28,7 @@ constexpr std::size_t units = 8, snapshots = 400;
 // The first half of the snapshots is pressed by up to 0.5 mm, the second half is idle.
 RawRecording recording_of(const Law& law, bool sheared = true) {
   RandomStream stream(1, 0, "snapshots");
-  const SignalModel model = papillarray::signal_model({law.normal, law.tangential}, 500.0);
+  const SignalModel model = papillarray::signal_model({law.normal, law.tangential}, 500.0, {});
   SensorRecord sensor;
   sensor.name = "pad";
   sensor.type = "papillarray";
@@ -80,18 +80,22 @@ TEST(Snapshots, AnExactLawComesBack) {
   EXPECT_EQ(unit.at("pulled"), 0);
   EXPECT_NEAR(unit.at("matrix").at(0).at(2).get<double>(), 600.0, 0.01);  // c k_n
   EXPECT_NEAR(unit.at("matrix").at(1).at(2).get<double>(), -600.0, 0.01);
-  // c = +-0.1 in every unit: scale = sqrt(3 * 0.1^2)/0.042 = 4.124.
-  EXPECT_NEAR(value_of(result, "electronics.coupling.scale"), 4.124, 0.001);
+  // c = +-0.1 in every unit: limit = sqrt(3 * 0.1^2) = 0.1732.
+  EXPECT_NEAR(value_of(result, "electronics.coupling.normal_to_shear"), 0.1732, 1e-5);
+  EXPECT_NEAR(value_of(result, "electronics.coupling.shear_to_normal"), 0.0, 1e-5);
+  EXPECT_NEAR(value_of(result, "electronics.coupling.shear_to_shear"), 0.0, 1e-5);
 }
 
-// Shear raises the normal force by 0.5 N/mm of d_x, which the scene's law does not have: rms of 500 and 0 N/m is 353.6 N/m.
-TEST(Snapshots, ShearInTheNormalForceIsReported) {
+// Shear raises the normal force by 0.5 N/mm of d_x: rms of 500 and 0 N/m is 353.6 N/m. Over k_t = 2.5 N/mm that is 0.2 and 0 N/N, whose limit
+// is sqrt(3 * 0.2^2/2) = 0.2449.
+TEST(Snapshots, ShearInTheNormalForceIsFitted) {
   RawRecording recording = recording_of({});
   std::vector<float>& force = recording.sensors.front().channels[0].values;
   const std::vector<float>& displacement = recording.sensors.front().channels[1].values;
   for (std::size_t value = 2; value < force.size(); value += 3) force[value] += 500.0F * displacement[value - 2];
   const Json result = fit_snapshots({recording}, "", default_idle);
   EXPECT_NEAR(result.at("shear_to_normal").get<double>(), 353.6, 0.1);
+  EXPECT_NEAR(value_of(result, "electronics.coupling.shear_to_normal"), 0.2449, 1e-4);
   EXPECT_NEAR(value_of(result, "k_normal"), 6e3, 0.01);
 }
 
@@ -150,7 +154,8 @@ TEST(Snapshots, RefusalsNameTheCause) {
 TEST(Snapshots, TheTextIsABlockOfAScene) {
   const Json result = fit_snapshots({recording_of({})}, "", default_idle);
   EXPECT_THAT(snapshot_text(result), HasSubstr("      k_normal: 6 N/mm\n      k_tangential: 2.5 N/mm\n"));
-  EXPECT_THAT(snapshot_text(result), HasSubstr("        - coupling: {scale: 4.12}\n"));
+  EXPECT_THAT(snapshot_text(result), HasSubstr("        - coupling: {shear_to_normal: "));
+  EXPECT_THAT(snapshot_text(result), HasSubstr(", normal_to_shear: 0.173, shear_to_shear: "));
   EXPECT_EQ(snapshot_unit_table(result).rows.size(), units);
 }
 

@@ -39,6 +39,18 @@ TEST(Sampling, WithOneReadingASampleTheFirstIsAtTheBeginning) {
   EXPECT_EQ(sampling.samples(5), 2U);
 }
 
+TEST(Sampling, ASampleMayBeCompleteWithTheFirstOfItsReadings) {
+  const Sampling sampling{.stride = 2, .scans = 3, .completing = 0};
+  std::vector<std::size_t> completes;
+  for (std::size_t tick = 0; tick < 14; ++tick) {
+    if (sampling.completes_at(tick)) completes.push_back(tick);
+  }
+  EXPECT_THAT(completes, ElementsAre(0, 6, 12));
+  EXPECT_EQ(sampling.samples(14), 3U);
+  EXPECT_EQ(sampling.samples(12), 2U);  // tick 12 is not reached
+  EXPECT_EQ(sampling.samples(1), 1U);
+}
+
 // 250 samples a second of four readings; the values are the number of the latest reading, and that of the latest sample.
 class Multiplexed final : public Sensor {
  public:
@@ -103,6 +115,26 @@ TEST(Sampling, TheRecordHoldsWholeSamplesAndASlowChannelItsOwnTime) {
   ASSERT_EQ(sensor.channels[1].time->size(), 2U);
   EXPECT_NEAR(sensor.channels[1].time->at(0), 11e-3 - 2e-3, 1e-12);  // complete at 11 ms, read 2 ms before
   EXPECT_NEAR(sensor.channels[1].time->at(1), 23e-3 - 2e-3, 1e-12);
+}
+
+// A filter before the converter is told of every tick of 0.2 ms: a PapillArray at 100 Hz with it has its samples when one without has them, and what
+// they hold does not depend on the rate.
+TEST(Sampling, AFilterFeelsTheTicksBetweenReadings) {
+  const auto readings = [](const char* rate, const char* electronics) {
+    const Scene scene = stage_scene(
+        {{"duration", "300 ms"}, {"time_step", "0.2 ms"}, {"sensors.pad.rate", rate}, {"sensors.pad.electronics", electronics}});
+    return run_trial(scene, 0, Recording::full).record.sensors.front();
+  };
+  const SensorRecord slow = readings("100 Hz", "[low_pass]"), fast = readings("1 kHz", "[low_pass]"),
+                     ideal = readings("100 Hz", "ideal");
+  ASSERT_EQ(slow.time.size(), 30U);
+  EXPECT_EQ(slow.time, ideal.time);
+  const std::vector<float>&few = slow.channels[0].values, &many = fast.channels[0].values;
+  EXPECT_NE(few, ideal.channels[0].values);
+  for (std::size_t k = 0; k < 30; ++k) {
+    EXPECT_EQ(slow.time[k], fast.time[10 * k]);
+    for (std::size_t v = 0; v < 27; ++v) EXPECT_EQ(few[27 * k + v], many[270 * k + v]) << k;
+  }
 }
 
 TEST(Sampling, ATrialWithoutAWholeSampleIsRefused) {

@@ -88,11 +88,11 @@ TEST(Summary, SaysWhoseConverterWasAtItsEnd) {
   EXPECT_THAT(trial_text(trial, sensors, Style(false)), Not(HasSubstr("saturated")));
   trial.outcome.saturated = {{"pad", 1}};
   EXPECT_THAT(trial_text(trial, sensors, Style(false)),
-              HasSubstr("\n  saturated: pad: its converter is at an end of its range in 1 of 2 samples\n"));
+              HasSubstr("\n  saturated: pad: values beyond its range in 1 of 2 samples\n"));
   SweepSummary sweep;
   sweep.trials = {trial, small_trial(), trial};
   EXPECT_THAT(sweep_text(sweep, Style(false)),
-              HasSubstr("\n  saturated: pad: its converter is at an end of its range in 2 of 3 trials, 2 samples of them\n"));
+              HasSubstr("\n  saturated: pad: values beyond its range in 2 of 3 trials, 2 samples\n"));
 }
 
 constexpr const char* small_figures = "; recall of slip 93.8 %, balanced accuracy 78.0 % (any constant answer: 33.3 %)\n";

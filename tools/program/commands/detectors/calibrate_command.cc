@@ -54,7 +54,7 @@ and so on. Its trials are draws, and means over a group are compared. What the s
 them: status 1 where a value is missed by more than twice its interval.
 
 --snapshots needs no scene: REAL are recordings with the force and the displacement of every unit, in any order. It fits a stiffness matrix to
-each unit by least squares and prints k_normal, k_tangential and, for a PapillArray, the scales of coupling, gain and noise, with standard errors.
+each unit by least squares and prints k_normal, k_tangential and, for a PapillArray, the limits of coupling and the scales of gain and noise, with standard errors.
 
 Formats:
 {}

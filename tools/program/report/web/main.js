@@ -65,7 +65,7 @@ const drawn = trial => sb.facts('meta', [
   ...Object.entries(trial.params).map(([path, value]) => [sb.pathWord(path), sb.parameter(value, 4)])
 ]);
 
-// Whose converter was at an end of its range, and how often.
+// Which sensors had values beyond their range, and how often.
 function saturation(trials) {
   const by_sensor = {};
   for (const {saturated} of trials) {
@@ -76,8 +76,8 @@ function saturation(trials) {
     }
   }
   return Object.entries(by_sensor).map(
-      ([name, held]) => el('p.warning', {}, 'The converter of ' + name + ' is at an end of its range in ' + held.samples + ' samples' +
-                           (trials.length > 1 ? ' of ' + held.trials + ' trials' : '') + ': a value beyond it reads as that end.'));
+      ([name, held]) => el('p.warning', {}, 'Sensor ' + name + ' has values beyond its range in ' + held.samples + ' samples' +
+                           (trials.length > 1 ? ' of ' + held.trials + ' trials' : '') + '. A converter cuts them off; the part valid_range only counts them.'));
 }
 
 function navigation() {
