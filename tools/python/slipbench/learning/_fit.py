@@ -213,12 +213,14 @@ def answers_to_all(network: nn.Module, sequences: Sequence[Floats]) -> list[Floa
         [T - history + 1, classes] of each
     """
     network.eval()
+    before = history_of(network) - 1
+    at_once = _FRAMES_AT_ONCE if before == 0 else _ANSWERS_AT_ONCE
     logits: list[Floats] = []
     first = 0
     while first < len(sequences):
         length = len(sequences[first])
-        last = first
-        while last < len(sequences) and len(sequences[last]) == length and (last - first + 1) * length <= max(_FRAMES_AT_ONCE, length):
+        last = first + 1
+        while last < len(sequences) and len(sequences[last]) == length and (last - first + 1) * (length - before) <= at_once:
             last += 1
         with torch.no_grad():
             logits += list(array_of(_answers(network, tensor_of(np.stack(sequences[first:last])))))
