@@ -10,6 +10,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import torch
@@ -420,6 +421,13 @@ class Pieces(unittest.TestCase):
             self.assertEqual(sizes, expected)
             for one, logits in zip(sequences, together):
                 np.testing.assert_allclose(logits, learning.answers(network, one), atol=1e-6)
+
+    # Each seed of CUDA's generator would be kept in a list, with a stack trace, until CUDA is first used.
+    def test_a_training_seeds_no_generator_of_cuda(self):
+        sequences = [(np.zeros((8, 1), np.float32), np.array([0, 1] * 4, np.uint8))]
+        with mock.patch("torch.cuda.manual_seed_all") as seeded:
+            learning.fit(Own(1, 2), sequences, [], learning.Training(steps=3, batch=2, clip=4), classes=2)
+        seeded.assert_not_called()
 
     # One sequence of five frames, whose last three are slip: clips of two answers begin at frame 0 to 3; a class is drawn in each.
     def test_clips_are_drawn_around_a_class(self):
