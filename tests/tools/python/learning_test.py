@@ -10,6 +10,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import torch
@@ -18,6 +19,7 @@ from torch import nn
 import slipbench
 from slipbench import InputError, _recipe, learning
 from slipbench.learning import networks
+from slipbench.learning._fit import answers_to_all
 from slipbench.learning.biotac import drawn_graph
 
 PROGRAM = str(Path(sys.argv.pop(1)).resolve())
@@ -427,6 +429,31 @@ class Pieces(unittest.TestCase):
             np.testing.assert_allclose(found[1], scale, rtol=1e-6)
         with self.assertRaisesRegex(InputError, "scaling: 'none'"):
             learning.scale_of(frames, "none")
+
+    # Of history 3, 600 frames have 598 answers: 256, 256 and 86 of one sequence. 100 frames have 98, so 2 x 98 answers go together, and a third would make 294.
+    def test_windows_go_through_256_at_a_time(self):
+        class Recording(Own):
+            def forward(self, frames):
+                sizes.append(len(frames) * (frames.shape[1] - 2))
+                return super().forward(frames)
+
+        torch.manual_seed(1)
+        network = Recording(1, 2)
+        random = np.random.default_rng(1)
+        for length, expected in ((600, [256, 256, 86] * 3), (100, [196, 98])):
+            sizes = []
+            sequences = [random.normal(size=(length, 1)).astype(np.float32) for _ in range(3)]
+            together = answers_to_all(network, sequences)
+            self.assertEqual(sizes, expected)
+            for one, logits in zip(sequences, together):
+                np.testing.assert_allclose(logits, learning.answers(network, one), atol=1e-6)
+
+    # Each seed of CUDA's generator would be kept in a list, with a stack trace, until CUDA is first used.
+    def test_a_training_seeds_no_generator_of_cuda(self):
+        sequences = [(np.zeros((8, 1), np.float32), np.array([0, 1] * 4, np.uint8))]
+        with mock.patch("torch.cuda.manual_seed_all") as seeded:
+            learning.fit(Own(1, 2), sequences, [], learning.Training(steps=3, batch=2, clip=4), classes=2)
+        seeded.assert_not_called()
 
     # One sequence of five frames, whose last three are slip: clips of two answers begin at frame 0 to 3; a class is drawn in each.
     def test_clips_are_drawn_around_a_class(self):

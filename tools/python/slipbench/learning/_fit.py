@@ -148,7 +148,7 @@ def reproducible(seed: int) -> Iterator[None]:
     torch.set_num_threads(1)
     try:
         with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(seed)
+            torch.default_generator.manual_seed(seed)
             yield
     finally:
         torch.set_num_threads(threads)
@@ -213,12 +213,14 @@ def answers_to_all(network: nn.Module, sequences: Sequence[Floats]) -> list[Floa
         [T - history + 1, classes] of each
     """
     network.eval()
+    before = history_of(network) - 1
+    at_once = _FRAMES_AT_ONCE if before == 0 else _ANSWERS_AT_ONCE
     logits: list[Floats] = []
     first = 0
     while first < len(sequences):
         length = len(sequences[first])
-        last = first
-        while last < len(sequences) and len(sequences[last]) == length and (last - first + 1) * length <= max(_FRAMES_AT_ONCE, length):
+        last = first + 1
+        while last < len(sequences) and len(sequences[last]) == length and (last - first + 1) * (length - before) <= at_once:
             last += 1
         with torch.no_grad():
             logits += list(array_of(_answers(network, tensor_of(np.stack(sequences[first:last])))))
@@ -253,16 +255,17 @@ class Clips:
         self._answers = min(training.clip, int(lengths.max()) - self._before)
         # The frames that have an answer, by class.
         place = np.concatenate([np.arange(length) for length in lengths])
-        self._of_class = [np.flatnonzero((self._labels == one) & (place >= self._before)) for one in range(classes)]
-        if any(len(frames) == 0 for frames in self._of_class):
-            raise _core.InputError(f"a class has no frame to train on: {[len(frames) for frames in self._of_class]}; allowed: frames of every class")
+        of_class = [np.flatnonzero((self._labels == one) & (place >= self._before)) for one in range(classes)]
+        self._count = np.array([len(frames) for frames in of_class])
+        if 0 in self._count:
+            raise _core.InputError(f"a class has no frame to train on: {self._count.tolist()}; allowed: frames of every class")
+        self._by_class, self._first_of_class = np.concatenate(of_class), np.cumsum(self._count) - self._count
 
     def weights(self) -> Tensor:
         """Of each class the inverse of its share; all alike where classes are drawn."""
-        counts = np.array([len(frames) for frames in self._of_class], float)
         if self._training.balance == "drawing":
-            return torch.ones(len(counts))
-        return tensor_of((counts.sum() / (len(counts) * counts)).astype(np.float32))
+            return torch.ones(len(self._count))
+        return tensor_of((self._count.sum() / (len(self._count) * self._count)).astype(np.float32))
 
     def draw(self, seed: int, step: int) -> tuple[Tensor, Tensor]:
         """The clips of a step, whatever was drawn before: features [B, T, inputs] and classes [B, T - history + 1].
@@ -271,8 +274,8 @@ class Clips:
         """
         random = np.random.default_rng((seed, step))
         if self._training.balance == "drawing":
-            which = random.integers(len(self._of_class), size=self._training.batch)
-            wanted = np.array([self._of_class[one][random.integers(len(self._of_class[one]))] for one in which])
+            which = random.integers(len(self._count), size=self._training.batch)
+            wanted = self._by_class[self._first_of_class[which] + random.integers(self._count[which])]
             sequence = np.searchsorted(self._start, wanted, side="right") - 1
             answer, latest = wanted - self._start[sequence] - self._before, self._latest(sequence)
             end = np.minimum(answer, latest)
@@ -342,7 +345,8 @@ def _fit(network: nn.Module, clips: Clips, validate: Sequences, training: Traini
         for group in optimiser.param_groups:
             group["lr"] = training.learning_rate * (1 - (1 - training.final_rate) * step / training.steps)
         features, labels = clips.draw(seed, step)
-        torch.manual_seed(_step_seed(seed, step))  # of layers such as dropout, so that a training goes on as it would have
+        # For layers such as dropout, so that a resumed training repeats them. torch.manual_seed() would also queue a call with a stack trace for CUDA.
+        torch.default_generator.manual_seed(_step_seed(seed, step))
         if training.augment is not None:
             features = training.augment(features, torch.Generator().manual_seed(_step_seed(seed, step)))
         network.train()
@@ -351,7 +355,7 @@ def _fit(network: nn.Module, clips: Clips, validate: Sequences, training: Traini
         step += 1
         if not math.isfinite(done.losses[-1]):
             raise _core.InputError(f"step {step}: the loss is not finite; {_DIVERGED}")
-        optimiser.zero_grad()
+        optimiser.zero_grad(set_to_none=True)
         loss.backward()
         optimiser.step()
         if step % max(training.validate_every, 1) and step != training.steps:
