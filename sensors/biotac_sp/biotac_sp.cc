@@ -117,6 +117,11 @@ Entry about_19() {
   set("fluid_stiffness", "0.47",
       "assumed as of the SP: at core_gap the pressure is the force over the area of contact, 2 pi 16 mm 1 mm");
   set("device", "fixed", "free");
+  for (const char* name : {"near", "far", "far_share", "swell", "gap", "common"}) {
+    const auto spec = std::ranges::find(entry.parameters, name, &ParameterSpec::name);
+    if (spec == entry.parameters.end()) throw std::logic_error(std::string("biotac_sp: no parameter ") + name);
+    spec->source = "assumed as of the SP: " + spec->source;
+  }
   return entry;
 }
 

@@ -41,7 +41,6 @@ enum : std::size_t {
   fading,
   noise_ratio,
   placement,
-  profile,
   device
 };
 const slipbench_parameter slipbench_sensor_parameters[] = {
@@ -69,7 +68,6 @@ const slipbench_parameter slipbench_sensor_parameters[] = {
     SLIPBENCH_A_NUMBER("fading", 0.0011, ""),
     SLIPBENCH_A_NUMBER("noise_ratio", 1.0, ""),
     SLIPBENCH_A_NUMBER("placement", 0.0, "m"),
-    SLIPBENCH_A_TEXT("profile", "described"),
     SLIPBENCH_A_TEXT("device", "fixed"),
     SLIPBENCH_NO_MORE,
 };
@@ -77,14 +75,6 @@ const slipbench_parameter slipbench_sensor_parameters[] = {
 namespace {
 
 const char* const chip = "Melexis MLX90393, data sheet";
-const char* const recorded = "free; profile recorded: public recordings of a uSkin on a gripper, sensors/magnetic_skin/README.md";
-
-// What the profile `recorded` says in place of a scene: figures of a device that was recorded.
-constexpr struct {
-  std::size_t parameter;
-  double value;
-} of_recordings[] = {{k_tangential, 3200.0}, {noise, 2.2}, {noise_ratio, 2.2}, {placement, 0.2e-3}};
-
 const slipbench_note notes[] = {
     {"Samples a second.", "free", 0.1, 1e4, ""},
     {"Cells along Y, each with a dipole.", "uSkin (Tomo and others 2018): 4 x 4", 1.0, 64.0, ""},
@@ -113,9 +103,7 @@ const slipbench_note notes[] = {
     {"Noise of a reading along Z over that along X and Y.", "1: eFlesh's recordings, sensors/magnetic_skin/README.md", 0.0, 100.0,
      ""},
     {"Standard deviation of a magnet's place, along X and Y each, from the middle of its cell: load then appears as shear.",
-     recorded, 0.0, 0.1, ""},
-    {"recorded: k_tangential, noise, noise_ratio and placement of a device that was recorded. described: as the scene says.",
-     recorded, 0.0, 0.0, "described|recorded"},
+     "free; 0.2 mm fits public recordings of a uSkin on a gripper, sensors/magnetic_skin/README.md", 0.0, 0.1, ""},
     {"Whether all trials have one device, or each draws the magnets' places anew.", "fixed: a dataset is of one device", 0.0, 0.0,
      "fixed|redrawn"},
 };
@@ -265,21 +253,12 @@ void slipbench_make_sensor(const slipbench_source* source, slipbench_readout* re
   readout->destroy = [](void* self) { delete static_cast<Skin*>(self); };
   for (std::size_t k = 0; k < skin->is.size(); ++k) skin->is[k] = source->parameters[k].number;
   auto& is = skin->is;
-  const char *wrong = nullptr, *named = "";
-  if (source->parameters[profile].text[0] == 'r') {
-    for (const auto& [parameter, value] : of_recordings) {
-      if (is[parameter] != slipbench_sensor_parameters[parameter].number) {
-        wrong = " is the profile's own; allowed: profile described";
-        named = slipbench_sensor_parameters[parameter].name;
-      }
-      is[parameter] = value;
-    }
-  }
+  const char* wrong = nullptr;
   if (is[magnet_depth] >= is[thickness]) wrong = "magnet_depth is too deep; allowed: less than thickness";
   if (is[rows] != std::floor(is[rows]) || is[columns] != std::floor(is[columns]))
     wrong = "rows or columns is a fraction; allowed: a whole number";
   if (wrong != nullptr) {
-    std::snprintf(readout->refusal, sizeof readout->refusal, "%s%s", named, wrong);
+    std::snprintf(readout->refusal, sizeof readout->refusal, "%s", wrong);
     return;
   }
   skin->forces = source->parameters[chips].text[0] == 'g';

@@ -35,7 +35,6 @@ constexpr std::array<ConverterRange, axes> valid_force{{{-4.0, 4.0}, {-4.0, 4.0}
 constexpr std::array<ConverterRange, axes> valid_displacement{{{-1e-3, 1e-3}, {-1e-3, 1e-3}, {-unlimited, 2.5e-3}}};  // m
 
 // At 100, 250 and 500 Hz the filter before the converter sees the signal at least as often as at the device's highest rate.
-constexpr double least_readings = 1000.0;  // Hz
 
 // One channel's couplings. `share`: what this channel carries of a coefficient. In displacement a coefficient of force is multiplied by
 // k_from/k_to: F_i = k_i d_i, so that c N/N of force read like c k_from/k_to m/m of displacement.
@@ -279,15 +278,11 @@ class PapillArray : public PadSensor {
   double label_speed_;
 };
 
-// With a filter before the converter: it is read at 1 kHz or more, and feels what is between. The first reading of a sample is the sample, so that
-// samples are at the same times as without the filter; the others hold it.
+// With a filter before the converter, which works on what is between the samples, too.
 class FilteredPapillArray final : public PapillArray {
  public:
-  FilteredPapillArray(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
-      : PapillArray(parameters, electronics, key), scans_(static_cast<std::size_t>(least_readings / rate_)) {}
+  using PapillArray::PapillArray;
 
-  [[nodiscard]] std::size_t scans() const override { return scans_; }
-  [[nodiscard]] std::size_t completing_scan() const override { return 0; }
   [[nodiscard]] bool feels_every_tick() const override { return true; }
 
   void feel(const ContactFrame& truth) override {
@@ -295,31 +290,6 @@ class FilteredPapillArray final : public PapillArray {
     read(truth, felt);
     electronics_.feel(felt, truth.time);
   }
-
-  const SensorFrame& measure(const ContactFrame& truth) override {
-    double& turn = held_.back();
-    const bool completes = turn == 0.0;
-    turn = turn + 1.0 < static_cast<double>(scans_) ? turn + 1.0 : 0.0;
-    if (completes) {
-      PapillArray::measure(truth);
-      std::ranges::copy(values_, held_.begin());
-    } else {
-      feel(truth);
-      std::ranges::transform(held_.begin(), held_.end() - 1, values_.begin(),
-                             [](double value) { return static_cast<float>(value); });
-    }
-    return frame_;
-  }
-
-  [[nodiscard]] std::vector<std::span<double>> memory() override {
-    std::vector<std::span<double>> memories = electronics_.memory();
-    memories.emplace_back(held_);
-    return memories;
-  }
-
- private:
-  std::size_t scans_;
-  std::array<double, 2 * channel_size + 1> held_{};  // the latest sample, then how many of the sample's readings have been taken
 };
 
 std::unique_ptr<Sensor> create_papillarray(const Parameters& parameters, const std::vector<Named>& electronics,

@@ -190,7 +190,7 @@ Entry piezo_skin_entry() {
 std::vector<Entry> piezo_skin_electronics() {
   return electronics_of(
       "piezo_skin",
-      {{"offset", "sd 3 counts, that of the noise: assumed", {}},
+      {{"offset", "sd 3 counts: assumed", {}},
        {"noise",
         "35 mN rms, which is 70 counts: fitted to how much 129 bins of a real skin's spectrum vary over frames of slip and hold (thayral/tactile-slip-demo, by an author of the paper). Only the ratio of noise to slip is measured",
         {{"corner", "inf",

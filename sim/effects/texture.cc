@@ -71,9 +71,11 @@ void check_profile(const Parameters& p) {
     return;
   }
   const double widest = std::min(duty, 1.0 - duty) * wavelength;
-  if (edge > widest) {
-    throw SceneValueError("effects.texture.edge", format_quantity(edge, Quantity::length) + " is wider than a bar or its gap, " +
-                                                      format_quantity(widest, Quantity::length) + "; allowed: up to that");
+  constexpr double rounding = 1e-9;
+  if (edge > widest * (1.0 + rounding)) {
+    throw SceneValueError("effects.texture.edge", format_quantity(edge, Quantity::length) +
+                                                      " is wider than a bar or its gap; allowed: at most " +
+                                                      format_quantity(widest, Quantity::length));
   }
 }
 
@@ -91,15 +93,16 @@ EffectKind texture() {
        "Slopes are taken as small: the normal is the plane's.",
        board + ": peak at speed/3.97 mm, at any force",
        {number_spec("wavelength", Quantity::length, "4 mm", positive, "Distance of the ridges.",
-                    "FabricSlide: 2 mm bars, 2 mm apart"),
+                    "FabricSlide: one of its boards has 2 mm bars, 2 mm apart"),
         number_spec("height", Quantity::length, "20 um", {0.0, 5e-3}, "Amplitude, up to 5 mm: half of what a ridge stands out.",
                     "assumed; printed boards have some tenths of a millimetre"),
         number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction across the ridges, from the surface's X axis.",
                     "assumed"),
         choice_spec("profile", "sine", {"sine", "bars"}, "Shape of the ridges.", "free"),
         number_spec("duty", Quantity::none, "0.5", {0.05, 0.95},
-                    "Share of the wavelength that a bar takes, half of each edge included.", board + ": bars and gaps of 2 mm"),
-        number_spec("edge", Quantity::length, edge_default, positive, "Width of each of a bar's two edges.",
+                    "Share of the wavelength that a bar takes, half of each edge included.",
+                    board + ": one has bars and gaps of 2 mm"),
+        number_spec("edge", Quantity::length, edge_default, {.min = 1e-6}, "Width of each of a bar's two edges.",
                     "assumed: half a nozzle of a printer"),
         number_spec("waviness", Quantity::length, "0 um", {0.0, 5e-3},
                     "Amplitude of a slow wave along the same direction, as a board that is not flat has it.", "0: none"),

@@ -308,6 +308,11 @@ Gripper::Gripper(const Parameters& grip, double opening, double phase, std::vect
       position_(std::clamp(std::floor(closed_at_ - (opening - wander(0.0)) / count_ + same_count), open_at_, closed_at_)),
       target_(position_.at(0.0).position),
       force_limit_(weakest_) {
+  if (const double start = closed_at_ - (opening - wander(0.0)) / count_; !drift_.empty() && start < open_at_ - 1.0) {
+    throw SceneValueError("grip.drift", fmt::format("{} opens the fingers {} beyond their stop at the start; allowed: less",
+                                                    format_quantity(grip.number("drift"), Quantity::length),
+                                                    format_quantity((open_at_ - start) * count_, Quantity::length)));
+  }
   if (write_after_ >= period_) {
     throw SceneValueError("grip.write_after", format_quantity(write_after_, Quantity::time) +
                                                   " after its read comes the next read; allowed: less than the period of " +

@@ -11,7 +11,8 @@ namespace slipbench {
 
 Push::Push(NumberTable rows) : rows_(std::move(rows)) {
   const std::vector<std::vector<double>>& all = rows_.rows;
-  if (all.size() == 1) throw SceneValueError("box.push", "has one row; needed: two or more, between which a force acts");
+  if (!all.empty() && all.front()[0] == all.back()[0])
+    throw SceneValueError("box.push", "has rows at one time alone; needed: two times or more, between which a force acts");
   for (std::size_t k = 1; k < all.size(); ++k) {
     if (all[k][0] < all[k - 1][0]) {
       throw SceneValueError("box.push",

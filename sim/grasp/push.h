@@ -10,8 +10,8 @@ namespace slipbench {
 // Over time: straight between the rows of `box.push`, none before the first and after the last.
 class Push {
  public:
-  // `rows`: time [s], then force [N] along x, y and z of the world. Throws SceneValueError at box.push for a single row, and where a time is
-  // earlier than that of the row before.
+  // `rows`: time [s], then force [N] along x, y and z of the world. Throws SceneValueError at box.push where all rows are of one time, and where
+  // a time is earlier than that of the row before.
   explicit Push(NumberTable rows);
 
   [[nodiscard]] bool empty() const { return rows_.rows.empty(); }

@@ -85,9 +85,10 @@ Entry stage_entry() {
                       "Speed of a further axis that does not carry the pad; only its motor is heard.",
                       "free: motors run without a slide"),
           number_spec("idle_start", Quantity::time, "0 s", non_negative, "From when on that axis runs, until the end.", "free"),
-          number_spec("rest_speed", Quantity::speed, "0 mm/s", {0.0, 10.0},
-                      "Speed at which an axis is as noisy as all motors are while they hold their position; 0: silent at rest.",
-                      "0: silent unless asked for; 1 to 3 mm/s at level 2 fit the mean spectrum of a real piezoelectric skin"),
+          number_spec(
+              "rest_speed", Quantity::speed, "0 mm/s", {0.0, 10.0},
+              "Speed at which an axis is as noisy as all motors are while they hold their position, times `vibration`; 0: silent at rest.",
+              "0: silent unless asked for; 1 to 3 mm/s at level 2 fit the mean spectrum of a real piezoelectric skin"),
       }};
 }
 

@@ -24,7 +24,7 @@ class Skin {
  public:
   explicit Skin(Given given, const std::string& chips = "cross", std::uint64_t trial = 1, const std::string& name = "pad",
                 const Texts& texts = {}) {
-    if (!texts.contains("profile")) given.insert({"noise", 0});
+    given.insert({"noise", 0});
     given.insert({"offset", 0});
     for (const auto& [key, value] : given) is_.set(key, value);
     is_.set("chips", chips);
@@ -186,30 +186,23 @@ TEST(MagneticSkin, MisplacedMagnetShowsLoadAsShear) {
   EXPECT_NE(named.read(1, Rows::Zero(400, 3)), rest);
 }
 
-// 2,000 values along Z, 4,000 across: the sd of their sd is 1.6 and 1.1 %. Rounding adds 1/12. The profile's figures: 2.2 counts, and 2.2 times that along Z.
-TEST(MagneticSkin, NoiseByAxisAndTheProfile) {
+// 2,000 values along Z, 4,000 across: the sd of their sd is 1.6 and 1.1 %. Rounding adds 1/12.
+TEST(MagneticSkin, NoiseByAxis) {
   const Rows quiet = Skin(one({{"placement", 0.2e-3}})).read(1, still);
-  for (const bool profile : {false, true}) {
-    Skin skin = profile ? Skin(one(), "cross", 1, "pad", {{"profile", "recorded"}})
-                        : Skin(one({{"noise", 2.2}, {"noise_ratio", 2.2}, {"placement", 0.2e-3}}));
-    double across = 0, along = 0;
-    for (int sample = 0; sample < 400; ++sample) {
-      const Rows from_rest = skin.read(1, still) - quiet;
-      across += from_rest.leftCols(2).squaredNorm() / 4000;
-      along += from_rest.col(2).squaredNorm() / 2000;
-    }
-    // `quiet` is rounded, too.
-    EXPECT_NEAR(std::sqrt(across), std::sqrt(2.2 * 2.2 + 1.0 / 6), 0.05 * 2.2);
-    EXPECT_NEAR(std::sqrt(along), std::sqrt(4.84 * 4.84 + 1.0 / 6), 0.07 * 4.84);
+  Skin skin(one({{"noise", 2.2}, {"noise_ratio", 2.2}, {"placement", 0.2e-3}}));
+  double across = 0, along = 0;
+  for (int sample = 0; sample < 400; ++sample) {
+    const Rows from_rest = skin.read(1, still) - quiet;
+    across += from_rest.leftCols(2).squaredNorm() / 4000;
+    along += from_rest.col(2).squaredNorm() / 2000;
   }
+  // `quiet` is rounded, too.
+  EXPECT_NEAR(std::sqrt(across), std::sqrt(2.2 * 2.2 + 1.0 / 6), 0.05 * 2.2);
+  EXPECT_NEAR(std::sqrt(along), std::sqrt(4.84 * 4.84 + 1.0 / 6), 0.07 * 4.84);
 }
 
 TEST(MagneticSkin, RefusesWhatDoesNotGoTogether) {
   const auto refused = [](const Given& given) { return scene_refusal_of([&] { Skin{given}; }); };
-  EXPECT_THAT(scene_refusal_of([] {
-                Skin({{"placement", 1e-4}}, "grid", 1, "pad", {{"profile", "recorded"}});
-              }),
-              mentions({"placement", "profile"}));
   EXPECT_THAT(refused({{"rows", 1.5}}), mentions({"rows", "columns"}));
   EXPECT_THAT(refused({{"magnet_depth", 4e-3}}), mentions({"thickness"}));
 }

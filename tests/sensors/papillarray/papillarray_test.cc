@@ -360,29 +360,23 @@ TEST(PapillArray, LowPassWorksBetweenTheSamplesOfASlowSensor) {
   parameters.set("rate", 100.0);
   const auto sensor = make(parameters, {only("low_pass")});
   ASSERT_TRUE(sensor->feels_every_tick());
-  ASSERT_EQ(sensor->scans(), 10U);
-  ASSERT_EQ(sensor->completing_scan(), 0U);
   ContactFrame truth = empty_frame();
   std::complex<double> sum;  // over the 100 samples of the second second
-  std::vector<float> last;
   for (std::size_t tick = 0; tick < 2000; ++tick) {
     truth.time = 1e-3 * static_cast<double>(tick);
     truth.force.row(2) = std::sin(2.0 * std::numbers::pi * 130.0 * truth.time);
-    const auto values = reading(*sensor, truth);
-    if (tick % 10 == 0) {
-      last = values;
-      if (tick >= 1000) sum += static_cast<double>(values[2]) * std::polar(1.0, -2.0 * std::numbers::pi * 30.0 * truth.time);
+    if (tick % 10 != 0) {
+      sensor->feel(truth);
+      continue;
     }
-    ASSERT_EQ(values, last) << "the sample is held until the next one";
+    const auto values = reading(*sensor, truth);
+    if (tick >= 1000) sum += static_cast<double>(values[2]) * std::polar(1.0, -2.0 * std::numbers::pi * 30.0 * truth.time);
   }
   EXPECT_NEAR(2.0 * std::abs(sum) / 100.0, 0.8392, 0.004);
-  // Without the part there is one reading a sample, and nothing between them.
-  const auto ideal = make(parameters);
-  EXPECT_EQ(ideal->scans(), 1U);
-  EXPECT_FALSE(ideal->feels_every_tick());
+  EXPECT_FALSE(make(parameters)->feels_every_tick()) << "without the part nothing happens between two samples";
 }
 
-// What a slow sensor carries from one reading to the next is its memory: the filter, and the sample that it holds.
+// What a slow sensor carries from one sample to the next is its memory.
 TEST(PapillArray, AMemoryThatIsTakenOverBetweenTwoSamplesGoesOnToTheSameBits) {
   Parameters parameters = defaults();
   parameters.set("rate", 250.0);
@@ -394,14 +388,22 @@ TEST(PapillArray, AMemoryThatIsTakenOverBetweenTwoSamplesGoesOnToTheSameBits) {
     truth.displacement.setConstant(1e-3 * std::sin(100.0 * truth.time));
     return truth;
   };
-  for (int tick = 0; tick < 10; ++tick) lasting->measure(at(tick));  // the sample of 8 ms, and one reading after it
+  for (int tick = 0; tick < 10; ++tick) {  // the sample of 8 ms, and one step after it
+    if (tick % 4 == 0)
+      lasting->measure(at(tick));
+    else
+      lasting->feel(at(tick));
+  }
   const auto saved = lasting->memory(), loaded = fresh->memory();
   ASSERT_EQ(saved.size(), loaded.size());
   for (std::size_t k = 0; k < saved.size(); ++k) std::ranges::copy(saved[k], loaded[k].begin());
   for (int tick = 10; tick < 30; ++tick) {
-    lasting->feel(at(tick - 0.5));
-    fresh->feel(at(tick - 0.5));
-    ASSERT_EQ(reading(*lasting, at(tick)), reading(*fresh, at(tick))) << tick;
+    if (tick % 4 == 0) {
+      ASSERT_EQ(reading(*lasting, at(tick)), reading(*fresh, at(tick))) << tick;
+    } else {
+      lasting->feel(at(tick));
+      fresh->feel(at(tick));
+    }
   }
 }
 

@@ -156,12 +156,11 @@ void look_at_motion(const Scene& scene, std::size_t trial, Collector& found) {
   }
 }
 
-// Taken with the pad's axes along the surface's, or square to them, as a pad on a stage stands.
-void look_at_texture(const Scene& scene, std::size_t trial, Collector& found) {
+// One of a texture's two waves, whose length is the parameter `name`. Taken with the pad's axes along the surface's, or square to them, as a pad on a
+// stage stands.
+void look_at_wave(const Scene& scene, std::size_t trial, const Parameters& texture, const std::string& name, Collector& found) {
   constexpr double lost = 0.1;  // share of a wave below which harmonics stand out in what is read
-  const auto texture = std::ranges::find(scene.effects, "texture", &Named::name);
-  if (texture == scene.effects.end() || texture->parameters.number("height") == 0.0) return;
-  const double wavelength = texture->parameters.number("wavelength"), angle = texture->parameters.number("angle");
+  const double wavelength = texture.number(name), angle = texture.number("angle");
   const Eigen::Vector2d k = 2.0 * std::numbers::pi / wavelength * Eigen::Vector2d(math::cos(angle), math::sin(angle));
   for (const SensorScene& sensor : scene.sensors) {
     if (sensor.friction || !sensor.follows.empty()) continue;  // no effects, or the points of another
@@ -175,14 +174,14 @@ void look_at_texture(const Scene& scene, std::size_t trial, Collector& found) {
       const std::string length = format_quantity(wavelength, Quantity::length);
       if (sampling.gain < lost && sampling.harmonic > 0) {
         found.add(
-            trial, "effects.texture.wavelength",
+            trial, "effects.texture." + name,
             fmt::format("{} is cancelled by {}; the unit reads {} speed/wavelength, of which they are in phase, in place of "
                         "speed/wavelength; allowed: points of another spacing, or one point a unit",
                         length, points, sampling.harmonic));
         break;
       }
       if (sampling.phase > std::numbers::pi * (1.0 + 1e-9)) {
-        found.add(trial, "effects.texture.wavelength",
+        found.add(trial, "effects.texture." + name,
                   fmt::format("{} is not resolved by {}, which is no mean over the unit's face; allowed: points less than half a "
                               "wavelength apart, or one point a unit",
                               length, points));
@@ -190,6 +189,14 @@ void look_at_texture(const Scene& scene, std::size_t trial, Collector& found) {
       }
     }
   }
+}
+
+void look_at_texture(const Scene& scene, std::size_t trial, Collector& found) {
+  const auto texture = std::ranges::find(scene.effects, "texture", &Named::name);
+  if (texture == scene.effects.end()) return;
+  const Parameters& parameters = texture->parameters;
+  if (parameters.number("height") > 0.0) look_at_wave(scene, trial, parameters, "wavelength", found);
+  if (parameters.number("waviness") > 0.0) look_at_wave(scene, trial, parameters, "waviness_length", found);
 }
 
 void look_at_material(const Trace& values, const TrialPlan& plan, std::size_t trial, Collector& found) {

@@ -24,7 +24,7 @@ BEFORE_THE_END = (1.5, 0.5)  # s, before a box was last held: what follows is th
 GROSS = 3  # label of a pad that slips as a whole
 SCENE = "scenes/magnetic_skin/creep.yaml"
 SCENE_SEED = 3  # of creep.yaml: it draws the device
-REST = {"sensors": "{skin: {type: magnetic_skin, rate: 40 Hz, profile: recorded}}", "motion": "{kind: stage, gap: 100 mm, speed: 0, start: 30 s}",
+REST = {"sensors": "{skin: {type: magnetic_skin, rate: 40 Hz, noise: 2.2, noise_ratio: 2.2}}", "motion": "{kind: stage, gap: 100 mm, speed: 0, start: 30 s}",
         "duration": "20 s"}  # the pad would touch after 25 s
 
 RATIO, SHARE, LEVEL, PEAK = 6.9, 0.88, 0.10, 1.15
