@@ -273,7 +273,7 @@ class Training(TrainingTest):
     # A skin at 100 Hz has one sample in 10 ms, of which spans take 2, 3, 4, 8 and 16; markers at 50 Hz 2, 3, 4, 5 and 8. The
     # floor is a thousandth of the greatest value of the first trial. Counts of the skin less those at rest are its field.
     def test_slip_gru_reads_three_axes_of_counts_and_of_markers(self):
-        for sensor, rate, channel, spans in (({"type": "magnetic_skin", "profile": "recorded"}, 100, "field", [2, 3, 4, 8, 16]),
+        for sensor, rate, channel, spans in (({"type": "magnetic_skin", "noise": 2.2}, 100, "field", [2, 3, 4, 8, 16]),
                                              ({"type": "gel_markers", "rate": "50 Hz"}, 50, "displacement", [2, 3, 4, 5, 8]),
                                              ({"type": "taxels", "rate": "100 Hz", "channels": {"moved": "displacement"}}, 100, "moved", [2, 3, 4, 8, 16])):
             with self.subTest(sensor=sensor["type"]):

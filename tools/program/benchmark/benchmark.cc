@@ -582,6 +582,7 @@ Json protocol_json(const Protocol& protocol, const Asked& asked) {
           {"half_delay_s", half_delay},
           {"alarms_per_minute", alarm_limit},
           {"force_ratio", worst_force_ratio},
+          {"half_slip_distance_m", half_slip_distance},
           {"whole", asked.trials == 0 && !asked.untaught && asked.sensor.empty()}};
 }
 

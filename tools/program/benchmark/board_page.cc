@@ -259,7 +259,7 @@ std::string board_page(const Json& result) {
   if (result.contains("transfer")) body += page::section_html("transfer", result.at("transfer").get<std::string>(), "");
   const std::vector<std::vector<std::string>> constants{
       {"half_delay", fmt::format("{:g} ms", ms * protocol.at("half_delay_s").get<double>())},
-      {"half_slip_distance", fmt::format("{:g} mm", ms * half_slip_distance)},
+      {"half_slip_distance", fmt::format("{:g} mm", ms * protocol.at("half_slip_distance_m").get<double>())},
       {"limit", fmt::format("{:g} false alarms a minute", protocol.at("alarms_per_minute").get<double>())},
       {"force_ratio", fmt::format("{:g}", protocol.at("force_ratio").get<double>())},
       {"protocol", protocol.at("sha256").get<std::string>()}};

@@ -85,7 +85,10 @@ eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck,
     break;
   }
   eval::Replayed seen;
-  for (const double time : truth.time) seen.seen.push_back(time >= from ? PadState::gross : PadState::non_slip);
+  for (std::size_t row = 0; row < truth.time.size(); ++row) {
+    const bool begins = truth.time[row] >= from && (row == 0 || truth.time[row - 1] < from);
+    seen.seen.push_back(begins || (truth.time[row] >= from && slips(truth.state[row])) ? PadState::gross : PadState::non_slip);
+  }
   seen.seen_since = truth.time;
   seen.stuck_fraction.assign(truth.time.size(), std::numeric_limits<double>::quiet_NaN());
   seen.probability = seen.stuck_fraction;

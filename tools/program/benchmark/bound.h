@@ -1,4 +1,4 @@
-// How early a slip could be told by who knows its signal beforehand: a bound that no detector of the sensor is to be measured below.
+// How early a slip stands out from the sensor's noise if its signal is known beforehand.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,8 @@ Scene without_slip(const Scene& scene);
 // the value less that of the trial without slip, d' the sample before; phi is the correlation from one sample to the next of the noise before contact, and
 // sigma the innovation's deviation (1.4826 times the median from the median, in contact, without slip), at least the smallest step of the value over
 // sqrt(12). That is the matched filter of a known signal in noise of one pole (H. L. Van Trees, Detection, Estimation, and Modulation Theory I, 4.2).
-// `record`, `stuck`: the trial and without_slip() of it. Nothing is said before `truth.first_slip`.
+// `record`, `stuck`: the trial and without_slip() of it. Nothing is said before `truth.first_slip`; from then on slip is said
+// in the first sample and in all that truly slip.
 eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck, std::size_t sensor, const eval::Truth& truth);
 
 }  // namespace slipbench::benchmark

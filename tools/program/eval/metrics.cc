@@ -21,7 +21,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 struct Pool {
   Summary counts;
   std::vector<double> delays, distances;
-  std::size_t before_gross_slip = 0;
+  std::size_t before_gross_slip = 0, with_path = 0;  // trials that slip
   double stick_alarms = 0.0, stick_time = 0.0, air_alarms = 0.0, air_time = 0.0, stuck_error = 0.0, stuck_frames = 0.0;
 
   void add(const Judgement& trial) {
@@ -36,10 +36,9 @@ struct Pool {
     }
     if (!std::isnan(trial.slip_time)) ++counts.slipping;
     if (!std::isnan(trial.delay)) delays.push_back(trial.delay);
-    if (!std::isnan(trial.slip_distance)) {
-      distances.push_back(trial.slip_distance);
-      before_gross_slip += trial.before_gross_slip ? 1U : 0U;
-    }
+    if (!std::isnan(trial.slip_distance)) distances.push_back(trial.slip_distance);
+    if (trial.knows_distance && !std::isnan(trial.slip_time)) ++with_path;
+    before_gross_slip += trial.before_gross_slip ? 1U : 0U;
     stick_alarms += static_cast<double>(trial.stick_alarms);
     stick_time += trial.stick_time;
     air_alarms += static_cast<double>(trial.air_alarms);
@@ -70,8 +69,7 @@ std::vector<double> figures_of(const Pool& pool) {
   set("delay_p10_s", quantile(pool.delays, 0.1));
   set("delay_p90_s", quantile(pool.delays, 0.9));
   set("slip_distance_median_m", median(pool.distances));
-  if (!pool.distances.empty() || pool.counts.seen == 0)
-    set("before_gross_slip", ratio(static_cast<double>(pool.before_gross_slip), slipping));
+  set("before_gross_slip", ratio(static_cast<double>(pool.before_gross_slip), static_cast<double>(pool.with_path)));
   set("early", ratio(static_cast<double>(pool.counts.early), slipping));
   set("missed", ratio(static_cast<double>(pool.counts.missed), slipping));
   constexpr PadState stick = PadState::non_slip;
@@ -174,29 +172,32 @@ double lift_start(const Scene& scene, const TrialRecord& record) {
   return std::numeric_limits<double>::infinity();
 }
 
-// Truth::slip_distance; empty for labels that are no simulation's.
+// Truth::slip_distance; empty for labels that are no simulation's. It never falls: a unit that lets go, or a fresh one that touches, takes nothing
+// from the path that the object has made, and where nothing touches it stays.
 std::vector<double> slip_distances(const LabelRecord& labels, std::size_t rows) {
   const std::size_t units = labels.units();
   if (units == 0 || labels.slip_distance.size() != rows * units) return {};
-  std::vector<double> means;
+  std::vector<double> paths;
+  double path = 0.0;
   for (std::size_t row = 0; row < rows; ++row) {
     double sum = 0.0, touching = 0.0;
     for (std::size_t k = row * units; k < (row + 1) * units; ++k) {
       if (labels.unit_state[k] == static_cast<std::uint8_t>(UnitState::detached)) continue;
-      sum += static_cast<double>(labels.slip_distance[k]);
+      sum +=
+          static_cast<double>(labels.slip_distance[k]) - (row == 0 ? 0.0 : static_cast<double>(labels.slip_distance[k - units]));
       ++touching;
     }
-    means.push_back(ratio(sum, touching));
+    if (touching > 0.0) path += sum / touching;
+    paths.push_back(path);
   }
-  return means;
+  return paths;
 }
 
-// Straight between the rows, of which a NaN counts as the other one.
+// Straight between the rows.
 double value_at(const std::vector<double>& time, const std::vector<double>& values, double t) {
   const auto next = static_cast<std::size_t>(std::ranges::lower_bound(time, t) - time.begin());
   if (next == time.size()) return values.back();
-  if (next == 0 || std::isnan(values[next - 1])) return values[next];
-  if (std::isnan(values[next])) return values[next - 1];
+  if (next == 0) return values.front();
   return std::lerp(values[next - 1], values[next], (t - time[next - 1]) / (time[next] - time[next - 1]));
 }
 
@@ -233,6 +234,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
   Judgement result;
   result.trial = trial;
   result.slip_time = truth.first_slip;
+  result.knows_distance = !truth.slip_distance.empty();
   // Without a slip first_slip is NaN, and no alarm is in time.
   const auto in_time = [&truth, grace](double alarm) { return alarm >= truth.first_slip || alarm > truth.first_slip - grace; };
   bool seen_before = false;
@@ -281,7 +283,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
     result.delay = delay <= rounding ? 0.0 : delay;
     if (!truth.slip_distance.empty()) {
       const auto slipped = [&truth](double t) { return value_at(truth.time, truth.slip_distance, t); };
-      result.slip_distance = std::max(0.0, slipped(result.alarm_time) - slipped(truth.first_slip));
+      result.slip_distance = slipped(result.alarm_time) - slipped(truth.first_slip);
       result.before_gross_slip = result.alarm_time < truth.gross_slip;
     }
   }
@@ -322,7 +324,7 @@ Summary summarised(std::span<const Judgement> trials, bool with_intervals) {
   if (summary.slipping > 0 && experiments.size() == trials.size()) {
     summary.estimates[place_of("early")].interval = clopper_pearson(summary.early, summary.slipping);
     if (!std::isnan(values[place_of("before_gross_slip")]))
-      summary.estimates[place_of("before_gross_slip")].interval = clopper_pearson(all.before_gross_slip, summary.slipping);
+      summary.estimates[place_of("before_gross_slip")].interval = clopper_pearson(all.before_gross_slip, all.with_path);
     summary.estimates[place_of("missed")].interval = clopper_pearson(summary.missed, summary.slipping);
   }
   summary.estimates[place_of("auc")] = auc_of(trials, experiments);

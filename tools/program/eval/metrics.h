@@ -48,7 +48,7 @@ struct Truth {
   std::vector<bool> masked;           // [T] no frame to be judged by, though alarms in it count; empty: none is
   std::vector<float> stuck_fraction;  // [T], NaN while nothing touches
   std::vector<double>
-      slip_distance;  // [T] m, path slipped since the start, mean of the touching units; NaN while nothing touches; empty: not known
+      slip_distance;    // [T] m, path slipped since the start: sum of the mean steps of the touching units; empty: not known
   double period = 0.0;  // s, from one sample to the next
 
   double first_slip = std::numeric_limits<double>::quiet_NaN();  // s, the one to be judged by: in a grasp the first of the lift
@@ -88,8 +88,9 @@ struct Judgement {
   double slip_time = std::numeric_limits<double>::quiet_NaN();   // s, true; NaN: none to be judged by
   double alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, the first that counts; NaN: none
   double delay = std::numeric_limits<double>::quiet_NaN();  // s, of Detection::seen alone, where the trial has several samples
-  // Of Detection::seen alone, where the truth knows it: m, path slipped from the first slip to the alarm, mean of the touching units; whether the
+  // Whether the truth knows paths. Of Detection::seen alone, where it does: m, path slipped from the first slip to the alarm, mean of the touching units; whether the
   // alarm came before gross slip.
+  bool knows_distance = false;
   double slip_distance = std::numeric_limits<double>::quiet_NaN();
   bool before_gross_slip = false;
   // An alarm is false where slip begins to be seen while the pad truly sticks, or touches nothing.

@@ -49,7 +49,7 @@ TEST(Judged, TheFirstAlarmDecides) {
 // one at 0.7 s after 1 mm and not before it.
 TEST(Judged, SlippedDistanceIsThatAtTheAlarm) {
   Truth slides = truth();
-  slides.slip_distance = {nan, 0.0, 0.0, 0.0, 0.0, 0.0, 0.2e-3, 1.0e-3, 1.4e-3, 1.4e-3};
+  slides.slip_distance = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.2e-3, 1.0e-3, 1.4e-3, 1.4e-3};
   slides.gross_slip = 0.7;
   Replayed answers = seen({none, stick, stick, stick, stick, stick, stick, all, all, stick});
   const double at_first_slip = 0.1e-3;  // half way from 0.5 s to 0.6 s
@@ -346,6 +346,25 @@ TEST(FirstSlip, WithoutEventsIsThatOfTheSamples) {
 }
 
 // A recorded grasp does not say when it was lifted: its first sample counts as the others do.
+// Two units. Both slip by 1 mm, which is 1 mm of path. One of them lets go, the other slips 2 mm more; a fresh one that has slipped nothing touches; then
+// nothing touches: the path stays at 3 mm, though the mean of what touches would fall to 1.5 mm and end.
+TEST(Truth, PathNeverFallsWhenUnitsLetGo) {
+  constexpr std::uint8_t gone = 0, slides = 2, sticks = 1;
+  SensorRecord record = sensor();
+  LabelRecord& labels = record.labels;
+  labels.k_normal = {1.0, 1.0};
+  labels.unit_state = {sticks, sticks, slides, slides, slides, gone, slides, gone,
+                       sticks, sticks, gone,   gone,   gone,   gone, gone,   gone};
+  labels.slip_distance = {0.0F,  0.0F,  1e-3F, 1e-3F, 2e-3F, 1e-3F, 3e-3F, 1e-3F,
+                          3e-3F, 1e-3F, 3e-3F, 1e-3F, 3e-3F, 1e-3F, 3e-3F, 1e-3F};
+  labels.state_paper = {1, 3, 3, 3, 1, 0, 0, 0};
+  labels.event_time.clear();
+  const Truth truth = truth_of(nullptr, {}, record, TruthRule::paper);
+  ASSERT_EQ(truth.slip_distance.size(), 8U);
+  const std::vector<double> path{0.0, 1e-3, 2e-3, 3e-3, 3e-3, 3e-3, 3e-3, 3e-3};
+  for (std::size_t row = 0; row < path.size(); ++row) EXPECT_NEAR(truth.slip_distance[row], path[row], 1e-9) << row;
+}
+
 TEST(Truth, AGraspWithoutASceneCountsFromItsBeginning) {
   TrialRecord record;
   record.outcome.grasp.emplace().dropped = true;

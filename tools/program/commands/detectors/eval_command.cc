@@ -162,7 +162,7 @@ Examples:
   slipbench benchmark --verify my.json
   slipbench benchmark shear_rate --set flip=0.05 --sensor papillarray --trials 8 --untaught)");
   arguments.texts("DETECTOR", asked.detectors, "Detectors beside those that ship");
-  arguments.text("--protocol NAME", protocol, fmt::format("slip-1 or slip-2 (default: {})", benchmark::default_protocol));
+  arguments.text("--protocol NAME", protocol, fmt::format("slip-1, slip-2 or slip-3 (default: {})", benchmark::default_protocol));
   arguments.sets(asked.parameters, "A parameter of the DETECTOR given, e.g. ratio=0.35");
   arguments.texts("--real FILE", asked.real, "Datasets of real recordings (slipbench import), for the track transfer");
   arguments.text("--sensor TYPE", asked.sensor, "One type of sensor alone (default: all)");
