@@ -191,7 +191,7 @@ TEST_F(ImportedFiles, ANetworkReadsEvenSamplesOnly) {
 }
 
 TEST_F(ImportedFiles, ANetworkHasToBeNamed) {
-  expect_refusal({"eval", "network", data_, "--labels", "recorded"}, {"eval", "FILE.onnx"});
+  expect_refusal({"eval", "network", data_, "--labels", "recorded"}, {"no network", "FILE.onnx"});
 }
 #endif
 
