@@ -65,7 +65,8 @@ class Texture final : public SurfaceEffect {
 void check_profile(const Parameters& p) {
   const double duty = p.number("duty"), edge = p.number("edge"), wavelength = p.number("wavelength");
   if (p.choice("profile") == "sine") {
-    if (duty != duty_assumed || edge != edge_assumed)
+    constexpr double rounding = 1e-9;  // of a default that is read from text
+    if (std::abs(duty - duty_assumed) > rounding * duty_assumed || std::abs(edge - edge_assumed) > rounding * edge_assumed)
       throw SceneValueError("effects.texture.profile",
                             "a sine has no duty and no edge; allowed: bars with them, or neither of them");
     return;
