@@ -136,7 +136,7 @@ TEST_F(Submissions, WhatIsRefused) {
     EXPECT_THAT(result.err, mentions(words));
   };
   expect_refusal({"benchmark", "--sensor", "papilarray"}, {"papilarray", "papillarray"});
-  expect_refusal({"benchmark", "--protocol", "slip-3"}, {"slip-3", "slip-1"});
+  expect_refusal({"benchmark", "--protocol", "slip-9"}, {"slip-9", "slip-1"});
   expect_refusal({"benchmark", "shear_rat", "--sensor", "myrmex"}, {"shear_rat", "shear_rate"});
   // The controls' own detector is the board's.
   for (const std::vector<std::string>& words : {std::vector<std::string>{"benchmark_control"},
@@ -157,8 +157,8 @@ TEST_F(Submissions, WhatIsRefused) {
   std::ofstream(folder_ / "no.json") << "{}";
   expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "submission"});
   // A protocol that this program does not have is named with the file, and costs no computing.
-  std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": "slip-3"}})";
-  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "slip-3", "slip-1"});
+  std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": "slip-9"}})";
+  expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "slip-9", "slip-1"});
   std::ofstream(folder_ / "no.json") << R"({"slipbench_benchmark": 1, "asked": {}, "protocol": {"name": 3}})";
   expect_refusal({"benchmark", "--verify", folder_ / "no.json"}, {"no.json", "/protocol/name"});
   std::ofstream(folder_ / "no.json") << "{}";
