@@ -1,12 +1,9 @@
-// A controller that changes the grip at times that the scene says, whatever the sensor feels.
+// A controller that changes the grip by a timetable of the scene, whatever the sensor reads.
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include <fmt/format.h>
-
 #include "controllers/grip.h"
-#include "sim/core/error.h"
 
 namespace slipbench::controllers {
 namespace {
@@ -15,13 +12,7 @@ class TimedGrip final : public GripController {
  public:
   TimedGrip(const Parameters& p, const GripSource& source)
       : GripController(p, source, "timed_grip"), changes_(p.table("changes").rows) {
-    for (std::size_t k = 1; k < changes_.size(); ++k) {
-      if (changes_[k][0] < changes_[k - 1][0]) {
-        throw SceneValueError("controller.changes",
-                              fmt::format("row {} is at {:g} s, before row {} at {:g} s; allowed: times that do not fall", k + 1,
-                                          changes_[k][0], k, changes_[k - 1][0]));
-      }
-    }
+    check_times(p.table("changes"), "controller.changes");
   }
 
   GripCommand update(const ControlInput& input) override {

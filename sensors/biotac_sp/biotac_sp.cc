@@ -163,7 +163,7 @@ constexpr double pdc_step = 0.0365e3, pac_step = 0.37;     // Pa a count: SP man
 constexpr double lowest_pac = 10.0, highest_pac = 1040.0;  // Hz: the same
 constexpr double pac_middle = 2048.0;                      // counts, of no vibration
 
-// What differs between the two fingers beside the defaults of their parameters.
+// Figures of a finger that are no parameters.
 struct Device {
   std::span<const Eigen::Vector3d> places;  // of the electrodes, m, in the device's own axes
   std::span<const double> rest;             // counts

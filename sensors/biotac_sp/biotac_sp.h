@@ -25,7 +25,7 @@ SensorKind biotac_19_sensor();
 
 namespace slipbench::biotac_sp {
 
-// What the catalogue says of the BioTac SP and of its predecessor.
+// Catalogue entries of the BioTac SP and of its predecessor with 19 electrodes.
 
 Entry about();
 Entry about_19();

@@ -1,4 +1,4 @@
-// What is known of the electrodes of a BioTac: of an SP with 24, and of its predecessor with 19. Electrode E1 has the index 0.
+// Places and readings of the electrodes of a BioTac SP, which has 24, and of its predecessor, which has 19. Electrode E1 has the index 0.
 #pragma once
 
 #include <array>

@@ -20,7 +20,7 @@ struct Coupling {
   double limit;  // unit of `to` over unit of `from`
 };
 
-// What the converter of a value spans, or where its readings are valid, in the value's unit.
+// The span of a value's converter, or the range in which its readings are valid, in the value's unit.
 struct ConverterRange {
   double lowest;   // of code 0
   double highest;  // of the last code

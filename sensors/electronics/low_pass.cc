@@ -80,7 +80,7 @@ PartKind low_pass_part() {
                   "|z/x| = 1/(1 + (f/f_p)^2),  f_p = w/(2 pi): -3 dB at the corner; a step is at half after 1.678/w\n"
                   "exact for a signal that goes straight between two steps of the simulation. The first value finds it settled.",
            .source = "the definition of a filter of two equal poles",
-           .parameters = {number_spec("corner", Quantity::frequency, "235 Hz", positive_or_infinite,
+           .parameters = {number_spec("corner", Quantity::frequency, "235 Hz", {.min = 0.01, .infinite = true},
                                       "Frequency at which the amplitude is 3 dB down; inf: no filter.", "assumed")}},
       .drawn_per = DrawnPer::never,
       .make = made<LowPass>};

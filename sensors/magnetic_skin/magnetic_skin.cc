@@ -225,7 +225,7 @@ std::uint64_t keyed(std::uint64_t state, const char* name) {
   return state;
 }
 
-// Moves the magnets off the middle of their cells, by random numbers that nothing else takes.
+// Moves the magnets off the middle of their cells, by a random stream of its own.
 void misplace(Skin& skin, std::uint64_t random) {
   for (Magnet& magnet : skin.magnets) {
     for (const std::size_t axis : {0, 1}) magnet.at[axis] += skin.is[placement] * normal(random);

@@ -34,8 +34,6 @@ constexpr double unlimited = std::numeric_limits<double>::infinity();
 constexpr std::array<ConverterRange, axes> valid_force{{{-4.0, 4.0}, {-4.0, 4.0}, {-unlimited, 15.0}}};               // N
 constexpr std::array<ConverterRange, axes> valid_displacement{{{-1e-3, 1e-3}, {-1e-3, 1e-3}, {-unlimited, 2.5e-3}}};  // m
 
-// At 100, 250 and 500 Hz the filter before the converter sees the signal at least as often as at the device's highest rate.
-
 // One channel's couplings. `share`: what this channel carries of a coefficient. In displacement a coefficient of force is multiplied by
 // k_from/k_to: F_i = k_i d_i, so that c N/N of force read like c k_from/k_to m/m of displacement.
 void append_couplings(SignalModel& model, std::size_t first, const std::array<double, axes>& stiffness, double share,

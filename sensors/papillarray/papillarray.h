@@ -32,7 +32,7 @@ struct PillarStiffness {
 inline constexpr PillarStiffness gripper_stiffness{7.1e3, 3.9e3};
 inline constexpr PillarStiffness hexapod_stiffness{1.2e3, 0.65e3};
 
-// What has the error of the coupling.
+// The channel whose readings the coupling changes.
 enum class CouplingCarrier { force, displacement, both };
 
 // Largest coefficients of the coupling between the axes of a pillar [N of force over N], and what carries it.

@@ -19,7 +19,7 @@ namespace {
 // The 20 x 10 mm patch has room for a contact of this radius.
 constexpr double patch_half_width = 5e-3;  // m
 constexpr double converter_counts = 65536.0;
-// Of the converter and what comes in before it. Only the ratio to the loudness of slip is measured (README.md, section Noise).
+// Noise of the converter and of its input. Only the ratio to the loudness of slip is measured (README.md, section Noise).
 constexpr double noise = 35e-3;  // N rms
 
 // Samples of the sensor between two of the bench's position sensor.

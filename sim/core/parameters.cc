@@ -171,6 +171,16 @@ ParameterSpec table_spec(std::size_t size, std::string name, std::vector<TableCo
   return spec;
 }
 
+void check_times(const NumberTable& table, const std::string& key) {
+  for (std::size_t k = 1; k < table.rows.size(); ++k) {
+    const double time = table.rows[k].front(), before = table.rows[k - 1].front();
+    if (time >= before) continue;
+    throw SceneValueError(key, "row " + std::to_string(k + 1) + " is at " + format_quantity(time, Quantity::time) + ", row " +
+                                   std::to_string(k) + " at " + format_quantity(before, Quantity::time) +
+                                   "; allowed: times that do not decrease");
+  }
+}
+
 bool is_identifier(std::string_view name) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   return !name.empty() && letter(name.front()) &&

@@ -96,6 +96,9 @@ struct NumberTable {
   friend bool operator==(const NumberTable&, const NumberTable&) = default;
 };
 
+// Throws SceneValueError at `key` where the time of a row, its first value [s], is earlier than that of the row before.
+void check_times(const NumberTable& table, const std::string& key);
+
 // Whether `name` can name what a scene brings: letters, digits and '_', no digit first.
 bool is_identifier(std::string_view name);
 

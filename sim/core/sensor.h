@@ -24,11 +24,9 @@ class Sensor {
   // What a sample holds.
   [[nodiscard]] virtual const std::vector<Channel>& channels() const = 0;
   // Reads of the contact what FramePart::felt names; the rest may be of an earlier tick. Called rate() scans() times a second, in order of time,
-  // from the trial's beginning on. Of the scans() calls of a sample number completing_scan() completes it: its frame is the sample. At the other
-  // calls the frame holds what has been read so far.
+  // from the trial's beginning on. Of the scans() calls of a sample the last completes it: its frame is the sample. Before, the frame holds what
+  // has been read so far.
   virtual const SensorFrame& measure(const ContactFrame& truth) = 0;
-  // Number of the call, of the scans() calls of a sample from 0 on, that completes the sample.
-  [[nodiscard]] virtual std::size_t completing_scan() const { return scans() - 1; }
   // True if feel() must be called at every tick of the simulation between two calls of measure(): the sensor has a filter before its converter.
   [[nodiscard]] virtual bool feels_every_tick() const { return false; }
   // Takes in the contact at a tick without reading it. Reads the same part of the contact as measure(). Called in order of time.

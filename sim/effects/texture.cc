@@ -64,15 +64,15 @@ class Texture final : public SurfaceEffect {
 
 void check_profile(const Parameters& p) {
   const double duty = p.number("duty"), edge = p.number("edge"), wavelength = p.number("wavelength");
+  constexpr double rounding = 1e-9;  // of lengths that are read from text
   if (p.choice("profile") == "sine") {
-    constexpr double rounding = 1e-9;  // of a default that is read from text
     if (std::abs(duty - duty_assumed) > rounding * duty_assumed || std::abs(edge - edge_assumed) > rounding * edge_assumed)
-      throw SceneValueError("effects.texture.profile",
-                            "a sine has no duty and no edge; allowed: bars with them, or neither of them");
+      throw SceneValueError("effects.texture.profile", "a sine has no duty and no edge, found duty " + format_number(duty) +
+                                                           " and edge " + format_quantity(edge, Quantity::length) +
+                                                           "; allowed: profile bars, or neither of them");
     return;
   }
   const double widest = std::min(duty, 1.0 - duty) * wavelength;
-  constexpr double rounding = 1e-9;
   if (edge > widest * (1.0 + rounding)) {
     throw SceneValueError("effects.texture.edge", format_quantity(edge, Quantity::length) +
                                                       " is wider than a bar or its gap; allowed: at most " +

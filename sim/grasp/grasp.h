@@ -40,7 +40,7 @@ class Gripper {
  public:
   // `grip`: parameters of the entry `grip` (grip_entry). It begins at rest, open by `opening` [m] or the next whole count more, as far
   // as its stops allow. `phase` [s]: the first read. `drift`: of the trial (Grasp); empty: none. Throws SceneValueError where a write would come
-  // no earlier than the next read.
+  // no earlier than the next read, and where the drift would begin beyond the open stop.
   Gripper(const Parameters& grip, double opening, double phase, std::vector<DriftTone> drift = {});
 
   // ---- The loop. Every read and write is to be done once, in order of time; a tick after the instant is soon enough, since the instants

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "sim/core/error.h"
 
 namespace slipbench {
@@ -13,13 +11,7 @@ Push::Push(NumberTable rows) : rows_(std::move(rows)) {
   const std::vector<std::vector<double>>& all = rows_.rows;
   if (!all.empty() && all.front()[0] == all.back()[0])
     throw SceneValueError("box.push", "has rows at one time alone; needed: two times or more, between which a force acts");
-  for (std::size_t k = 1; k < all.size(); ++k) {
-    if (all[k][0] < all[k - 1][0]) {
-      throw SceneValueError("box.push",
-                            fmt::format("row {} is at {:g} s, before row {} at {:g} s; allowed: times that do not fall", k + 1,
-                                        all[k][0], k, all[k - 1][0]));
-    }
-  }
+  check_times(rows_, "box.push");
 }
 
 Eigen::Vector3d Push::mean(double begin, double end) const {

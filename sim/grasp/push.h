@@ -7,7 +7,7 @@
 
 namespace slipbench {
 
-// Over time: straight between the rows of `box.push`, none before the first and after the last.
+// The force is straight between the rows of `box.push`, and zero before the first and after the last.
 class Push {
  public:
   // `rows`: time [s], then force [N] along x, y and z of the world. Throws SceneValueError at box.push where all rows are of one time, and where

@@ -15,7 +15,7 @@ namespace {
 const double w = 2.0 * std::numbers::pi * 235.0 / std::sqrt(std::numbers::sqrt2 - 1.0);
 constexpr double single = 2e-7;  // rounding of a float near 1
 
-// What the filter makes of `input(t)` at every `step` [s], until before `end` [s].
+// The filter's output for `input(t)` at every `step` [s], until before `end` [s].
 template <class Input>
 std::vector<double> filtered(Input input, double step, double end, double corner = 235.0) {
   Named low_pass = part("low_pass");

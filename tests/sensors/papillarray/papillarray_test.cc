@@ -291,14 +291,18 @@ std::array<Eigen::Matrix3d, 9> stiffness_read(const Parameters& parameters, cons
 // Coefficients are uniform within 1, 0.15 and 0.22, so their rms are those over sqrt(3): of FZ over DX and DY 3.9/sqrt(3) = 2.252 N/mm, of FX
 // and FY over DZ 0.15*7.1/sqrt(3) = 0.615, of FX over DY and back 0.22*3.9/sqrt(3) = 0.495. Over 300 devices of nine pillars with two each the
 // mean square of a uniform has the relative standard error sqrt(4/5/5400) = 1.2 %, the rms half of it; five of them are allowed. Carried by
-// displacement, F = diag(k) (I + E)^-1 D has the same to first order in E; its second order, of 0.55*0.27 at most, is a few percent of the rms.
+// displacement, F = diag(k) (I + E)^-1 D has the same to first order in E. At a tenth of the coupling the second order is largest for FX of DY:
+// E_xz E_zy, rms 0.0158*0.0317, beside E_xy, rms 0.0127. These 4 % are not correlated with it, and add 0.08 % to the rms.
 TEST(PapillArray, CouplingHasTheMeasuredStiffnessBetweenAxes) {
+  constexpr double scale = 0.1;
   Parameters parameters = defaults();
   parameters.set("device", std::string("redrawn"));
-  for (const auto& [carrier, tolerance] : {std::pair{"force", 5.0 * 0.006}, {"displacement", 0.12}, {"both", 0.1}}) {
+  for (const auto& [carrier, tolerance] :
+       {std::pair{"force", 5.0 * 0.006}, {"displacement", 5.0 * 0.006 + 0.001}, {"both", 5.0 * 0.006 + 0.001}}) {
     Named coupling = only("coupling");
     EXPECT_EQ(coupling.parameters.choice("carrier"), "force") << "the default";
     coupling.parameters.set("carrier", std::string(carrier));
+    coupling.parameters.set("scale", scale);
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
     for (std::uint64_t device = 0; device < 300; ++device) {
       for (const Eigen::Matrix3d& stiffness : stiffness_read(parameters, coupling, device))
@@ -307,9 +311,9 @@ TEST(PapillArray, CouplingHasTheMeasuredStiffnessBetweenAxes) {
     const auto rms = [&](Eigen::Index i, Eigen::Index j, Eigen::Index k, Eigen::Index l) {
       return 1e-3 * std::sqrt(0.5 * (squares(i, j) + squares(k, l)));
     };
-    EXPECT_NEAR(rms(2, 0, 2, 1) / 2.252, 1.0, tolerance) << carrier;
-    EXPECT_NEAR(rms(0, 2, 1, 2) / 0.615, 1.0, tolerance) << carrier;
-    EXPECT_NEAR(rms(0, 1, 1, 0) / 0.495, 1.0, tolerance) << carrier;
+    EXPECT_NEAR(rms(2, 0, 2, 1) / (scale * 2.252), 1.0, tolerance) << carrier;
+    EXPECT_NEAR(rms(0, 2, 1, 2) / (scale * 0.615), 1.0, tolerance) << carrier;
+    EXPECT_NEAR(rms(0, 1, 1, 0) / (scale * 0.495), 1.0, tolerance) << carrier;
   }
 }
 
@@ -376,7 +380,7 @@ TEST(PapillArray, LowPassWorksBetweenTheSamplesOfASlowSensor) {
   EXPECT_FALSE(make(parameters)->feels_every_tick()) << "without the part nothing happens between two samples";
 }
 
-// What a slow sensor carries from one sample to the next is its memory.
+// A slow sensor carries its memory from one sample to the next.
 TEST(PapillArray, AMemoryThatIsTakenOverBetweenTwoSamplesGoesOnToTheSameBits) {
   Parameters parameters = defaults();
   parameters.set("rate", 250.0);

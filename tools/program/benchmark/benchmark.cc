@@ -26,8 +26,8 @@
 #include "tools/base/record/encoder.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/base/workers/ordered_workers.h"
-#include "tools/program/benchmark/bound.h"
 #include "tools/program/benchmark/entrants.h"
+#include "tools/program/benchmark/known_signal.h"
 #include "tools/program/benchmark/protocol.h"
 #include "tools/program/catalogue/program_catalogues.h"
 #include "tools/program/doctor/doctor.h"
@@ -101,7 +101,7 @@ eval::Judgement judged(const Held* held, std::size_t trial, const eval::Truth& t
   return eval::judged(trial, truth, replayed, held != nullptr && held->grace ? truth.period : 0.0);
 }
 
-// Of the oracle: slip is seen at the instant at which it begins, and as long as it lasts.
+// The oracle's answers: slip from the instant at which it begins, as long as it lasts.
 eval::Replayed as_true(const eval::Truth& truth) {
   eval::Replayed seen;
   seen.seen = truth.state;
@@ -117,7 +117,7 @@ eval::Replayed as_true(const eval::Truth& truth) {
 }
 
 // Neither has a rank: no detector can do what they do.
-bool is_measure(const Entrant& entrant) { return entrant.kind == Kind::oracle || entrant.kind == Kind::bound; }
+bool is_measure(const Entrant& entrant) { return entrant.kind == Kind::oracle || entrant.kind == Kind::known_signal; }
 
 // `stuck`: the same trial without slip; nullptr where nobody needs it.
 Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule,
@@ -127,7 +127,7 @@ Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, c
     const eval::Truth truth = eval::truth_of(scene, record, record.sensors[seat.sensor], rule);
     const auto replayed = [&] {
       if (seat.entrant->kind == Kind::oracle) return as_true(truth);
-      if (seat.entrant->kind == Kind::bound) return signal_known(record, *stuck, seat.sensor, truth);
+      if (seat.entrant->kind == Kind::known_signal) return signal_known(record, *stuck, seat.sensor, truth);
       return eval::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
     };
     answer.judgement = judged(held, record.trial, truth, replayed());
@@ -258,7 +258,7 @@ Json row_json(const Board& board, const Seat& seat) {
               {"figures", eval::summary_json(eval::summarised(judgements))}};
   if (board.held.needless) row["needless"] = score.needless;
   if (!board.held.disturbance.empty()) {
-    row["specificity"] = score.specificity;
+    row["specificity"] = score.judged > 0 ? Json(score.specificity) : Json(nullptr);
     row["judged"] = score.judged;
   }
   if (seat.answers.front().grasp) row["grasps"] = grasps_json(seat);
@@ -399,8 +399,8 @@ struct HeldTrials {
   std::set<std::string> readers;  // sensors that a detector of some set may read
 };
 
-bool has_bound(const Board& board) {
-  return std::ranges::any_of(board.seats, [](const Seat& seat) { return seat.entrant->kind == Kind::bound; });
+bool has_known_signal(const Board& board) {
+  return std::ranges::any_of(board.seats, [](const Seat& seat) { return seat.entrant->kind == Kind::known_signal; });
 }
 
 // All detectors hear the same recordings.
@@ -416,7 +416,7 @@ void judge_recordings(std::vector<Board>& boards, const HeldTrials& trials, cons
         const Scene scene = trials.plan().trial(trials.numbers[k]).scene;
         Judged judged{{}, record.params, hexadecimal(trial_digest(record))};
         std::optional<TrialRecord> stuck;
-        if (std::ranges::any_of(boards, has_bound)) stuck = trials.recorded(trials.numbers[k], true);
+        if (std::ranges::any_of(boards, has_known_signal)) stuck = trials.recorded(trials.numbers[k], true);
         for (const Board& board : boards) {
           std::vector<Answer>& answers = judged.answers.emplace_back();
           for (const Seat& seat : board.seats)
@@ -463,7 +463,7 @@ std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const
   for (const Entrant& entrant : entrants) {
     // In open recordings the protocols before slip-3 have no oracle.
     if (entrant.kind == Kind::oracle && (held == nullptr || (held->track == Track::open && !held->by_distance))) continue;
-    if (entrant.kind == Kind::bound &&
+    if (entrant.kind == Kind::known_signal &&
         (held == nullptr || !held->by_distance || held->track == Track::loop || !held->disturbance.empty()))
       continue;
     if (held == nullptr ? entrant.told != Told::nothing : !can_be_told(entrant, *held)) continue;
@@ -478,7 +478,7 @@ std::string set_name(const Held& held) {
   return name;
 }
 
-// Of sets whose trials are those of one scene.
+// The sets that share the trials of one scene.
 std::vector<Json> sets_json(std::span<const Held> sharing, const std::vector<Entrant>& entrants, const Options& options,
                             const Catalogues& catalogues) {
   const HeldTrials trials(sharing, options.asked.trials, catalogues);
@@ -603,7 +603,7 @@ Json benchmark(const Options& options) {
     for (Entrant& entrant : taught.entrants) entrants.push_back(std::move(entrant));
   }
   entrants.push_back(oracle_entrant());
-  entrants.push_back(bound_entrant());
+  entrants.push_back(known_signal_entrant());
   std::vector<Missing> missing = missing_entrants();
   missing.insert(missing.end(), taught.untaught.begin(), taught.untaught.end());
   const Catalogues catalogues = program_catalogues();

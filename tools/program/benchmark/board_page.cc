@@ -25,7 +25,7 @@ std::string share_of(const Json& row, const char* key) {
 }
 
 bool is_detector(const Json& row) {
-  return row.at("kind") != "control" && row.at("kind") != "bound" && row.at("kind") != "oracle";
+  return row.at("kind") != "control" && row.at("kind") != "known signal" && row.at("kind") != "oracle";
 }
 
 // Scores with their intervals, the best on top.
@@ -93,7 +93,7 @@ const Json* best(const Json& set, const std::string& kind) {
   return nullptr;
 }
 
-// Of each sensor the best detector on open recordings, with its interval, beside the best control and who knows the signal.
+// The best detector of each sensor on open recordings with its interval, the best control, and the row `signal known`.
 std::string sensors_drawing(const Json& sets) {
   constexpr double width = 720.0, left = 300.0, right = 700.0, line = 22.0, top = 12.0;
   std::vector<const Json*> open;
@@ -114,7 +114,7 @@ std::string sensors_drawing(const Json& sets) {
     std::string name = fmt::format("{}, {}", set->at("sensor").get<std::string>(), set->at("domain").get<std::string>());
     if (detector != nullptr) name += ": " + detector->at("detector").get<std::string>();
     svg.text("small end", left - 8.0, y + 4.0, name);
-    if (const Json* known = best(*set, "bound")) svg.dot("s2", place(score_of(*known)), y, 5.0);
+    if (const Json* known = best(*set, "known signal")) svg.dot("s2", place(score_of(*known)), y, 5.0);
     if (const Json* control = best(*set, "control")) svg.dot("s1", place(score_of(*control)), y, 3.0);
     if (detector != nullptr) {
       const Json& score = detector->at("score");
@@ -162,7 +162,7 @@ std::string disturbances_drawing(const Json& sets) {
     svg.text("small end", left - 8.0, y + 15.0, rows[r]);
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const auto cell = cells.find({rows[r], columns[c]});
-      if (cell == cells.end()) continue;
+      if (cell == cells.end() || cell->second->at("specificity").is_null()) continue;
       const double share = cell->second->at("specificity").get<double>();
       const double x = left + column * static_cast<double>(c);
       svg.bar(fmt::format("level{}", share < 0.5 ? 0 : share < 0.8 ? 1 : share < 0.95 ? 2 : 3), x, y, column - 2.0, line - 2.0);
@@ -172,7 +172,7 @@ std::string disturbances_drawing(const Json& sets) {
   return "<div class=\"scroll\">" + svg.element("Share of disturbed recordings without an alarm") + "</div>\n";
 }
 
-// What a board of slip-3 says first; empty of other protocols.
+// The pictures with which a board of slip-3 begins; empty for other protocols.
 std::string overview_html(const Json& sets) {
   const auto disturbed = [](const Json& set) { return set.contains("disturbance"); };
   if (std::ranges::none_of(sets, disturbed)) return "";

@@ -158,7 +158,7 @@ std::string file_of(const DetectorScene& detector) {
 }
 
 std::string kind_word(Kind kind) {
-  constexpr std::array words{"shipped", "trained", "given", "control", "bound", "oracle"};
+  constexpr std::array words{"shipped", "trained", "given", "control", "known signal", "oracle"};
   return words.at(static_cast<std::size_t>(kind));
 }
 
@@ -227,7 +227,9 @@ Entrant oracle_entrant() {
   return oracle;
 }
 
-Entrant bound_entrant() { return {.name = "signal known", .kind = Kind::bound, .sha256 = text_sha256("signal known")}; }
+Entrant known_signal_entrant() {
+  return {.name = "signal known", .kind = Kind::known_signal, .sha256 = text_sha256("signal known")};
+}
 
 Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const std::string& folder) {
   Taught taught;

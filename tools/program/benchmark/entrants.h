@@ -17,12 +17,12 @@
 namespace slipbench::benchmark {
 
 enum class Kind {
-  shipped,  // as it ships, with its own defaults
-  trained,  // learns as a part of the protocol
-  given,    // named by who runs the board
-  control,  // knows nothing of what is felt
-  bound,    // knows the slip's signal beforehand and sees it in the sensor's own noise (bound.h)
-  oracle,   // reads the truth: what no detector beats
+  shipped,       // as it ships, with its own defaults
+  trained,       // learns as a part of the protocol
+  given,         // named by who runs the board
+  control,       // knows nothing of what is felt
+  known_signal,  // knows the slip's signal beforehand and sees it in the sensor's own noise (known_signal.h)
+  oracle,        // reads the truth: what no detector beats
 };
 // "shipped", ...
 std::string kind_word(Kind kind);
@@ -67,7 +67,7 @@ std::vector<Entrant> shipped_entrants();
 std::vector<Missing> missing_entrants();
 std::vector<Entrant> control_entrants();
 Entrant oracle_entrant();
-Entrant bound_entrant();
+Entrant known_signal_entrant();
 
 // The file or folder that a detector is made from; empty: it has none.
 std::string file_of(const DetectorScene& detector);

@@ -56,12 +56,13 @@ Protocol slip_1() {
                       {"biotac_lstm", "biotac_sp", "scenes/biotac_sp/slip.yaml", 3}}};
 }
 
-// What is judged of one sensor by slip-2.
+// The sets of one sensor by slip-2 or slip-3.
 struct SensorSets {
   std::string type;
   std::vector<std::string> open, loop;  // readers
   std::string mover;
   Controls inside, outside;
+  std::vector<std::string> disturbed = {};  // readers in the scenes that all sensors share
 };
 
 Protocol slip_2() {
@@ -98,27 +99,19 @@ Protocol slip_2() {
   return protocol;
 }
 
-// What is judged of one sensor by slip-3; `disturbed`: the reader in the scenes that all sensors share.
-struct SensorSets3 {
-  std::string type;
-  std::vector<std::string> open, loop, disturbed;
-  std::string mover;
-  Controls inside, outside;
-};
-
 Protocol slip_3() {
   const std::string folder = "scenes/benchmark/slip-3/";
-  const std::vector<SensorSets3> sensors{
-      {"papillarray", {"pad", "slow"}, {"pad", "fast"}, {"pad", "fast"}, "", {none, none}, {none, none}},
-      {"piezo_skin", {"pad"}, {"skin"}, {"skin"}, "", {none, none}, {none, none}},
-      {"nib_pad", {"pad"}, {"skin"}, {"nibs"}, "pull", {none, none}, {none, none}},
-      {"myrmex", {"left"}, {"skin"}, {"foam"}, "apart", {none, none}, {none, none}},
-      {"biotac_sp", {"pad"}, {"skin"}, {"finger"}, "", {none, none}, {none, none}},
-      {"magnetic_skin", {"pad"}, {"skin"}, {"magnets"}, "", {none, none}, {none, none}},
-      {"gel_markers", {"pad"}, {"skin"}, {"gel"}, "", {none, none}, {none, none}},
-      {"taxels", {"pad"}, {"skin"}, {"taxels"}, "", {none, none}, {none, none}},
+  constexpr Controls draft{none, none};
+  const std::vector<SensorSets> sensors{
+      {"papillarray", {"pad", "slow"}, {"pad", "fast"}, "", draft, draft, {"pad", "fast"}},
+      {"piezo_skin", {"pad"}, {"skin"}, "", draft, draft, {"skin"}},
+      {"nib_pad", {"pad"}, {"skin"}, "pull", draft, draft, {"nibs"}},
+      {"myrmex", {"left"}, {"skin"}, "apart", draft, draft, {"foam"}},
+      {"biotac_sp", {"pad"}, {"skin"}, "", draft, draft, {"finger"}},
+      {"magnetic_skin", {"pad"}, {"skin"}, "", draft, draft, {"magnets"}},
+      {"gel_markers", {"pad"}, {"skin"}, "", draft, draft, {"gel"}},
+      {"taxels", {"pad"}, {"skin"}, "", draft, draft, {"taxels"}},
   };
-  constexpr Controls in_loop{none, none};
   Protocol protocol{.name = "slip-3", .held_out = {}, .lessons = {}};
   const auto add = [&](Held held, const std::string& scene, Controls controls) {
     held.scene = folder + scene + ".yaml";
@@ -128,24 +121,24 @@ Protocol slip_3() {
     held.time = controls.time;
     protocol.held_out.push_back(std::move(held));
   };
-  for (const SensorSets3& sensor : sensors) {
+  for (const SensorSets& sensor : sensors) {
     Held open{.track = Track::open, .sensor = sensor.type, .readers = sensor.open, .mover = sensor.mover, .domain = "inside"};
     add(open, "open_" + sensor.type, sensor.inside);
     open.domain = "outside";
     add(open, "outside_" + sensor.type, sensor.outside);
   }
   for (const std::string disturbance : {"hand", "grip", "load", "motor", "knock"}) {
-    for (const SensorSets3& sensor : sensors) {
+    for (const SensorSets& sensor : sensors) {
       add({.track = Track::open,
            .sensor = sensor.type,
            .readers = sensor.disturbed,
            .domain = "disturbed",
            .disturbance = disturbance},
-          disturbance, {none, none});
+          disturbance, draft);
     }
   }
-  for (const SensorSets3& sensor : sensors) {
-    add({.track = Track::loop, .sensor = sensor.type, .readers = sensor.loop}, "loop_" + sensor.type, in_loop);
+  for (const SensorSets& sensor : sensors) {
+    add({.track = Track::loop, .sensor = sensor.type, .readers = sensor.loop}, "loop_" + sensor.type, draft);
   }
   return protocol;
 }

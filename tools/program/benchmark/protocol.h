@@ -18,7 +18,8 @@ namespace slipbench::benchmark {
 // Constants of the score.
 using train::alarm_limit;
 using train::half_delay;
-inline constexpr double half_slip_distance = 0.25e-3;  // m, slipped over the pad: a slip seen so far on earns a half by slip-3
+inline constexpr double half_slip_distance =
+    0.25e-3;  // m, path slipped over the pad at the alarm, for which a slip earns a half by slip-3
 inline constexpr double worst_force_ratio =
     2.5;  // greatest grip force over the least that holds, from which on a grasp earns nothing
 
@@ -100,8 +101,8 @@ struct Score {
   double needless = 0.0;           // mean over the grasps that need no tightening; 0 where there is none
   double specificity = 0.0;        // share of the recordings without an alarm
   std::size_t judged = 0;          // trials
-  // Of disturbed recordings the specificity. Else the credit times min(1, alarm_limit / alarms_per_minute), less `said`: -1 to 1. In a loop the credit less `said`, since a false alarm has cost
-  // force there, and where Held::needless less `needless`: -2 to 1.
+  // The specificity of disturbed recordings. Else the credit times min(1, alarm_limit / alarms_per_minute), less `said`: -1 to 1. In a loop the credit
+  // less `said`, since a false alarm has cost force there, and where Held::needless less `needless`: -2 to 1.
   double value = 0.0;
 };
 Score score_of(std::span<const Part> parts, const Held& held);

@@ -47,8 +47,8 @@ struct Truth {
   std::vector<PadState> state;        // [T]
   std::vector<bool> masked;           // [T] no frame to be judged by, though alarms in it count; empty: none is
   std::vector<float> stuck_fraction;  // [T], NaN while nothing touches
-  std::vector<double>
-      slip_distance;    // [T] m, path slipped since the start: sum of the mean steps of the touching units; empty: not known
+  // [T] m, path slipped since the start: sum of the mean steps of the touching units. Empty: not known.
+  std::vector<double> slip_distance;
   double period = 0.0;  // s, from one sample to the next
 
   double first_slip = std::numeric_limits<double>::quiet_NaN();  // s, the one to be judged by: in a grasp the first of the lift
@@ -56,8 +56,8 @@ struct Truth {
   double any_slip = std::numeric_limits<double>::quiet_NaN();     // s, the first at all
   double judged_from = -std::numeric_limits<double>::infinity();  // s, the lift's beginning
   double judged_until = std::numeric_limits<double>::infinity();  // s, the drop
-  double gross_slip =
-      std::numeric_limits<double>::infinity();  // s, the first sample from first_slip on in which nothing that touches sticks
+  // s, the first sample from first_slip on in which nothing that touches sticks.
+  double gross_slip = std::numeric_limits<double>::infinity();
 
   // Whether an alarm at that time counts (dataset/README.md, How the detector did).
   [[nodiscard]] bool counts(double t) const { return (!(t >= any_slip) || t >= judged_from) && !(t >= judged_until); }
@@ -88,11 +88,10 @@ struct Judgement {
   double slip_time = std::numeric_limits<double>::quiet_NaN();   // s, true; NaN: none to be judged by
   double alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, the first that counts; NaN: none
   double delay = std::numeric_limits<double>::quiet_NaN();  // s, of Detection::seen alone, where the trial has several samples
-  // Whether the truth knows paths. Of Detection::seen alone, where it does: m, path slipped from the first slip to the alarm, mean of the touching units; whether the
-  // alarm came before gross slip.
-  bool knows_distance = false;
+  bool knows_distance = false;                              // Truth::slip_distance is known
+  // m, path slipped from the first slip to the alarm; NaN where it is not known, and for other detections than `seen`.
   double slip_distance = std::numeric_limits<double>::quiet_NaN();
-  bool before_gross_slip = false;
+  bool before_gross_slip = false;  // the alarm of a slip that is seen came before gross slip; false where paths are not known
   // An alarm is false where slip begins to be seen while the pad truly sticks, or touches nothing.
   std::size_t stick_alarms = 0, air_alarms = 0;
   // s, for which the pad sticks, or touches nothing, and alarms count. A trial of one sample lasts no time.

@@ -104,7 +104,7 @@ Sampler::Sampler(const Scene& scene, std::span<const std::unique_ptr<Sensor>> se
     const Sensor& sensor = *sensors[pad];
     const std::size_t stride = simulation.stride(pad);
     pads_.push_back({.sensor = sensors[pad].get(),
-                     .sampling = {stride, sensor.scans(), sensor.completing_scan()},
+                     .sampling = {stride, sensor.scans()},
                      .felt_stride = sensor.feels_every_tick() ? 1 : stride});
     remaining_ += simulation.ticks(pad);
     if (samples(pad) > 0) continue;

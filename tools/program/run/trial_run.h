@@ -35,18 +35,15 @@ namespace slipbench {
 
 // When a pad's sensor reads the contact, and when that completes a sample. Ticks are the pad's own (simulation.h).
 struct Sampling {
-  std::size_t stride = 1;              // ticks between two readings
-  std::size_t scans = 1;               // readings a sample (Sensor::scans)
-  std::size_t completing = scans - 1;  // number of the reading that completes a sample (Sensor::completing_scan)
+  std::size_t stride = 1;  // ticks between two readings
+  std::size_t scans = 1;   // readings a sample (Sensor::scans)
 
   [[nodiscard]] bool reads_at(std::size_t tick) const { return tick % stride == 0; }
-  [[nodiscard]] bool completes_at(std::size_t tick) const { return tick % ticks() == completing * stride; }
+  [[nodiscard]] bool completes_at(std::size_t tick) const { return tick % ticks() == (scans - 1) * stride; }
   // Ticks between two samples.
   [[nodiscard]] std::size_t ticks() const { return stride * scans; }
   // Samples that are complete in a trial of so many ticks.
-  [[nodiscard]] std::size_t samples(std::size_t trial_ticks) const {
-    return (trial_ticks + ticks() - 1 - completing * stride) / ticks();
-  }
+  [[nodiscard]] std::size_t samples(std::size_t trial_ticks) const { return ((trial_ticks + stride - 1) / stride) / scans; }
 };
 
 // A pad's tick as the loop may see it: without the truth.

@@ -39,18 +39,6 @@ TEST(Sampling, WithOneReadingASampleTheFirstIsAtTheBeginning) {
   EXPECT_EQ(sampling.samples(5), 2U);
 }
 
-TEST(Sampling, ASampleMayBeCompleteWithTheFirstOfItsReadings) {
-  const Sampling sampling{.stride = 2, .scans = 3, .completing = 0};
-  std::vector<std::size_t> completes;
-  for (std::size_t tick = 0; tick < 14; ++tick) {
-    if (sampling.completes_at(tick)) completes.push_back(tick);
-  }
-  EXPECT_THAT(completes, ElementsAre(0, 6, 12));
-  EXPECT_EQ(sampling.samples(14), 3U);
-  EXPECT_EQ(sampling.samples(12), 2U);  // tick 12 is not reached
-  EXPECT_EQ(sampling.samples(1), 1U);
-}
-
 // 250 samples a second of four readings; the values are the number of the latest reading, and that of the latest sample.
 class Multiplexed final : public Sensor {
  public:
@@ -117,7 +105,7 @@ TEST(Sampling, TheRecordHoldsWholeSamplesAndASlowChannelItsOwnTime) {
   EXPECT_NEAR(sensor.channels[1].time->at(1), 23e-3 - 2e-3, 1e-12);
 }
 
-// A filter before the converter is told of every tick of 0.2 ms: a PapillArray at 100 Hz with it has its samples when one without has them, and what
+// A filter before the converter works at every tick of 0.2 ms: a PapillArray at 100 Hz with it has its samples when one without has them, and what
 // they hold does not depend on the rate.
 TEST(Sampling, AFilterFeelsTheTicksBetweenReadings) {
   const auto readings = [](const char* rate, const char* electronics) {

@@ -1,4 +1,4 @@
-#include "tools/program/benchmark/bound.h"
+#include "tools/program/benchmark/known_signal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -80,7 +80,7 @@ eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck,
   double sum = 0.0, from = std::numeric_limits<double>::infinity();
   for (const auto& [time, added] : energy) {
     sum += added;
-    if (sum < bound_deviations * bound_deviations) continue;
+    if (sum < known_signal_deviations * known_signal_deviations) continue;
     from = std::max(time, truth.first_slip);
     break;
   }

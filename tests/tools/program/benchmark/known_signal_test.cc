@@ -1,5 +1,5 @@
 // Who knows a slip's signal: against the closed form of a step in white noise.
-#include "tools/program/benchmark/bound.h"
+#include "tools/program/benchmark/known_signal.h"
 
 #include <cmath>
 #include <limits>
@@ -15,7 +15,7 @@ constexpr std::size_t rows = 2000, touches = 500, slips = 1500;
 constexpr double rate = 1000.0, deviation = 0.1;
 
 TrialRecord recorded(double step) {
-  RandomStream random(7, 0, "bound");
+  RandomStream random(7, 0, "known signal");
   TrialRecord record;
   SensorRecord& sensor = record.sensors.emplace_back();
   sensor.rate = rate;

@@ -1,0 +1,20 @@
+#include "tools/base/files/given_once.h"
+
+#include <filesystem>
+#include <set>
+#include <system_error>
+
+#include "tools/base/files/reject.h"
+
+namespace slipbench {
+
+void check_given_once(const std::vector<std::string>& paths, std::string_view what) {
+  std::set<std::filesystem::path> given;
+  for (const std::string& path : paths) {
+    std::error_code unreadable;
+    if (!given.insert(std::filesystem::weakly_canonical(path, unreadable)).second)
+      reject("{}: was given before; allowed: each {} once", path, what);
+  }
+}
+
+}  // namespace slipbench

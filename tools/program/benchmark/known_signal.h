@@ -1,0 +1,30 @@
+// The earliest time at which a slip stands out from the sensor's noise, if its signal is known beforehand.
+#pragma once
+
+#include <cstddef>
+
+#include "sim/scene/scene.h"
+#include "tools/base/record/trial_record.h"
+#include "tools/program/eval/metrics.h"
+#include "tools/program/eval/replay.h"
+
+namespace slipbench::benchmark {
+
+// Slip is reported when its signal stands out by so many standard deviations of the noise: one false alarm in 740 decisions, which is one a
+// minute where a decision takes 80 ms.
+inline constexpr double known_signal_deviations = 3.0;
+
+// The same scene with a surface on which nothing slips. Its trials are bit-identical until the first slip, noise included.
+Scene without_slip(const Scene& scene);
+
+// Reports slip when the energy of the slip's own signal reaches known_signal_deviations squared:
+//   D^2(t) = sum over values and samples until t of (d - phi d')^2/sigma^2
+// d is the value less that of the trial without slip, d' the same one sample before. phi is the correlation of the noise from one sample to the
+// next, before contact. sigma is the standard deviation of what a sample adds to the noise: 1.4826 times the median deviation from the median, in
+// contact and without slip, and at least the smallest step of the value over sqrt(12). This is the matched filter of a known signal in noise of one
+// pole (H. L. Van Trees, Detection, Estimation, and Modulation Theory I, 4.2).
+// `record`, `stuck`: the trial and the one of without_slip(). `sensor`: its number in both. Nothing is reported before `truth.first_slip`; from the
+// decision on slip is reported in the first sample and in all that truly slip.
+eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck, std::size_t sensor, const eval::Truth& truth);
+
+}  // namespace slipbench::benchmark
