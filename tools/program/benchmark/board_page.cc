@@ -181,7 +181,7 @@ std::string overview_html(const Json& sets) {
          page::section_html(
              "Specificity",
              "share of the recordings without an alarm, in which nothing slips and the hand moves, the grip or the load "
-             "changes, another motor runs, or the box is knocked",
+             "changes, another motor runs, or the box is knocked; never saying slip has 100 %",
              disturbances_drawing(sets));
 }
 

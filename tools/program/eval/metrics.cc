@@ -283,7 +283,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
     result.delay = delay <= rounding ? 0.0 : delay;
     if (!truth.slip_distance.empty()) {
       const auto slipped = [&truth](double t) { return value_at(truth.time, truth.slip_distance, t); };
-      result.slip_distance = slipped(result.alarm_time) - slipped(truth.first_slip);
+      result.slip_distance = std::max(0.0, slipped(result.alarm_time) - slipped(truth.first_slip));  // 0 of an alarm by grace
       result.before_gross_slip = result.alarm_time < truth.gross_slip;
     }
   }

@@ -64,6 +64,8 @@ TEST(Judged, SlippedDistanceIsThatAtTheAlarm) {
   EXPECT_TRUE(std::isnan(early.slip_distance));
   EXPECT_FALSE(early.before_gross_slip);
   EXPECT_TRUE(std::isnan(judged(0, truth(), answers).slip_distance)) << "not known";
+  const Judgement graced = judged(0, slides, seen({none, stick, stick, stick, stick, all, all, all, stick, stick}), 0.06);
+  EXPECT_EQ(graced.slip_distance, 0.0) << "the alarm at 0.5 s is before the path that the slip has made by 0.55 s";
 }
 
 // Alarms at 0 s in the air, at 0.2 s and, after a pause of one sample, at 0.4 s: early, by the first of them.
