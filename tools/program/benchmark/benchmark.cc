@@ -66,6 +66,7 @@ struct Seat {
 
 struct LeftOut {
   std::string detector, why;
+  bool reads_another = false;  // another sensor than those of the set
 };
 
 // A set of trials with all that came of it.
@@ -101,6 +102,20 @@ eval::Judgement judged(const Held* held, std::size_t trial, const eval::Truth& t
   return eval::judged(trial, truth, replayed, held != nullptr && held->grace ? truth.period : 0.0);
 }
 
+// The same trial on a surface on which nothing slips, simulated when it is first asked for.
+class Stuck {
+ public:
+  explicit Stuck(std::function<TrialRecord()> simulate) : simulate_(std::move(simulate)) {}
+  const TrialRecord& record() {
+    if (!record_) record_ = simulate_();
+    return *record_;
+  }
+
+ private:
+  std::function<TrialRecord()> simulate_;
+  std::optional<TrialRecord> record_;
+};
+
 // The oracle's answers: slip from the instant at which it begins, as long as it lasts.
 eval::Replayed as_true(const eval::Truth& truth) {
   eval::Replayed seen;
@@ -116,18 +131,25 @@ eval::Replayed as_true(const eval::Truth& truth) {
   return seen;
 }
 
-// Neither has a rank: no detector can do what they do.
+// No detector can do what they do.
 bool is_measure(const Entrant& entrant) { return entrant.kind == Kind::oracle || entrant.kind == Kind::known_signal; }
 
-// `stuck`: the same trial without slip; nullptr where nobody needs it.
+// Under a disturbance a control says nothing of a detector: never to say slip has the best specificity there is.
+bool is_ranked(const Entrant& entrant, const Held& held) {
+  return !is_measure(entrant) && !(entrant.kind == Kind::control && !held.disturbance.empty());
+}
+
+// `stuck`: the same trial without slip, which is simulated for the first who needs it; nullptr: nobody does.
 Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule,
-                       const TrialRecord* stuck = nullptr) {
+                       Stuck* stuck = nullptr) {
   Answer answer;
   try {
-    const eval::Truth truth = eval::truth_of(scene, record, record.sensors[seat.sensor], rule);
+    const double from = held == nullptr ? -never : judged_from(*held, *scene);
+    const eval::Truth truth = eval::truth_of(scene, record, record.sensors[seat.sensor], rule, from);
     const auto replayed = [&] {
       if (seat.entrant->kind == Kind::oracle) return as_true(truth);
-      if (seat.entrant->kind == Kind::known_signal) return signal_known(record, *stuck, seat.sensor, truth);
+      if (seat.entrant->kind == Kind::known_signal)
+        return std::isnan(truth.first_slip) ? silence(truth) : signal_known(record, stuck->record(), seat.sensor, truth);
       return eval::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
     };
     answer.judgement = judged(held, record.trial, truth, replayed());
@@ -187,7 +209,7 @@ void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const T
       seated = true;
       break;
     }
-    if (!seated) board.left_out.push_back({entrant->name, why});
+    if (!seated) board.left_out.push_back({entrant->name, why, true});
   }
 }
 
@@ -244,7 +266,9 @@ Json row_json(const Board& board, const Seat& seat) {
   const Score score = score_of(parts, board.held);
   const Interval interval = score_interval(parts, board.held);
   std::vector<eval::Judgement> judgements;
-  for (const Answer& answer : seat.answers) judgements.push_back(answer.judgement);
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    if (parts[k].judged) judgements.push_back(seat.answers[k].judgement);
+  }
   Json row = {{"rank", nullptr},
               {"detector", seat.entrant->name},
               {"kind", kind_word(seat.entrant->kind)},
@@ -321,7 +345,7 @@ Json board_json(Json json, Board board) {
   double last = std::numeric_limits<double>::infinity();
   for (const Seat& seat : board.seats) {
     Json row = row_json(board, seat);
-    if (!is_measure(*seat.entrant)) {
+    if (is_ranked(*seat.entrant, board.held)) {
       ++place;
       if (value(seat) < last) rank = place;  // equal scores share a rank
       last = value(seat);
@@ -330,7 +354,8 @@ Json board_json(Json json, Board board) {
     json["rows"].push_back(std::move(row));
   }
   json["left_out"] = Json::array();
-  for (const LeftOut& one : board.left_out) json["left_out"].push_back({{"detector", one.detector}, {"why", one.why}});
+  for (const LeftOut& one : board.left_out)
+    json["left_out"].push_back({{"detector", one.detector}, {"why", one.why}, {"reads_another", one.reads_another}});
   json["by"] = board.params.empty() ? Json::array() : groups_json(board);
   return json;
 }
@@ -399,10 +424,6 @@ struct HeldTrials {
   std::set<std::string> readers;  // sensors that a detector of some set may read
 };
 
-bool has_known_signal(const Board& board) {
-  return std::ranges::any_of(board.seats, [](const Seat& seat) { return seat.entrant->kind == Kind::known_signal; });
-}
-
 // All detectors hear the same recordings.
 void judge_recordings(std::vector<Board>& boards, const HeldTrials& trials, const Options& options) {
   struct Judged {
@@ -415,13 +436,11 @@ void judge_recordings(std::vector<Board>& boards, const HeldTrials& trials, cons
         const TrialRecord record = trials.recorded(trials.numbers[k]);
         const Scene scene = trials.plan().trial(trials.numbers[k]).scene;
         Judged judged{{}, record.params, hexadecimal(trial_digest(record))};
-        std::optional<TrialRecord> stuck;
-        if (std::ranges::any_of(boards, has_known_signal)) stuck = trials.recorded(trials.numbers[k], true);
+        Stuck stuck([&trials, k] { return trials.recorded(trials.numbers[k], true); });
         for (const Board& board : boards) {
           std::vector<Answer>& answers = judged.answers.emplace_back();
           for (const Seat& seat : board.seats)
-            answers.push_back(
-                recorded_answer(seat, &board.held, &scene, record, rule_of(board.held.track), stuck ? &*stuck : nullptr));
+            answers.push_back(recorded_answer(seat, &board.held, &scene, record, rule_of(board.held.track), &stuck));
         }
         return judged;
       },
@@ -583,6 +602,7 @@ Json protocol_json(const Protocol& protocol, const Asked& asked) {
           {"alarms_per_minute", alarm_limit},
           {"force_ratio", worst_force_ratio},
           {"half_slip_distance_m", half_slip_distance},
+          {"least_slip_distance_m", least_slip_distance},
           {"whole", asked.trials == 0 && !asked.untaught && asked.sensor.empty()}};
 }
 
@@ -617,7 +637,8 @@ Json benchmark(const Options& options) {
     const auto next = std::find_if(held, asked_for.end(), [&held](const Held& other) { return other.scene != held->scene; });
     for (Json& set : sets_json({held, next}, entrants, options, catalogues)) {
       for (const Missing& one : missing) {
-        if (set.at("sensor") == one.sensor) set["left_out"].push_back({{"detector", one.name}, {"why", one.why}});
+        if (set.at("sensor") == one.sensor)
+          set["left_out"].push_back({{"detector", one.name}, {"why", one.why}, {"reads_another", false}});
       }
       sets.push_back(std::move(set));
     }

@@ -37,12 +37,14 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 
 // The board as one object, which --submit writes; its first key is result_key: 1.
 //   asked       as asked_json()
-//   protocol    {name, sha256, half_delay_s, alarms_per_minute, force_ratio, whole}; whole: false of a part of it, to try things
+//   protocol    {name, sha256, half_delay_s, alarms_per_minute, force_ratio,
+//               half_slip_distance_m, least_slip_distance_m, whole}; whole: false of a part of it, to try things
 //   machine     environment_json() without its load
 //   learnt_from [{scene, trials, sha256}]
-//   sets        [{track, sensor, scene or file, trials, data_sha256, labels, rows, left_out: [{detector, why}], by}] in the protocol's order,
+//   sets        [{track, sensor, scene or file, trials, data_sha256, labels, rows, left_out: [{detector, why,
+//               reads_another}], by}] in the protocol's order,
 //               transfer last; with `domain` where the protocol tells domains apart
-//     rows      the best first: {rank (null of the oracle), detector, kind, sensor, parameters, sha256, score: {value, low, high}, credit,
+//     rows      the best first: {rank (null of measures, and of controls under a disturbance), detector, kind, sensor, parameters, sha256, score: {value, low, high}, credit,
 //               false_alarms_per_minute, said, figures (eval::summary_json()), and of a closed loop
 //               grasps: {trials, dropped, not_lifted, low, high (the interval of both together), force_ratio, slip_m} and, where the protocol counts it, needless}
 //     by        [{by, groups: [{name, trials, scores: [of each row]}]}] of what the scene's grid varies
@@ -77,7 +79,7 @@ inline constexpr page::PageKind page_kind{
 struct BoardTable {
   std::string title;  // "open recordings, papillarray: 96 trials"
   page::TextTable cells;
-  std::vector<std::string> left_out;  // "gst_hd: why"
+  std::vector<std::string> left_out;  // "gst_hd: why"; those that read another sensor in one line
 };
 BoardTable board_table(const Json& set);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tools/base/page/svg.h"
 
@@ -244,8 +245,15 @@ BoardTable board_table(const Json& set) {
     }
     table.cells.rows.push_back(std::move(cells));
   }
-  for (const Json& one : set.at("left_out"))
-    table.left_out.push_back(one.at("detector").get<std::string>() + ": " + one.at("why").get<std::string>());
+  std::vector<std::string> of_others;
+  for (const Json& one : set.at("left_out")) {
+    const std::string name = one.at("detector").get<std::string>();
+    if (one.at("reads_another").get<bool>())
+      of_others.push_back(name);
+    else
+      table.left_out.push_back(name + ": " + one.at("why").get<std::string>());
+  }
+  if (!of_others.empty()) table.left_out.push_back(fmt::format("detectors of other sensors: {}", fmt::join(of_others, "; ")));
   return table;
 }
 

@@ -177,21 +177,24 @@ Entrant given_entrant(const std::string& word, const std::vector<Override>& para
 
 std::vector<Entrant> shipped_entrants() {
   std::vector<Entrant> entrants;
-  const auto add = [&entrants](const std::string& word, const std::string& name, const std::string& threshold) {
+  const auto add = [&entrants](const std::string& word, const std::string& name, const std::string& threshold = "",
+                               const std::string& reads = "") {
     std::vector<Override> parameters;
     if (!threshold.empty()) parameters.push_back({"threshold", threshold});
     Entrant entrant = given_entrant(word, parameters);
     entrant.name = name;
     entrant.kind = Kind::shipped;
+    entrant.reads = reads;
     entrants.push_back(std::move(entrant));
   };
   for (const Entry& entry : detector_entries()) {
     const bool asks_for_a_file = std::ranges::find(of_a_file, entry.name) != of_a_file.end();
-    if (!asks_for_a_file && entry.name != oracle_type && entry.name != control_type) add(entry.name, entry.name, "");
+    if (!asks_for_a_file && entry.name != oracle_type && entry.name != control_type) add(entry.name, entry.name);
   }
-  add("learn_gst_hd", "gst_hd, learn_gst_hd", "");
+  add("learn_gst_hd", "gst_hd, learn_gst_hd");
   if (network::engine_available()) {
-    for (const ShippedNetwork& network : shipped_networks) add(project_file(network.path), network.name, network.threshold);
+    for (const ShippedNetwork& network : shipped_networks)
+      add(project_file(network.path), network.name, network.threshold, network.sensor);
   }
   return entrants;
 }
@@ -289,6 +292,11 @@ DetectorScene motion_known_and(double time, const Scene& scene, const std::strin
   const DetectorScene known = motion_known(scene, mover);
   const double from = known.parameters.number("from"), until = known.parameters.number("until");
   return scene.grasp ? control_of(from, from + time) : control_of(from + time, until);
+}
+
+double judged_from(const Held& held, const Scene& scene) {
+  if (!held.by_distance || !held.disturbance.empty()) return -never;
+  return motion_known(scene, held.mover).parameters.number("from");
 }
 
 }  // namespace slipbench::benchmark

@@ -107,4 +107,8 @@ DetectorScene motion_known(const Scene& scene, const std::string& mover);
 // The same with a time [s] beside it: in an open recording slip is said so much later; in a grasp for so long.
 DetectorScene motion_known_and(double time, const Scene& scene, const std::string& mover);
 
+// From when on the slip of an open recording is judged [s]: by slip-3 from the motion on, since a sensor may slip as it is touched. -inf: all of it, as
+// by the protocols before, and in disturbed recordings.
+double judged_from(const Held& held, const Scene& scene);
+
 }  // namespace slipbench::benchmark

@@ -49,6 +49,15 @@ Scene without_slip(const Scene& scene) {
   return stuck;
 }
 
+eval::Replayed silence(const eval::Truth& truth) {
+  eval::Replayed seen;
+  seen.seen.assign(truth.time.size(), PadState::non_slip);
+  seen.seen_since = truth.time;
+  seen.stuck_fraction.assign(truth.time.size(), std::numeric_limits<double>::quiet_NaN());
+  seen.probability = seen.stuck_fraction;
+  return seen;
+}
+
 eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck, std::size_t sensor, const eval::Truth& truth) {
   std::vector<std::pair<double, double>> energy;  // time [s], what is added then
   for (std::size_t c = 0; c < record.sensors[sensor].channels.size(); ++c) {
@@ -58,13 +67,20 @@ eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck,
     const double touch =
         contact == truth.state.end() ? truth.time.back() : truth.time[static_cast<std::size_t>(contact - truth.state.begin())];
     const auto touching = static_cast<std::size_t>(std::ranges::lower_bound(time, touch) - time.begin());
+    const auto before = static_cast<std::size_t>(std::ranges::lower_bound(time, truth.first_slip) - time.begin());
     const std::size_t width = column.row_size();
     for (std::size_t k = 0; k < width; ++k) {
       std::vector<double> values(time.size()), signal(time.size());
+      double earlier = 0.0;  // what an earlier slip has left
       bool differs = false;
       for (std::size_t t = 0; t < time.size(); ++t) {
         values[t] = static_cast<double>(without.values[t * width + k]);
-        signal[t] = static_cast<double>(column.values[t * width + k]) - values[t];
+        const double difference = static_cast<double>(column.values[t * width + k]) - values[t];
+        if (t < before) {
+          earlier = difference;
+          continue;
+        }
+        signal[t] = difference - earlier;
         differs = differs || signal[t] != 0.0;
       }
       if (!differs) continue;
@@ -84,14 +100,11 @@ eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck,
     from = std::max(time, truth.first_slip);
     break;
   }
-  eval::Replayed seen;
+  eval::Replayed seen = silence(truth);
   for (std::size_t row = 0; row < truth.time.size(); ++row) {
     const bool begins = truth.time[row] >= from && (row == 0 || truth.time[row - 1] < from);
-    seen.seen.push_back(begins || (truth.time[row] >= from && slips(truth.state[row])) ? PadState::gross : PadState::non_slip);
+    if (begins || (truth.time[row] >= from && slips(truth.state[row]))) seen.seen[row] = PadState::gross;
   }
-  seen.seen_since = truth.time;
-  seen.stuck_fraction.assign(truth.time.size(), std::numeric_limits<double>::quiet_NaN());
-  seen.probability = seen.stuck_fraction;
   return seen;
 }
 

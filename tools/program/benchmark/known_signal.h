@@ -17,9 +17,12 @@ inline constexpr double known_signal_deviations = 3.0;
 // The same scene with a surface on which nothing slips. Its trials are bit-identical until the first slip, noise included.
 Scene without_slip(const Scene& scene);
 
+// The answers of one who never reports slip.
+eval::Replayed silence(const eval::Truth& truth);
+
 // Reports slip when the energy of the slip's own signal reaches known_signal_deviations squared:
 //   D^2(t) = sum over values and samples until t of (d - phi d')^2/sigma^2
-// d is the value less that of the trial without slip, d' the same one sample before. phi is the correlation of the noise from one sample to the
+// d is the value less that of the trial without slip, from truth.first_slip on and less what an earlier slip has left; d' the same one sample before. phi is the correlation of the noise from one sample to the
 // next, before contact. sigma is the standard deviation of what a sample adds to the noise: 1.4826 times the median deviation from the median, in
 // contact and without slip, and at least the smallest step of the value over sqrt(12). This is the matched filter of a known signal in noise of one
 // pole (H. L. Van Trees, Detection, Estimation, and Modulation Theory I, 4.2).

@@ -13,6 +13,7 @@
 #include "sim/scene/parser.h"
 #include "tools/base/project/project_file.h"
 #include "tools/base/record/encoder.h"
+#include "tools/program/benchmark/known_signal.h"
 
 namespace slipbench::benchmark {
 namespace {
@@ -101,17 +102,17 @@ Protocol slip_2() {
 
 Protocol slip_3() {
   const std::string folder = "scenes/benchmark/slip-3/";
-  constexpr Controls draft{none, none};
   const std::vector<SensorSets> sensors{
-      {"papillarray", {"pad", "slow"}, {"pad", "fast"}, "", draft, draft, {"pad", "fast"}},
-      {"piezo_skin", {"pad"}, {"skin"}, "", draft, draft, {"skin"}},
-      {"nib_pad", {"pad"}, {"skin"}, "pull", draft, draft, {"nibs"}},
-      {"myrmex", {"left"}, {"skin"}, "apart", draft, draft, {"foam"}},
-      {"biotac_sp", {"pad"}, {"skin"}, "", draft, draft, {"finger"}},
-      {"magnetic_skin", {"pad"}, {"skin"}, "", draft, draft, {"magnets"}},
-      {"gel_markers", {"pad"}, {"skin"}, "", draft, draft, {"gel"}},
-      {"taxels", {"pad"}, {"skin"}, "", draft, draft, {"taxels"}},
+      {"papillarray", {"pad", "slow"}, {"pad", "fast"}, "", {4.1, 2.4}, {4.1, 2.35}, {"pad", "fast"}},
+      {"piezo_skin", {"pad"}, {"skin"}, "", {3.8, 2.6}, {3.8, 2.55}, {"skin"}},
+      {"nib_pad", {"pad"}, {"skin"}, "pull", {8.9, 6.4}, {8.9, 6.9}, {"nibs"}},
+      {"myrmex", {"left"}, {"skin"}, "apart", {none, 6.5}, {none, 6.4}, {"foam"}},
+      {"biotac_sp", {"pad"}, {"skin"}, "", {3.9, 2.45}, {3.9, 1.7}, {"finger"}},
+      {"magnetic_skin", {"pad"}, {"skin"}, "", {3.6, 2.55}, {3.5, 2.55}, {"magnets"}},
+      {"gel_markers", {"pad"}, {"skin"}, "", {3.5, 2.55}, {3.5, 2.35}, {"gel"}},
+      {"taxels", {"pad"}, {"skin"}, "", {3.5, 2.35}, {3.5, 2.35}, {"taxels"}},
   };
+  constexpr Controls in_loop{none, 0.04};
   Protocol protocol{.name = "slip-3", .held_out = {}, .lessons = {}};
   const auto add = [&](Held held, const std::string& scene, Controls controls) {
     held.scene = folder + scene + ".yaml";
@@ -134,11 +135,11 @@ Protocol slip_3() {
            .readers = sensor.disturbed,
            .domain = "disturbed",
            .disturbance = disturbance},
-          disturbance, draft);
+          disturbance, {none, none});
     }
   }
   for (const SensorSets& sensor : sensors) {
-    add({.track = Track::loop, .sensor = sensor.type, .readers = sensor.loop}, "loop_" + sensor.type, draft);
+    add({.track = Track::loop, .sensor = sensor.type, .readers = sensor.loop}, "loop_" + sensor.type, in_loop);
   }
   return protocol;
 }
@@ -199,7 +200,8 @@ std::string protocol_sha256(const Protocol& protocol) {
     text += fmt::format("{} {} {} {} {} {} {}\n", track_name(held.track), held.sensor, held.scene, fmt::join(held.readers, ","),
                         held.mover, held.clock, held.time);
     if (held.grace) text += fmt::format("{} {} {}\n", held.domain, held.grace, held.needless);
-    if (held.by_distance) text += fmt::format("{} {}\n", half_slip_distance, held.disturbance);
+    if (held.by_distance)
+      text += fmt::format("{} {} {} {}\n", half_slip_distance, least_slip_distance, known_signal_deviations, held.disturbance);
     scenes.insert(held.scene);
   }
   for (const Lesson& lesson : protocol.lessons) {
@@ -212,10 +214,11 @@ std::string protocol_sha256(const Protocol& protocol) {
 
 Part recording_part(const eval::Judgement& judgement, const Held& held) {
   Part part = alarms_of(judgement);
-  part.credited = !std::isnan(judgement.slip_time);
-  part.judged = held.disturbance.empty() || !part.credited;
+  const bool slips = !std::isnan(judgement.slip_time);
+  part.credited = slips && !(held.by_distance && judgement.whole_slip_distance < least_slip_distance);
+  part.judged = held.disturbance.empty() || !slips;
   part.silent = std::isnan(judgement.alarm_time);
-  if (judgement.detection == Detection::seen) {
+  if (part.credited && judgement.detection == Detection::seen) {
     part.credit = held.by_distance ? half_slip_distance / (half_slip_distance + judgement.slip_distance)
                                    : half_delay / (half_delay + judgement.delay);
   }

@@ -20,6 +20,9 @@ using train::alarm_limit;
 using train::half_delay;
 inline constexpr double half_slip_distance =
     0.25e-3;  // m, path slipped over the pad at the alarm, for which a slip earns a half by slip-3
+// m: by slip-3 a recording in which the object slips less has nothing to earn, whoever sees it. It is a fifth of half_slip_distance: an object that
+// creeps by micrometres would earn nearly all of the credit at any time.
+inline constexpr double least_slip_distance = 0.05e-3;
 inline constexpr double worst_force_ratio =
     2.5;  // greatest grip force over the least that holds, from which on a grasp earns nothing
 
@@ -86,7 +89,8 @@ struct Part {
 };
 
 // Of a recording: the credit of a slip that is seen is half_delay / (half_delay + delay), or with Held::by_distance half_slip_distance /
-// (half_slip_distance + Judgement::slip_distance); it is 0 of one that is missed or alarmed early.
+// (half_slip_distance + Judgement::slip_distance); it is 0 of one that is missed or alarmed early. With Held::by_distance a recording that slips by less
+// than least_slip_distance in all has nothing to earn.
 Part recording_part(const eval::Judgement& judgement, const Held& held);
 // Of a grasp that `untightened`, that of who never tightens, does not hold: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) of a box that is
 // held, r the greatest grip force over the least that holds, at most 1 and at least 0; 0 of one that is dropped or not lifted. Of a grasp that who never

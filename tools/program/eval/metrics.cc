@@ -129,14 +129,15 @@ std::vector<PadState> latched(std::vector<PadState> states) {
   return states;
 }
 
-// Which samples stick after a slip of the same contact.
-std::vector<bool> stuck_again(const std::vector<PadState>& states) {
+// Which samples stick after a slip of the same contact; from `from` [s] on a slip before it is none.
+std::vector<bool> stuck_again(const std::vector<PadState>& states, const std::vector<double>& time, double from) {
   std::vector<bool> masked;
-  bool slipped = false;
-  for (const PadState state : states) {
-    if (state == PadState::no_contact) slipped = false;
-    if (slips(state)) slipped = true;
-    masked.push_back(slipped && state == PadState::non_slip);
+  bool slipped = false, after = false;
+  for (std::size_t row = 0; row < states.size(); ++row) {
+    const bool begins = !std::exchange(after, time[row] >= from) && after;
+    if (begins || states[row] == PadState::no_contact) slipped = false;
+    if (slips(states[row])) slipped = true;
+    masked.push_back(slipped && states[row] == PadState::non_slip);
   }
   return masked;
 }
@@ -269,6 +270,9 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
       result.air_alarms += begins && !graced ? 1U : 0U;
     }
   }
+  const auto slipped = [&truth](double t) { return value_at(truth.time, truth.slip_distance, t); };
+  if (result.knows_distance && !std::isnan(truth.first_slip))
+    result.whole_slip_distance = truth.slip_distance.back() - slipped(truth.first_slip);
   TrialOutcome outcome;
   if (!std::isnan(result.alarm_time)) {
     // Without a slip it is a false alarm.
@@ -281,8 +285,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
     const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(truth.first_slip);
     const double delay = result.alarm_time - truth.first_slip;
     result.delay = delay <= rounding ? 0.0 : delay;
-    if (!truth.slip_distance.empty()) {
-      const auto slipped = [&truth](double t) { return value_at(truth.time, truth.slip_distance, t); };
+    if (result.knows_distance) {
       result.slip_distance = std::max(0.0, slipped(result.alarm_time) - slipped(truth.first_slip));  // 0 of an alarm by grace
       result.before_gross_slip = result.alarm_time < truth.gross_slip;
     }
@@ -410,11 +413,11 @@ double first_slip(const SensorRecord& sensor, TruthRule rule, const std::vector<
   return first;
 }
 
-Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor, TruthRule rule) {
+Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor, TruthRule rule, double from) {
   Truth truth;
   truth.time = sensor.time;
   truth.state = label_states(sensor, rule, turns(scene));
-  if (rule == TruthRule::masked) truth.masked = stuck_again(truth.state);
+  if (rule == TruthRule::masked) truth.masked = stuck_again(truth.state, truth.time, from);
   truth.stuck_fraction = sensor.labels.stuck_fraction;
   truth.period = 1.0 / sensor.rate;
   truth.any_slip = first_slip(sensor, rule, truth.state, truth.judged_from);
@@ -422,6 +425,8 @@ Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord
   if (record.outcome.grasp && scene != nullptr) {
     truth.judged_from = lift_start(*scene, record);
     if (record.outcome.grasp->dropped) truth.judged_until = record.outcome.grasp->drop_time;
+  } else {
+    truth.judged_from = from;
   }
   truth.first_slip = first_slip(sensor, rule, truth.state, truth.judged_from);
   truth.slip_distance = slip_distances(sensor.labels, truth.time.size());

@@ -54,7 +54,7 @@ struct Truth {
   double first_slip = std::numeric_limits<double>::quiet_NaN();  // s, the one to be judged by: in a grasp the first of the lift
   // Closing fingers may make a grasp's sensor slip; from then until the lift no alarm counts, and none from a drop on.
   double any_slip = std::numeric_limits<double>::quiet_NaN();     // s, the first at all
-  double judged_from = -std::numeric_limits<double>::infinity();  // s, the lift's beginning
+  double judged_from = -std::numeric_limits<double>::infinity();  // s, the lift's beginning, or what truth_of() was given
   double judged_until = std::numeric_limits<double>::infinity();  // s, the drop
   // s, the first sample from first_slip on in which nothing that touches sticks.
   double gross_slip = std::numeric_limits<double>::infinity();
@@ -63,9 +63,11 @@ struct Truth {
   [[nodiscard]] bool counts(double t) const { return (!(t >= any_slip) || t >= judged_from) && !(t >= judged_until); }
 };
 
-// That of one sensor of a trial. `scene`: recorded_scene(); null: the trial is no simulation's, and all of it counts. Throws InputError as
-// label_states(), and for a guided grasp without a controller, which says when it is lifted.
-Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor, TruthRule rule);
+// That of one sensor of a trial. `scene`: recorded_scene(); null: the trial is no simulation's, and all of it counts. `from` [s]: a recording that
+// is no grasp is judged by the first slip from then on; before it alarms count until something slips. Throws InputError as label_states(), and for a
+// guided grasp without a controller, which says when it is lifted.
+Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor, TruthRule rule,
+               double from = -std::numeric_limits<double>::infinity());
 
 // When the alarm that is seen in a sample began [s]: as its estimate was there, where that was after the sample before.
 double alarm_time(const std::vector<double>& time, const Replayed& replayed, std::size_t row);
@@ -89,6 +91,7 @@ struct Judgement {
   double alarm_time = std::numeric_limits<double>::quiet_NaN();  // s, the first that counts; NaN: none
   double delay = std::numeric_limits<double>::quiet_NaN();  // s, of Detection::seen alone, where the trial has several samples
   bool knows_distance = false;                              // Truth::slip_distance is known
+  double whole_slip_distance = std::numeric_limits<double>::quiet_NaN();  // m, path slipped from slip_time on; NaN: not known
   // m, path slipped from the first slip to the alarm; NaN where it is not known, and for other detections than `seen`.
   double slip_distance = std::numeric_limits<double>::quiet_NaN();
   bool before_gross_slip = false;  // the alarm of a slip that is seen came before gross slip; false where paths are not known

@@ -54,5 +54,13 @@ TEST(SignalKnown, SaysNothingWhereTheSlipChangesNothing) {
   for (const PadState state : signal_known(record, record, 0, truth_of(record)).seen) EXPECT_EQ(state, PadState::non_slip);
 }
 
+// What an earlier slip has left, here 5 deviations from the middle of the contact on, is not the signal of the slip that is judged.
+TEST(SignalKnown, LeavesOutWhatAnEarlierSlipHasLeft) {
+  TrialRecord record = recorded(0.0);
+  std::vector<float>& values = record.sensors[0].channels[0].values;
+  for (std::size_t row = (touches + slips) / 2; row < rows; ++row) values[row] += static_cast<float>(5.0 * deviation);
+  for (const PadState state : signal_known(record, recorded(0.0), 0, truth_of(record)).seen) EXPECT_EQ(state, PadState::non_slip);
+}
+
 }  // namespace
 }  // namespace slipbench::benchmark

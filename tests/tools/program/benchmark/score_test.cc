@@ -51,6 +51,22 @@ TEST(Score, CreditFallsWithTheSlippedDistance) {
   EXPECT_EQ(recording_part(judgement(Detection::early, none, 30, 1), by_distance).credit, 0.0);
 }
 
+// A recording in which the object slips by less than the least distance has nothing to earn, though an alarm before the slip is a false one; one that
+// slips by the least distance has.
+TEST(Score, SlipsOfMicrometresHaveNothingToEarn) {
+  const Held by_distance{.track = Track::open, .by_distance = true};
+  eval::Judgement one = judgement(Detection::seen, 0.0, 0, 1);
+  one.slip_distance = 0.0;
+  one.whole_slip_distance = 0.9 * least_slip_distance;
+  const Part small = recording_part(one, by_distance);
+  EXPECT_FALSE(small.credited);
+  EXPECT_EQ(small.credit, 0.0);
+  EXPECT_EQ(small.alarms, 1.0);
+  EXPECT_TRUE(recording_part(one, open).credited) << "by slip-2 it has";
+  one.whole_slip_distance = least_slip_distance;
+  EXPECT_TRUE(recording_part(one, by_distance).credited);
+}
+
 // Twelve recordings: in two a part slips, which leaves ten; eight of these are silent.
 TEST(Score, DisturbedRecordingsAreScoredBySpecificity) {
   const Held disturbed{.track = Track::open, .by_distance = true, .disturbance = "knock"};

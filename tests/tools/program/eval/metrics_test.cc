@@ -55,6 +55,7 @@ TEST(Judged, SlippedDistanceIsThatAtTheAlarm) {
   const double at_first_slip = 0.1e-3;  // half way from 0.5 s to 0.6 s
   const Judgement late = judged(0, slides, answers);
   EXPECT_NEAR(late.slip_distance, 1.0e-3 - at_first_slip, 1e-12);
+  EXPECT_NEAR(late.whole_slip_distance, 1.4e-3 - at_first_slip, 1e-12) << "to the recording's end";
   EXPECT_FALSE(late.before_gross_slip);
   answers.seen_since[7] = 0.65;  // an estimate between the samples
   const Judgement soon = judged(0, slides, answers);
@@ -62,8 +63,10 @@ TEST(Judged, SlippedDistanceIsThatAtTheAlarm) {
   EXPECT_TRUE(soon.before_gross_slip);
   const Judgement early = judged(0, slides, seen({none, stick, all, stick, stick, stick, stick, all, all, stick}));
   EXPECT_TRUE(std::isnan(early.slip_distance));
+  EXPECT_NEAR(early.whole_slip_distance, 1.4e-3 - at_first_slip, 1e-12) << "whoever sees it";
   EXPECT_FALSE(early.before_gross_slip);
   EXPECT_TRUE(std::isnan(judged(0, truth(), answers).slip_distance)) << "not known";
+  EXPECT_TRUE(std::isnan(judged(0, truth(), answers).whole_slip_distance));
   const Judgement graced = judged(0, slides, seen({none, stick, stick, stick, stick, all, all, all, stick, stick}), 0.06);
   EXPECT_EQ(graced.slip_distance, 0.0) << "the alarm at 0.5 s is before the path that the slip has made by 0.55 s";
 }
@@ -302,6 +305,8 @@ TEST(Labels, MaskedIsMicroWithoutWhatSticksAgain) {
   const auto masked = [](TruthRule rule) { return truth_of(nullptr, {}, sensor(), rule).masked; };
   EXPECT_EQ(masked(TruthRule::masked), (std::vector{false, false, false, false, false, true, false, false}));
   EXPECT_TRUE(masked(TruthRule::micro).empty());
+  const Truth later = truth_of(nullptr, {}, sensor(), TruthRule::masked, 0.45);
+  EXPECT_EQ(later.masked, std::vector<bool>(8, false)) << "judged from 0.45 s on, that slip is none";
 }
 
 TEST(Labels, RefuseWhatDoesNotFit) {
@@ -347,7 +352,6 @@ TEST(FirstSlip, WithoutEventsIsThatOfTheSamples) {
   EXPECT_EQ(first_slip(record, TruthRule::strict, label_states(record, TruthRule::strict, false), 0.0), record.time[3]);
 }
 
-// A recorded grasp does not say when it was lifted: its first sample counts as the others do.
 // Two units. Both slip by 1 mm, which is 1 mm of path. One of them lets go, the other slips 2 mm more; a fresh one that has slipped nothing touches; then
 // nothing touches: the path stays at 3 mm, though the mean of what touches would fall to 1.5 mm and end.
 TEST(Truth, PathNeverFallsWhenUnitsLetGo) {
@@ -367,6 +371,17 @@ TEST(Truth, PathNeverFallsWhenUnitsLetGo) {
   for (std::size_t row = 0; row < path.size(); ++row) EXPECT_NEAR(truth.slip_distance[row], path[row], 1e-9) << row;
 }
 
+// Slips at 0.16 s, as it is touched, and at 0.24 s. Judged from 0.2 s on, the first alarm that counts is one from 0.2 s on: the slip at 0.16 s has been.
+TEST(Truth, IsJudgedByTheFirstSlipFromAnInstantOn) {
+  const Truth truth = truth_of(nullptr, {}, sensor(), TruthRule::micro, 0.2);
+  EXPECT_EQ(truth.first_slip, 0.24);
+  EXPECT_EQ(truth.any_slip, 0.16);
+  EXPECT_TRUE(truth.counts(0.1)) << "before anything slips";
+  EXPECT_FALSE(truth.counts(0.18));
+  EXPECT_TRUE(truth.counts(0.2));
+}
+
+// A recorded grasp does not say when it was lifted: its first sample counts as the others do.
 TEST(Truth, AGraspWithoutASceneCountsFromItsBeginning) {
   TrialRecord record;
   record.outcome.grasp.emplace().dropped = true;
