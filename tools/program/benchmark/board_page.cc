@@ -55,6 +55,10 @@ std::string drawing(const Json& set) {
     y += line;
   }
   svg.text("middle", 0.5 * (left + right), foot + 32.0, "score");
+  svg.dot("s0", right - 190.0, foot + 28.0, 4.0);
+  svg.text("small", right - 181.0, foot + 32.0, "detectors");
+  svg.dot("s1", right - 110.0, foot + 28.0, 4.0);
+  svg.text("small", right - 101.0, foot + 32.0, "controls, measures");
   return "<div class=\"scroll\">" + svg.element("Scores of the detectors, with 95 % intervals") + "</div>\n";
 }
 
@@ -77,7 +81,8 @@ std::string set_html(const Json& set) {
   const BoardTable table = board_table(set);
   std::string html = drawing(set) + page::table_html(table.cells);
   if (!table.left_out.empty()) html += "<h3>Not on this board</h3>\n" + page::list_html(table.left_out);
-  if (const std::string groups = groups_html(set); !groups.empty()) html += "<h3>Score by condition (trials)</h3>\n" + groups;
+  if (const std::string groups = groups_html(set); !groups.empty())
+    html += "<details><summary>Score by condition (trials)</summary>\n" + groups + "</details>\n";
   const std::string from = set.contains("scene") ? set.at("scene").get<std::string>() : set.at("file").get<std::string>();
   const std::string note =
       fmt::format("{}; labels {}; data {}", from, set.at("labels").get<std::string>(), set.at("data_sha256").get<std::string>());
@@ -212,12 +217,14 @@ BoardTable board_table(const Json& set) {
     table.title += fmt::format(", {} of them without slip", set.at("rows")[0].at("judged").get<std::size_t>());
   const bool grasps = !set.at("rows").empty() && set.at("rows")[0].contains("grasps");
   const bool needless = grasps && set.at("rows")[0].contains("needless");
-  table.cells.head = {"", "rank", "kind", "score", "95 %", "credit", "false alarms/min", "wrongly slip", "recall"};
-  const std::vector<std::string> events =
-      grasps ? std::vector<std::string>{"dropped", "not lifted", "force/least", "slip"}
-             : std::vector<std::string>{"median delay", "slipped, median", "before gross slip", "early", "missed"};
-  table.cells.head.insert(table.cells.head.end(), events.begin(), events.end());
-  if (needless) table.cells.head.emplace_back("needless force");
+  table.cells.head = {"", "rank", "kind", "score", "95 %", "false alarms/min", "wrongly slip"};
+  std::vector<std::string> more;
+  if (grasps)
+    more = {"credit", "recall", "dropped", "not lifted", "force/least", "slip"};
+  else if (disturbance.empty())
+    more = {"credit", "recall", "median delay", "slipped, median", "before gross slip", "early", "missed"};
+  if (needless) more.emplace_back("needless force");
+  table.cells.head.insert(table.cells.head.end(), more.begin(), more.end());
   for (const Json& row : set.at("rows")) {
     const Json& score = row.at("score");
     std::vector<std::string> cells{row.at("detector").get<std::string>(),
@@ -225,10 +232,12 @@ BoardTable board_table(const Json& set) {
                                    row.at("kind").get<std::string>(),
                                    points(score.at("value")),
                                    score.at("low").is_null() ? "–" : points(score.at("low")) + " to " + points(score.at("high")),
-                                   points(row.at("credit")),
                                    shown(row.at("false_alarms_per_minute"), 1.0, "", 1),
-                                   shown(row.at("said"), percent, " %", 1),
-                                   share_of(row, "recall_of_slip")};
+                                   shown(row.at("said"), percent, " %", 1)};
+    if (!more.empty()) {
+      cells.push_back(points(row.at("credit")));
+      cells.push_back(share_of(row, "recall_of_slip"));
+    }
     if (grasps) {
       const Json& grasp = row.at("grasps");
       for (const char* lost : {"dropped", "not_lifted"})
@@ -236,12 +245,11 @@ BoardTable board_table(const Json& set) {
       cells.push_back(shown(grasp.at("force_ratio"), 1.0, "", 2));
       cells.push_back(shown(grasp.at("slip_m"), ms, " mm", 1));
       if (needless) cells.push_back(points(row.at("needless")));
-    } else {
-      cells.push_back(shown(row.at("figures").at("figures").at("delay_median_s").at("value"), ms, " ms", 0));
-      cells.push_back(shown(row.at("figures").at("figures").at("slip_distance_median_m").at("value"), ms, " mm", 3));
-      cells.push_back(share_of(row, "before_gross_slip"));
-      cells.push_back(share_of(row, "early"));
-      cells.push_back(share_of(row, "missed"));
+    } else if (!more.empty()) {
+      const Json& figures = row.at("figures").at("figures");
+      cells.push_back(shown(figures.at("delay_median_s").at("value"), ms, " ms", 0));
+      cells.push_back(shown(figures.at("slip_distance_median_m").at("value"), ms, " mm", 3));
+      for (const char* share : {"before_gross_slip", "early", "missed"}) cells.push_back(share_of(row, share));
     }
     table.cells.rows.push_back(std::move(cells));
   }
