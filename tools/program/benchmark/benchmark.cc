@@ -42,42 +42,43 @@ namespace {
 
 constexpr std::size_t most_groups = 6;
 
-// The whole slip counts from its first part on, and what sticks again under the shear that is left judges nobody: each rule by which a detector
-// may have learnt calls it otherwise. In a loop a firmer grip is to end what is said.
+// Open recordings: slip counts from the first part of a unit on; samples that stick again after a slip are
+// not judged, since the label rules that detectors are trained with disagree there. Loops: a firmer grip is
+// expected to end the report of slip.
 eval::TruthRule rule_of(Track track) {
   constexpr std::array rules{eval::TruthRule::masked, eval::TruthRule::micro, eval::TruthRule::recorded};
   return rules.at(static_cast<std::size_t>(track));
 }
 
-// How an entrant did in one trial; or why it could not be judged.
+// The result of an entrant in one trial, or why it could not be judged.
 struct Answer {
   eval::Judgement judgement;
   std::optional<GraspOutcome> grasp;
   std::string failure;
 };
 
-// Someone who reads one of the sensors of a set of trials.
+// An entrant with the sensor that it reads in a set of trials.
 struct Seat {
   const Entrant* entrant = nullptr;
-  std::size_t sensor = 0;   // of the trial's
+  std::size_t sensor = 0;   // index into the trial's sensors
   std::string sensor_name;  // as the scene names it
   std::vector<Answer> answers{};
 };
 
 struct LeftOut {
   std::string detector, why;
-  bool reads_another = false;  // another sensor than those of the set
+  bool reads_another = false;  // it reads a sensor that the set does not have
 };
 
-// A set of trials with all that came of it.
+// A set of trials and its results.
 struct Board {
   Held held{};
   std::vector<Seat> seats{};
   std::vector<LeftOut> left_out{};
-  std::vector<std::string> params{};  // JSON of each trial
+  std::vector<std::string> params{};  // JSON for each trial
   std::vector<std::string> digests{};
   std::string sensor{};
-  std::vector<GraspOutcome> untightened{};  // of each grasp: that of who never tightens
+  std::vector<GraspOutcome> untightened{};  // outcome of each grasp without tightening
 };
 
 DetectorScene told(const Entrant& entrant, const Held& held, const Scene& scene) {
@@ -90,19 +91,19 @@ DetectorScene told(const Entrant& entrant, const Held& held, const Scene& scene)
   return {};
 }
 
-// `scene`: of the trial at hand, one of `held`; both nullptr: a recording of a real sensor.
+// `scene`: that of the trial, one of `held`; both nullptr for a recording of a real sensor.
 DetectorScene detector_for(const Seat& seat, const Held* held, const Scene* scene) {
   DetectorScene detector = scene == nullptr ? seat.entrant->detector : told(*seat.entrant, *held, *scene);
   detector.sensor = seat.sensor;
   return detector;
 }
 
-// How answers are judged by what is true; `held`: nullptr of a recording of a real sensor.
+// `held`: nullptr for a recording of a real sensor.
 eval::Judgement judged(const Held* held, std::size_t trial, const eval::Truth& truth, const eval::Replayed& replayed) {
   return eval::judged(trial, truth, replayed, held != nullptr && held->grace ? truth.period : 0.0);
 }
 
-// The same trial on a surface on which nothing slips, simulated when it is first asked for.
+// The same trial on a surface on which nothing slips, simulated on first use.
 class Stuck {
  public:
   explicit Stuck(std::function<TrialRecord()> simulate) : simulate_(std::move(simulate)) {}
@@ -116,7 +117,7 @@ class Stuck {
   std::optional<TrialRecord> record_;
 };
 
-// The oracle's answers: slip from the instant at which it begins, as long as it lasts.
+// Returns the oracle's answers: slip from its first instant on, as long as it lasts.
 eval::Replayed as_true(const eval::Truth& truth) {
   eval::Replayed seen;
   seen.seen = truth.state;
@@ -131,15 +132,15 @@ eval::Replayed as_true(const eval::Truth& truth) {
   return seen;
 }
 
-// No detector can do what they do.
+// Measures use the truth, so they have no rank.
 bool is_measure(const Entrant& entrant) { return entrant.kind == Kind::oracle || entrant.kind == Kind::known_signal; }
 
-// Under a disturbance a control says nothing of a detector: never to say slip has the best specificity there is.
+// Controls have no rank under a disturbance: never to report slip has the best specificity.
 bool is_ranked(const Entrant& entrant, const Held& held) {
   return !is_measure(entrant) && !(entrant.kind == Kind::control && !held.disturbance.empty());
 }
 
-// `stuck`: the same trial without slip, which is simulated for the first who needs it; nullptr: nobody does.
+// `stuck`: the same trial without slip; nullptr if no entrant needs it.
 Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, const TrialRecord& record, eval::TruthRule rule,
                        Stuck* stuck = nullptr) {
   Answer answer;
@@ -159,7 +160,7 @@ Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, c
   return answer;
 }
 
-// What its loop saw in a grasp.
+// Runs a grasp with this detector in the loop.
 Answer grasp_answer(const Seat& seat, const Held& held, Scene scene, std::size_t trial) {
   Answer answer;
   try {
@@ -179,7 +180,7 @@ Answer grasp_answer(const Seat& seat, const Held& held, Scene scene, std::size_t
   return answer;
 }
 
-// The text with a file's name in place of its path, which differs between installations.
+// Replaces a file's path, which differs between installations, by its name.
 std::string without_folder(std::string text, const std::string& file) {
   const std::string name = std::filesystem::path(file).filename().string();
   for (std::size_t at = file.empty() ? std::string::npos : text.find(file); at != std::string::npos;
@@ -189,7 +190,7 @@ std::string without_folder(std::string text, const std::string& file) {
   return text;
 }
 
-// Seats each entrant before the first of the sensors that it can read, and says why the others have none.
+// Gives each entrant the first sensor that it can read; the others are left out with the reason.
 void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const TrialRecord& first,
               const std::vector<std::size_t>& readers) {
   for (const Entrant* entrant : entrants) {
@@ -213,7 +214,7 @@ void seat_all(Board& board, const std::vector<const Entrant*>& entrants, const T
   }
 }
 
-// Takes those from the board who could not be judged in some trial, or have learnt from one.
+// Leaves out entrants that could not be judged in some trial, or were trained on one.
 void clear_seats(Board& board) {
   const auto unfit = [&board](const Seat& seat) {
     std::string why;
@@ -289,7 +290,7 @@ Json row_json(const Board& board, const Seat& seat) {
   return row;
 }
 
-// A value that was swept, as a scene writes it: "2 mm/s".
+// Returns a swept value as a scene writes it: "2 mm/s".
 std::string value_text(const std::string& path, const Json& drawn) {
   const Json plain = report::plain_value(path, drawn);
   if (plain.contains("text")) return plain.at("text").get<std::string>();
@@ -298,10 +299,9 @@ std::string value_text(const std::string& path, const Json& drawn) {
   return format_quantity(value, unit.empty() ? Quantity::none : quantity_of("1 " + unit));
 }
 
-// Scores by what the scene's grid varies: values that repeat and are no list or map.
+// Returns the scores by each parameter that the grid varies: values that repeat and are not lists or maps.
 Json groups_json(const Board& board) {
-  using Groups =
-      std::vector<std::pair<std::string, std::vector<std::size_t>>>;  // in the order of the trials, which is the grid's
+  using Groups = std::vector<std::pair<std::string, std::vector<std::size_t>>>;  // in the order of the grid
   std::map<std::string, Groups> by;
   for (std::size_t k = 0; k < board.params.size(); ++k) {
     const Json params = Json::parse(board.params[k]);
@@ -333,7 +333,7 @@ Json groups_json(const Board& board) {
   return json;
 }
 
-// Adds rows, left_out and by to what is said of a set of trials.
+// Adds rows, left_out and by to the description of a set.
 Json board_json(Json json, Board board) {
   clear_seats(board);
   const auto value = [&board](const Seat& seat) { return score_of(parts_of(board, seat), board.held).value; };
@@ -360,7 +360,7 @@ Json board_json(Json json, Board board) {
   return json;
 }
 
-// The trials of a plan that are judged: all, or some of them spread over it.
+// Returns the trials to judge: all (`wanted` = 0), or some spread evenly over the plan.
 std::vector<std::size_t> chosen_trials(std::size_t planned, std::size_t wanted) {
   const std::size_t count = wanted == 0 ? planned : std::min(wanted, planned);
   std::vector<std::size_t> trials;
@@ -377,7 +377,7 @@ std::vector<std::size_t> places_of(const std::vector<std::string>& names, const 
   return places;
 }
 
-// Does `count` works on the threads asked for, and hands over their results in order.
+// Does `count` pieces of work on options.jobs threads and passes the results on in order.
 template <class Result>
 void in_order(std::size_t count, const Options& options, const std::function<Result(std::size_t)>& work,
               const std::function<void(Result&&)>& take) {
@@ -392,7 +392,7 @@ void in_order(std::size_t count, const Options& options, const std::function<Res
   }
 }
 
-// The trials of sets that share a scene, as they are simulated.
+// The simulated trials of the sets that share a scene.
 struct HeldTrials {
   HeldTrials(std::span<const Held> sharing, std::size_t asked, const Catalogues& catalogues)
       : read(read_sweep(sweep_of(sharing.front()), catalogues)), numbers(chosen_trials(read.planned.plan.size(), asked)) {
@@ -405,11 +405,11 @@ struct HeldTrials {
     return sweep;
   }
   [[nodiscard]] const TrialPlan& plan() const { return read.planned.plan; }
-  // `sticks`: on a surface on which nothing slips.
+  // Simulates a trial; `sticks`: on a surface on which nothing slips.
   [[nodiscard]] TrialRecord recorded(std::size_t number, bool sticks = false) const {
     TrialPlan::Trial planned = plan().trial(number);
     if (sticks) planned.scene = without_slip(planned.scene);
-    // Neither a sensor that follows another's contact nor one on a stage changes anything for the others.
+    // A sensor that follows another's contact, or is on a stage, does not change the others.
     const bool carries = planned.scene.dynamic();
     std::erase_if(planned.scene.sensors, [&](const SensorScene& sensor) {
       return !readers.contains(sensor.name) && !(carries && sensor.follows.empty());
@@ -421,13 +421,13 @@ struct HeldTrials {
 
   ReadSweep read;
   std::vector<std::size_t> numbers;
-  std::set<std::string> readers;  // sensors that a detector of some set may read
+  std::set<std::string> readers;  // names of the sensors that detectors may read
 };
 
-// All detectors hear the same recordings.
+// Replays the same recordings to all detectors.
 void judge_recordings(std::vector<Board>& boards, const HeldTrials& trials, const Options& options) {
   struct Judged {
-    std::vector<std::vector<Answer>> answers;  // of each board, of each of its seats
+    std::vector<std::vector<Answer>> answers;  // [board][seat]
     std::string params, digest;
   };
   in_order<Judged>(
@@ -454,7 +454,7 @@ void judge_recordings(std::vector<Board>& boards, const HeldTrials& trials, cons
       });
 }
 
-// Each detector closes the loop of grasps of its own.
+// Runs the grasps of each detector, with it in the loop.
 void judge_grasps(Board& board, const HeldTrials& trials, const Options& options) {
   for (const std::size_t number : trials.numbers) {
     board.params.push_back(params_json(trials.plan().trial(number).drawn));
@@ -471,16 +471,16 @@ void judge_grasps(Board& board, const HeldTrials& trials, const Options& options
       [&](Answer&& answer) { board.seats[done++ % seats].answers.push_back(std::move(answer)); });
   const auto tightens_never = [](const Seat& seat) { return seat.entrant->name == never_slip; };
   for (const Answer& answer : std::ranges::find_if(board.seats, tightens_never)->answers) {
-    if (!answer.grasp) throw InputError(answer.failure);  // no detector's fault
+    if (!answer.grasp) throw InputError(answer.failure);  // the grasp without tightening failed
     board.untightened.push_back(*answer.grasp);
   }
 }
 
-// Those that can be judged on a set of simulated trials; null: on recordings of a real sensor.
+// Returns the entrants that can be judged on a set; nullptr: on recordings of a real sensor.
 std::vector<const Entrant*> entering(const std::vector<Entrant>& entrants, const Held* held) {
   std::vector<const Entrant*> some;
   for (const Entrant& entrant : entrants) {
-    // In open recordings the protocols before slip-3 have no oracle.
+    // Before slip-3 open recordings have no oracle.
     if (entrant.kind == Kind::oracle && (held == nullptr || (held->track == Track::open && !held->by_distance))) continue;
     if (entrant.kind == Kind::known_signal &&
         (held == nullptr || !held->by_distance || held->track == Track::loop || !held->disturbance.empty()))
@@ -497,7 +497,7 @@ std::string set_name(const Held& held) {
   return name;
 }
 
-// The sets that share the trials of one scene.
+// Judges the sets that share the trials of one scene.
 std::vector<Json> sets_json(std::span<const Held> sharing, const std::vector<Entrant>& entrants, const Options& options,
                             const Catalogues& catalogues) {
   const HeldTrials trials(sharing, options.asked.trials, catalogues);
@@ -529,7 +529,7 @@ std::vector<Json> sets_json(std::span<const Held> sharing, const std::vector<Ent
   return sets;
 }
 
-// A dataset of real recordings.
+// Judges a dataset of real recordings.
 Json transfer_json(const std::string& file, const std::vector<const Entrant*>& entrants, const Options& options) {
   if (options.say) options.say(fmt::format("transfer: {}", file));
   const DatasetReader reader = whole_dataset(file);
@@ -544,7 +544,7 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
       throw InputError(file + ": is a simulation; allowed: recordings of a real sensor, as slipbench import writes them");
     if (!options.asked.sensor.empty() && sensor.type != options.asked.sensor)
       reject("{}: has a {}; allowed with --sensor: a {}", file, sensor.type, options.asked.sensor);
-    // A pad that nobody labelled tells nothing of a detector.
+    // Throws for a recording without labels.
     eval::label_states(sensor, rule_of(Track::transfer), false);
     board.sensor = sensor.type;
     if (board.digests.empty()) seat_all(board, entrants, record, {0});
@@ -559,7 +559,7 @@ Json transfer_json(const std::string& file, const std::vector<const Entrant*>& e
                {"trials", board.digests.size()},
                {"data_sha256", text_sha256(digests)},
                {"labels", eval::label_rule_name(rule_of(Track::transfer))}};
-  // Whatever the file holds, this is UTF-8.
+  // The file may hold text that is not UTF-8.
   return Json::parse(board_json(std::move(json), std::move(board)).dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
@@ -571,7 +571,7 @@ void check_sensor(const std::string& sensor, const Protocol& protocol) {
     throw InputError("benchmark: no sensor " + quote(sensor) + allowed_names(sensor, names));
 }
 
-// Each has a name of its own on the board.
+// Throws if two entrants have the same name.
 void check_names(const std::vector<Entrant>& entrants) {
   std::set<std::string> names;
   for (const Entrant& entrant : entrants) {
@@ -579,13 +579,13 @@ void check_names(const std::vector<Entrant>& entrants) {
   }
 }
 
-// The detectors of the user's own words and those of the board, all but the taught ones and the oracle.
+// Returns the detectors of the command line, those that ship and the controls.
 std::vector<Entrant> known_entrants(const Asked& asked) {
   std::vector<Entrant> entrants;
   for (const std::string& word : asked.detectors) entrants.push_back(given_entrant(word, asked.parameters));
-  register_control();  // the board's own, which a user cannot name
+  register_control();  // not in the catalogue that users see
   for (Entrant& entrant : shipped_entrants()) {
-    // The user's own words for it, parameters perhaps among them, stand beside it.
+    // The same detector given on the command line, perhaps with parameters, is listed beside it.
     const auto same = [&](const Entrant& one) { return one.name == entrant.name; };
     if (const auto given = std::ranges::find_if(entrants, same); given != entrants.end()) given->name += ", given";
     entrants.push_back(std::move(entrant));

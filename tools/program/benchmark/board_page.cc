@@ -29,12 +29,12 @@ bool is_detector(const Json& row) {
   return row.at("kind") != "control" && row.at("kind") != "known signal" && row.at("kind") != "oracle";
 }
 
-// Scores with their intervals, the best on top.
+// Draws scores with their intervals, the best on top.
 std::string drawing(const Json& set) {
   constexpr double width = 640.0, left = 190.0, right = 620.0, line = 20.0, top = 12.0;
   const Json& rows = set.at("rows");
   const double foot = top + line * static_cast<double>(rows.size());
-  const bool needless = !rows.empty() && rows[0].contains("needless");  // which takes a score to -2
+  const bool needless = !rows.empty() && rows[0].contains("needless");  // scores go down to -2
   const page::Axis across =
       needless ? page::Axis{.low = -2.0, .high = 1.0, .begin = left, .end = right, .ticks = {-2.0, -1.0, 0.0, 1.0}}
                : page::Axis{.low = -1.0, .high = 1.0, .begin = left, .end = right, .ticks = {-1.0, -0.5, 0.0, 0.5, 1.0}};
@@ -91,7 +91,7 @@ std::string set_html(const Json& set) {
 
 double score_of(const Json& row) { return row.at("score").at("value").get<double>(); }
 
-// The first of the rows, which are the best first, of one kind or of any detector; nullptr: there is none.
+// Returns the best row of a kind (empty: of any detector); nullptr if there is none.
 const Json* best(const Json& set, const std::string& kind) {
   for (const Json& row : set.at("rows")) {
     if (kind.empty() ? is_detector(row) : row.at("kind") == kind) return &row;
@@ -99,7 +99,8 @@ const Json* best(const Json& set, const std::string& kind) {
   return nullptr;
 }
 
-// The best detector of each sensor on open recordings with its interval, the best control, and the row `signal known`.
+// Draws for each sensor the best detector on open recordings with its interval, the best control, and the
+// row `signal known`.
 std::string sensors_drawing(const Json& sets) {
   constexpr double width = 720.0, left = 300.0, right = 700.0, line = 22.0, top = 12.0;
   std::vector<const Json*> open;
@@ -139,7 +140,7 @@ std::string sensors_drawing(const Json& sets) {
   return "<div class=\"scroll\">" + svg.element("Scores on open recordings by sensor, with 95 % intervals") + "</div>\n";
 }
 
-// Specificity of each detector, a row, under each disturbance, a column.
+// Draws the specificity of each detector (row) under each disturbance (column).
 std::string disturbances_drawing(const Json& sets) {
   constexpr double left = 270.0, line = 22.0, top = 24.0, column = 88.0;
   std::vector<std::string> columns, rows;
@@ -178,31 +179,30 @@ std::string disturbances_drawing(const Json& sets) {
   return "<div class=\"scroll\">" + svg.element("Share of disturbed recordings without an alarm") + "</div>\n";
 }
 
-// The pictures with which a board of slip-3 begins; empty for other protocols.
+// Returns the overview of slip-3; empty for other protocols.
 std::string overview_html(const Json& sets) {
   const auto disturbed = [](const Json& set) { return set.contains("disturbance"); };
   if (std::ranges::none_of(sets, disturbed)) return "";
-  return page::section_html("Score by sensor", "open recordings; the best detector, its interval by trial",
+  return page::section_html("Score by sensor", "open recordings: the best detector with its 95 % interval by trial",
                             sensors_drawing(sets)) +
          page::section_html(
              "Specificity",
-             "share of the recordings without an alarm, in which nothing slips and the hand moves, the grip or the load "
-             "changes, another motor runs, or the box is knocked; never saying slip has 100 %",
+             "share of the recordings without an alarm; nothing slips, but the hand moves, the grip or the load changes, "
+             "another motor runs, or the box is knocked",
              disturbances_drawing(sets));
 }
 
 constexpr const char* opening =
-    "Scores of slip detectors, each with its 95 % interval by trial: 100 is the best there can be, 0 is what never saying slip earns.";
+    "Scores of slip detectors with 95 % intervals by trial. 100 is the best possible score; a detector that never reports slip has 0.";
 
 constexpr const char* rule =
-    "Score, at most 100: credit × min(1, limit / false alarms a minute) − time wrongly called slip. An open recording's credit is half_delay / "
-    "(half_delay + delay) of a slip that is seen from its true beginning on, and 0 of one that is missed or alarmed early. A grasp's is 1 with the "
-    "least force that holds, 0 from force_ratio times that on or when the box is dropped or not lifted; boxes that the preset force holds have none to earn, and "
-    "false alarms have their price in force, not in the limit. From slip-2 on the mean needless force on boxes that the preset holds is taken off: "
-    "0 of the force of who never tightens, 1 from force_ratio times that on. By slip-3 an open recording's credit is half_slip_distance / "
-    "(half_slip_distance + slipped), by the path that the object has slipped over the pad when the alarm comes; a disturbed recording is one in which nothing slips, and "
-    "the score is the share of them without an alarm. Early alarms are false alarms. Never to say slip gives 0, always to say it "
-    "nearly the least there is. Intervals: 95 %, by trial.";
+    "Open recordings: score = credit × min(1, limit / false alarms a minute) − share of the time without slip in which slip is reported. The credit of a "
+    "recording that slips is half_slip_distance / (half_slip_distance + s), where s is the path that the object has slipped over the pad at the alarm; before "
+    "slip-3 it is half_delay / (half_delay + delay). It is 0 if the alarm is early or missing. Early alarms count as false alarms. "
+    "Disturbed recordings: the score is the share of the recordings without an alarm. "
+    "Closed loop: score = credit − share of the time without slip in which slip is reported − needless force. The credit of a grasp is 1 with the least force "
+    "that holds the box, and 0 from force_ratio times that force on or if the box is dropped or not lifted. Boxes that the preset force holds have no credit; "
+    "from slip-2 on the mean needless force on them is subtracted: 0 for the force without tightening, 1 from force_ratio times that force on.";
 
 }  // namespace
 

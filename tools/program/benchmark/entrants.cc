@@ -30,9 +30,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of the catalogue, what is nothing without a file of the user's.
+// Detectors of the catalogue that need a file of the user's.
 constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
-// Networks that ship, and the type of sensor that each reads. `threshold`: empty, the file's; else chosen in loops for this very file.
+// Networks that ship. `sensor`: the type that it reads. `threshold`: empty for that of the file; otherwise
+// chosen in loops for this file.
 struct ShippedNetwork {
   const char *name, *path, *sensor, *threshold;
 };
@@ -64,7 +65,7 @@ std::string file_digest(const std::string& path) {
   return text_sha256(text);
 }
 
-// A training scene's trials in `folder`, simulated the first time that it is asked for.
+// Returns the dataset of a lesson's scene in `folder`, simulated on first use.
 std::string dataset_of(const Lesson& lesson, const Teaching& teaching, const std::string& folder) {
   const std::string path = (fs::path(folder) / (lesson.sensor + ".h5")).string();
   if (fs::exists(path)) return path;
@@ -87,7 +88,7 @@ std::string data_sha256(const std::string& dataset) {
   return text_sha256(text);
 }
 
-// The ONNX file that a lesson makes.
+// Trains a lesson's network and returns its ONNX file.
 std::string learnt(const Lesson& lesson, const Teaching& teaching, const std::string& dataset, const std::string& folder) {
   const std::string output = (fs::path(folder) / (lesson.recipe + ".onnx")).string();
   const Json request{{"datasets", Json::array({dataset})},
@@ -109,7 +110,7 @@ bool can_train(const Lesson& lesson, const Teaching& teaching) {
     const PythonModule module("slipbench._recipe", "benchmark", "");
     return module.run(Json{{"name", lesson.recipe}, {"json", true}}.dump(), PythonModule::Errors::hidden, teaching.interrupt) ==
            0;
-  } catch (const InputError&) {  // there is no package
+  } catch (const InputError&) {  // the package is not installed
     return false;
   }
 }
@@ -140,7 +141,7 @@ Entry control_entry() {
            number_spec("until", Quantity::time, "inf", time, "When it is said no longer.", source)}};
 }
 
-// How long a stage moves sideways or turns [s].
+// Returns how long a stage moves sideways or turns [s].
 double way_time(const Parameters& motion) {
   const double travel = motion.number("travel") * static_cast<double>(motion.integer("strokes"));
   return std::min(motion.number("stop"), motion.number("speed") > 0.0 ? travel / motion.number("speed") : never);
@@ -236,7 +237,7 @@ Entrant known_signal_entrant() {
 
 Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const std::string& folder) {
   Taught taught;
-  std::optional<bool> trains;  // found out for the first of them
+  std::optional<bool> trains;  // determined for the first lesson
   for (const Lesson& lesson : lessons) {
     if (!teaching.sensor.empty() && lesson.sensor != teaching.sensor) continue;
     const std::string& name = lesson.recipe;

@@ -1,4 +1,4 @@
-// Who is on the board.
+// The detectors on the board, the controls and the measures.
 #pragma once
 
 #include <atomic>
@@ -17,98 +17,101 @@
 namespace slipbench::benchmark {
 
 enum class Kind {
-  shipped,       // as it ships, with its own defaults
-  trained,       // learns as a part of the protocol
-  given,         // named by who runs the board
-  control,       // knows nothing of what is felt
-  known_signal,  // knows the slip's signal beforehand and sees it in the sensor's own noise (known_signal.h)
-  oracle,        // reads the truth: what no detector beats
+  shipped,       // a detector of the catalogue with its defaults, or a network that ships
+  trained,       // trained as a part of the protocol
+  given,         // named on the command line
+  control,       // does not read a sensor
+  known_signal,  // knows the slip's signal beforehand (known_signal.h)
+  oracle,        // reads the truth
 };
-// "shipped", ...
+// Returns "shipped" and so on, as tables have it.
 std::string kind_word(Kind kind);
 
-// What a control is told of the trials that are judged (protocol.h).
+// What a control knows of the judged trials (protocol.h).
 enum class Told {
   nothing,
   clock,            // Held::clock
-  motion,           // when each trial's motion begins and ends
-  motion_and_time,  // the same, and Held::time
+  motion,           // when the motion of each trial begins and ends
+  motion_and_time,  // the motion and Held::time
 };
 
 struct Entrant {
   std::string name;  // "shear_rate", "my.onnx"
   Kind kind = Kind::shipped;
-  DetectorScene detector{};  // but for the sensor, and for the instants of a control that is told them
+  DetectorScene detector{};  // without the sensor, and without the times of a control
   Told told = Told::nothing;
-  std::string reads{};                  // type of sensor that it learnt from; empty: whichever it can
-  Json parameters = Json::object();     // that were set, as text
-  std::string sha256{};                 // of what it is: type, parameters, files; of one that learns: of what it learns from
-  std::set<std::string> sha256_seen{};  // trials that it says it has learnt from
+  std::string reads{};                  // type of sensor that it was trained on; empty: any that it can read
+  Json parameters = Json::object();     // those that were set, as text
+  std::string sha256{};                 // of type, parameters and files; of a trained one: of recipe and trials
+  std::set<std::string> sha256_seen{};  // trials that it was trained on, as its file says
 };
 
-// A detector as the command line names it: a name of the catalogue, FILE.onnx, a folder of memories; with parameters of it. Throws InputError as
-// eval::chosen_detector(), and for a network's file as network::load_engine().
+// Returns the entrant for a DETECTOR of the command line: a name of the catalogue, FILE.onnx or a folder
+// of memories, with its parameters. Throws InputError as eval::chosen_detector(), and for a network's
+// file as network::load_engine().
 Entrant given_entrant(const std::string& word, const std::vector<Override>& parameters);
 
-// The control that never says slip.
+// The control that never reports slip.
 inline constexpr const char* never_slip = "never slip";
 
-// Whether a control of the board can be told what it wants to know of these trials.
+// Returns true if the protocol has the times that this control needs for these trials.
 bool can_be_told(const Entrant& entrant, const Held& held);
 
-// Someone who is not there, and why.
+// A detector that is missing, and why.
 struct Missing {
   std::string name, sensor, why;
 };
 
-// All detectors that ship, but for those that are nothing without a file of the user's; and the networks that ship, which are missing where nothing
-// runs them. register_control() must have been called.
+// Return all detectors that ship, except those that need a file of the user's. The networks that ship are
+// in missing_entrants() if OpenVINO is not installed. Call register_control() first.
 std::vector<Entrant> shipped_entrants();
 std::vector<Missing> missing_entrants();
 std::vector<Entrant> control_entrants();
 Entrant oracle_entrant();
 Entrant known_signal_entrant();
 
-// The file or folder that a detector is made from; empty: it has none.
+// Returns the file or folder that a detector is made from; empty if there is none.
 std::string file_of(const DetectorScene& detector);
 
 struct Teaching {
-  std::string sensor;  // lessons of this type of sensor alone; empty: all
+  std::string sensor;  // train for this type of sensor only; empty: for all
   std::size_t jobs = 0;
   const std::atomic<bool>* interrupt = nullptr;
-  std::function<void(const std::string&)> say{};  // what is being done; may be empty
+  std::function<void(const std::string&)> say{};  // reports progress; may be empty
 };
 struct Taught {
   std::vector<Entrant> entrants;
   std::vector<Missing> untaught;
-  Json data = Json::array();  // [{scene, trials, sha256}] of what was learnt from
+  Json data = Json::array();  // [{scene, trials, sha256}] of the training data
 };
-// Simulates the scenes of the lessons and teaches each from it, in `folder`. Throws InputError for a scene that cannot be simulated or a folder that
-// cannot be written, and Interrupted.
+// Simulates the scenes of the lessons and trains each network, in `folder`. Throws InputError if a scene
+// cannot be simulated or the folder cannot be written; Interrupted.
 Taught teach(const std::vector<Lesson>& lessons, const Teaching& teaching, const std::string& folder);
 
-// The negative controls: what is known without feeling anything.
+// The negative controls: detectors that do not read a sensor.
 
-// A detector by this name says slip from its parameter `from` [s] to `until` [s], and stick else, whatever its sensor feels.
+// The detector of this name reports slip from its parameter `from` [s] to `until` [s], whatever its sensor
+// reads.
 inline constexpr const char* control_type = "benchmark_control";
 
 inline constexpr double never = std::numeric_limits<double>::infinity();  // s
 
-// Makes it known to the catalogue of detectors in this process.
+// Registers that detector in the catalogue of this process.
 void register_control();
 
-// Between `from` and `until` [s]; `never` is allowed.
+// Returns that detector with its times [s]; `never` is allowed.
 DetectorScene control_of(double from, double until);
 
-// What a scene is told to do, without its truth: slip from the instant when the motion, or the actuator `mover`, begins to move what is in
-// contact, until it stops. In a grasp from the lift on.
+// Returns a control that knows the scene's commands but not its truth: slip from the instant at which the
+// motion, or the actuator `mover`, begins until it stops. In a grasp: from the lift on.
 DetectorScene motion_known(const Scene& scene, const std::string& mover);
 
-// The same with a time [s] beside it: in an open recording slip is said so much later; in a grasp for so long.
+// Returns the same control with `time` [s]: in an open recording it reports slip so much later, in a grasp
+// for so long.
 DetectorScene motion_known_and(double time, const Scene& scene, const std::string& mover);
 
-// From when on the slip of an open recording is judged [s]: by slip-3 from the motion on, since a sensor may slip as it is touched. -inf: all of it, as
-// by the protocols before, and in disturbed recordings.
+// Returns the time [s] from which on the slip of a recording is judged. slip-3 judges open recordings from
+// the beginning of the motion, since a sensor may slip as it is touched. Otherwise -inf: from the start.
 double judged_from(const Held& held, const Scene& scene);
 
 }  // namespace slipbench::benchmark

@@ -11,14 +11,14 @@
 namespace slipbench::benchmark {
 namespace {
 
-constexpr double most_friction = 100.0;  // that a scene may have
+constexpr double most_friction = 100.0;  // greatest value that a scene may have
 
 struct Noise {
-  double correlation = 0.0;  // from one sample to the next
-  double deviation = 0.0;    // of what a sample adds
+  double correlation = 0.0;  // between consecutive samples
+  double deviation = 0.0;    // of the noise that a sample adds
 };
 
-// One value of a channel in each sample; `touching`: the first sample in contact.
+// `values`: one value of a channel in each sample. `touching`: the first sample in contact.
 Noise noise_of(const std::vector<double>& values, std::size_t touching) {
   Noise noise;
   double mean = 0.0, square = 0.0, product = 0.0;
@@ -59,7 +59,7 @@ eval::Replayed silence(const eval::Truth& truth) {
 }
 
 eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck, std::size_t sensor, const eval::Truth& truth) {
-  std::vector<std::pair<double, double>> energy;  // time [s], what is added then
+  std::vector<std::pair<double, double>> energy;  // time [s], energy added
   for (std::size_t c = 0; c < record.sensors[sensor].channels.size(); ++c) {
     const SensorColumn &column = record.sensors[sensor].channels[c], &without = stuck.sensors[sensor].channels[c];
     const std::vector<double>& time = record.sensors[sensor].times_of(column);
@@ -71,7 +71,7 @@ eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck,
     const std::size_t width = column.row_size();
     for (std::size_t k = 0; k < width; ++k) {
       std::vector<double> values(time.size()), signal(time.size());
-      double earlier = 0.0;  // what an earlier slip has left
+      double earlier = 0.0;  // difference that an earlier slip has left
       bool differs = false;
       for (std::size_t t = 0; t < time.size(); ++t) {
         values[t] = static_cast<double>(without.values[t * width + k]);

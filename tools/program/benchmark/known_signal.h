@@ -10,24 +10,30 @@
 
 namespace slipbench::benchmark {
 
-// Slip is reported when its signal stands out by so many standard deviations of the noise: one false alarm in 740 decisions, which is one a
-// minute where a decision takes 80 ms.
+// Slip is reported when its signal exceeds the noise by so many standard deviations: one false alarm in 740
+// decisions, which is one a minute if a decision takes 80 ms.
 inline constexpr double known_signal_deviations = 3.0;
 
-// The same scene with a surface on which nothing slips. Its trials are bit-identical until the first slip, noise included.
+// Returns the same scene with a surface on which nothing slips. Its trials are bit-identical until the
+// first slip, noise included.
 Scene without_slip(const Scene& scene);
 
-// The answers of one who never reports slip.
+// Returns the answers of a detector that never reports slip.
 eval::Replayed silence(const eval::Truth& truth);
 
-// Reports slip when the energy of the slip's own signal reaches known_signal_deviations squared:
+// Returns the answers of a matched filter for a known signal in noise of one pole (H. L. Van Trees,
+// Detection, Estimation, and Modulation Theory I, 4.2). It reports slip when the energy of the slip's own
+// signal reaches known_signal_deviations squared:
 //   D^2(t) = sum over values and samples until t of (d - phi d')^2/sigma^2
-// d is the value less that of the trial without slip, from truth.first_slip on and less what an earlier slip has left; d' the same one sample before. phi is the correlation of the noise from one sample to the
-// next, before contact. sigma is the standard deviation of what a sample adds to the noise: 1.4826 times the median deviation from the median, in
-// contact and without slip, and at least the smallest step of the value over sqrt(12). This is the matched filter of a known signal in noise of one
-// pole (H. L. Van Trees, Detection, Estimation, and Modulation Theory I, 4.2).
-// `record`, `stuck`: the trial and the one of without_slip(). `sensor`: its number in both. Nothing is reported before `truth.first_slip`; from the
-// decision on slip is reported in the first sample and in all that truly slip.
+// d      difference to the trial without slip, from truth.first_slip on, minus the difference that an
+//        earlier slip has left
+// d'     d one sample before
+// phi    correlation of the noise from one sample to the next, before contact
+// sigma  standard deviation of the noise that a sample adds: 1.4826 times the median deviation from the
+//        median, in contact and without slip; at least the smallest step of the value over sqrt(12)
+// `record`, `stuck`: the trial and the same trial of without_slip(). `sensor`: its number in both. Nothing
+// is reported before `truth.first_slip`; from the decision on, slip is reported in the first sample and in
+// all samples that truly slip.
 eval::Replayed signal_known(const TrialRecord& record, const TrialRecord& stuck, std::size_t sensor, const eval::Truth& truth);
 
 }  // namespace slipbench::benchmark

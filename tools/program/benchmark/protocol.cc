@@ -34,7 +34,7 @@ Held slip_1_open(const std::string& sensor, std::vector<std::string> readers, Co
           .time = controls.time};
 }
 
-// All lifts begin at the same instant, so that a clock would know no less than who knows the motion.
+// All lifts begin at the same instant, so a clock would be equal to `motion known, timed`.
 Held slip_1_loop(const std::string& sensor, std::vector<std::string> readers) {
   return {.track = Track::loop,
           .sensor = sensor,
@@ -57,13 +57,13 @@ Protocol slip_1() {
                       {"biotac_lstm", "biotac_sp", "scenes/biotac_sp/slip.yaml", 3}}};
 }
 
-// The sets of one sensor by slip-2 or slip-3.
+// The sets of one sensor in slip-2 and slip-3.
 struct SensorSets {
   std::string type;
   std::vector<std::string> open, loop;  // readers
   std::string mover;
   Controls inside, outside;
-  std::vector<std::string> disturbed = {};  // readers in the scenes that all sensors share
+  std::vector<std::string> disturbed = {};  // readers in the disturbed scenes, which all sensors share
 };
 
 Protocol slip_2() {
@@ -75,7 +75,7 @@ Protocol slip_2() {
       {"myrmex", {"left"}, {"skin"}, "apart", {none, 6.05}, {none, none}},
       {"biotac_sp", {"pad"}, {"skin"}, "", {none, 2.4}, {3.9, 1.5}},
   };
-  // A clock says slip to the end, by when it has tightened on every box: never to say slip scores better.
+  // No clock: it reports slip to the end, which tightens on every box and scores below 0.
   constexpr Controls in_loop{none, 0.04};
   Protocol protocol{.name = "slip-2", .held_out = {}, .lessons = {}};
   const auto add = [&](const SensorSets& sensor, Track track, const std::string& scene, const std::string& domain,
@@ -144,7 +144,7 @@ Protocol slip_3() {
   return protocol;
 }
 
-// The bytes of a scene, and of the model that it names.
+// Returns the digests of a scene and of its model.
 std::string scene_digest(const std::string& scene) {
   const std::string path = project_file(scene);
   std::string digest = scene + " " + file_sha256(path);
@@ -157,7 +157,7 @@ std::string scene_digest(const std::string& scene) {
 
 constexpr double seconds_a_minute = 60.0;
 
-// All but the credit.
+// Returns the part without its credit.
 Part alarms_of(const eval::Judgement& judgement) {
   Part part;
   part.alarms = static_cast<double>(judgement.stick_alarms + judgement.air_alarms);

@@ -1,4 +1,5 @@
-// The protocols slip-1, slip-2 and slip-3: what is judged, what learns, and the constants of the score. Their scenes are scenes/benchmark/NAME/*.yaml.
+// The protocols slip-1, slip-2 and slip-3: held-out trials, networks that are trained, the constants
+// of the score and the score. Their scenes are scenes/benchmark/NAME/*.yaml.
 #pragma once
 
 #include <cstddef>
@@ -18,13 +19,12 @@ namespace slipbench::benchmark {
 // Constants of the score.
 using train::alarm_limit;
 using train::half_delay;
-inline constexpr double half_slip_distance =
-    0.25e-3;  // m, path slipped over the pad at the alarm, for which a slip earns a half by slip-3
-// m: by slip-3 a recording in which the object slips less has nothing to earn, whoever sees it. It is a fifth of half_slip_distance: an object that
-// creeps by micrometres would earn nearly all of the credit at any time.
+inline constexpr double half_slip_distance = 0.25e-3;  // m, path slipped at the alarm for which slip-3 gives half of the credit
+// m: slip-3 gives no credit for a recording in which the object slips less than this in all. Without
+// this limit an alarm at any time would earn nearly all of the credit of an object that creeps by
+// micrometres.
 inline constexpr double least_slip_distance = 0.05e-3;
-inline constexpr double worst_force_ratio =
-    2.5;  // greatest grip force over the least that holds, from which on a grasp earns nothing
+inline constexpr double worst_force_ratio = 2.5;  // greatest grip force over the least that holds from which on the credit is 0
 
 enum class Track { open, loop, transfer };
 // "open recordings", "closed loop", "transfer"
@@ -33,29 +33,30 @@ std::string_view track_name(Track track);
 // Held-out trials of one sensor.
 struct Held {
   Track track = Track::open;
-  std::string sensor{};                // its type: "papillarray"
-  std::string scene{};                 // from the project's root
-  std::vector<std::string> readers{};  // the scene's names of the sensors that a detector may read; it gets the first that it can
-  std::string mover{};                 // the actuator that makes it slip; empty: the motion itself
-  std::string domain{};                // "inside" or "outside" of what scenes/learn draws; empty: not told apart
-  bool grace = false;                  // an alarm less than a sample period before the slip is no early one
-  bool by_distance = false;            // a slip that is seen earns by how far the object has slipped, not by how long
-  std::string disturbance{};  // "knock": what disturbs a recording in which nothing slips; empty: slip is to be seen (Score)
-  bool needless = false;      // a grasp's score is lowered by force that its box did not need (Score)
-  // What controls are told, which feel nothing: what scores best on these very trials, so that nothing of the kind scores better. NaN: never to say
-  // slip scores better than any. The steps are those of the README.
-  double clock = std::numeric_limits<double>::quiet_NaN();  // s after the start, from which the control `clock` says slip
-  // s, for which the control `motion known, timed` waits after the motion begins; in a loop: for which it says slip from the lift on
+  std::string sensor{};                // type: "papillarray"
+  std::string scene{};                 // path from the project's root
+  std::vector<std::string> readers{};  // names in the scene; a detector reads the first that it can
+  std::string mover{};                 // actuator that causes the slip; empty: the motion does
+  std::string domain{};                // "inside" or "outside" of the ranges of scenes/learn, "disturbed"; may be empty
+  bool grace = false;                  // tolerate an alarm less than a sample period before the slip
+  bool by_distance = false;            // credit by slipped distance, not by delay
+  std::string disturbance{};           // "knock": scored by specificity; empty: not a disturbed recording
+  bool needless = false;               // subtract Score::needless
+  // Times for the controls, which do not read a sensor: those that score best on these trials, so that
+  // no time scores better. NaN: no time scores above 0.
+  double clock = std::numeric_limits<double>::quiet_NaN();  // s after the start: `clock` reports slip from then on
+  // s: `motion known, timed` reports slip so long after the motion begins; in a loop, for so long from
+  // the lift on.
   double time = std::numeric_limits<double>::quiet_NaN();
 };
 
-// A network that learns as a part of the protocol, from a scene that shares no seed with those held out. The memory cl_gst_hd of gst_hd has learnt from
-// learn_papillarray.yaml.
+// A network that is trained as a part of the protocol, on a scene that shares no seed with the
+// held-out scenes.
 struct Lesson {
-  std::string recipe;  // of train::recipes(), with its own number of steps
+  std::string recipe;  // one of train::recipes(), with its default number of steps
   std::string sensor;  // type
   std::string scene;   // from the project's root, with its own seed
-  std::size_t trials;  // of each cell of its grid; 0: the scene's
+  std::size_t trials;  // in each cell of the scene's grid; 0: as the scene says
 };
 
 struct Protocol {
@@ -64,54 +65,58 @@ struct Protocol {
   std::vector<Lesson> lessons;
 };
 inline constexpr const char* default_protocol = "slip-2";
-// In the order in which they were made.
+// All protocols, the oldest first.
 const std::vector<Protocol>& protocols();
-// Throws InputError where none has this name; `subject` is who names it, a command or a file.
+// Returns the protocol of this name. Throws InputError, beginning with `subject`, if there is none.
 const Protocol& find_protocol(const std::string& name, const std::string& subject);
 
-// SHA-256, 64 hexadecimal digits, over the name, the constants, both tables and the bytes of every scene and model that they name. Throws
-// InputError where one cannot be read.
+// Returns the SHA-256 (64 hexadecimal digits) of name, constants, both tables, and the bytes of every
+// scene and model in them. Throws InputError if a file cannot be read.
 std::string protocol_sha256(const Protocol& protocol);
 
-// The rank score: what a detector is worth. README.md says what raises it and what does not.
+// The rank score; README.md defines it.
 
-// What one trial gives.
+// What one trial contributes to a score.
 struct Part {
-  bool judged = true;     // false: a recording that was to have no slip has one, and is left out
-  bool silent = true;     // no alarm counts
+  bool judged = true;     // false: a disturbed recording that slips, which is left out
+  bool silent = true;     // there is no alarm that counts
   double credit = 0.0;    // 0 to 1
-  bool credited = true;   // false: the trial has nothing to earn, as a recording without slip
-  double alarms = 0.0;    // false alarms begun, the early ones among them
-  double quiet = 0.0;     // s without true slip in which they are counted
-  double needless = 0.0;  // 0 to 1, of a grasp that needs no tightening
-  double said = 0.0;      // samples without true slip that are called slip,
-  double still = 0.0;     // of so many
+  bool credited = true;   // false: the trial has no credit to earn, such as a recording without slip
+  double alarms = 0.0;    // false alarms begun, early ones included
+  double quiet = 0.0;     // s without true slip, in which alarms are counted
+  double needless = 0.0;  // 0 to 1; for a grasp that needs no tightening
+  double said = 0.0;      // samples without true slip in which slip is reported
+  double still = 0.0;     // samples without true slip
 };
 
-// Of a recording: the credit of a slip that is seen is half_delay / (half_delay + delay), or with Held::by_distance half_slip_distance /
-// (half_slip_distance + Judgement::slip_distance); it is 0 of one that is missed or alarmed early. With Held::by_distance a recording that slips by less
-// than least_slip_distance in all has nothing to earn.
+// Returns the part of a recording. The credit of a detected slip is half_delay / (half_delay + delay),
+// or with Held::by_distance half_slip_distance / (half_slip_distance + Judgement::slip_distance). It is 0
+// after an early alarm or without an alarm. With Held::by_distance a recording that slips by less than
+// least_slip_distance in all is not credited.
 Part recording_part(const eval::Judgement& judgement, const Held& held);
-// Of a grasp that `untightened`, that of who never tightens, does not hold: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) of a box that is
-// held, r the greatest grip force over the least that holds, at most 1 and at least 0; 0 of one that is dropped or not lifted. Of a grasp that who never
-// tightens holds there is nothing to earn; its `needless` is (r - 1) / (worst_force_ratio - 1), r the greatest grip force over that of who never
-// tightens, at most 1 and at least 0.
+// Returns the part of a grasp. `untightened`: the same grasp without tightening.
+// If `untightened` loses the box: the credit is (worst_force_ratio - r) / (worst_force_ratio - 1) within
+// 0 and 1, with r = greatest grip force over the least that holds; 0 if the box is dropped or not lifted.
+// If `untightened` holds the box: the grasp is not credited, and `needless` is
+// (r - 1) / (worst_force_ratio - 1) within 0 and 1, with r = greatest grip force over that of `untightened`.
 Part grasp_part(const eval::Judgement& judgement, const GraspOutcome& grasp, const GraspOutcome& untightened);
 
 struct Score {
-  double credit = 0.0;             // mean over the trials that have something to earn; 0 where none has
-  double alarms_per_minute = 0.0;  // of time without true slip
-  double said = 0.0;               // share of the samples without true slip that are called slip
-  double needless = 0.0;           // mean over the grasps that need no tightening; 0 where there is none
+  double credit = 0.0;             // mean over the credited trials; 0 if there are none
+  double alarms_per_minute = 0.0;  // false alarms per minute without true slip
+  double said = 0.0;               // share of the samples without true slip in which slip is reported
+  double needless = 0.0;           // mean over the grasps that need no tightening; 0 if there are none
   double specificity = 0.0;        // share of the recordings without an alarm
-  std::size_t judged = 0;          // trials
-  // The specificity of disturbed recordings. Else the credit times min(1, alarm_limit / alarms_per_minute), less `said`: -1 to 1. In a loop the credit
-  // less `said`, since a false alarm has cost force there, and where Held::needless less `needless`: -2 to 1.
+  std::size_t judged = 0;          // number of trials
+  // Disturbed recordings: specificity, 0 to 1. Other recordings: credit * min(1, alarm_limit /
+  // alarms_per_minute) - said, -1 to 1. Loops: credit - said (a false alarm already costs force), with
+  // Held::needless minus `needless`, -2 to 1.
   double value = 0.0;
 };
 Score score_of(std::span<const Part> parts, const Held& held);
 
-// 95 % by trial, by bootstrap as eval::summarised(); NaN of fewer than eval::fewest_experiments.
+// Returns the 95 % interval of Score::value: exact for specificity, else by bootstrap over trials as
+// eval::summarised(), NaN for fewer than eval::fewest_experiments trials.
 Interval score_interval(std::span<const Part> parts, const Held& held);
 
 }  // namespace slipbench::benchmark

@@ -1,4 +1,4 @@
-// What a submission says, and whether another one says the same.
+// Reads, writes and compares submissions.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@ namespace {
 
 std::string found(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-// Makes each number of `recomputed` that agrees with the one at its place in `submitted` that one.
+// Replaces each number of `recomputed` by that of `submitted` if both agree within the tolerance.
 void adopt_close_numbers(const Json& submitted, Json& recomputed) {
   if (submitted.is_number_float() && recomputed.is_number_float()) {
     if (agree(submitted.get<double>(), recomputed.get<double>(), 0.0)) recomputed = submitted;
@@ -43,7 +43,7 @@ Asked parse_asked(const Json& json, const std::string& file) {
     for (const Json& change : json.at("set")) asked.parameters.push_back({change.at(0), change.at(1)});
     asked.real = json.at("real").get<std::vector<std::string>>();
     asked.sensor = json.at("sensor").get<std::string>();
-    asked.trials = json.at("trials").get_ref<const Json::number_unsigned_t&>();  // -1 and 1e300 are none
+    asked.trials = json.at("trials").get_ref<const Json::number_unsigned_t&>();  // rejects -1 and 1e300
     asked.untaught = json.at("untaught").get<bool>();
     return asked;
   } catch (const Json::exception& error) {
@@ -54,7 +54,7 @@ Asked parse_asked(const Json& json, const std::string& file) {
 std::string submission_text(const Json& result) { return result.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 Json parse_submission(const std::string& text, const std::string& name) {
-  constexpr int deepest = 100;  // what is compared and told follows it by calls of calls
+  constexpr int deepest = 100;  // comparison recurses so deep
   const auto bounded = [&](int depth, Json::parse_event_t, Json&) {
     if (depth > deepest) reject("{}: is nested more than {} deep; allowed: what benchmark --submit writes", name, deepest);
     return true;
