@@ -21,7 +21,7 @@ from tree import main, project_files
 SOURCES = (".h", ".cc", ".py", ".sh", ".cmake", ".txt", ".js", ".css", ".sv", ".yaml")
 CODE = (".h", ".cc", ".py", ".js", ".yaml", ".sv", ".sh", ".cmake")
 DOOR = Path("README.md")
-DOOR_LINES, DOOR_COLUMNS = 150, 120
+DOOR_LINES, DOOR_COLUMNS = 130, 100
 HISTORY = "CHANGELOG.md"  # names what was there at its time
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 CODE_SPAN = re.compile(r"`([^`]+)`")
