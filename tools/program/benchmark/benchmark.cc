@@ -53,6 +53,7 @@ eval::TruthRule rule_of(Track track) {
 // The result of an entrant in one trial, or why it could not be judged.
 struct Answer {
   eval::Judgement judgement;
+  WindowCounts windows;  // of a real recording
   std::optional<GraspOutcome> grasp;
   std::string failure;
 };
@@ -153,7 +154,9 @@ Answer recorded_answer(const Seat& seat, const Held* held, const Scene* scene, c
         return std::isnan(truth.first_slip) ? silence(truth) : signal_known(record, stuck->record(), seat.sensor, truth);
       return eval::replay(detector_for(seat, held, scene), record.sensors, seat.sensor, record.seed, record.trial);
     };
-    answer.judgement = judged(held, record.trial, truth, replayed());
+    const eval::Replayed answers = replayed();
+    answer.judgement = judged(held, record.trial, truth, answers);
+    if (held == nullptr) answer.windows = window_counts(truth, answers);
   } catch (const InputError& error) {
     answer.failure = fmt::format("trial {}: {}", record.trial, error.what());
   }
@@ -262,6 +265,19 @@ Json grasps_json(const Seat& seat) {
           {"slip_m", or_null(median(slip))}};
 }
 
+Json windows_json(const Seat& seat) {
+  WindowCounts sum;
+  for (const Answer& answer : seat.answers) sum.add(answer.windows);
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return whole == 0 ? Json(nullptr) : Json(static_cast<double>(part) / static_cast<double>(whole));
+  };
+  return {{"length_s", window_length},
+          {"slipping", sum.slipping},
+          {"sticking", sum.sticking},
+          {"recall", share(sum.detected, sum.slipping)},
+          {"specificity", share(sum.silent, sum.sticking)}};
+}
+
 Json row_json(const Board& board, const Seat& seat) {
   const std::vector<Part> parts = parts_of(board, seat);
   const Score score = score_of(parts, board.held);
@@ -287,6 +303,7 @@ Json row_json(const Board& board, const Seat& seat) {
     row["judged"] = score.judged;
   }
   if (seat.answers.front().grasp) row["grasps"] = grasps_json(seat);
+  if (board.held.track == Track::transfer) row["windows"] = windows_json(seat);
   return row;
 }
 

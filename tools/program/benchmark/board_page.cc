@@ -224,6 +224,12 @@ BoardTable board_table(const Json& set) {
   else if (disturbance.empty())
     more = {"credit", "recall", "median delay", "slipped, median", "before gross slip", "early", "missed"};
   if (needless) more.emplace_back("needless force");
+  const bool windows = !set.at("rows").empty() && set.at("rows")[0].contains("windows");
+  if (windows) {
+    const double length = set.at("rows")[0].at("windows").at("length_s").get<double>();
+    more.push_back(fmt::format("{:g} s windows: recall", length));
+    more.emplace_back("specificity");
+  }
   table.cells.head.insert(table.cells.head.end(), more.begin(), more.end());
   for (const Json& row : set.at("rows")) {
     const Json& score = row.at("score");
@@ -250,6 +256,9 @@ BoardTable board_table(const Json& set) {
       cells.push_back(shown(figures.at("delay_median_s").at("value"), ms, " ms", 0));
       cells.push_back(shown(figures.at("slip_distance_median_m").at("value"), ms, " mm", 3));
       for (const char* share : {"before_gross_slip", "early", "missed"}) cells.push_back(share_of(row, share));
+      if (windows) {
+        for (const char* share : {"recall", "specificity"}) cells.push_back(shown(row.at("windows").at(share), percent, " %", 0));
+      }
     }
     table.cells.rows.push_back(std::move(cells));
   }

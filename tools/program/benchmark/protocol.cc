@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -104,13 +105,13 @@ Protocol slip_3() {
   const std::string folder = "scenes/benchmark/slip-3/";
   const std::vector<SensorSets> sensors{
       {"papillarray", {"pad", "slow"}, {"pad", "fast"}, "", {4.1, 2.4}, {4.1, 2.35}, {"pad", "fast"}},
-      {"piezo_skin", {"pad"}, {"skin"}, "", {3.8, 2.6}, {3.8, 2.55}, {"skin"}},
+      {"piezo_skin", {"pad"}, {"skin"}, "", {none, 2.6}, {none, 2.55}, {"skin"}},
       {"nib_pad", {"pad"}, {"skin"}, "pull", {8.9, 6.4}, {8.9, 6.9}, {"nibs"}},
       {"myrmex", {"left"}, {"skin"}, "apart", {none, 6.5}, {none, 6.4}, {"foam"}},
       {"biotac_sp", {"pad"}, {"skin"}, "", {3.9, 2.45}, {3.9, 1.7}, {"finger"}},
       {"magnetic_skin", {"pad"}, {"skin"}, "", {3.6, 2.55}, {3.5, 2.55}, {"magnets"}},
       {"gel_markers", {"pad"}, {"skin"}, "", {3.5, 2.55}, {3.5, 2.35}, {"gel"}},
-      {"taxels", {"pad"}, {"skin"}, "", {3.5, 2.35}, {3.5, 2.35}, {"taxels"}},
+      {"taxels", {"pad"}, {"skin"}, "", {3.5, 2.35}, {3.5, 2.3}, {"taxels"}},
   };
   constexpr Controls in_loop{none, 0.04};
   Protocol protocol{.name = "slip-3", .held_out = {}, .lessons = {}};
@@ -264,6 +265,35 @@ Score score_of(std::span<const Part> parts, const Held& held) {
   score.value =
       !held.disturbance.empty() ? score.specificity : score.credit * counts - score.said - (held.needless ? score.needless : 0.0);
   return score;
+}
+
+void WindowCounts::add(const WindowCounts& other) {
+  slipping += other.slipping;
+  detected += other.detected;
+  sticking += other.sticking;
+  silent += other.silent;
+}
+
+WindowCounts window_counts(const eval::Truth& truth, const eval::Replayed& replayed) {
+  struct Window {
+    bool slips = false, reported = false;
+  };
+  constexpr double rounding = 1e-6;  // of times at the border of a window
+  std::map<long, Window> windows;
+  for (std::size_t row = 0; row < truth.time.size(); ++row) {
+    if (!truth.masked.empty() && truth.masked[row]) continue;
+    const double place = (truth.time[row] - truth.time.front()) / window_length;
+    Window& window = windows[std::lround(std::floor(place + rounding))];
+    window.slips = window.slips || slips(truth.state[row]);
+    window.reported = window.reported || slips(replayed.seen[row]);
+  }
+  WindowCounts counts;
+  for (const auto& [place, window] : windows) {
+    ++(window.slips ? counts.slipping : counts.sticking);
+    counts.detected += window.slips && window.reported ? 1U : 0U;
+    counts.silent += !window.slips && !window.reported ? 1U : 0U;
+  }
+  return counts;
 }
 
 Interval score_interval(std::span<const Part> parts, const Held& held) {

@@ -12,6 +12,7 @@
 #include "tools/base/record/trial_record.h"
 #include "tools/base/statistics/descriptive.h"
 #include "tools/program/eval/metrics.h"
+#include "tools/program/eval/replay.h"
 #include "tools/program/train/network/operating_point.h"
 
 namespace slipbench::benchmark {
@@ -114,6 +115,21 @@ struct Score {
   double value = 0.0;
 };
 Score score_of(std::span<const Part> parts, const Held& held);
+
+// Real recordings are often labelled by stretches of time rather than by instants, so they are judged by
+// windows as well.
+inline constexpr double window_length = 0.5;  // s, assumed: about the shortest slip that a person labels
+
+// Windows of a recording, or of several: those that truly slip somewhere, and the others.
+struct WindowCounts {
+  std::size_t slipping = 0, detected = 0;  // windows that slip; of these, windows in which slip is reported
+  std::size_t sticking = 0, silent = 0;    // windows that do not; of these, windows in which it is not reported
+
+  void add(const WindowCounts& other);
+};
+
+// Counts the windows of one recording; samples that Truth::masked leaves out belong to no window.
+WindowCounts window_counts(const eval::Truth& truth, const eval::Replayed& replayed);
 
 // Returns the 95 % interval of Score::value: exact for specificity, else by bootstrap over trials as
 // eval::summarised(), NaN for fewer than eval::fewest_experiments trials.

@@ -156,6 +156,26 @@ TEST(Score, ALoopHasNoLimitOfAlarms) {
   EXPECT_NEAR(score_of(std::vector<Part>{part}, open).value, alarm_limit / 600.0, 1e-12);
 }
 
+// Samples every 0.1 s for 2 s, four windows of five samples. The second and the third slip, in part; slip is reported in the third and the fourth.
+// The last sample slips and is masked, so the fourth window sticks.
+TEST(Windows, AreCountedByTruthAndReport) {
+  eval::Truth truth;
+  eval::Replayed replayed;
+  for (int row = 0; row < 20; ++row) {
+    truth.time.push_back(0.1 * row + 0.01);
+    truth.state.push_back(row == 9 || row == 11 || row == 19 ? PadState::incipient : PadState::non_slip);
+    truth.masked.push_back(row == 19);
+    replayed.seen.push_back(row == 14 || row == 17 ? PadState::gross : PadState::non_slip);
+  }
+  WindowCounts counts = window_counts(truth, replayed);
+  EXPECT_EQ(counts.slipping, 2U);
+  EXPECT_EQ(counts.detected, 1U);
+  EXPECT_EQ(counts.sticking, 2U);
+  EXPECT_EQ(counts.silent, 1U);
+  counts.add(counts);
+  EXPECT_EQ(counts.sticking, 4U);
+}
+
 TEST(Score, IntervalsAreOfTenTrialsAndMore) {
   std::vector<Part> parts(9);
   EXPECT_TRUE(std::isnan(score_interval(parts, open).low));
