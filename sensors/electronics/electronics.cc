@@ -65,6 +65,13 @@ std::uint64_t Electronics::saturated() const {
   return samples;
 }
 
+std::span<const float> Electronics::range_flags() const {
+  for (const auto& stage : stages_) {
+    if (const std::span<const float> flags = stage->range_flags(); !flags.empty()) return flags;
+  }
+  return {};
+}
+
 bool draws_numbers(const std::string& part) { return kind_of(part).drawn_per != DrawnPer::never; }
 
 std::vector<Entry> electronics_of(const std::string& device, const std::vector<PartFigures>& figures) {

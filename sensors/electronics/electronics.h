@@ -39,7 +39,8 @@ struct SignalModel {
   std::vector<Coupling> couplings;
   std::vector<ConverterRange> converter = {};  // [V]; empty: the sensor has no part `quantisation`
   std::vector<ConverterRange> valid = {};  // [V] where the maker states an accuracy; empty: the sensor has no part `valid_range`
-  std::vector<double> scan_share = {};     // [V] of the scan that is left after the value; empty: one after the other, by number
+  std::vector<std::size_t> range_flag = {};  // [V] flag that a value beyond `valid` raises, from 0 on; empty: no flags
+  std::vector<double> scan_share = {};  // [V] of the scan that is left after the value; empty: one after the other, by number
 };
 
 // What keys the random streams of a sensor's electronics.
@@ -61,6 +62,9 @@ class ElectronicsStage {
   [[nodiscard]] virtual std::span<double> memory() { return {}; }
   // Samples in which a value was beyond the part's range (Sensor::saturated).
   [[nodiscard]] virtual std::uint64_t saturated() const { return 0; }
+  // Per flag of SignalModel::range_flag: 1 if a value of the last sample was beyond its range, else 0. The span stays where it is as long as the
+  // part lives. Empty: the part raises no flags.
+  [[nodiscard]] virtual std::span<const float> range_flags() const { return {}; }
   // True if apply() must also be called between samples, at every tick of the simulation.
   [[nodiscard]] virtual bool works_between_samples() const { return false; }
 };
@@ -86,6 +90,9 @@ class Electronics {
 
   // Samples in which a part found a value beyond its range, for Sensor::saturated: cut off by the converter, or only counted by valid_range.
   [[nodiscard]] std::uint64_t saturated() const;
+
+  // The flags of the part that raises some (ElectronicsStage::range_flags); empty: no part does.
+  [[nodiscard]] std::span<const float> range_flags() const;
 
  private:
   std::vector<std::unique_ptr<ElectronicsStage>> stages_;

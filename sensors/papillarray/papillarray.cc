@@ -7,7 +7,9 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "sensors/electronics/pad_sensor.h"
 #include "sim/core/error.h"
@@ -182,6 +184,15 @@ double checked_rate(const Parameters& parameters, const std::string& sensor_name
   return rate;
 }
 
+// A flag a pillar: raised by any axis of its force or its displacement.
+SignalModel model_of(const Parameters& parameters, const std::vector<Named>& electronics, double rate) {
+  SignalModel model = signal_model(stiffness_of(parameters), rate, coupling_figures(electronics));
+  if (parameters.flag("range_flag")) {
+    for (std::size_t v = 0; v < 2 * channel_size; ++v) model.range_flag.push_back(v % channel_size / axes);
+  }
+  return model;
+}
+
 // Undeformed tip of a pillar in the pad frame: three columns from +Y to -Y, each from +X to -X; the pillars get shorter outwards.
 Eigen::Vector3d tip_of(std::size_t pillar, double edge_drop, double corner_drop) {
   const int column = static_cast<int>(pillar) / 3;
@@ -230,7 +241,7 @@ class PapillArray : public PadSensor {
       : PadSensor(checked_rate(parameters, key.sensor_name),
                   make_layout(parameters, RandomStream(key.seed, key.device, "papillarray." + key.sensor_name + ".stiffness")),
                   {make_channel("force", "N", 'F'), make_channel("displacement", "m", 'D')}),
-        electronics_(electronics, signal_model(stiffness_of(parameters), rate_, coupling_figures(electronics)), key),
+        electronics_(electronics, model_of(parameters, electronics, rate_), key),
         label_speed_(parameters.number("label_speed")) {
     frame_.values = values_;
   }
@@ -277,7 +288,7 @@ class PapillArray : public PadSensor {
 };
 
 // With a filter before the converter, which works on what is between the samples, too.
-class FilteredPapillArray final : public PapillArray {
+class FilteredPapillArray : public PapillArray {
  public:
   using PapillArray::PapillArray;
 
@@ -290,10 +301,43 @@ class FilteredPapillArray final : public PapillArray {
   }
 };
 
+// With the channel out_of_range behind the readings.
+template <class Base>
+class FlaggedPapillArray final : public Base {
+ public:
+  FlaggedPapillArray(const Parameters& parameters, const std::vector<Named>& electronics, const ElectronicsKey& key)
+      : Base(parameters, electronics, key), flags_(this->electronics_.range_flags()) {
+    Channel channel{"out_of_range", "1", {pillars}, {}};
+    for (std::size_t pillar = 0; pillar < pillars; ++pillar)
+      channel.channel_names.push_back("P" + std::to_string(pillar) + "_OUT");
+    this->channels_.push_back(std::move(channel));
+    this->frame_.values = all_values_;
+  }
+
+  const SensorFrame& measure(const ContactFrame& truth) override {
+    const SensorFrame& frame = Base::measure(truth);
+    std::ranges::copy(flags_, std::ranges::copy(this->values_, all_values_.begin()).out);
+    return frame;
+  }
+
+ private:
+  std::span<const float> flags_;
+  std::array<float, 2 * channel_size + pillars> all_values_{};
+};
+
 std::unique_ptr<Sensor> create_papillarray(const Parameters& parameters, const std::vector<Named>& electronics,
                                            std::uint64_t seed, std::uint64_t trial, const std::string& sensor_name) {
-  const bool filtered = std::ranges::find(electronics, "low_pass", &Named::name) != electronics.end();
-  return (filtered ? created<FilteredPapillArray> : created<PapillArray>)(parameters, electronics, seed, trial, sensor_name);
+  const auto has = [&](const char* part) { return std::ranges::find(electronics, part, &Named::name) != electronics.end(); };
+  const bool filtered = has("low_pass");
+  auto make = filtered ? created<FilteredPapillArray> : created<PapillArray>;
+  if (parameters.flag("range_flag")) {
+    if (!has("valid_range"))
+      throw SceneValueError(
+          "sensors." + sensor_name + ".range_flag",
+          "needs the part valid_range, which knows the range; add it to electronics, or choose electronics: typical");
+    make = filtered ? created<FlaggedPapillArray<FilteredPapillArray>> : created<FlaggedPapillArray<PapillArray>>;
+  }
+  return make(parameters, electronics, seed, trial, sensor_name);
 }
 
 }  // namespace
@@ -346,19 +390,24 @@ Entry papillarray_entry() {
           number_spec("label_speed", Quantity::speed, "0.1 mm/s", non_negative,
                       "Tip speed above which the paper's labelling rule says that a pillar slips.",
                       "assumed: the paper does not print its threshold"),
+          flag_spec(
+              "range_flag", "false",
+              "Adds a channel out_of_range: 1 for a pillar with a reading beyond the range of the part valid_range, else 0.",
+              "free: the range is the data sheets'"),
       }};
 }
 
 }  // namespace
 
 SensorKind papillarray_sensor() {
-  return {.about = papillarray_entry(),
-          .electronics = papillarray::electronics_parts(),
-          .create = papillarray::create_papillarray,
-          .view = {.unit = "pillar",
-                   .units = "pillars",
-                   .letter = "P",
-                   .channels = {{"force", "Force"}, {"displacement", "Displacement"}}}};
+  return {
+      .about = papillarray_entry(),
+      .electronics = papillarray::electronics_parts(),
+      .create = papillarray::create_papillarray,
+      .view = {.unit = "pillar",
+               .units = "pillars",
+               .letter = "P",
+               .channels = {{"force", "Force"}, {"displacement", "Displacement"}, {"out_of_range", "Out of the valid range"}}}};
 }
 
 }  // namespace slipbench

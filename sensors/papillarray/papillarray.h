@@ -10,8 +10,10 @@
 namespace slipbench {
 
 // A PapillArray with channels "force" {9,3} [N] and "displacement" {9,3} [m], pillars P0 to P8, axes x, y, z of the pad frame P
-// (+X up, +Y right, +Z into the sensor, connector at the bottom; origin at the undeformed tip of the centre pillar).
-// create() throws InputError for a rate that the device does not have and for unknown or repeated electronics.
+// (+X up, +Y right, +Z into the sensor, connector at the bottom; origin at the undeformed tip of the centre pillar). With the parameter
+// range_flag also "out_of_range" {9}: 1 for a pillar with a reading beyond the part valid_range, else 0.
+// create() throws InputError for a rate that the device does not have, for unknown or repeated electronics, and for range_flag
+// without the part valid_range.
 SensorKind papillarray_sensor();
 
 }  // namespace slipbench

@@ -216,6 +216,31 @@ TEST(ValidRange, CountsSamplesBeyondTheRangeAndChangesNothing) {
   EXPECT_EQ(narrow.saturated(), 1U);
 }
 
+// Four values, two a flag: value 0 and 2 raise flag 1, value 1 and 3 flag 0. The range is -2 to 2 and -6 to 6 by turns (model.h).
+TEST(ValidRange, RaisesTheFlagOfEachValueBeyondTheRange) {
+  SignalModel model = two_values_a_source(2);
+  model.valid = {{-2.0, 2.0}, {-6.0, 6.0}, {-2.0, 2.0}, {-6.0, 6.0}};
+  EXPECT_TRUE(Electronics({part("valid_range")}, model, default_key).range_flags().empty());
+  model.range_flag = {1, 0, 1, 0};
+  EXPECT_TRUE(Electronics({part("gain")}, model, default_key).range_flags().empty());
+  Electronics electronics({part("gain", 0.0), part("valid_range")}, model, default_key);
+  const std::span<const float> flags = electronics.range_flags();
+  const auto after = [&](std::vector<float> sample) {
+    const std::vector<float> before = sample;
+    electronics.apply(sample, 0.0);
+    EXPECT_EQ(sample, before);
+    return electronics.saturated();
+  };
+  EXPECT_EQ(after({2.0F, -6.0F, 0.0F, 0.0F}), 0U);
+  EXPECT_THAT(flags, ElementsAre(0.0F, 0.0F));
+  EXPECT_EQ(after({0.0F, 0.0F, -2.01F, 0.0F}), 1U);
+  EXPECT_THAT(flags, ElementsAre(0.0F, 1.0F));
+  EXPECT_EQ(after({2.01F, 6.01F, 2.01F, 0.0F}), 2U) << "a sample counts once";
+  EXPECT_THAT(flags, ElementsAre(1.0F, 1.0F));
+  EXPECT_EQ(after({0.0F, 0.0F, 0.0F, 0.0F}), 2U);
+  EXPECT_THAT(flags, ElementsAre(0.0F, 0.0F)) << "a flag is of one sample";
+}
+
 TEST(CouplingPart, ReadsTheUndisturbedSample) {
   // Two values that leak into each other: y(1,1) = y(1,0) + y(0,1) holds for any linear map, but if the second read the first
   // after it was disturbed, y(1,0) and y(0,1) would hold products of coefficients: the diagonal would not be 1.

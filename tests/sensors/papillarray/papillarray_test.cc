@@ -432,6 +432,50 @@ TEST(PapillArray, CountsSamplesBeyondTheMakersRange) {
   EXPECT_EQ(make(defaults())->saturated(), 0U);
 }
 
+// The readings of a typical device are those without the flags, to the bit; the flags come behind them.
+TEST(PapillArray, FlagsThePillarsBeyondTheMakersRange) {
+  Parameters parameters = defaults();
+  parameters.set("range_flag", true);
+  for (const std::vector<Named>& electronics : {typical(), std::vector<Named>{only("valid_range")}}) {
+    const auto plain = make(defaults(), electronics), flagged = make(parameters, electronics);
+    ASSERT_EQ(flagged->channels().size(), 3U);
+    const Channel& channel = flagged->channels()[2];
+    EXPECT_EQ(channel.name, "out_of_range");
+    EXPECT_EQ(channel.unit, "1");
+    EXPECT_THAT(channel.shape, ElementsAre(9));
+    EXPECT_EQ(channel.channel_names.size(), channel.size());
+    EXPECT_EQ(channel.channel_names[7], "P7_OUT");
+    EXPECT_EQ(plain->feels_every_tick(), flagged->feels_every_tick());
+    ContactFrame truth = empty_frame();
+    truth.force(2, 2) = 22.0;                // into the pad, beyond 15 N by three sd of its gain
+    truth.displacement(0, 3) = -1.2e-3;      // along the surface
+    truth.force(2, 5) = -10.0;               // a pulled pillar is not judged, and its shear is within 2 N
+    for (int tick = 0; tick < 30; ++tick) {  // 30 ms, by which the low-pass has settled
+      truth.time = 1e-3 * tick;
+      const auto values = reading(*flagged, truth), without = reading(*plain, truth);
+      ASSERT_EQ(values.size(), 63U);
+      EXPECT_TRUE(std::equal(without.begin(), without.end(), values.begin()));
+      EXPECT_THAT(std::vector<float>(values.begin() + 54, values.end()), ElementsAre(0, 0, 1, 1, 0, 0, 0, 0, 0)) << tick;
+    }
+    EXPECT_EQ(flagged->saturated(), plain->saturated());
+    truth.force.setZero();
+    truth.displacement.setZero();
+    for (int tick = 30; tick < 60; ++tick) {
+      truth.time = 1e-3 * tick;
+      flagged->measure(truth);
+    }
+    const auto values = reading(*flagged, truth);
+    EXPECT_THAT(std::vector<float>(values.begin() + 54, values.end()), Each(0.0F)) << "a flag is of one sample";
+  }
+}
+
+TEST(PapillArray, AFlagNeedsTheRange) {
+  Parameters parameters = defaults();
+  parameters.set("range_flag", true);
+  EXPECT_THAT(refusal_of([&] { make(parameters, {only("noise")}); }),
+              AllOf(HasSubstr("sensors.pad.range_flag"), HasSubstr("valid_range"), HasSubstr("electronics: typical")));
+}
+
 TEST(PapillArray, GainChangesTheForceOnly) {
   const auto sensor = make(defaults(), {only("gain")});
   ContactFrame truth = empty_frame();

@@ -95,6 +95,33 @@ TEST(RunTrial, OnsetsFollowTheClosedForm) {
   EXPECT_EQ(labels.micro_onset_time, labels.onset_time);
 }
 
+// Pressed at 10 mm/s without ramps, the centre pillar touches after 0.5 mm, at 50 ms. FZ of a pillar of 7.1 N/mm passes 15 N at 15/7.1 = 2.113 mm,
+// before DZ passes 2.5 mm: at 261.3 ms; of an edge, which is 0.2 mm shorter, at 281.3 ms. A corner, 0.45 mm shorter, ends at 2.4 - 0.45 = 1.95 mm.
+TEST(RunTrial, APillarIsFlaggedFromTheMomentItsForceLeavesTheRange) {
+  const std::vector<Override> pressed{
+      {"motion", "{kind: stage, compression: 2.4 mm, gap: 0.5 mm, approach_speed: 10 mm/s, acceleration: inf, start: 0.4 s}"},
+      {"duration", "0.4 s"},
+      {"sensors.pad.electronics", "[valid_range]"}};
+  std::vector<Override> flagged = pressed;
+  flagged.push_back({"sensors.pad.range_flag", "true"});
+  const TrialRecord plain = record_of(stage_scene(pressed)), record = record_of(stage_scene(flagged));
+  const SensorRecord& sensor = record.sensors[0];
+  ASSERT_EQ(sensor.channels.size(), 3U);
+  EXPECT_EQ(sensor.channels[2].name, "out_of_range");
+  const std::vector<float>& out = sensor.channels[2].values;
+  ASSERT_EQ(out.size(), 400U * 9U);
+  for (std::size_t pillar = 0; pillar < 9; ++pillar) {
+    const std::size_t from = pillar == 4 ? 262 : pillar % 2 == 1 ? 282 : 400;  // samples are 1 ms apart
+    for (std::size_t row = 0; row < 400; ++row)
+      ASSERT_EQ(out[9 * row + pillar], row < from ? 0.0F : 1.0F) << "P" << pillar << " at " << row << " ms";
+  }
+  // Without the flag the same is recorded but for its channel.
+  ASSERT_EQ(plain.sensors[0].channels.size(), 2U);
+  for (std::size_t channel = 0; channel < 2; ++channel)
+    EXPECT_EQ(plain.sensors[0].channels[channel].values, sensor.channels[channel].values);
+  EXPECT_EQ(outcome_json(plain.outcome), outcome_json(record.outcome));
+}
+
 TEST(RunTrial, SlowSensorsSampleEveryNthTick) {
   const TrialRecord fast = record_of(stage_scene({}));
   const TrialRecord slow = record_of(stage_scene({{"sensors.pad.rate", "250 Hz"}, {"time_step", "1 ms"}}));
