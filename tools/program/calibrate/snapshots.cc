@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -365,6 +366,20 @@ page::TextTable snapshot_unit_table(const Json& result) {
   return table;
 }
 
+namespace {
+
+// All parts of the PapillArray's `typical`, with `fitted` parameters: a list of a few parts would switch the others off.
+std::string electronics_lines(const std::map<std::string, std::string>& fitted) {
+  std::string lines = "    electronics:\n";
+  for (const Entry& part : papillarray::electronics_parts()) {
+    const auto found = fitted.find(part.name);
+    lines += fmt::format("      - {}{}\n", part.name, found == fitted.end() ? "" : fmt::format(": {{{}}}", found->second));
+  }
+  return lines;
+}
+
+}  // namespace
+
 std::string snapshot_text(const Json& result) {
   std::string text;
   const Json& noise = result.at("noise");
@@ -383,26 +398,23 @@ std::string snapshot_text(const Json& result) {
   text +=
       fmt::format("Normal force of lateral displacement: {:.2g} N/mm rms{}.\n", 1e-3 * result.at("shear_to_normal").get<double>(),
                   result.at("type") == "papillarray" ? "" : "; no key of a scene sets this");
-  text += fmt::format("Scene:\n  sensors:\n    {}:\n      type: {}\n", result.at("sensor").get<std::string>(),
+  text += fmt::format("For a scene:\n\nsensors:\n  {}:\n    type: {}\n", result.at("sensor").get<std::string>(),
                       result.at("type").get<std::string>());
-  std::vector<std::pair<std::string, std::string>> parts;  // with their parameters
+  std::map<std::string, std::string> fitted;  // parameters of each part of the electronics
   for (const Json& one : result.at("keys")) {
     const std::string path = one.at("key");
     const double value = one.at("value");
     const std::string part = ".electronics.";
     if (const std::size_t at = path.find(part); at == std::string::npos) {
-      text += fmt::format("      {}: {:.4g} N/mm\n", path.substr(path.rfind('.') + 1), 1e-3 * value);
+      text += fmt::format("    {}: {:.4g} N/mm\n", path.substr(path.rfind('.') + 1), 1e-3 * value);
     } else {
       const std::string name = path.substr(at + part.size());
-      const std::string owner = name.substr(0, name.find('.'));
-      if (parts.empty() || parts.back().first != owner) parts.emplace_back(owner, "");
-      std::string& parameters = parts.back().second;
-      parameters += fmt::format("{}{}: {:.3g}", parameters.empty() ? "" : ", ", name.substr(owner.size() + 1), value);
+      const std::size_t dot = name.find('.');
+      std::string& parameters = fitted[name.substr(0, dot)];
+      parameters += fmt::format("{}{}: {:.3g}", parameters.empty() ? "" : ", ", name.substr(dot + 1), value);
     }
   }
-  if (!parts.empty()) text += "      electronics:\n";
-  for (const auto& [name, parameters] : parts) text += fmt::format("        - {}: {{{}}}\n", name, parameters);
-  return text;
+  return fitted.empty() ? text : text + electronics_lines(fitted);
 }
 
 }  // namespace slipbench::calibrate

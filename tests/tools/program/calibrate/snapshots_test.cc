@@ -1,5 +1,6 @@
 #include "tools/program/calibrate/snapshots.h"
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 
@@ -9,6 +10,7 @@
 #include "sensors/papillarray/papillarray.h"
 #include "sim/core/random.h"
 #include "tests/expect.h"
+#include "tests/scenes.h"
 
 namespace slipbench::calibrate::snapshots_test {
 namespace {
@@ -151,12 +153,60 @@ TEST(Snapshots, RefusalsNameTheCause) {
   EXPECT_NO_THROW(fit_snapshots({two}, "other", default_idle));
 }
 
-TEST(Snapshots, TheTextIsABlockOfAScene) {
-  const Json result = fit_snapshots({recording_of({})}, "", default_idle);
-  EXPECT_THAT(snapshot_text(result), HasSubstr("      k_normal: 6 N/mm\n      k_tangential: 2.5 N/mm\n"));
-  EXPECT_THAT(snapshot_text(result), HasSubstr("        - coupling: {shear_to_normal: "));
-  EXPECT_THAT(snapshot_text(result), HasSubstr(", normal_to_shear: 0.173, shear_to_shear: "));
+// A scene whose sensors are those of `text`, which ends with a block `sensors`.
+Scene scene_with(const std::string& text) {
+  return parsed(
+      "slipbench: 1\nduration: 1 s\nsurface: {material: rubber}\nmotion: {kind: stage, start: 1 s, speed: 0, compression: 1 mm}\n" +
+      text.substr(text.find("sensors:")));
+}
+
+// Pasted into a scene the text gives the electronics `typical` but for the fitted values, which are printed to three digits.
+TEST(Snapshots, TheTextIsABlockOfASceneWithAllParts) {
+  const Json result = fit_snapshots({recording_of({.scatter = 0.1, .noise = 2.0})}, "", default_idle);
+  const Scene fitted = scene_with(snapshot_text(result));
+  const Scene typical = scene_with("sensors: {pad: {type: papillarray, electronics: typical}}");
+  const Parameters& stiffness = fitted.sensors.at(0).parameters;
+  EXPECT_NEAR(stiffness.number("k_normal") / value_of(result, "k_normal"), 1.0, 5e-4);
+  EXPECT_NEAR(stiffness.number("k_tangential") / value_of(result, "k_tangential"), 1.0, 5e-4);
+
+  const std::vector<Named>& parts = fitted.sensors.at(0).electronics;
+  const std::vector<Named>& all = typical.sensors.at(0).electronics;
+  ASSERT_EQ(parts.size(), all.size());
+  std::size_t replaced = 0;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    EXPECT_EQ(parts[k].name, all[k].name);
+    for (const auto& [name, value] : all[k].parameters.values()) {
+      const auto key = std::ranges::find(result.at("keys"), "sensors.pad.electronics." + all[k].name + "." + name,
+                                         [](const Json& one) { return one.at("key").get<std::string>(); });
+      if (key == result.at("keys").end()) {
+        EXPECT_EQ(parts[k].parameters.values().at(name), value) << all[k].name << "." << name;
+      } else {
+        const double expected = key->at("value").get<double>();
+        EXPECT_NEAR(parts[k].parameters.number(name), expected, 5e-3 * expected) << all[k].name << "." << name;
+        ++replaced;
+      }
+    }
+  }
+  EXPECT_EQ(replaced, 5U) << "three limits of the coupling, the scales of gain and noise";
   EXPECT_EQ(snapshot_unit_table(result).rows.size(), units);
+}
+
+// Without idle units the noise is not fitted; its part stays at its default.
+TEST(Snapshots, APartThatIsNotFittedStaysAtItsDefault) {
+  RawRecording recording = recording_of({});
+  SensorRecord& sensor = recording.sensors.front();
+  sensor.time.resize(snapshots / 2);
+  for (SensorColumn& channel : sensor.channels) channel.values.resize(3 * units * snapshots / 2);
+  const std::string text = snapshot_text(fit_snapshots({recording}, "", default_idle));
+  EXPECT_THAT(text, HasSubstr("      - noise\n"));
+  EXPECT_EQ(scene_with(text).sensors.at(0).electronics.size(), papillarray::electronics_parts().size());
+}
+
+// Parts of a device are known of the PapillArray alone.
+TEST(Snapshots, AnotherSensorsTextHasNoElectronics) {
+  RawRecording recording = recording_of({});
+  recording.sensors.front().type = "taxels";
+  EXPECT_THAT(snapshot_text(fit_snapshots({recording}, "", default_idle)), ::testing::Not(HasSubstr("electronics")));
 }
 
 }  // namespace
