@@ -3,13 +3,14 @@
 import math
 import sys
 import unittest
+import unittest.mock
 
 import numpy as np
 
 from slipbench import InputError
 from slipbench_studies import realism
 from slipbench_studies.realism import hexapod, papillarray
-from slipbench_studies.result import Options
+from slipbench_studies.result import Options, RealFigure, Result
 
 
 class Hexapod(unittest.TestCase):
@@ -77,6 +78,25 @@ class Choice(unittest.TestCase):
             realism.asked_for(Options(only=only, real="r.h5"), "imported from biotacsp-dos")
         with self.assertRaisesRegex(InputError, "did you mean 'hexapod'"):
             realism.asked_for(Options(only=("hexapods",)), "")
+
+
+class SetUp(unittest.TestCase):
+    def test_every_device_says_what_is_real_ours_and_assumed(self):
+        for name, device in realism.OWN.items():
+            self.assertRegex(device.setup, r"^Real: .+ Ours: .+\d k?Hz.+ Assumed: .+\.$", name)
+
+    def test_the_result_has_the_set_up_of_each_study_after_its_name(self):
+        device = realism.Device(lambda _: [RealFigure("weight, N", 2.0, 3.0, "assumed")], "Real: a stone. Ours: a ball.")
+        with unittest.mock.patch.dict(realism.OWN, {"myrmex": device}):
+            result = realism.study(Options(only=("myrmex",), seed=5))
+        self.assertEqual(result.setup[0], "Seed 5.")
+        self.assertEqual(result.setup[-1], "myrmex: Real: a stone. Ours: a ball.")
+        self.assertEqual(result.tables[0].rows, [["1", "myrmex", "weight, N", "2", "3", "1.5", "assumed"]])
+        # Of a paper's table the lines are those of its own study.
+        study = Result("", "", {}, setup=["On a bench.", "At 1 kHz."], real=[RealFigure("weight, N", 2.0, 3.0)])
+        with unittest.mock.patch.object(realism, "run", return_value=study):
+            result = realism.study(Options(only=("nib-reconfigurable/table1",)))
+        self.assertEqual(result.setup[-2:], ["nib-reconfigurable/table1: On a bench.", "nib-reconfigurable/table1: At 1 kHz."])
 
 
 if __name__ == "__main__":

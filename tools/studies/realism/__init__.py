@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,14 +17,29 @@ from slipbench_studies.realism import biotac_19, fabric, hexapod, myrmex, papill
 from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, Table
 
 GRASPS_A_BOX = 40  # of which the median's scatter is some 10 %
-OWN = {  # devices of which no paper's table has figures: what gives them
-    "hexapod": hexapod.figures,
-    "papillarray": papillarray.figures,
-    "uskin": uskin.figures,
-    "fabric": fabric.figures,
-    "piezo_skin": piezo_skin.figures,
-    "biotac_19": biotac_19.figures,
-    "myrmex": myrmex.figures,
+
+
+@dataclass(frozen=True)
+class Device:
+    """A device of which no paper's table has figures.
+
+    Attributes:
+        figures: computes ours beside the real ones
+        setup: the real device and its recordings, our scene with its rate, and what is assumed
+    """
+
+    figures: Callable[[Options], list[RealFigure]]
+    setup: str
+
+
+OWN = {
+    "hexapod": Device(hexapod.figures, hexapod.SETUP),
+    "papillarray": Device(papillarray.figures, papillarray.SETUP),
+    "uskin": Device(uskin.figures, uskin.SETUP),
+    "fabric": Device(fabric.figures, fabric.SETUP),
+    "piezo_skin": Device(piezo_skin.figures, piezo_skin.SETUP),
+    "biotac_19": Device(biotac_19.figures, biotac_19.SETUP),
+    "myrmex": Device(myrmex.figures, myrmex.SETUP),
 }
 
 
@@ -64,25 +80,26 @@ SOURCES = {
 }
 
 
-def figures_of(name: str, options: Options) -> list[RealFigure]:
-    """The figures of one of SOURCES.
+def figures_of(name: str, options: Options) -> tuple[list[RealFigure], list[str]]:
+    """The figures of one of SOURCES, and how they were measured.
 
     Args:
         name: a key of SOURCES
         options: as the command line has them
 
     Returns:
-        figures of real devices beside ours
+        figures of real devices beside ours; the set-up, a line each
 
     Raises:
         InputError: of the study
     """
     if name in OWN:
-        return OWN[name](options)
+        return OWN[name].figures(options), [OWN[name].setup]
     source = SOURCES[name]
     its = replace(options, only=source.only, trials=options.trials or source.trials, full=False, output="",
                   real=options.real if source.recordings else "")
-    return run(name, its).real
+    result = run(name, its)
+    return result.real, result.setup
 
 
 def asked_for(options: Options, truth: str) -> tuple[list[str], list[str]]:
@@ -137,10 +154,14 @@ def study(options: Options) -> Result:
     table = Table("Real and simulated", ["row", "study", "figure", "real", "ours", "ours/real", "note"])
     figures: list[dict[str, Any]] = []
     charts = []
+    setup = ["Seed 1; hexapod and uskin have their scenes' own." if options.seed is None else f"Seed {options.seed}.",
+             f"Table II of hd-papillarray with {GRASPS_A_BOX} grasps a box, unless --trials says how many."]
     for name in asked:
         options.say(name)
         places, points = list[str](), list[tuple[float, float, float]]()
-        for one in figures_of(name, options):
+        real, lines = figures_of(name, options)
+        setup += [f"{name}: {line}" for line in lines]
+        for one in real:
             ratio, row = one.ours / one.real, str(len(table.rows) + 1)
             table.rows.append([row, name, one.what, _text(one.real), _text(one.ours), _text(ratio), one.note])
             figures.append({"study": name, "what": one.what, "real": one.real, "ours": one.ours, "ratio": ratio, "note": one.note})
@@ -154,9 +175,7 @@ def study(options: Options) -> Result:
         title="The bench beside real devices",
         source="Published figures of real devices for which a study of slipbench has one of its own.",
         figures=figures,
-        setup=["Seed 1, of hexapod.yaml its own." if options.seed is None else f"Seed {options.seed}.",
-               f"Table II of hd-papillarray with {GRASPS_A_BOX} grasps a box, unless --trials says how many; `slipbench reproduce STUDY` says how each is "
-               "made."],
+        setup=setup,
         tables=[table],
         charts=charts,
         remarks=[f"Left out: {', '.join(left_out)}. --full runs those that teach for a quarter of an hour, --real FILE the one that takes its "
