@@ -61,7 +61,7 @@ class PluginDetector final : public Detector, private SampleListener {
     if (!whole) {
       made_.library.refuse("makes a detector of " + format_number(rate) + " Hz, which does not divide the " +
                            format_quantity(source.rate, Quantity::frequency) + " of sensors." + source.sensor +
-                           "; allowed: that over a whole number");
+                           "; allowed: the sensor's rate divided by a whole number");
     }
     return static_cast<std::size_t>(frames);
   }

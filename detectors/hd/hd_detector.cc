@@ -84,7 +84,7 @@ std::size_t stride_of(double rate, const FrameSource& source) {
   if (frames < 1.0 || std::abs(frames * rate - source.rate) > source.rate_rounding * source.rate) {
     throw SceneValueError("detector.rate", format_quantity(rate, Quantity::frequency) + " does not divide the " +
                                                format_quantity(source.rate, Quantity::frequency) + " of sensors." +
-                                               source.sensor + "; allowed: that over a whole number");
+                                               source.sensor + "; allowed: the sensor's rate divided by a whole number");
   }
   return static_cast<std::size_t>(frames);
 }

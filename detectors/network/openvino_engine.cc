@@ -264,7 +264,7 @@ class OpenVinoEngine final : public Engine {
   // A tensor of the engine's own for `port`, whose place stays.
   ov::Tensor tensor(const ov::Output<const ov::Node>& port) {
     if (port.get_element_type() != ov::element::f32 || port.get_partial_shape().is_dynamic()) {
-      throw InputError(path_ + ": " + quote(port.get_any_name()) + " is no float32 of a fixed shape; allowed: that");
+      throw InputError(path_ + ": " + quote(port.get_any_name()) + " must be float32 with a fixed shape");
     }
     ov::Tensor made(ov::element::f32, port.get_shape());
     request_.set_tensor(port, made);

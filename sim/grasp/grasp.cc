@@ -55,8 +55,8 @@ int byte_of(int value, const char* name, bool wrap, double time) {
   if (value >= 0 && value <= max_register) return value;
   if (wrap) return static_cast<int>(static_cast<unsigned char>(value));
   throw InputError(
-      fmt::format("the gripper was told the {} {} at {:.6g} s; allowed: 0 to {} (grip.wrap: true takes the low byte)", name,
-                  value, time, max_register));
+      fmt::format("the command of the gripper has the {} {} at {:.6g} s; allowed: 0 to {} (grip.wrap: true takes the low byte)",
+                  name, value, time, max_register));
 }
 
 constexpr Range byte{0.0, 255.0};

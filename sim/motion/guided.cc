@@ -21,7 +21,7 @@ void Guided::write(double time, const ArmCommand& command) {
   for (const double speed : {command.sideways, command.up}) {
     if (std::abs(speed) <= speed_) continue;
     throw SceneValueError("motion.top_speed",
-                          fmt::format("the arm was told to move at {} at {:.6g} s; allowed: up to {}",
+                          fmt::format("the command of the arm has a speed of {} at {:.6g} s; allowed: up to {}",
                                       format_quantity(speed, Quantity::speed), time, format_quantity(speed_, Quantity::speed)));
   }
   const double acts = time + latency_;

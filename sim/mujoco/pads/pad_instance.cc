@@ -72,7 +72,7 @@ Field field_of(const mjModel* model, const PadConfig& config, const PadLayout& l
   try {
     effects = install_effects(config.effects, layout, surface, config.seed, config.trial);
   } catch (const SceneValueError& error) {
-    throw InputError(fmt::format("plugin '{}': {}; geom '{}' is none", config.name, error.what(), name_of_geom(model, geom)));
+    throw InputError(fmt::format("plugin '{}', geom '{}': {}", config.name, name_of_geom(model, geom), error.what()));
   }
   // Bodies that forces move accelerate under the tips, and are solved for with springs that have no state of their own.
   if (effects.tip) {

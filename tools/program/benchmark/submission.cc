@@ -61,10 +61,10 @@ Json parse_submission(const std::string& text, const std::string& name) {
   };
   const Json json = Json::parse(text, bounded, false);
   if (!json.is_object() || !json.contains(result_key) || !json.contains("asked") || !json.contains("protocol"))
-    throw InputError(name + ": is no submission; allowed: what benchmark --submit writes");
+    throw InputError(name + " is not a submission; allowed: a file that benchmark --submit wrote");
   const Json& protocol = json.at("protocol");
   if (!protocol.is_object() || !protocol.contains("name") || !protocol.at("name").is_string())
-    throw InputError(name + ": /protocol/name: is none; allowed: as benchmark --submit writes it");
+    throw InputError(name + ": /protocol/name is missing or not a text; allowed: a file that benchmark --submit wrote");
   const Protocol& known = find_protocol(protocol.at("name").get<std::string>(), name);
   const std::string here = protocol_sha256(known);
   const std::string there = protocol.contains("sha256") ? found(protocol.at("sha256")) : "nothing";
