@@ -1,5 +1,5 @@
-// A controller: from a slip estimate, the sensor's frame and the gripper's status to the gripper's next command. As a detector it
-// never sees the truth.
+// A controller computes the gripper's next command from a slip estimate, the sensor's frame and the
+// gripper's status. Like a detector, it never sees the truth.
 #pragma once
 
 #include <optional>
@@ -9,36 +9,38 @@
 
 namespace slipbench {
 
-// What is read from a gripper and written to it: the registers of a Robotiq 2F-85 (shared SENSORS.md, section 5), one byte each.
+// Largest value of a register of a Robotiq 2F-85 (shared SENSORS.md, section 5): one byte each.
 inline constexpr int max_register = 255;
 
-// How fast the arm that carries the gripper is to move on: horizontally, square to the fingers' closing direction, and up.
+// Speeds commanded to the arm that carries the gripper: horizontal, perpendicular to the fingers'
+// closing direction, and upward.
 struct ArmCommand {
   double sideways = 0.0;  // m/s
   double up = 0.0;        // m/s
 };
 
-// What a read of the status returns.
+// The gripper's status, as one read returns it.
 struct GripperStatus {
   double time = 0.0;     // s, instant of the read
   int position = 0;      // gPO, counts: 0 open, growing as the fingers close
   bool moving = false;   // gOBJ = 0
-  bool stopped = false;  // gOBJ = 1 or 2: stopped at the force limit before it was where it was told to be
+  bool stopped = false;  // gOBJ = 1 or 2: stopped at the force limit before the commanded position
 };
 
-// What a write sends. A value that is no byte is a fault of the controller: the gripper refuses it.
+// The values of one write. A value outside of a byte is an error of the controller: the gripper
+// refuses it.
 struct GripCommand {
   int position = 0;  // rPR, counts
   int speed = 0;     // rSP, 0 slowest
   int force = 0;     // rFR, 0 weakest
-  // What goes to the arm with it, where the scene's motion is guided; empty: nothing is said to the arm, which goes on as told before.
+  // Command for the arm, where the scene's motion is guided. Empty: the arm keeps its last command.
   std::optional<ArmCommand> arm{};
 };
 
-// What a controller is handed at one instant of the loop: all of it as old as the loop's own delays made it.
+// Input of a controller at one instant of the loop, as old as the loop's delays make it.
 struct ControlInput {
   SlipEstimate slip;
-  SensorFrame frame;  // of the sensor that the detector listens to
+  SensorFrame frame;  // of the detector's sensor
   GripperStatus gripper;
 };
 
@@ -46,11 +48,12 @@ class Controller {
  public:
   virtual ~Controller() = default;
 
-  // The command that follows from what is known now. Called once a period of the loop, in order of time.
+  // Returns the command that follows from `input`. Called once per period of the loop, in order of
+  // time.
   virtual GripCommand update(const ControlInput& input) = 0;
-  // As Detector::listener().
+  // See Detector::listener().
   [[nodiscard]] virtual SampleListener* listener() { return nullptr; }
-  // As Detector::finish().
+  // See Detector::finish().
   virtual void finish() {}
 };
 

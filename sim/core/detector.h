@@ -1,5 +1,6 @@
-// A detector: from a sensor's frames to an estimate of slip. Its signature keeps the truth out: neither this header nor a
-// detector may include sim/core/contact_frame.h or sim/core/sensor.h, which tests/style checks.
+// A detector estimates slip from a sensor's frames. Its interface gives no access to the truth:
+// neither this header nor a detector may include sim/core/contact_frame.h or sim/core/sensor.h,
+// which tests/style checks.
 #pragma once
 
 #include <cstdint>
@@ -13,56 +14,63 @@
 
 namespace slipbench {
 
-// A number that a detector works with and hands on, beside the class that it says: a magnitude in a band, a force that it has
-// calibrated.
+// A number that a detector computes and publishes besides the class, such as the magnitude in a
+// band or a calibrated force.
 struct Feature {
   std::string name;  // "fr_0_6"
   std::string unit;  // "counts"
 };
 
-// What a detector makes of the frames so far.
+// A detector's estimate from the frames so far.
 struct SlipEstimate {
-  double time = 0.0;                      // s, of the frame it was made from
-  double latency = 0.0;                   // s, from that frame until the estimate is there; the loop sees it no earlier
-  PadState state = PadState::no_contact;  // no_contact: nothing touches, or the detector has seen too little to say
-  double stuck_fraction = std::numeric_limits<double>::quiet_NaN();  // touching units that stick, 0 to 1; NaN: not estimated
-  std::vector<double> features{};  // one value for each of Detector::features(), in that order; NaN: not known yet
+  double time = 0.0;     // s, of the newest frame used
+  double latency = 0.0;  // s, from that frame until the estimate is available to the loop
+  // no_contact: nothing touches, or too little seen to decide
+  PadState state = PadState::no_contact;
+  // share of the touching units that stick, 0 to 1; NaN: not estimated
+  double stuck_fraction = std::numeric_limits<double>::quiet_NaN();
+  // one value per Detector::features(), in that order; NaN: unknown yet
+  std::vector<double> features{};
 };
 
-// Whose frames a detector gets.
+// The source of a detector's frames.
 struct FrameSource {
-  std::string sensor;                                         // the scene's name for it: "pad"
-  std::string type;                                           // "papillarray"
-  double rate = 0.0;                                          // Hz, of the frames
-  std::vector<Channel> channels;                              // what a frame holds
-  std::uint64_t trial = 0;                                    // of the dataset
-  double duration = std::numeric_limits<double>::infinity();  // s, of the trial
-  std::uint64_t seed = 0;                                     // of the dataset
-  std::vector<SensorSource> sensors{};                        // all of the scene in its order, this one among them
-  // Share by which lengths in frames may miss a whole number: the rounding of decimals; of a recording what its clock is off.
+  std::string sensor;             // the scene's name for it: "pad"
+  std::string type;               // "papillarray"
+  double rate = 0.0;              // Hz, of the frames
+  std::vector<Channel> channels;  // what a frame holds
+  std::uint64_t trial = 0;        // of the dataset
+  // s, of the trial
+  double duration = std::numeric_limits<double>::infinity();
+  std::uint64_t seed = 0;               // of the dataset
+  std::vector<SensorSource> sensors{};  // all of the scene in its order, this one included
+  // Relative tolerance within which a duration counts as a whole number of frames: the rounding of
+  // decimals, or the clock error of a recording.
   double rate_rounding = 1e-9;
 };
 
-// What a scene names as its detector to get the truth in a detector's place (tools/program/catalogue/program_catalogues.h). Wherever a person
-// reads, it is called an oracle.
+// Name of the detector in a scene that stands for the truth
+// (tools/program/catalogue/program_catalogues.h). Texts for users call it the oracle.
 inline constexpr std::string_view oracle_type = "truth";
 
 class Detector {
  public:
   virtual ~Detector() = default;
 
-  // Takes the next frame of its sensor, in order of time, at the sensor's own rate. Valid until the next update().
+  // Takes the next frame of its sensor, in order of time, at the sensor's own rate. The result is
+  // valid until the next update().
   virtual const SlipEstimate& update(const SensorFrame& frame) = 0;
-  // What SlipEstimate::features holds from the first update() on; the same as long as the detector lives. Empty: it hands on
-  // none. Before that first estimate whoever listens sees none at all.
+  // Returns the entries of SlipEstimate::features from the first update() on; they never change.
+  // Empty: the detector has none. Before the first estimate a listener sees no features.
   [[nodiscard]] virtual const std::vector<Feature>& features() const {
     static const std::vector<Feature> none;
     return none;
   }
-  // Who has to be handed the samples of all sensors, before the update() of the same instant; the detector's own part. Null,
-  // which most say: nobody.
+  // Returns the part of the detector that receives the samples of all sensors, before the update()
+  // of the same instant. Null (the usual case): no part does.
   [[nodiscard]] virtual SampleListener* listener() { return nullptr; }
-  // Once after the last update(). Throws InputError where what stands behind the detector fails as it ends.
+  // Called once after the last update(). Throws InputError if the detector's backend fails as it
+  // ends.
   virtual void finish() {}
 };
 

@@ -8,7 +8,8 @@
 namespace slipbench {
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  // One row of the dynamic programme: row[j] is the distance of a's first i and b's first j characters.
+  // One row of the dynamic programme: row[j] is the distance between a's first i and b's first j
+  // characters.
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
@@ -33,7 +34,8 @@ std::string printable(std::string_view text, bool lines) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
     const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
-    if (byte == 0xc2 && next >= 0x80 && next <= 0x9f) {  // U+0080 to U+009F, which some terminals obey
+    // U+0080 to U+009F: some terminals obey them
+    if (byte == 0xc2 && next >= 0x80 && next <= 0x9f) {
       escape(byte);
       escape(next);
       ++i;

@@ -1,4 +1,4 @@
-// Errors that a user can mend.
+// Errors that a user can correct.
 #pragma once
 
 #include <algorithm>
@@ -9,20 +9,22 @@
 
 namespace slipbench {
 
-// Bad input: the message names file:line, what was found and what is allowed. The command line prints it and exits with 2.
+// Bad input: the message names file:line, what was found and what is allowed. The command line
+// prints it and exits with 2.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// How a run ends that has gone wrong. The scene's time step is the first to look at. Whoever has read the scene adds where it stands.
+// A run that has diverged. The scene's time step is the likeliest cause. The caller that read the
+// scene adds file and line.
 class WrongRun : public InputError {
  public:
   using InputError::InputError;
 };
 
-// A value of a scene that is allowed by itself, but not together with the rest. Whoever has read the scene adds the file and
-// line.
+// A value of a scene that is allowed by itself, but not together with the rest. The caller that
+// read the scene adds file and line.
 class SceneValueError : public InputError {
  public:
   // `path` as in the scene: "motion.start". The message is "motion.start: " and `what`.
@@ -36,21 +38,24 @@ class SceneValueError : public InputError {
 // Levenshtein distance of two words.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-// `text` in single quotes for a message: unprintable bytes as \xNN, long text cut after 60 bytes with "...".
+// `text` in single quotes for a message: unprintable bytes as \xNN, long text cut after 60 bytes
+// with "...".
 std::string quote(std::string_view text);
 
-// `text` for a terminal or a file name, to which it may come from a file: control characters, those of ASCII (but line ends,
-// where `lines`) and those of Unicode's second block, as \xNN.
+// Returns `text` for a terminal or a file name, with control characters as \xNN: those of ASCII
+// (line ends only unless `lines`) and U+0080 to U+009F. `text` may come from an untrusted file.
 std::string printable(std::string_view text, bool lines = false);
 
-// The candidate nearest to `word` in edit distance when it is close enough to be a likely typing error, else "".
+// Returns the candidate nearest to `word` in edit distance if it is close enough to be a likely
+// typing error, else "".
 template <class Names>
 std::string nearest_name(std::string_view word, const Names& candidates) {
   std::string_view best;
   std::size_t best_distance = 1 + (word.size() <= 1 ? 0 : word.size() <= 3 ? 1 : std::max<std::size_t>(2, word.size() / 3));
   for (const auto& candidate : candidates) {
     const std::string_view name(candidate);
-    // The difference of the lengths is a lower bound of the distance: it spares the long way round for words that cannot match.
+    // The difference of the lengths is a lower bound of the distance: it saves computing the
+    // distance of words that cannot match.
     const std::size_t difference = std::max(name.size(), word.size()) - std::min(name.size(), word.size());
     if (difference >= best_distance) continue;
     const std::size_t distance = edit_distance(word, name);
@@ -62,8 +67,8 @@ std::string nearest_name(std::string_view word, const Names& candidates) {
   return std::string(best);
 }
 
-// "; did you mean 'speed'? allowed: rotation, speed": the end of a message about an unknown name. The hint is left out where no
-// candidate is near.
+// Returns the end of a message about an unknown name: "; did you mean 'speed'? allowed: rotation,
+// speed". Omits the hint if no candidate is near.
 template <class Names>
 std::string allowed_names(std::string_view word, const Names& candidates) {
   const std::string near = nearest_name(word, candidates);

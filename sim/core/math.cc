@@ -6,8 +6,8 @@
 namespace slipbench::math {
 namespace {
 
-// SLEEF's functions of two numbers need nothing but SSE2, which every x86-64 has, and take half the time
-// of its scalar ones, whose bits are the same.
+// SLEEF's functions of two numbers need only SSE2, which every x86-64 has. They take half the time
+// of its scalar functions and give the same bits.
 template <auto function>
 double of_one(double x) {
   return _mm_cvtsd_f64(function(_mm_set1_pd(x)));

@@ -1,11 +1,13 @@
-// Transcendental functions with the same bits on every processor. The C library chooses among its own by
-// the processor, and with fused multiply-add they round differently; these are SLEEF's deterministic ones
-// (Shibata and Petrogalli, IEEE Trans. Parallel Distrib. Syst. 31 (2020) 1316), for every x86-64.
+// Transcendental functions with the same bits on every processor. The C library chooses its
+// functions by the processor, and those with fused multiply-add round differently. These are
+// SLEEF's deterministic functions (Shibata and Petrogalli, IEEE Trans. Parallel Distrib. Syst. 31
+// (2020) 1316), for every x86-64.
 //
-// All of the project's code calls these in place of std::exp and the like; tests/install/binaries_test.py
-// sees to it. The largest error is 1 unit in the last place, 1.5 of erfc(). A number has the same result
-// by itself and in any lane of a Quad. Near the end of the range of numbers some return infinity early:
-// log1p() above 2.9e307, sinh() and cosh() from 709.8 on, asinh() at 1e300.
+// All code of the project calls these in place of std::exp and the
+// like; tests/install/binaries_test.py checks it. The largest error is 1 unit in the last place,
+// 1.5 for erfc(). A number has the same result alone and in any lane of a Quad. Near the end of the
+// range of a double some functions return infinity early: log1p() above 2.9e307, sinh() and cosh()
+// from 709.8 on, asinh() at 1e300.
 #pragma once
 
 #include <cmath>
@@ -43,14 +45,15 @@ double lgamma(double x);  // natural logarithm of |Gamma(x)|
 struct SinCos {
   double sin, cos;
 };
-// Both of the same angle [rad], for the price of one. The last bit may differ from sin() and cos().
+// Both of the same angle [rad], at the cost of one. The last bit may differ from sin() and cos().
 SinCos sincos(double x);
 
-// sqrt(x^2 + y^2), which is inexact where a square leaves the range of numbers: below 1e-154 and above 1e154.
+// sqrt(x^2 + y^2). Inexact where a square leaves the range of a double: below 1e-154 and above
+// 1e154.
 inline double hypot(double x, double y) { return std::sqrt(x * x + y * y); }
 
-// Of four numbers. Results go through memory: code that is compiled for other processors hands over vectors
-// of this size in other registers.
+// The same functions for four numbers. Results go through memory, because code compiled for other
+// processors passes vectors of this size in other registers.
 namespace four {
 void exp(const Quad& x, Quad& result);
 void expm1(const Quad& x, Quad& result);

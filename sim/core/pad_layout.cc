@@ -6,10 +6,10 @@
 
 namespace slipbench {
 
-// Eigen's own FromTwoVectors decomposes a matrix for half a turn, which takes 10 s to compile.
+// Eigen's FromTwoVectors decomposes a matrix for half a turn, which takes 10 s to compile.
 Eigen::Matrix3d element_frame(const Eigen::Vector3d& axis) {
   const Eigen::Vector3d z = -axis.normalized();
-  // 1 + z, which next to half a turn would lose all its digits.
+  // 1 + z, without the cancellation near half a turn.
   const double rest = z.z() < -0.999 ? z.head<2>().squaredNorm() / (1.0 - z.z()) : 1.0 + z.z();
   if (rest == 0.0) return Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
   const double s = std::sqrt(2.0 * rest), share = 1.0 / s;

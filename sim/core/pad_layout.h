@@ -1,4 +1,4 @@
-// The geometry and stiffness of a sensing pad, as a sensor hands it to the element field.
+// The geometry and stiffness of a sensing pad, as a sensor describes it to the element field.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace slipbench {
 
-// One friction point of a pad. Vectors are in the pad frame P, whose +Z points from the touched object into the pad: a pad that
-// faces down on a horizontal plane has P aligned with the world.
+// One friction point of a pad. Vectors are in the pad frame P, whose +Z points from the touched
+// object into the pad: a pad that faces down on a horizontal plane has P aligned with the world.
 struct Element {
   Eigen::Vector3d tip{0.0, 0.0, 0.0};    // undeformed tip p_PT [m]
   Eigen::Vector3d axis{0.0, 0.0, -1.0};  // unit vector from the pad outwards, towards the object
@@ -20,27 +20,30 @@ struct Element {
   double c_tangential = 0.0;             // optional dashpot [N s/m]
 };
 
-// x, y and z of an element that looks along the unit vector `axis`, in P: z is against it, x and y are those of P turned with it the shortest
-// way; x stays where there is none.
+// Returns the axes x, y, z, as columns in P, of an element that points along the unit vector
+// `axis`: z = -axis, and x, y are those of P after the shortest rotation from P's Z to z. Half a
+// turn has no shortest rotation; it keeps x.
 Eigen::Matrix3d element_frame(const Eigen::Vector3d& axis);
 
-// What a sensor reads as one: a pillar, a nib, a taxel. Its elements are contiguous.
+// The elements that a sensor reads as one: a pillar, a nib, a taxel. They are contiguous.
 struct UnitRange {
   std::size_t first = 0;
   std::size_t count = 1;
 };
 
-// What a sensor reads of its units: nothing, their forces, or displacements too.
+// The values that a sensor reads per unit: none, forces, or forces and displacements.
 enum class UnitTruth : unsigned char { none, force, all };
 
 // The pad: elements grouped into units, in the sensor's own order.
 struct PadLayout {
   std::vector<Element> elements;
   std::vector<UnitRange> units;
-  // Whether frames also tell what each element does (ContactFrame::element_depth), for a sensor that reads between its units.
+  // True if frames also hold each element's state (ContactFrame::element_depth), for a sensor that
+  // reads between its units.
   bool element_truth = false;
   UnitTruth unit_truth = UnitTruth::all;
-  // How high a unit stands over its base: pressed in farther, the device is no field of springs [m]; infinite: nobody knows.
+  // Height of a unit above its base [m]. Pressed in farther, the device is not a field of springs.
+  // Infinite: unknown.
   double unit_height = std::numeric_limits<double>::infinity();
 };
 

@@ -1,4 +1,4 @@
-// What can be said of a whole pad: the word that truth, detectors and controllers share.
+// The state of a whole pad, in the terms that truth, detectors and controllers share.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ enum class PadState : std::uint8_t { no_contact = 0, non_slip = 1, incipient = 2
 inline bool slips(PadState state) { return state == PadState::incipient || state == PadState::gross; }
 inline bool slips(std::uint8_t state) { return slips(static_cast<PadState>(state)); }
 
-// Of a pad of which so many units touch, and of these so many slip.
+// Returns the state of a pad with `touching` units in contact, `slipping` of which slip.
 inline PadState pad_state(std::size_t touching, std::size_t slipping) {
   if (touching == 0) return PadState::no_contact;
   if (slipping == 0) return PadState::non_slip;

@@ -85,7 +85,7 @@ std::string parse_path(const ParameterSpec& spec, std::string_view text) {
   return std::string(text);
 }
 
-// The entries of a default such as "[0 mm, 0 mm]".
+// Parses the entries of a default such as "[0 mm, 0 mm]".
 Parameters::Value default_vector(const ParameterSpec& spec) {
   std::string_view rest = spec.default_text;
   if (rest.size() < 2 || rest.front() != '[' || rest.back() != ']') {

@@ -15,20 +15,23 @@
 
 namespace slipbench {
 
-// What a parameter holds.
+// Type of a parameter's value.
 enum class ParameterType {
   number,
   integer,
   flag,
   choice,
   vector,
-  path,   // of a file or folder; all but the default is taken from the folder of the scene that names it
-  map,    // names and values that somebody else declares, a plugin's library; the default is none
-  table,  // rows of numbers, written in the scene or in a CSV file; the default is none
+  // of a file or folder, relative to the folder of the scene; a word such as the default is kept as
+  // it is
+  path,
+  map,    // names and values that another part, such as a plugin's library, declares; default: none
+  table,  // rows of numbers, written in the scene or in a CSV file; default: none
 };
 
-// Allowed interval of a number (or of each entry of a vector), in SI. Bounds are included unless `open_min` is set. Infinity is
-// refused whatever the interval, unless `infinite` is set or the parameter's own default is inf: elsewhere it would end as NaN.
+// Allowed interval of a number (or of each entry of a vector), in SI. Bounds are included unless
+// `open_min` is set. Infinity is refused unless `infinite` is set or the parameter's own default is
+// inf: elsewhere it would end as NaN.
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
@@ -56,16 +59,18 @@ struct ParameterSpec {
   Quantity quantity = Quantity::none;
   std::string default_text;  // as a scene would write it: "1 mm", "[0 mm, 0 mm]", "true", "gripper"
   Range range = any_value;
-  // ParameterType::choice; of a map what each value may be, empty: any text; of a path words beside the default that are no paths.
+  // Allowed values of a choice; of each value of a map (empty: any text); for a path, words besides
+  // the default that are not paths.
   std::vector<std::string> choices;
-  std::size_t size = 1;              // ParameterType::vector: number of entries; of a table: columns that it must have
-  std::vector<TableColumn> columns;  // ParameterType::table only, in the order of a row; empty: numbers without header or unit
-  std::string doc;                   // one sentence, what it does
-  std::string source;                // where the default comes from, or "assumed"
+  std::size_t size = 1;  // entries of a vector; required columns of a table
+  // Columns of a table, in the order of a row; empty: numbers without header or unit.
+  std::vector<TableColumn> columns;
+  std::string doc;     // one sentence: what the parameter does
+  std::string source;  // where the default comes from, or "assumed"
 };
 
-// One function a type, whose arguments are the members of ParameterSpec: a list of them reads as a table. The entries of a vector
-// share quantity and range.
+// One function per type, with the members of ParameterSpec as arguments, so that a list of
+// specifications reads as a table. The entries of a vector share quantity and range.
 ParameterSpec number_spec(std::string name, Quantity quantity, std::string default_text, Range range, std::string doc,
                           std::string source);
 ParameterSpec vector_spec(std::size_t size, std::string name, Quantity quantity, std::string default_text, Range range,
@@ -76,34 +81,37 @@ ParameterSpec choice_spec(std::string name, std::string default_text, std::vecto
                           std::string source);
 ParameterSpec path_spec(std::string name, std::string default_text, std::string doc, std::string source,
                         std::vector<std::string> choices = {});
-// `choices`: what each value may be; empty: any text.
+// `choices`: the allowed values; empty: any text.
 ParameterSpec map_spec(std::string name, std::string doc, std::string source, std::vector<std::string> choices = {});
-// The first `size` columns are needed.
+// The first `size` columns are required.
 ParameterSpec table_spec(std::size_t size, std::string name, std::vector<TableColumn> columns, std::string doc,
                          std::string source);
 
-// Two tables, one after the other.
+// Returns both lists, one after the other.
 std::vector<ParameterSpec> joined(std::vector<ParameterSpec> first, std::vector<ParameterSpec> second);
 
-// ParameterType::map: in the scene's order each name with its value as the scene writes it, "4 mm/s".
+// ParameterType::map: each name in the scene's order, with its value as the scene writes it, "4
+// mm/s".
 using ParameterMap = std::vector<std::pair<std::string, std::string>>;
 
-// ParameterType::table: all rows are of one length, that of the declared columns where there are any.
+// ParameterType::table: all rows have the same length, that of the declared columns if there are
+// any.
 struct NumberTable {
-  std::string path;                       // of the CSV file, "" where the scene itself has the rows
-  std::vector<std::vector<double>> rows;  // SI; NaN in a column that is left out
+  std::string path;                       // of the CSV file; "" if the rows stand in the scene
+  std::vector<std::vector<double>> rows;  // SI; NaN in an omitted column
 
   friend bool operator==(const NumberTable&, const NumberTable&) = default;
 };
 
-// Throws SceneValueError at `key` where the time of a row, its first value [s], is earlier than that of the row before.
+// Throws SceneValueError at `key` where the time of a row, its first value [s], is earlier than
+// that of the row before.
 void check_times(const NumberTable& table, const std::string& key);
 
-// Whether `name` can name what a scene brings: letters, digits and '_', no digit first.
+// True if `name` is a valid identifier of a scene: letters, digits and '_', no digit first.
 bool is_identifier(std::string_view name);
 
-// Values of a set of parameters, every one present: defaults are filled in by the reader.
-// An accessor asked for a name or type that was not declared throws std::logic_error: that is a bug, not bad input.
+// Values of a set of parameters, all present: the reader fills in defaults. An accessor throws
+// std::logic_error for a name or type that was not declared: that is a bug, not bad input.
 class Parameters {
  public:
   using Value = std::variant<double, std::int64_t, bool, std::string, std::vector<double>, ParameterMap, NumberTable>;
@@ -124,14 +132,17 @@ class Parameters {
   std::map<std::string, Value, std::less<>> values_;
 };
 
-// The declared default of one parameter. Throws std::logic_error when it does not fit its own declaration.
+// The declared default of one parameter. Throws std::logic_error when it does not fit its own
+// declaration.
 Parameters::Value default_of(const ParameterSpec& spec);
 
-// All parameters of `specs` at their declared defaults. Throws std::logic_error when a default does not fit its own declaration.
+// All parameters of `specs` at their declared defaults. Throws std::logic_error when a default does
+// not fit its own declaration.
 Parameters defaults_of(const std::vector<ParameterSpec>& specs);
 
-// Turns the text of one scalar into a value of `spec`'s type and checks range and choices. Vectors are read entry by entry with
-// this, maps and tables not at all. Throws std::invalid_argument: what was found, what is allowed, the nearest known choice.
+// Parses the text of one scalar into a value of `spec`'s type and checks range and choices. Vectors
+// are read entry by entry with this function; maps and tables are refused. Throws
+// std::invalid_argument: what was found, what is allowed, the nearest known choice.
 Parameters::Value parse_scalar(const ParameterSpec& spec, std::string_view text);
 
 // A catalogue entry named by a scene, with the values of its parameters.
@@ -140,11 +151,12 @@ struct Named {
   Parameters parameters;
 };
 
-// What a catalogue says of one of its entries: an effect, a sensor, a motion, a surface, a part of the electronics, a detector.
+// A catalogue's description of an entry: an effect, a sensor, a motion, a surface, a part of the
+// electronics, a detector.
 struct Entry {
   std::string name;
   std::string summary;  // one line
-  std::string law;      // the equation with its symbols, may be several lines; empty where there is none
+  std::string law;      // the equation with its symbols, may have several lines; may be empty
   std::string source;   // paper, data sheet or "assumed"
   std::vector<ParameterSpec> parameters;
 };

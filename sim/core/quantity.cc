@@ -34,7 +34,8 @@ constexpr Unit pressures[] = {{"Pa", 1.0}, {"kPa", 1e3}, {"MPa", 1e6}};
 struct QuantityInfo {
   std::string_view noun;  // with its article, for messages
   std::span<const Unit> units;
-  std::vector<std::string_view> written;  // the units that format_quantity chooses from, the preferred one first
+  // the units that format_quantity chooses from, preferred first
+  std::vector<std::string_view> written;
 };
 
 // In the order of enum Quantity.
@@ -77,7 +78,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-// The spellings that text may use, brought to those of the tables.
+// Converts the accepted spellings of a unit to those of the tables.
 std::string canonical_unit(std::string_view unit) {
   std::string result;
   for (std::size_t i = 0; i < unit.size(); ++i) {
@@ -102,7 +103,7 @@ struct NumberText {
   std::string unit;  // canonical
 };
 
-// Length of the decimal number at the front of `text`, 0 where there is none.
+// Returns the length of the decimal number at the front of `text`, or 0.
 std::size_t mantissa_length(std::string_view text) {
   std::size_t length = 0;
   bool any_digit = false;
@@ -139,7 +140,8 @@ std::optional<NumberText> split(std::string_view text) {
     const char* first = text.data() + 1 + (text[1] == '+' ? 1 : 0);
     if (text.size() > 1 + sign && is_digit(text[1 + sign])) {
       const auto [end, error] = std::from_chars(first, text.data() + text.size(), number.exponent);
-      // Beyond any double: the sum with a unit's shift below must not overflow, and the number is refused there.
+      // Beyond any double. Clamped so that the sum with a unit's shift in shifted() cannot
+      // overflow; that function refuses the number.
       constexpr int beyond = 100000;
       if (error != std::errc{} || std::abs(number.exponent) > beyond) number.exponent = text[1] == '-' ? -beyond : beyond;
       text.remove_prefix(static_cast<std::size_t>(end - text.data()));
@@ -149,7 +151,7 @@ std::optional<NumberText> split(std::string_view text) {
   return number;
 }
 
-// The decimal exponent of a factor that is a power of ten.
+// Returns the exponent of a factor that is a power of ten.
 std::optional<int> decimal_shift(double factor) {
   const int exponent = static_cast<int>(std::lround(math::log10(factor)));
   const std::string text = "1e" + std::to_string(exponent);
@@ -158,7 +160,7 @@ std::optional<int> decimal_shift(double factor) {
   return power == factor ? std::optional(exponent) : std::nullopt;
 }
 
-// The number with its decimal point shifted; empty beyond the range of a double.
+// Returns the number with its decimal point shifted; empty beyond the range of a double.
 std::optional<double> shifted(const NumberText& number, int shift) {
   const std::string decimal = number.digits + "e" + std::to_string(number.exponent + shift);
   double value = 0.0;
@@ -180,7 +182,7 @@ std::optional<double> shifted(const NumberText& number, int shift) {
   throw std::invalid_argument(message);
 }
 
-// The number in `unit`, turned into SI; empty beyond the range of a double.
+// Converts the number from `unit` to SI; empty beyond the range of a double.
 std::optional<double> value_in(const NumberText& number, const Unit& unit) {
   if (const auto shift = decimal_shift(unit.factor)) return shifted(number, *shift);
   const std::optional<double> value = shifted(number, 0);
@@ -192,8 +194,8 @@ double checked(const std::optional<double>& value, std::string_view text) {
   return *value;
 }
 
-// The shortest text of `value` in `unit` that reads back as the same double; empty where no text does, as in a unit in which the
-// value is beyond the range of a double.
+// Returns the shortest text of `value` in `unit` that reads back as the same double. Empty if there
+// is none, such as in a unit in which the value is beyond the range of a double.
 std::string text_in(double value, const Unit& unit) {
   const double scaled = value / unit.factor;
   if (!std::isfinite(scaled)) return "";
@@ -261,7 +263,7 @@ std::string format_quantity(double value, Quantity quantity) {
     for (const Unit& unit : units_of(quantity)) {
       if (unit.symbol != symbol) continue;
       const std::string text = text_in(value, unit);
-      // Only the number's length counts: a long symbol is not less readable.
+      // Only the number's length counts: a long symbol is as readable as a short one.
       const std::size_t length = text.empty() ? std::string::npos : text.size() - symbol.size();
       if (length < best_length) {
         best_length = length;

@@ -30,7 +30,8 @@ constexpr std::uint64_t join(std::uint32_t low_word, std::uint32_t high_word) {
 
 constexpr int rounds = 10;
 
-// Philox4x32-10 of `blocks` counters from (first, stream) on; a block's two words one after the other. As Random123's.
+// Philox4x32-10, as in Random123, of `blocks` counters from (first, stream) on. Writes two words
+// per block, one after the other.
 SLIPBENCH_INLINE void philox_by_one(std::uint64_t first, std::uint64_t stream, std::array<std::uint32_t, 2> key,
                                     std::size_t blocks, std::uint64_t* words) {
   for (std::size_t b = 0; b < blocks; ++b) {
@@ -51,8 +52,9 @@ SLIPBENCH_INLINE void philox_by_one(std::uint64_t first, std::uint64_t stream, s
 }
 
 #ifdef SLIPBENCH_DISPATCHES
-// Four blocks at once, a word of each in a lane of 64 bits, whose upper half is whatever the multiplication leaves: it reads the lower one. No
-// loop of the compiler's multiplies so.
+// Four blocks at once: each 64-bit lane holds one 32-bit word, and the multiplication reads only
+// its lower half and leaves the upper one undefined. The compiler does not vectorise a loop this
+// way.
 __attribute__((target("arch=x86-64-v3"))) void philox(std::uint64_t first, std::uint64_t stream, std::array<std::uint32_t, 2> key,
                                                       std::size_t blocks, std::uint64_t* words) {
   using Words __attribute__((vector_size(4 * sizeof(long long)))) = unsigned long long;
@@ -92,12 +94,14 @@ double uniform_of(std::uint64_t bits) { return static_cast<double>(bits >> 11) *
 
 using Pair __attribute__((vector_size(2 * sizeof(double)))) = double;
 
-// Box and Muller's two points on a circle, from a draw of uniform() each for radius and angle: the two of a
-// point are two normal draws. By SLEEF's deterministic functions with errors of up to 3.5 units in the last
-// place, which no random number shows; they take half the time of those of math.h.
+// Box and Muller's two points on a circle, from one uniform() draw each for radius and angle; the
+// two coordinates of a point are two normal draws. Uses SLEEF's deterministic functions with errors
+// of up to 3.5 units in the last place, which random numbers do not show; they take half the time
+// of those of math.h.
 struct Points {
   Points(const Pair& first, const Pair& second) {
-    const Pair squared_radius = -2.0 * Sleef_cinz_logd2_u35sse2(1.0 - first);  // of (0, 1]: finite
+    // argument in (0, 1]: finite
+    const Pair squared_radius = -2.0 * Sleef_cinz_logd2_u35sse2(1.0 - first);
     const auto turn = Sleef_cinz_sincosd2_u35sse2(2.0 * std::numbers::pi * second);
     const Pair radius{std::sqrt(squared_radius[0]), std::sqrt(squared_radius[1])};
     x = radius * turn.y;
@@ -107,14 +111,14 @@ struct Points {
   Pair x, y;
 };
 
-// Draws of normal() that are computed at once.
+// Draws of normal() computed at once.
 constexpr std::size_t most_drawn = 64;
 
 }  // namespace
 
 RandomStream::RandomStream(std::uint64_t seed, std::uint64_t trial, std::string_view name) {
-  // Philox is a bijection of its counter under every key: with the seed as key, no two pairs (trial, name) share a stream unless
-  // their names collide in FNV-1a.
+  // Philox is a bijection of its counter under every key: with the seed as key, no two pairs
+  // (trial, name) share a stream unless their names collide in FNV-1a.
   const std::uint64_t hash = fnv1a(name);
   const r123::Philox4x32::ctr_type counter{{low(trial), high(trial), low(hash), high(hash)}};
   const r123::Philox4x32::key_type key{{low(seed), high(seed)}};
@@ -178,7 +182,7 @@ void RandomStream::normal(std::span<double> draws) {
   while (!draws.empty()) {
     const std::size_t count = std::min(most_drawn, draws.size());
     bits(std::span(words).first(count));
-    for (std::size_t k = 0; k < count; k += 4) {  // two points; the second of an odd number is left
+    for (std::size_t k = 0; k < count; k += 4) {  // two points; an odd count drops the second
       const Points points(Pair{uniform_of(words[k]), uniform_of(words[k + 2])},
                           Pair{uniform_of(words[k + 1]), uniform_of(words[k + 3])});
       for (std::size_t point = 0; point < std::min<std::size_t>(2, (count - k) / 2); ++point) {
@@ -191,7 +195,7 @@ void RandomStream::normal(std::span<double> draws) {
 }
 
 void RandomStream::seek(std::uint64_t pairs) {
-  counter_ = pairs;  // a block is two uniform draws, which make two normal ones
+  counter_ = pairs;  // one block: two uniform or two normal draws
   used_ = 2;
   has_spare_ = false;
 }

@@ -1,4 +1,5 @@
-// Counter-based random numbers: a draw depends on nothing but its key, never on threads, shards or other effects.
+// Counter-based random numbers: a draw depends only on its key, never on threads, shards or other
+// effects.
 #pragma once
 
 #include <array>
@@ -11,10 +12,11 @@
 
 namespace slipbench {
 
-// A stream of random numbers keyed by (dataset seed, trial, stream name). Generator: Philox4x32-10 (Salmon et al., SC 2011). One
-// block under the key `seed`, whose counter is (trial, hash of the name), gives the stream's own key and the upper half of its
-// counter; the lower half counts the blocks drawn. Streams with different keys are independent; the same key always gives the
-// same numbers.
+// A stream of random numbers keyed by (dataset seed, trial, stream name). Generator: Philox4x32-10
+// (Salmon et al., SC 2011). One block under the key `seed`, with the counter (trial, hash of the
+// name), gives the stream's own key and the upper half of its counter; the lower half counts the
+// blocks drawn. Streams with different keys are independent; the same key always gives the same
+// numbers.
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::uint64_t trial, std::string_view name);
@@ -25,13 +27,15 @@ class RandomStream {
   double normal(double mean, double sd) { return mean + sd * normal(); }
   std::uint64_t integer(std::uint64_t bound);  // in [0, bound), bound >= 1
 
-  // The next draws of uniform(), as the 64 random bits that each is made of: (draw >> 11) 2^-53. Many at once are cheaper. After an even
-  // number of draws, and of an even number.
+  // Fills `draws` with the 64 random bits behind the next draws of uniform(), each of which is
+  // (draw >> 11) 2^-53. Many at once are cheaper. Throws std::logic_error after an odd number of
+  // draws, and for an odd number of them.
   void bits(std::span<std::uint64_t> draws);
-  // The next draws of normal(), of an even number after an even number.
+  // Fills `draws` with the next draws of normal(). Restricted like bits().
   void normal(std::span<double> draws);
 
-  // Goes to the draws after the first `pairs` pairs of normal(), or of uniform(), of a stream that has drawn nothing else.
+  // Skips the first `pairs` pairs of normal() or uniform() draws of a stream that draws nothing
+  // else.
   void seek(std::uint64_t pairs);
 
  private:
@@ -46,12 +50,12 @@ class RandomStream {
   bool has_spare_ = false;
 };
 
-// Puts the items into a random order (Fisher-Yates).
+// Shuffles the items (Fisher-Yates).
 template <class Items>
 void shuffle(Items& items, RandomStream& random) {
   for (std::size_t left = items.size(); left > 1; --left) std::swap(items[left - 1], items[random.integer(left)]);
 }
-// The numbers 0 to count - 1 in a random order.
+// Returns the numbers 0 to count - 1 in a random order.
 std::vector<std::size_t> shuffled(std::size_t count, RandomStream random);
 
 }  // namespace slipbench

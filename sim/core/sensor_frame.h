@@ -1,4 +1,4 @@
-// What a sensor emits. Detectors and controllers see this and never the truth.
+// The output of a sensor. Detectors and controllers see this and never the truth.
 #pragma once
 
 #include <cstddef>
@@ -8,16 +8,19 @@
 
 namespace slipbench {
 
-// One array a sensor emits each sample, as it stands in the dataset: `name` [T, shape...] float32 in `unit`.
+// One array that a sensor emits per sample, as stored in the dataset: `name` [T, shape...] float32
+// in `unit`.
 struct Channel {
   std::string name;                        // "force"
   std::string unit;                        // "N"
   std::vector<std::size_t> shape;          // {9, 3}
-  std::vector<std::string> channel_names;  // one a value, in C order: "P0_FX", ...
+  std::vector<std::string> channel_names;  // one per value, in C order: "P0_FX", ...
 
-  // Of a channel that does not keep pace with its sensor's samples; in the dataset it then has a time of its own, `name`_t.
-  std::size_t every = 1;  // its values are new in the last of every so many samples and stand still in between
-  double age = 0.0;       // s, how long before the frame's time they were read, in the mean
+  // For a channel slower than its sensor's samples. In the dataset such a channel has its own time,
+  // `name`_t.
+  // Its values change in the last of every `every` samples and are constant in between.
+  std::size_t every = 1;
+  double age = 0.0;  // s, mean time from reading the values to the frame's time
 
   [[nodiscard]] bool has_own_time() const { return every != 1 || age != 0.0; }
 
@@ -28,26 +31,27 @@ struct Channel {
   }
 };
 
-// What a sensor reports at one instant. Valid until the next measure().
+// A sensor's output at one instant. Valid until the next measure().
 struct SensorFrame {
   double time = 0.0;              // s
   std::span<const float> values;  // all channels in order, each in C order
 };
 
-// One sensor of a scene, as a detector or a controller may know it.
+// One sensor of a scene, with the facts that a detector or a controller may know.
 struct SensorSource {
-  std::string name;               // the scene's own: "pad"
+  std::string name;               // the scene's name for it: "pad"
   std::string type;               // "papillarray"
   double rate = 0.0;              // Hz, of its samples
   std::vector<Channel> channels;  // what a sample holds
 };
 
-// Who is handed the samples of every sensor of a scene.
+// Receives the samples of every sensor of a scene.
 class SampleListener {
  public:
   virtual ~SampleListener() = default;
 
-  // The next sample of sensor number `sensor` in the scene's order, in order of time. `sample` is valid during the call only.
+  // Takes the next sample of sensor number `sensor` in the scene's order, in order of time.
+  // `sample` is valid during the call only.
   virtual void hear(std::size_t sensor, const SensorFrame& sample) = 0;
 };
 

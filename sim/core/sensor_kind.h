@@ -1,4 +1,4 @@
-// A sensor as the catalogue has it.
+// A sensor's entry in the catalogue.
 #pragma once
 
 #include <algorithm>
@@ -13,49 +13,55 @@
 
 namespace slipbench {
 
-// How pages and tables show what a sensor emits. The sensor says it, so that no page knows a sensor by its name.
+// How pages and tables show a sensor's output. Declared by the sensor, so that no page has code for
+// a particular sensor.
 
-// A spectrogram of a channel of one value, or of the difference of a channel's two.
+// A spectrogram of a channel with one value, or of the difference between a channel's two values.
 struct SpectrumView {
-  std::string of;  // what it is a spectrogram of: "FL, north minus south"
+  std::string of;  // title of the spectrogram: "FL, north minus south"
   double window;   // s
-  double hop;      // s, from window to window
+  double hop;      // s, between windows
   double top;      // Hz, of the highest bin
 };
 
-// What a channel is called beside its key.
+// The texts for a channel, besides its key.
 struct ChannelView {
-  std::string channel;          // key: "fl"
-  std::string name;             // "FL: clusters N and S"
-  std::string note = {};        // the rest of the sentence, may be empty
-  std::string difference = {};  // column of a table with the channel's first value less its second: "FL"; empty: none
+  std::string channel;    // key: "fl"
+  std::string name;       // "FL: clusters N and S"
+  std::string note = {};  // rest of the sentence, may be empty
+  // Title of a table column with the channel's first value minus its second, "FL"; empty: no
+  // column.
+  std::string difference = {};
   std::optional<SpectrumView> spectrum = {};
 };
 
-// A channel drawn behind the units: square cells, darker where values differ more from those at rest.
+// A channel drawn behind the units as square cells, darker where values differ more from their
+// values at rest.
 struct PadPicture {
   std::string channel;
-  // Units around each cell's middle; empty: a cell on each unit. Four values a cell are drawn as triangles: W, N, E, S.
+  // Units around each cell's centre; empty: one cell on each unit. Four values per cell are drawn
+  // as triangles: W, N, E, S.
   std::vector<std::vector<std::size_t>> cells = {};
   double width = 1.0;               // of a cell, in distances between neighbouring units
-  std::optional<double> rest = {};  // what values read without load; empty: what each reads first
+  std::optional<double> rest = {};  // value without load; empty: each cell's first value
   bool falls = false;               // load lowers the values
   std::string note = {};            // sentence beside the picture
 };
 
-// The default shows any sensor whose channels have a row a unit.
+// The default suits any sensor whose channels have one row per unit.
 struct SensorView {
-  std::string unit = "unit", units = "units";  // what a unit is called, one and several
+  std::string unit = "unit", units = "units";  // name of a unit, singular and plural
   std::string letter = "U";                    // before a unit's number
   std::size_t first = 0;                       // number of the first unit
-  // The pad is drawn as seen through the sensor, X to the right and Y up; else from the surface that it touches, Y to the right
-  // and X up.
+  // True: the pad is drawn as seen through the sensor, X to the right and Y up. False: as seen from
+  // the surface that it touches, Y to the right and X up.
   bool from_behind = false;
-  std::string orientation = {};            // of a pad from behind: "so that east is right and north is up"
-  std::vector<ChannelView> channels = {};  // those that have more to show than their key
+  std::string orientation = {};  // for a pad from behind: "so that east is right and north is up"
+  // those that have more texts than their key
+  std::vector<ChannelView> channels = {};
   std::optional<PadPicture> picture = {};
 
-  // What is said of a channel; its key where nothing is.
+  // Returns the texts for a channel; by default its key is its name.
   [[nodiscard]] ChannelView of(const std::string& channel) const {
     const auto found = std::ranges::find(channels, channel, &ChannelView::channel);
     return found == channels.end() ? ChannelView{.channel = channel, .name = channel} : *found;
@@ -66,9 +72,10 @@ class Sensor;
 
 struct SensorKind {
   Entry about;
-  std::vector<Entry> electronics;  // the parts that it has
-  // `parameters`: those of `about`, all present. `electronics`: applied in this order; empty: ideal. `seed` of the dataset and
-  // `trial` key the random streams, together with `sensor_name`, the scene's name for the sensor. Throws InputError for what the
+  std::vector<Entry> electronics;  // available parts
+  // Makes the sensor. `parameters`: those of `about`, all present. `electronics`: applied in this
+  // order; empty: ideal. The random streams are keyed by the dataset's `seed`, `trial` and
+  // `sensor_name`, the scene's name for the sensor. Throws InputError for parameters that the
   // sensor refuses.
   std::unique_ptr<Sensor> (*create)(const Parameters& parameters, const std::vector<Named>& electronics, std::uint64_t seed,
                                     std::uint64_t trial, const std::string& sensor_name);

@@ -1,11 +1,12 @@
-// How a loop is compiled to vector code.
+// Macros and types for loops that become vector code.
 #pragma once
 
 #include <cstddef>
 #include <cstring>
 
-// A function is compiled for x86-64-v3 and for any x86-64, and the loader picks one by the CPU it finds. Sanitizers do not survive the
-// loader's early calls, and other compilers lack the attribute: they get the portable version, which computes the same bits.
+// Compiles a function for x86-64-v3 and for any x86-64; the loader picks one by the CPU. Sanitizers
+// crash in the loader's early calls, and other compilers lack the attribute: they get the portable
+// version, which computes the same bits.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__OPTIMIZE__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define SLIPBENCH_DISPATCHES
@@ -13,19 +14,19 @@
 #else
 #define SLIPBENCH_DISPATCHED
 #endif
-// Before a loop whose iterations do not depend on one another.
+// For a loop with independent iterations.
 #if defined(__clang__)
 #define SLIPBENCH_VECTORISE _Pragma("clang loop vectorize(assume_safety)")
 #else
 #define SLIPBENCH_VECTORISE _Pragma("GCC ivdep")
 #endif
 #define SLIPBENCH_INLINE inline __attribute__((always_inline))
-// The same of a lambda, after its parameters.
+// The same for a lambda, after its parameters.
 #define SLIPBENCH_INLINE_BODY __attribute__((always_inline))
 
 namespace slipbench {
 
-// Four numbers that are worked on at once, for loops that would not become vector code by themselves.
+// Four numbers processed at once, for loops that compilers do not vectorise.
 inline constexpr std::size_t quad = 4;
 using Quad __attribute__((vector_size(quad * sizeof(double)))) = double;
 using QuadFloat __attribute__((vector_size(quad * sizeof(float)))) = float;
@@ -42,7 +43,8 @@ SLIPBENCH_INLINE void put_vector(Number* to, const Vector& values) {
   std::memcpy(to, &values, sizeof values);
 }
 
-// Element by element: of __builtin_convertvector GCC 12 makes two halves and a dependence on the step before.
+// Element by element: GCC 12 compiles __builtin_convertvector to two halves and a dependence on the
+// previous step.
 SLIPBENCH_INLINE Quad widened(const float* from) {
   const auto values = vector_at<QuadFloat>(from);
   return Quad{values[0], values[1], values[2], values[3]};

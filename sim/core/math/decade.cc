@@ -9,7 +9,7 @@
 namespace slipbench {
 
 double power_of_ten(int exponent) {
-  double power = 1.0;                                             // whole, and exact up to 10^22
+  double power = 1.0;                                             // an integer, exact up to 10^22
   const int factors = std::abs(std::clamp(exponent, -400, 400));  // beyond the range of a double
   for (int k = 0; k < factors; ++k) power *= 10.0;
   return exponent < 0 ? 1.0 / power : power;

@@ -23,7 +23,8 @@
 namespace slipbench {
 namespace {
 
-// Signals by which damage ends the reader. All others come from outside: a user, the system when memory is short.
+// Signals by which a damaged file ends the reader. All others come from outside: a user, or the
+// system when memory is short.
 bool is_crash(int signal) {
   return signal == SIGSEGV || signal == SIGBUS || signal == SIGABRT || signal == SIGFPE || signal == SIGILL;
 }
@@ -56,7 +57,7 @@ class Reader {
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
-  // All that it writes.
+  // Returns all that the reader writes.
   std::string message() {
     std::string text;
     while (true) {
@@ -70,9 +71,9 @@ class Reader {
       if (count == 0) return text;
     }
   }
-  // Waits for its end.
+  // Waits for the reader's end and returns its status.
   int status() {
-    int status = -1;  // neither an exit nor a signal, where others wait for the children of this process
+    int status = -1;  // kept if other code waits for this process's children: no exit, no signal
     while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) continue;
     process_ = -1;
     return status;
@@ -101,7 +102,8 @@ std::string check_readable(FileKind kind, const std::string& path) {
   Reader reader(kind, path);
   std::string message = reader.message();
   const int status = reader.status();
-  // The verdict counts, not the status: a program that waits for all children, or ignores SIGCHLD, leaves none.
+  // The verdict counts, not the status: a program that waits for all children, or ignores SIGCHLD,
+  // leaves no status.
   const char verdict = message.empty() ? '\0' : message.back();
   if (!message.empty()) message.pop_back();
   if (verdict == static_cast<char>(ReaderVerdict::readable)) return message;
@@ -119,7 +121,7 @@ void check_readable_once(FileKind kind, const std::string& path) {
   using Stamp = std::tuple<FileKind, std::string, std::uintmax_t, std::filesystem::file_time_type>;
   static std::mutex mutex;
   static std::set<Stamp> checked;
-  std::error_code gone;  // the reader says so
+  std::error_code gone;  // the reader reports it
   Stamp stamp(kind, path, std::filesystem::file_size(path, gone), std::filesystem::last_write_time(path, gone));
   const std::lock_guard lock(mutex);
   if (checked.contains(stamp)) return;

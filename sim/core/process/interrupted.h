@@ -1,4 +1,4 @@
-// How long work ends early.
+// Interruption of long work.
 #pragma once
 
 #include <atomic>
@@ -7,10 +7,10 @@
 
 namespace slipbench {
 
-// Thrown by what an interrupt has ended early.
+// Thrown by work that an interrupt ended early.
 class Interrupted : public std::runtime_error {
  public:
-  // `left`: what is left of the work, for the user.
+  // `left`: what remains of the work, for the user.
   explicit Interrupted(const std::string& left = "nothing is kept") : std::runtime_error("interrupted; " + left) {}
 };
 
@@ -19,7 +19,8 @@ inline void end_if(const std::atomic<bool>* interrupt) {
   if (interrupt != nullptr && interrupt->load(std::memory_order_relaxed)) throw Interrupted();
 }
 
-// While alive, end_if_interrupted() in this thread throws Interrupted once `interrupt` is true; it may be null. Scopes nest.
+// While alive, makes end_if_interrupted() in this thread throw Interrupted once `interrupt` is
+// true. `interrupt` may be null. Scopes nest.
 class InterruptScope {
  public:
   explicit InterruptScope(const std::atomic<bool>* interrupt);
@@ -31,7 +32,8 @@ class InterruptScope {
   const std::atomic<bool>* previous_;
 };
 
-// For work inside of a library that can take longer than a second. Not below a callback of MuJoCo, which is C.
+// Throws if the innermost InterruptScope is interrupted. For work inside a library that can take
+// longer than a second. Must not be called below a callback of MuJoCo, which is C.
 void end_if_interrupted();
 
 }  // namespace slipbench

@@ -14,7 +14,8 @@ std::filesystem::path own_file() {
   static const char here = 0;
   Dl_info info{};
   const std::filesystem::path file = ::dladdr(&here, &info) != 0 ? info.dli_fname : "";
-  // Of the program itself the loader knows how it was called, which need not be where it lies.
+  // For the program itself the loader knows only how it was called, which may differ from its
+  // location.
   return file.extension() == ".so" ? file : std::filesystem::read_symlink("/proc/self/exe");
 }
 

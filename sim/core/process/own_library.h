@@ -1,16 +1,18 @@
-// What stands beside the program, in the build as in a prefix, or beside the library that holds this code, where another program has loaded it
-// (Python's module); among it libraries that are loaded when they are needed, because they take long to load or long to build.
+// Files beside the program, in the build tree or in a prefix, or beside the library that holds this
+// code if another program has loaded it (Python's module). Some are libraries that are loaded on
+// demand, because they take long to load or long to build.
 #pragma once
 
 #include <string>
 
 namespace slipbench {
 
-// Where `path`, relative to the folder of the program or of that library, leads.
+// Resolves `path` relative to the folder of the program or of that library.
 std::string own_path(const std::string& path);
 
-// The address of `symbol` in the library at own_path(path), which stays loaded. Throws InputError with the loader's reason and `remedy`,
-// "allowed: ...". The handlers of SIGINT, SIGTERM and SIGHUP do not change, even if the library sets its own.
+// Returns the address of `symbol` in the library at own_path(path), which stays loaded. Throws
+// InputError with the loader's reason and `remedy`, "allowed: ...". The handlers of SIGINT, SIGTERM
+// and SIGHUP do not change, even if the library sets its own.
 void* own_symbol(const std::string& path, const std::string& symbol, const std::string& remedy);
 
 }  // namespace slipbench

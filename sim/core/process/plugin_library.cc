@@ -24,14 +24,16 @@ constexpr std::size_t max_text = 4096;  // bytes of a name or a text that a libr
 
 std::mutex loader;
 
-// Under `loader`: what tells each library that has been loaded from another one of its name, which the loader would take it for.
-using Stamp = std::pair<std::uintmax_t, std::filesystem::file_time_type>;  // size, time of its content
+// Guarded by `loader`: tells a loaded library from a newer file of the same name, for which the
+// loader would return the old library.
+using Stamp = std::pair<std::uintmax_t, std::filesystem::file_time_type>;  // size, write time
 std::map<std::string, Stamp>& stamps() {
   static auto* const known = new std::map<std::string, Stamp>;
   return *known;
 }
 Stamp stamp_of(const std::string& file) {
-  std::error_code gone;  // who cannot be looked at cannot be loaded either, and dlopen() says why
+  // a file that cannot be read cannot be loaded either, and dlopen() reports why
+  std::error_code gone;
   return {std::filesystem::file_size(file, gone), std::filesystem::last_write_time(file, gone)};
 }
 
@@ -55,10 +57,10 @@ std::array<Size, 8> sizes_of(const std::string& part) {
            {own[2], &slipbench_abi::result_size}}};
 }
 
-// A text of a library, which need not end.
+// Copies a text of a library, which may lack its terminating zero.
 std::string bounded_text(const char* text) { return text == nullptr ? "" : std::string(text, strnlen(text, max_text)); }
 
-// The quantity whose SI unit is `unit`. Throws std::invalid_argument where there is none.
+// Returns the quantity whose SI unit is `unit`. Throws std::invalid_argument if there is none.
 Quantity quantity_in(const std::string& unit) {
   if (unit.empty()) return Quantity::none;
   const Quantity quantity = quantity_of("1 " + unit);
@@ -82,7 +84,8 @@ PluginLibrary::PluginLibrary(std::string part, const std::string& path, const sl
     const bool there = std::filesystem::exists(path, error);
     throw SceneValueError(key_, (there ? name_ + " is no file" : "no file " + name_) + "; allowed: the path of a shared library");
   }
-  const std::string file = std::filesystem::absolute(path).string();  // a bare name would be searched for
+  // a bare name would be searched for in the library path
+  const std::string file = std::filesystem::absolute(path).string();
   {
     const std::lock_guard<std::mutex> lock(loader);
     const Stamp stamp = stamp_of(file);
@@ -118,7 +121,7 @@ void PluginLibrary::check_build(const slipbench_abi& own) {
   const std::string name = "slipbench_" + part_ + "_abi";
   const auto* const at = static_cast<const char*>(symbol(name));
   slipbench_abi found{};
-  // A library of another version may hold no more than the version.
+  // A library of another version may hold only the version.
   std::memcpy(&found.version, at, sizeof found.version);
   if (found.version != own.version) {
     refuse("was built for version " + std::to_string(found.version) + " of the " + part_ +

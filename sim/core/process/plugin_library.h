@@ -1,4 +1,5 @@
-// The program's side of sim/core/plugin_abi.h: what sensors, detectors and controllers from shared libraries have in common.
+// The program's side of sim/core/plugin_abi.h, shared by sensors, detectors and controllers from
+// libraries.
 #pragma once
 
 #include <cstddef>
@@ -15,28 +16,33 @@
 
 namespace slipbench {
 
-// A shared library, or code of the same interface that the program is built with. A library stays loaded when the object goes, since threads that
-// it has started may run on; one that has changed since needs another start of the program. Whatever it does wrong is a SceneValueError at
-// `where`.library, or .type: the message names the library, and the function where one is to blame. A crash of it, or a call of exit(), ends the program.
+// A shared library, or code of the same interface that is built into the program. A library stays
+// loaded after the object is destroyed, since threads that it started may still run; if its file
+// changes, the program must be restarted. Errors of the library are a SceneValueError at
+// `where`.library, or .type: the message names the library, and the function if one is at fault. A
+// crash of the library, or a call of exit(), ends the program.
 class PluginLibrary {
  public:
-  // `part`: "sensor", "detector" or "controller"; `path`: what the scene names, or the default "none"; `own`: what the program was built
-  // with. Throws SceneValueError where no library is named, where there is no such file, where it cannot be loaded, lacks a
-  // symbol or was built with anything else than `own`. `where`: the part in the scene, "sensors.pad"; "": `part`.
+  // `part`: "sensor", "detector" or "controller". `path`: as in the scene, or the default "none".
+  // `own`: the version and sizes of the program. `where`: the part in the scene, "sensors.pad"; "":
+  // `part`. Throws SceneValueError if no library is named, there is no such file, it cannot be
+  // loaded, it lacks a symbol, or it was built with anything else than `own`.
   PluginLibrary(std::string part, const std::string& path, const slipbench_abi& own, std::string where = {});
-  // What the program is built with, `key` being the scene's for it: nothing is loaded. For call() and refuse() alone.
+  // For code that is built into the program; `key` is its key in the scene. Loads nothing: only
+  // call() and refuse() may be used.
   PluginLibrary(std::string part, std::string where, std::string key, std::string name);
   PluginLibrary(const PluginLibrary&) = delete;
   PluginLibrary& operator=(const PluginLibrary&) = delete;
 
-  // What the library declares as its parameters, with the values of `given`. Throws SceneValueError at `where`.parameters.<name>
-  // for a name that the library does not declare and a value that is not of the declared type, and at `where`.library for a
-  // declaration that is none.
+  // The parameters that the library declares, with the values of `given`. Throws SceneValueError at
+  // `where`.parameters.<name> for a name that the library does not declare and a value that is not
+  // of the declared type, and at `where`.library for an invalid declaration.
   class Values {
    public:
     Values() = default;
-    Values(Values&&) = default;                                                            // what is handed points into it
-    [[nodiscard]] std::span<const slipbench_parameter> handed() const { return handed_; }  // valid as long as the object lives
+    Values(Values&&) = default;  // not copied: handed_ points into values_
+    // valid while the object lives
+    [[nodiscard]] std::span<const slipbench_parameter> handed() const { return handed_; }
 
    private:
     friend class PluginLibrary;
@@ -50,13 +56,14 @@ class PluginLibrary {
   };
   [[nodiscard]] Values parameters(const ParameterMap& given);
 
-  // The function slipbench_make_<part>, of the type Make.
+  // Returns the function slipbench_make_<part>, of the type Make.
   template <class Make>
   [[nodiscard]] Make* maker() const {
-    return reinterpret_cast<Make*>(symbol("slipbench_make_" + part_));  // as POSIX has it
+    return reinterpret_cast<Make*>(symbol("slipbench_make_" + part_));  // POSIX allows this cast
   }
 
-  // Runs call(), which is to call `function` of the library and nothing else. Throws SceneValueError where that throws.
+  // Runs call(), which must call `function` of the library and nothing else. Throws SceneValueError
+  // if `function` throws.
   template <class Call>
   void call(const std::string& function, Call&& call) {
     std::string thrown;
@@ -71,9 +78,10 @@ class PluginLibrary {
     refuse("threw " + thrown + " in " + function + "; allowed: no exceptions");
   }
 
-  // Throws SceneValueError at `where`.library, or .type: "'mine.so' " and `what`.
+  // Throws SceneValueError at `where`.library, or .type, with the text "'mine.so' " and `what`.
   [[noreturn]] void refuse(const std::string& what) const;
-  // Likewise where the library made no object, for the reason that it left in `refusal`, which need not end.
+  // The same if the library made no object, with the reason in `refusal`, which may lack its
+  // terminating zero.
   [[noreturn]] void refuse_scene(const char (&refusal)[SLIPBENCH_REFUSAL_SIZE]) const;
 
  private:
@@ -87,10 +95,11 @@ class PluginLibrary {
   void* handle_ = nullptr;
 };
 
-// The sensors of a scene as a library sees them. Valid as long as the object lives.
+// The sensors of a scene as a library sees them. Valid while the object lives.
 class PluginSensors {
  public:
-  explicit PluginSensors(const std::vector<SensorSource>& sensors);  // which must outlive the object
+  // `sensors` must outlive the object
+  explicit PluginSensors(const std::vector<SensorSource>& sensors);
   [[nodiscard]] std::span<const slipbench_sensor> handed() const { return sensors_; }
 
  private:
@@ -98,35 +107,37 @@ class PluginSensors {
   std::vector<slipbench_sensor> sensors_;
 };
 
-// What a library makes for one trial: a slipbench_readout, slipbench_detector or slipbench_controller.
+// The object that a library makes for one trial: a slipbench_readout, slipbench_detector or
+// slipbench_controller.
 template <class Object>
 class PluginObject {
  public:
-  // Loads the library that `parameters` name; the rest as PluginLibrary.
+  // Loads the library that `parameters` name; otherwise like PluginLibrary.
   PluginObject(const std::string& part, const Parameters& parameters, const slipbench_abi& own, std::string where = {})
       : library(part, parameters.path("library"), own, std::move(where)), function_("slipbench_make_" + part) {}
-  // Of what the program is built with as `type`.
+  // For code of the type `type` that is built into the program.
   PluginObject(const std::string& part, const std::string& type, std::string where)
       : library(part, std::move(where), "type", quote(type)), function_("slipbench_make_" + part) {}
-  PluginObject(const PluginObject&) = delete;  // owns what the library made
+  PluginObject(const PluginObject&) = delete;  // owns the library's object
   PluginObject& operator=(const PluginObject&) = delete;
   ~PluginObject() {
     try {
       finish();
     } catch (const SceneValueError&) {
-      // Another error is under way: a trial that ends well calls finish() itself.
+      // Another error is already being handled: a trial that ends well calls finish() itself.
     }
   }
 
-  // Has the object made by the library's Make, as it is now handed over. `works`: the member that is null where there is none. Throws
-  // SceneValueError where there is none, for the library's reason, and as PluginLibrary::parameters().
+  // Has the library's Make create the object. `own`: index of the object's sensor. `works`: the
+  // member that is null if no object was made. Throws SceneValueError with the library's reason if
+  // it made none, and as PluginLibrary::parameters().
   template <class Make, class Function>
   void make(const Parameters& parameters, const std::vector<SensorSource>& sensors, std::size_t own, Function Object::*works) {
     const PluginLibrary::Values values = library.parameters(parameters.map("parameters"));
     make(library.maker<Make>(), values.handed(), sensors, own, works);
   }
 
-  // Likewise by `made`, from these parameters.
+  // The same with the function `made` and these parameters.
   template <class Make, class Function>
   void make(Make* made, std::span<const slipbench_parameter> parameters, const std::vector<SensorSource>& sensors,
             std::size_t own, Function Object::*works) {
@@ -142,28 +153,29 @@ class PluginObject {
     library.refuse_scene(object.refusal);
   }
 
-  // Ends the object. Throws SceneValueError where that throws.
+  // Destroys the object. Throws SceneValueError if that throws.
   void finish() {
     const auto destroy = std::exchange(object.destroy, nullptr);
     if (destroy != nullptr) library.call("destroy", [&] { destroy(object.self); });
   }
 
-  PluginLibrary library;  // outlives what it made
+  PluginLibrary library;  // must outlive its object
   Object object{};
 
  private:
   std::string function_;
 };
 
-// What the sensors of a scene have said since a library was called last.
+// The samples of a scene's sensors since the last call of a library.
 class PluginSamples {
  public:
   explicit PluginSamples(const std::vector<SensorSource>& sensors);
 
   void add(std::size_t sensor, const SensorFrame& sample);
-  // As the library gets it, in the order of sensors; valid until the next call of another function.
+  // Returns the samples in the library's format, in the order of sensors. Valid until the next call
+  // of another member function.
   std::span<const slipbench_samples> handed();
-  // What has been added is no longer new.
+  // Marks all added samples as old.
   void forget();
 
  private:
@@ -171,14 +183,14 @@ class PluginSamples {
     std::size_t size = 0;  // values of a sample
     std::vector<float> values;
     std::vector<double> times;
-    std::vector<float> latest;  // empty: none yet; up to date where nothing is new
+    std::vector<float> latest;  // empty before the first sample; may be older than `values`
     double latest_time = 0.0;
   };
   std::vector<Sensor> sensors_;
   std::vector<slipbench_samples> handed_;
 };
 
-// The parameters that the catalogue's entry of such a part has: "library" and "parameters".
+// The parameters of a catalogue entry of such a part: "library" and "parameters".
 std::vector<ParameterSpec> plugin_specs();
 
 }  // namespace slipbench
