@@ -9,7 +9,8 @@
 namespace slipbench {
 namespace {
 
-// Elliptic cone with the grain along `angle` in the surface plane: (t_1/mu)^2 + (t_2/(ratio mu))^2 <= f_n^2.
+// Elliptic cone with the grain along `angle` in the surface plane: (t_1/mu)^2 + (t_2/(ratio mu))^2
+// <= f_n^2.
 class AnisotropicFriction final : public ConeEffect {
  public:
   explicit AnisotropicFriction(const Parameters& p)
@@ -41,18 +42,20 @@ class AnisotropicFriction final : public ConeEffect {
     double along[3], across[3];
   };
 
-  // Forces are far from where a square over- or underflows, which is what std::hypot takes its time for.
+  // No overflow guard as in std::hypot, which is slow: forces are far from where a square over- or
+  // underflows.
   static double norm(double a, double b) { return std::sqrt(a * a + b * b); }
   static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-  // What is pressed meets a plane or a face of a box: along an axis of the surface.
+  // The surface is a plane or a face of a box, so its normal lies along an axis.
   [[nodiscard]] const Frame& frame_at(const double n[3]) const {
     const std::size_t axis = n[0] != 0.0 ? 0 : n[1] != 0.0 ? 1 : 2;
     return faces_[2 * axis + (n[axis] < 0.0 ? 1 : 0)];
   }
 
-  // The grain direction laid into the tangent plane of n: on the side faces of a box (n in XY) a horizontal line, whatever the
-  // angle. So it is, by continuity in the angle, where the grain stands on the face and has no projection.
+  // Projects the grain direction onto the tangent plane of n. On the side faces of a box (n in XY)
+  // it is a horizontal line at any angle; by continuity in the angle, also where the grain is
+  // normal to the face and has no projection.
   [[nodiscard]] Frame frame_on(const double n[3]) const {
     const double lift = gx_ * n[0] + gy_ * n[1];
     Frame frame{{gx_ - lift * n[0], gy_ - lift * n[1], -lift * n[2]}, {}};
@@ -68,8 +71,10 @@ class AnisotropicFriction final : public ConeEffect {
     return frame;
   }
 
-  // Closest point of the ellipse with half axes a, b to a point outside: f_i = a_i^2 t_i/(a_i^2 + lambda), where lambda is the root of
-  // the convex, falling function sum (a_i t_i/(a_i^2 + lambda))^2 - 1. Newton from lambda = 0 approaches it from below and never overshoots.
+  // Finds the closest point of the ellipse with half axes a, b to a point outside: f_i = a_i^2
+  // t_i/(a_i^2 + lambda), where lambda is the root of the convex, falling function sum (a_i
+  // t_i/(a_i^2 + lambda))^2 - 1. Newton's iteration from lambda = 0 approaches the root from below
+  // and never overshoots.
   static void closest_point(double t1, double t2, double a, double b, double& f1, double& f2) {
     double lambda = 0.0;
     for (int iteration = 0; iteration < 100; ++iteration) {
@@ -105,7 +110,8 @@ EffectKind anisotropic_friction() {
             "Direction of the grain in the surface, from the surface's X axis; on the side faces of a box the grain is horizontal.",
             "assumed")}},
       [](const Parameters& p, const EffectContext& context, FieldEffects& effects) {
-        // On a curved surface the grain's direction would jump where the normal turns through it.
+        // On a curved surface the grain's direction would jump where the surface normal is parallel
+        // to it.
         if (!context.flat_surface)
           throw SceneValueError("effects", "anisotropic_friction needs a flat surface; allowed shapes: plane, box");
         effects.cone = std::make_unique<AnisotropicFriction>(p);

@@ -12,15 +12,16 @@ namespace {
 
 using kernel::Lanes;
 
-constexpr double second_mode = 2.1;  // its frequency over the first one's
+constexpr double second_mode = 2.1;  // its frequency relative to the first mode's
 
-// A ringing mode of all elements: its force is A exp(-s t) sin(w t) along either axis, the imaginary part of what turns and fades.
+// A ringing mode of all elements. Its force along either axis is A exp(-s t) sin(w t), the
+// imaginary part of a decaying phasor.
 struct Mode {
-  const double *turn_re, *turn_im;  // over the step
+  const double *turn_re, *turn_im;  // phasor's rotation and decay over the step
   double *x_re, *x_im, *y_re, *y_im;
 };
 
-// Turns the mode by a step and adds its force.
+// Advances the mode by a step and adds its force.
 SLIPBENCH_DISPATCHED void turn(const Mode& mode, const TipColumns& tips) {
   for (std::size_t i = 0; i < tips.padded; i += kernel::lanes) {
     const Lanes c = kernel::lanes_at(mode.turn_re + i), s = kernel::lanes_at(mode.turn_im + i);
@@ -69,7 +70,8 @@ class Asperities final : public RingingEffect {
   [[nodiscard]] std::span<double> memory() override { return memory_; }
 
  private:
-  // Of the memory: two modes, then where on its path an element meets the next asperity [m], and how many have been drawn for it.
+  // Columns of the memory: two modes, then the position on its path of an element's next asperity
+  // [m], and the number drawn for it.
   enum Column : std::size_t { modes, next = modes + 8, drawn, columns };
 
   [[nodiscard]] double* column(std::size_t c) { return memory_.data() + c * padded_; }
@@ -98,15 +100,16 @@ class Asperities final : public RingingEffect {
     }
   }
 
-  // Element i has come to its next asperity, within the step; draws the one after it. The numbers of each have a place of their own in the
-  // stream: they depend on nothing but how many the element has met.
+  // Element i has reached its next asperity within the step; draws the one after it. The random
+  // numbers of each asperity have a fixed position in the stream: they depend only on how many
+  // asperities the element has met.
   void meet(const TipColumns& tips, std::size_t i) {
-    constexpr std::uint64_t most = std::uint64_t{1} << 40;  // of one element
+    constexpr std::uint64_t most = std::uint64_t{1} << 40;  // asperities per element
     double &place = column(next)[i], &number = column(drawn)[i];
     stream_.seek(2 * (most * i + static_cast<std::uint64_t>(number)));
     const double way = -distance_[i] * math::log1p(-stream_.uniform()), sign = stream_.uniform() < 0.5 ? -1.0 : 1.0;
     const double spread = stream_.normal();
-    if (number > 0.0) {  // the first of all is not there: it is where the path begins
+    if (number > 0.0) {  // number 0 is not an asperity: it is the start of the path
       const double slip = std::sqrt(tips.slip_x[i] * tips.slip_x[i] + tips.slip_y[i] * tips.slip_y[i]);
       const double since = slip > 0.0 ? std::min(1.0, (tips.path[i] - place) / slip) * tips.dt : 0.0;
       const double hardness = std::sqrt(std::max(0.0, tips.f_normal[i]) / (share_[i] * load_) * slip / (tips.dt * speed_));
@@ -132,7 +135,7 @@ class Asperities final : public RingingEffect {
   std::vector<Oscillator> oscillators_;   // [elements][2]
   RandomStream stream_;
   std::size_t count_, padded_;
-  double step_ = 0.0;           // s, for which this holds:
+  double step_ = 0.0;           // s, step for which turns_ holds
   std::vector<double> turns_;   // [2 modes][re, im][padded]
   std::vector<double> memory_;  // [columns][padded]
 };

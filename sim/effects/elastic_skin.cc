@@ -35,11 +35,12 @@ class ElasticSkin final : public SkinEffect {
  private:
   [[nodiscard]] Eigen::Index rows() const { return static_cast<Eigen::Index>(n_); }
 
-  // A face that presses all elements by 1 m, and one to which all stick that moves by 1 m.
+  // Finds the forces of a face that presses all elements by 1 m, and of one that sticks to all and
+  // moves by 1 m.
   void find_punch() {
     contact_.press(Eigen::ArrayXd::Constant(rows(), -1.0));
     punch_normal_.assign(contact_.pressure().begin(), contact_.pressure().end());
-    const double most = contact_.pressure().sum();  // more than any element bears
+    const double most = contact_.pressure().sum();  // above the force of any element
     target_.resize(rows(), 2);
     target_.col(0).setOnes();
     target_.col(1).setZero();

@@ -11,7 +11,8 @@
 namespace slipbench {
 namespace {
 
-// As far as a tip swings [rad] while the direction of its friction is kept: a quarter of what stick_slip.h needs for a single turn.
+// Largest angle [rad] by which a tip swings while the direction of its friction is kept: a quarter
+// of what stick_slip.h needs for a single turn.
 constexpr double longest_swing = std::numbers::pi / 8.0;
 
 using kernel::Lanes;
@@ -19,14 +20,16 @@ using kernel::Mask;
 
 constexpr double slipping = 2.0, sticking = 1.0, undecided = -1.0;
 
-// A step in which nothing changes its state, of all tips at once.
+// A step in which no tip changes its state, for all tips at once.
 struct Swing {
-  const double *k, *compliance, *dashpot, *omega2, *damping;  // N/m, m/N, N s/m, rad^2/s^2, 1/s: 2 zeta omega
-  const double *xx, *xv, *vx, *vv;                            // Propagator over the step
-  double *speed_x, *speed_y;                                  // m/s, of the tip
+  // N/m, m/N, N s/m, rad^2/s^2, 1/s: 2 zeta omega
+  const double *k, *compliance, *dashpot, *omega2, *damping;
+  const double *xx, *xv, *vx, *vv;  // Propagator over the step
+  double *speed_x, *speed_y;        // m/s, of the tip
 };
 
-// Moves the tips whose state lasts through the step, marks the others as undecided and leaves them where they were. Whether there are any.
+// Moves the tips whose state lasts through the step. Marks the others as undecided and leaves them
+// unchanged. Returns true if there are any of these.
 SLIPBENCH_DISPATCHED bool swing(const Swing& s, const TipColumns& t) {
   const Lanes none{}, rate = none + 1.0 / t.dt;
   Mask any_changes{};
@@ -42,7 +45,7 @@ SLIPBENCH_DISPATCHED bool swing(const Swing& s, const TipColumns& t) {
     const Lanes vx = (x - x_before) * rate, vy = (y - y_before) * rate;
     const Lanes ux = x_before - tip_x, uy = y_before - tip_y;
 
-    // Stuck: the force that it takes, at both ends.
+    // Stuck: the holding force, at both ends of the step.
     const Lanes drag_x = dashpot * vx, drag_y = dashpot * vy;
     const Lanes held_x = k * (x - tip_x) + drag_x, held_y = k * (y - tip_y) + drag_y;
     const Lanes begun_x = k * ux + drag_x, begun_y = k * uy + drag_y;
@@ -163,7 +166,7 @@ class Inertia final : public TipEffect {
     }
   }
 
-  // What stick_slip.h does, for element i: a step from the state at its start.
+  // Moves element i by stick_slip.h: one step from the state at its start.
   void move_one(const TipColumns& t, std::size_t i, std::vector<ElementEvent>& events) {
     TipDrive drive{{t.x_before[i], t.y_before[i]},
                    Eigen::Vector2d(t.x[i] - t.x_before[i], t.y[i] - t.y_before[i]) / t.dt,
@@ -172,7 +175,8 @@ class Inertia final : public TipEffect {
                    {t.limit_before[i], t.limit[i]},
                    t.mu_kinetic[i],
                    longest_swing / (omega_[i] * t.dt)};
-    // While apart it has no limit; the line of the part that it touches goes on below zero.
+    // A separated element has no limit: extrapolate the limit of the touching part linearly below
+    // zero.
     if (drive.f_normal[0] <= 0.0 && drive.f_normal[1] > 0.0)
       drive.limit[0] = drive.limit[1] * drive.f_normal[0] / drive.f_normal[1];
     if (drive.f_normal[1] <= 0.0 && drive.f_normal[0] > 0.0)
@@ -202,7 +206,7 @@ class Inertia final : public TipEffect {
   std::size_t count_, padded_;
   std::vector<double> k_, compliance_, dashpot_, omega_, omega2_, damping_;
   double fastest_ = 0.0;  // rad/s
-  double step_ = 0.0;     // s, for which these hold:
+  double step_ = 0.0;     // s, step for which these hold:
   std::vector<double> xx_, xv_, vx_, vv_;
   std::vector<double> speed_;  // [2][padded] m/s, of the tips over the surface
 };

@@ -34,7 +34,7 @@ EffectContext context_for(const PadLayout& layout, const Surface& surface, std::
 FieldEffects install_effects(const std::vector<Named>& effects, const PadLayout& layout, const Surface& surface,
                              std::uint64_t seed, std::uint64_t trial) {
   FieldEffects installed;
-  std::string moves_tips, maps_tips;  // the first effect of either kind
+  std::string moves_tips, maps_tips;  // the first effect of each kind
   const EffectContext context = context_for(layout, surface, seed, trial);
   for (const bool after_tip : {false, true}) {
     for (const Named& effect : effects) {

@@ -15,13 +15,15 @@ namespace {
 
 using QuadBits __attribute__((vector_size(quad * sizeof(std::uint64_t)))) = std::uint64_t;
 
-// A smooth random map g(x, y) with mean 0 and variance 1: random plane waves, tabulated once on a grid that repeats.
+// A smooth random map g(x, y) with mean 0 and variance 1: random plane waves, tabulated once on a
+// grid that repeats.
 class RandomMap {
  public:
   RandomMap(double shortest, double longest, RandomStream stream) : cell_(shortest / cells_per_wave), table_(cells * cells) {
     // Whole numbers of waves fit into the repeated square, so that the map has no seam.
     const double side = cell_ * static_cast<double>(cells);
-    // Along the grid a wave's phase only has as many values as there are cells: that of (row, column) is (nx column + ny row) steps on.
+    // On the grid a wave's phase has only `cells` values: that of (row, column) is nx column + ny
+    // row steps past the first.
     constexpr double step = 2.0 * std::numbers::pi / static_cast<double>(cells);
     struct Wave {
       std::size_t nx, ny;  // modulo cells
@@ -49,10 +51,10 @@ class RandomMap {
     }
   }
 
-  // m, after which it repeats along either axis.
+  // The map's period along either axis [m].
   [[nodiscard]] double period() const { return cell_ * static_cast<double>(cells); }
 
-  // Bilinear between the grid's points.
+  // Bilinear interpolation between the grid's points.
   [[nodiscard, gnu::always_inline]] Quad at(const Quad& x, const Quad& y) const {
     const Quad u = x / cell_, v = y / cell_, column = floor_of(u), row = floor_of(v), du = u - column, dv = v - row;
     const QuadBits i = whole_of(column) % cells, j = whole_of(row) % cells * cells;
@@ -66,11 +68,13 @@ class RandomMap {
   }
 
  private:
-  static constexpr std::size_t cells = 128;  // a power of two: at() of what is negative counts on it
+  // a power of two, which at() needs for negative coordinates
+  static constexpr std::size_t cells = 128;
   static constexpr std::size_t waves = 24;
   static constexpr double cells_per_wave = 8.0;
 
-  // No surface has 2^51 cells. Beside this a whole number stands in the last bits, a negative one as its complement.
+  // Adding 1.5 2^52 rounds a double to a whole number in its last bits, a negative one in two's
+  // complement. No surface has 2^51 cells.
   static constexpr double shift = 0x1.8p52;
   SLIPBENCH_INLINE static Quad floor_of(const Quad& value) {
     const Quad nearest = value + shift - shift;
@@ -82,8 +86,9 @@ class RandomMap {
   std::vector<double> table_;
 };
 
-// Each face of a box has its own two coordinates and its own place in the map, which repeats: the top that of a plane. The steps between
-// the places are no simple parts of its period, so that no two faces look at the same piece.
+// Each face of a box has its own two coordinates and its own offset in the repeating map; the top
+// face has that of a plane. The offsets are no simple fractions of the period, so that no two faces
+// use the same piece of the map.
 SLIPBENCH_DISPATCHED void scale_all(const RandomMap& map, double sd, const ElementColumns& e, double* mu_s, double* mu_k) {
   for (std::size_t i = 0; i < e.count; i += quad) {
     const auto at = [i](const double* column) SLIPBENCH_INLINE_BODY { return vector_at<Quad>(column + i); };
@@ -94,7 +99,7 @@ SLIPBENCH_DISPATCHED void scale_all(const RandomMap& map, double sd, const Eleme
     const Quad beside = on_x ? (nx > 0.0 ? none + 2.0 : none + 3.0) : (ny > 0.0 ? none + 4.0 : none + 5.0);
     const Quad face = on_z ? (nz > 0.0 ? none : none + 1.0) : beside;
     const Quad u = (on_z | ~on_x ? x : y) + face * 0.3819660113 * map.period(), v = (on_z ? y : z) + face * 0.1459 * map.period();
-    // Of an argument below 512: a map's values are below 7, sd 2 at most.
+    // The argument is below 512: a map's values are below 7, sd 2 at most.
     const Quad factor = pressed ? math::exp(sd * map.at(u, v) - 0.5 * sd * sd) : none + 1.0;
     put_vector(mu_s + i, at(mu_s) * factor);
     put_vector(mu_k + i, at(mu_k) * factor);
@@ -112,7 +117,8 @@ class PatchyFriction final : public FrictionEffect {
   [[nodiscard]] double longest_step(double speed) const override { return step_per_wave(shortest_, speed); }
 
  private:
-  // A trial makes its fields a dozen times, to ask for their size and their step and to run: the map that a thread drew last serves all of them.
+  // A trial makes its fields a dozen times, to get their size and their step and to run, so a
+  // thread keeps the map that it drew last.
   static std::shared_ptr<const RandomMap> map_of(double shortest, double longest, const EffectContext& context) {
     std::tuple key(context.seed, context.trial, shortest, longest);
     thread_local std::pair<decltype(key), std::shared_ptr<const RandomMap>> last;

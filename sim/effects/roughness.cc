@@ -13,8 +13,8 @@
 namespace slipbench {
 namespace {
 
-// Waves from period/first to period/last long: amplitude a/n^exponent of the one that fits n times, phases at random; tabulated once over the
-// period, linear between the points.
+// A sum of waves with wavelengths from period/first to period/last: amplitude a/n^exponent of the
+// wave that fits n times, random phases. Tabulated over one period, linear between the points.
 class Profile {
  public:
   Profile(double period, std::size_t first, std::size_t last, double exponent, double rms, RandomStream& stream,
@@ -29,31 +29,34 @@ class Profile {
     }
     heights_ = sum.at_points(waves);
     const std::size_t cells = heights_.size();
-    heights_.push_back(heights_.front());  // whoever reads up to the next point needs no wrapping
+    heights_.push_back(heights_.front());  // interpolation needs no wrapping
     per_cell_ = static_cast<double>(cells) / period;
     mask_ = cells - 1;
   }
 
-  // Points over the period for a profile of waves down to period/last.
+  // Number of points per period for waves down to period/last.
   static std::size_t points(std::size_t last) { return std::bit_ceil(points_per_wave * last); }
 
-  [[nodiscard]] const double* heights() const { return heights_.data(); }  // m; the first again behind the last
-  [[nodiscard]] double per_cell() const { return per_cell_; }              // points a metre
-  [[nodiscard]] std::uint64_t mask() const { return mask_; }               // their number, a power of two, less one
+  // m; ends with the first one repeated
+  [[nodiscard]] const double* heights() const { return heights_.data(); }
+  [[nodiscard]] double per_cell() const { return per_cell_; }  // points per metre
+  // number of points, a power of two, minus one
+  [[nodiscard]] std::uint64_t mask() const { return mask_; }
 
  private:
-  static constexpr std::size_t points_per_wave = 32;  // of the shortest: its amplitude is right to (pi/32)^2/3, 0.3 %
+  // Per shortest wave: its amplitude is accurate to (pi/32)^2/3 = 0.3 %.
+  static constexpr std::size_t points_per_wave = 32;
 
   std::vector<double> heights_;
   double per_cell_ = 0.0;
   std::uint64_t mask_ = 0;
 };
 
-// Lowers the gaps by a profile across the direction (cos, sin).
+// Lowers the gaps by a profile that varies along the direction (cos, sin).
 SLIPBENCH_DISPATCHED void lower(const Profile& profile, double cos, double sin, std::size_t count, const double* x,
                                 const double* y, const double* nz, double* gap) {
-  // Doubles of this size are whole, and their last bits count: adding it rounds, which half a cell before is std::floor, without a
-  // call to a library on a CPU that may be any x86-64.
+  // Adding 1.5 2^52 rounds a double to a whole number in its last bits. With half a cell subtracted
+  // first it is std::floor, without the library call that the default x86-64 build would need.
   constexpr double whole = 0x1.8p52;
   const double* const heights = profile.heights();
   const double cos_per_cell = cos * profile.per_cell(), sin_per_cell = sin * profile.per_cell();

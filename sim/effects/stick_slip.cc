@@ -8,13 +8,15 @@ namespace {
 
 using Vector = Eigen::Vector2d;
 
-// Speeds below this share of those about are rounding.
+// Speeds below this share of the speeds that occur are rounding errors.
 constexpr double negligible = 1e-9;
 
-// A stretch this much [m] beyond the cone is rounding of coordinates (kernel::shortest_slip).
+// A stretch beyond the cone by less than this [m] is rounding of coordinates
+// (kernel::shortest_slip).
 constexpr double shortest_slip = 1e-13;
 
-// After so many stops inside one piece, which no motion is known to make, the tip stands for the rest of it.
+// After this many stops inside one piece the tip stands for the rest of it. No known motion reaches
+// this limit.
 constexpr int most_stops = 32;
 
 double between(const double (&ends)[2], double fraction) { return ends[0] + fraction * (ends[1] - ends[0]); }
@@ -37,8 +39,8 @@ struct Line {
   }
 };
 
-// Where the tip's speed falls through zero between `from`, where it is positive, and `to`, where it is not: Halley's steps from `guess`,
-// kept inside by bisection.
+// Returns the time at which the tip's speed falls through zero, between `from`, where it is
+// positive, and `to`, where it is not. Halley's steps from `guess`, bracketed by bisection.
 double falls_to_zero(const Line& line, double from, double to, double guess) {
   double time = guess > from && guess < to ? guess : 0.5 * (from + to);
   for (int step = 0; step < 100; ++step) {
@@ -52,7 +54,7 @@ double falls_to_zero(const Line& line, double from, double to, double guess) {
   return time;
 }
 
-// Where between 0 and `to` the slope changes its sign.
+// Returns the time between 0 and `to` at which the slope changes its sign.
 double turn_time(const Line& line, double to) {
   const bool rises = line.now().slope > 0.0;
   double low = 0.0, high = to;
@@ -63,8 +65,9 @@ double turn_time(const Line& line, double to) {
   return high;
 }
 
-// When the tip's speed along the line falls below zero, by more than `floor`, within `time`, in which it has at most one turn; never:
-// infinity. The speed begins positive, or at zero and rising.
+// Returns the time within `time` at which the tip's speed along the line falls below zero by more
+// than `floor`; infinity if it never does. The speed starts positive, or at zero and rising, and
+// has at most one extremum within `time`.
 double stop_time(const Line& line, double time, double floor) {
   const Line::At start = line.now(), end = line.at(time);
   if (end.speed < -floor) {
@@ -112,7 +115,7 @@ class Step {
     tip_.state = state;
   }
 
-  // Free motion under constant friction up to `until`.
+  // Moves freely under constant friction up to `until`.
   void swing(const Vector& friction, double until) {
     const Propagator moved = propagator(law_.oscillator, (until - now_) * drive_.dt);
     const Vector rest = friction / law_.k, x = stretch() - rest, rate = drive_.speed - tip_.speed;
@@ -166,7 +169,7 @@ class Step {
     become(ElementState::slip);
   }
 
-  // Slips until `end`, or until it has no speed left along the direction in which it slips.
+  // Slips until `end`, or until it has no speed along the direction of slip.
   void slide(double end) {
     const double slow = floor();
     const bool begins = tip_.speed.norm() <= slow;
@@ -179,7 +182,8 @@ class Step {
     const Vector along = drags.normalized();
     const double time = (end - now_) * drive_.dt;
     double friction = drive_.mu_kinetic * 0.5 * (load(now_) + load(end));
-    if (begins) friction = std::min(friction, drags.norm());  // what does not move yet is not held by more than what drives it
+    // at rest, friction is at most the driving force
+    if (begins) friction = std::min(friction, drags.norm());
     const Vector start = tip_.place;
     const Line line{law_.oscillator, along.dot(stretch()) - friction / law_.k, along.dot(drive_.speed - tip_.speed),
                     along.dot(drive_.speed)};
@@ -210,7 +214,7 @@ class Step {
   TipTrace& trace_;
   std::vector<ElementEvent>& events_;
   double now_ = 0.0;      // share of the step
-  bool lets_go_ = false;  // it stands, and has just been found not to be held
+  bool lets_go_ = false;  // stands, but friction cannot hold it
 };
 
 }  // namespace

@@ -12,7 +12,7 @@
 
 namespace slipbench {
 
-// A damped linear oscillator, moved exactly by any time.
+// A damped linear oscillator, integrated exactly over any time.
 
 // x'' + 2 zeta omega x' + omega^2 x = 0, omega [rad/s] > 0, zeta >= 0.
 struct Oscillator {
@@ -21,7 +21,7 @@ struct Oscillator {
   [[nodiscard]] double acceleration(double x, double speed) const { return -omega * omega * x - 2.0 * zeta * omega * speed; }
 };
 
-// (x, x') -> (xx x + xv x', vx x + vv x'): the matrix exponential.
+// Matrix exponential: (x, x') -> (xx x + xv x', vx x + vv x').
 struct Propagator {
   double xx = 1.0, xv = 0.0, vx = 0.0, vv = 1.0;
 
@@ -29,13 +29,15 @@ struct Propagator {
   [[nodiscard]] double speed(double x, double speed) const { return vx * x + vv * speed; }
 };
 
-// Over `time` [s] >= 0. With s = zeta omega and C, S = exp(-s t) (cos, sin/w)(w t), w^2 = omega^2 - s^2 (above critical damping cosh and
-// sinh): x(t) = (C + s S) x + S x', x'(t) = -omega^2 S x + (C - s S) x'.
+// Returns the propagator over `time` [s] >= 0. With s = zeta omega and C, S = exp(-s t) (cos,
+// sin/w)(w t), w^2 = omega^2 - s^2 (above critical damping cosh and sinh): x(t) = (C + s S) x + S
+// x', x'(t) = -omega^2 S x + (C - s S) x'.
 inline Propagator propagator(const Oscillator& oscillator, double time) {
   const double omega = oscillator.omega, decay = oscillator.zeta * omega;
   const double w2 = (omega - decay) * (omega + decay), turn2 = w2 * time * time;
   double even = 0.0, odd = 0.0;
-  if (std::abs(turn2) < 1e-8) {  // next to critical damping, or a short time: the series, good to turn2^2/24
+  // Near critical damping, or a short time: the series, with an error of turn2^2/24.
+  if (std::abs(turn2) < 1e-8) {
     const double fade = math::exp(-decay * time);
     even = fade * (1.0 - 0.5 * turn2);
     odd = fade * time * (1.0 - turn2 / 6.0);
@@ -53,23 +55,25 @@ inline Propagator propagator(const Oscillator& oscillator, double time) {
   return {even + decay * odd, odd, -omega * omega * odd, even - decay * odd};
 }
 
-// m a'' = k u + c u' - F in the tangent plane, a: place of the tip, u = r - a: stretch of the element whose root is at r [m],
-// k = m omega^2, c = 2 zeta m omega.
+// m a'' = k u + c u' - F in the tangent plane. a: position of the tip, u = r - a: stretch of the
+// element whose root is at r [m], k = m omega^2, c = 2 zeta m omega.
 struct TipLaw {
   double k;  // N/m
   Oscillator oscillator;
 
-  [[nodiscard]] double dashpot() const { return 2.0 * oscillator.zeta * k / oscillator.omega; }  // N s/m
+  // N s/m
+  [[nodiscard]] double dashpot() const { return 2.0 * oscillator.zeta * k / oscillator.omega; }
 };
 
-// What a step does to the tip: the root moves from `root` at `speed`, normal force and stick limit change linearly.
+// Input of a step: the root moves from `root` at `speed`; normal force and stick limit change
+// linearly.
 struct TipDrive {
   Eigen::Vector2d root, speed;  // m, m/s
   double dt;                    // s, > 0
-  double f_normal[2];           // raw normal force [N] at the start and at the end; negative while apart
+  double f_normal[2];           // raw normal force [N] at start and end; negative while separated
   double limit[2];              // mu_s f_n [N]
   double mu_kinetic;
-  double longest;  // share of the step for which the direction of friction is kept at the most
+  double longest;  // longest share of the step with a constant direction of friction
 
   [[nodiscard]] Eigen::Vector2d root_at(double fraction) const { return root + (fraction * dt) * speed; }
 };
@@ -79,21 +83,25 @@ struct Tip {
   ElementState state;
 };
 
-// What the step did.
+// Result of a step.
 struct TipTrace {
-  Eigen::Vector2d slip{0.0, 0.0};      // m, way of the touching tip over the surface
+  Eigen::Vector2d slip{0.0, 0.0};      // m, displacement of the touching tip over the surface
   double path = 0.0;                   // m, its length
   Eigen::Vector2d friction{0.0, 0.0};  // N, of the tip on the surface, at the end
 };
 
-// Moves the tip through the step, and appends the changes of its state as those of `element`, in order of time.
+// Moves the tip through the step and appends the changes of its state as those of `element`, in
+// order of time.
 //
-// Stick: the tip stands, F = k u + c r'. It lets go where |F| leaves mu_s f_n, which a root at constant speed under a linear limit
-// does where a quadratic has its root. Slip: F = mu_k f_n (its mean over the piece) along the direction in which the tip slipped at the
-// piece's start, so that the rest u - F/k is a free oscillator, moved exactly. A piece ends, at a root found to rounding, where the tip
-// has no speed left along that direction, so that friction never drives it. What speed it then has across it is what its direction has
-// turned by: one that friction would take within a piece is taken; another slips on along what is left. The tip that stands then sticks
-// if mu_s f_n holds it, and slips on along the force if not.
+// Stick: the tip stands, F = k u + c r'. It starts to slip where |F| exceeds mu_s f_n; for a root
+// at constant speed under a linear limit this is the root of a quadratic.
+//
+// Slip: F = mu_k f_n (mean over the piece) along the direction of slip at the piece's start, so
+// that u - F/k is a free oscillator, integrated exactly. A piece ends, at a root found to rounding,
+// where the tip has no speed left along that direction, so that friction never drives it. The
+// remaining speed across that direction comes from the rotation of the direction within the piece.
+// It is set to zero if friction could stop it within a piece; otherwise the tip slips on along it.
+// A tip that stands sticks if mu_s f_n holds it; otherwise it slips on along the force.
 void move_tip(const TipLaw& law, const TipDrive& drive, std::uint32_t element, Tip& tip, TipTrace& trace,
               std::vector<ElementEvent>& events);
 

@@ -50,7 +50,8 @@ class Texture final : public SurfaceEffect {
   }
 
  private:
-  // 1 on a bar, -1 between bars, straight across the edges; `turns`: place over the wavelength. The middle of a bar is where the sine is 1.
+  // 1 on a bar, -1 between bars, straight across the edges; `turns`: position over the wavelength.
+  // The sine is 1 at the middle of a bar.
   [[nodiscard]] double bar(double turns) const {
     const double from_middle = std::abs(turns - 0.25 - std::nearbyint(turns - 0.25));  // 0 to 0.5
     return std::clamp((duty_ - 2.0 * from_middle) / edge_, -1.0, 1.0);
@@ -64,7 +65,7 @@ class Texture final : public SurfaceEffect {
 
 void check_profile(const Parameters& p) {
   const double duty = p.number("duty"), edge = p.number("edge"), wavelength = p.number("wavelength");
-  constexpr double rounding = 1e-9;  // of lengths that are read from text
+  constexpr double rounding = 1e-9;  // of lengths read from text
   if (p.choice("profile") == "sine") {
     if (std::abs(duty - duty_assumed) > rounding * duty_assumed || std::abs(edge - edge_assumed) > rounding * edge_assumed)
       throw SceneValueError("effects.texture.profile", "a sine has no duty and no edge, found duty " + format_number(duty) +

@@ -7,7 +7,8 @@
 namespace slipbench {
 namespace {
 
-// One Maxwell branch beside a spring, for each element and each of the four deflections (normal, three tangential components).
+// A Maxwell branch parallel to each spring, for each element and each of the four deflections
+// (normal, three tangential components).
 class Viscoelastic final : public RheologyEffect {
  public:
   Viscoelastic(const Parameters& p, const EffectContext& context)
@@ -43,14 +44,14 @@ class Viscoelastic final : public RheologyEffect {
   [[nodiscard]] std::span<double> memory() override { return memory_; }
   void pass_on(std::size_t i, Effect& next, const Eigen::Matrix3d& turn) override {
     auto& there = static_cast<Viscoelastic&>(next);
-    const auto pass =
-        [&](std::size_t first) {  // four deflections from `first` on, the last three of them a vector of the surface's frame
-          double *const from = memory_.data() + 2 * deflections * i + first, *const to = there.memory_.data() +
-                                                                                         2 * deflections * i + first;
-          Eigen::Map<Eigen::Vector3d>(to + 1) = turn * Eigen::Map<const Eigen::Vector3d>(from + 1);
-          to[0] = from[0];
-          std::fill_n(from, deflections, 0.0);
-        };
+    // Moves four deflections from `first` on; the last three are a vector in the surface's frame.
+    const auto pass = [&](std::size_t first) {
+      double *const from = memory_.data() + 2 * deflections * i + first, *const to =
+                                                                             there.memory_.data() + 2 * deflections * i + first;
+      Eigen::Map<Eigen::Vector3d>(to + 1) = turn * Eigen::Map<const Eigen::Vector3d>(from + 1);
+      to[0] = from[0];
+      std::fill_n(from, deflections, 0.0);
+    };
     pass(0);
     pass(deflections);
   }
@@ -67,10 +68,10 @@ class Viscoelastic final : public RheologyEffect {
   [[nodiscard]] double history(std::size_t i, std::size_t c, double k) {
     return decay_ * branch(i, c) - relaxing_ * k * gain_ * before(i, c);
   }
-  double& branch(std::size_t i, std::size_t c) { return memory_[2 * deflections * i + c]; }  // N, force of the Maxwell branch
-  double& before(std::size_t i, std::size_t c) {
-    return memory_[2 * deflections * i + deflections + c];
-  }  // m, at the end of the step before
+  // N, force of the Maxwell branch
+  double& branch(std::size_t i, std::size_t c) { return memory_[2 * deflections * i + c]; }
+  // m, deflection at the end of the last step
+  double& before(std::size_t i, std::size_t c) { return memory_[2 * deflections * i + deflections + c]; }
 
   double relaxing_, time_;
   std::vector<double> k_normal_, k_tangential_;

@@ -9,9 +9,11 @@
 namespace slipbench {
 namespace {
 
-// y = 1 + w/speed > 1 of b y + ln y = a + b, a > 0, b > 0: with z = b y Wright's omega function. Near the root the fourth-order step of
-// Fritsch, Shafer and Crowley (Commun. ACM 16 (1973) 123), elsewhere Newton's, which from below never overshoots: the left side is
-// concave. `y`: of the step before, 0 for none; of several, each as if alone. In a steady slide one logarithm.
+// Solves b y + ln y = a + b for y = 1 + w/speed > 1, with a > 0, b > 0; z = b y is Wright's omega
+// function. Near the root: the fourth-order step of Fritsch, Shafer and Crowley (Commun. ACM 16
+// (1973) 123). Elsewhere: Newton's step, which never overshoots from below because the left side is
+// concave. `y`: the last step's solution, 0 for none. Each lane is solved as if alone. A steady
+// slide needs one logarithm.
 SLIPBENCH_INLINE Quad solve(const Quad& a, const Quad& b, decltype(Quad{} < Quad{}) wanted, Quad y) {
   const Quad one = Quad{} + 1.0;
   const auto fresh = ~(y >= 1.0);
@@ -30,7 +32,8 @@ SLIPBENCH_INLINE Quad solve(const Quad& a, const Quad& b, decltype(Quad{} < Quad
   return y;
 }
 
-// RateEffect::strengthen(). `ratio`: 1 + w/speed of the step before and of this one, 0 in stick.
+// RateEffect::strengthen(). `ratio`: 1 + w/speed, on entry of the last step, on return of this
+// one; 0 in stick.
 SLIPBENCH_DISPATCHED void strengthen_all(double gain, double dt, double speed, std::size_t count, const double* trial,
                                          const double* stiffness, const double* limit, double* ratio, double* factor) {
   const Quad none{}, one = none + 1.0;
@@ -79,7 +82,7 @@ class ViscousFriction final : public RateEffect {
 
  private:
   double gain_, speed_;        // per factor e, m/s
-  std::vector<double> ratio_;  // 1 + w/speed of the step before, 0 in stick
+  std::vector<double> ratio_;  // 1 + w/speed of the last step, 0 in stick
 };
 
 }  // namespace

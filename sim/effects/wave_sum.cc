@@ -20,7 +20,7 @@ WaveSum::WaveSum(std::size_t points) : turn_(points / 2) {
 std::vector<double> WaveSum::at_points(std::span<const std::complex<double>> waves) const {
   const std::size_t points = 2 * turn_.size();
   if (waves.size() > points) throw std::logic_error("WaveSum: more waves than points");
-  // Sorted by the reversed bits of their index, so that neighbours are combined first.
+  // Sorted by the bit-reversed index, so that neighbours are combined first.
   std::vector<std::complex<double>> values(points);
   for (std::size_t n = 0, reversed = 0; n < waves.size(); ++n) {
     values[reversed] = waves[n];

@@ -1,4 +1,4 @@
-// Sums of waves that fit a whole number of times into a period.
+// Sums of waves with a whole number of waves per period.
 #pragma once
 
 #include <complex>
@@ -8,14 +8,15 @@
 
 namespace slipbench {
 
-// By the fast Fourier transform of Cooley and Tukey (Math. Comput. 19 (1965) 297), radix 2. Eigen's and FFTW's
-// take their sines from the C library, whose bits depend on the processor.
+// Fast Fourier transform of Cooley and Tukey (Math. Comput. 19 (1965) 297), radix 2. Eigen's and
+// FFTW's take their sines from the C library, whose bits depend on the processor.
 class WaveSum {
  public:
-  // `points`: number of points at which sums are read, evenly over the period; a power of two.
+  // `points`: number of points per period, evenly spaced; a power of two.
   explicit WaveSum(std::size_t points);
 
-  // At point k: Re sum_n waves[n] exp(2 pi i n k/points). `waves`: complex amplitudes, at most `points`.
+  // Returns at point k: Re sum_n waves[n] exp(2 pi i n k/points). `waves`: complex amplitudes, at
+  // most `points`.
   [[nodiscard]] std::vector<double> at_points(std::span<const std::complex<double>> waves) const;
 
  private:

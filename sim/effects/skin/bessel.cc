@@ -10,9 +10,9 @@
 namespace slipbench {
 namespace {
 
-// J_n(x) = 1/pi Int_0^pi cos(x sin a) cos(n a) da of even n by the trapezoidal rule, whose error for N
-// intervals is near J_(2N - n)(x): below 1e-16 for x < 25 and N = 32. Both halves of the interval are
-// equal.
+// J_n(x) = 1/pi Int_0^pi cos(x sin a) cos(n a) da for even n by the trapezoidal rule, whose error
+// for N intervals is near J_(2N - n)(x): below 1e-16 for x < 25 and N = 32. Both halves of the
+// interval are equal.
 class Integral {
  public:
   Integral() {
@@ -42,7 +42,7 @@ class Integral {
   std::array<Quad, nodes / quad> sine_, weight_, weight2_;
 };
 
-// P and Q of Hankel's expansion, for x >= 25, where its terms fall below rounding.
+// P and Q of Hankel's expansion, for x >= 25, where its terms fall below rounding error.
 struct Expansion {
   Expansion(double order, double x) {
     double term = 1.0;
@@ -64,7 +64,8 @@ Bessel bessel(double x) {
     return integral.at(x);
   }
   const auto [sine, cosine] = math::sincos(x);
-  const double scale = 1.0 / std::sqrt(std::numbers::pi * x);  // of cosine and sine of x - pi/4, times sqrt(2)
+  // cos(x - pi/4) = (cos x + sin x)/sqrt(2)
+  const double scale = 1.0 / std::sqrt(std::numbers::pi * x);
   const Expansion of_0(0.0, x), of_2(2.0, x);
   return {scale * (of_0.p * (cosine + sine) - of_0.q * (sine - cosine)),
           -scale * (of_2.p * (cosine + sine) - of_2.q * (sine - cosine))};

@@ -10,11 +10,13 @@
 namespace slipbench {
 namespace {
 
-// Ten times what the worst first step has needed.
+// Ten times the iterations of the worst first step seen.
 constexpr int most_iterations = 2000;
 
-// How near to the solution is near enough, where a step begins `off` it and `allowed` is tolerated. A step smaller than the tolerance is worked out
-// too, all but a part. Otherwise a body would be answered only once it has moved by the tolerance; the push comes late, and shakes it.
+// Returns the residual at which a solver stops; `allowed`: the tolerance, `off`: the residual at
+// the start of the step. A step smaller than the tolerance must be solved too, to a part of `off`.
+// Otherwise a body would feel no change until it has moved by the tolerance, and the late push
+// would shake it.
 double near_enough(double allowed, double off) {
   constexpr double left = 0.03, nothing = 1e-4;
   return std::max(nothing * allowed, std::min(allowed, left * off));
@@ -34,15 +36,16 @@ ElasticContact::ElasticContact(std::unique_ptr<Influence> influence, std::size_t
   for (Eigen::ArrayX2d* a : {&guess_, &at_guess_, &next_, &at_next_, &change_}) a->setZero(n, 2);
 }
 
-// `way` of `force`, from those of friction(). Only differences go through the compliance: the rounding of shift() is then that of all, and a gain
-// has none of it, which the guesses of many steps would add up.
+// Computes the displacements `way` under `force`. Only the difference from friction() goes through
+// the compliance: the rounding error is then that of shift() alone, and a gain has none that the
+// guesses of many steps could accumulate.
 void ElasticContact::apply(const Eigen::ArrayX2d& force, Eigen::ArrayX2d& way) {
   change_ = force - friction();
   influence_->shear(change_.col(0).data(), change_.col(1).data(), way.col(0).data(), way.col(1).data());
   way += shift();
 }
 
-// Makes `next` pressure(), and sunk() what it is then.
+// Sets pressure() to `next` and updates sunk().
 void ElasticContact::take_pressure(const Eigen::Ref<const Eigen::ArrayXd>& next) {
   Values p = pressure();
   change_.col(0) = next - p;
@@ -51,7 +54,9 @@ void ElasticContact::take_pressure(const Eigen::Ref<const Eigen::ArrayXd>& next)
   sunk() += moved_;
 }
 
-// From the forces of the step before on along what that step added, to the least energy on that line. Leaves the gains less where they start.
+// First guess: the forces of the last step, extrapolated along that step's increment to the least
+// energy on that line. Leaves minus the start values in the gains, to which press() adds the
+// solution.
 void ElasticContact::guess_pressure(const Eigen::Ref<const Eigen::ArrayXd>& gap) {
   Values p = pressure(), w = sunk(), gain = pressure_gain(), way = sunk_gain();
   const double curved = (gain * way).sum();
@@ -100,7 +105,7 @@ void ElasticContact::press(const Eigen::Ref<const Eigen::ArrayXd>& gap) {
     const bool joins = (p == 0.0 && residual_ < 0.0).any();
     const bool leaves = (p > 0.0 && p <= length * direction_).any();
     if (joins || leaves) {
-      constexpr double shy = 0.1;  // what joins comes beside others, whose load sinks it too
+      constexpr double shy = 0.1;  // joining elements are also sunk by their neighbours' load
       take_pressure((p > 0.0).select((p - length * direction_).max(0.0), -shy * own * residual_.min(0.0)));
       before = 0.0;
     } else {
@@ -112,7 +117,7 @@ void ElasticContact::press(const Eigen::Ref<const Eigen::ArrayXd>& gap) {
   fail("the pressure");
 }
 
-// Onto the discs |q| <= L.
+// Projects onto the discs |q| <= L.
 void ElasticContact::project(Eigen::ArrayX2d& force, const Eigen::Ref<const Eigen::ArrayXd>& limit) {
   residual_ = (force.col(0).square() + force.col(1).square()).sqrt();
   residual_ = (residual_ > limit).select(limit / residual_, 1.0);
@@ -120,8 +125,9 @@ void ElasticContact::project(Eigen::ArrayX2d& force, const Eigen::Ref<const Eige
   force.col(1) *= residual_;
 }
 
-// No part of C is larger than its greatest row sum, which an even load along the diagonal shows to a few per cent. It changes little with the
-// contact, and shear() notices where a step is too long.
+// The curvature of q'C q is at most C's greatest row sum, which a uniform load along the diagonal
+// gives to a few per cent. It changes little with the contact, and shear() notices a step that is
+// too long.
 void ElasticContact::find_curvature(const Eigen::Ref<const Eigen::ArrayXd>& limit) {
   constexpr double alike = 0.1;
   const double count = (limit > 0.0).cast<double>().sum();
@@ -132,7 +138,8 @@ void ElasticContact::find_curvature(const Eigen::Ref<const Eigen::ArrayXd>& limi
   curvature() = std::max(influence_->own_tangential(), at_next_.maxCoeff());
 }
 
-// From the forces of the step before on along what that step added, to the least energy on that line.
+// First guess: the forces of the last step, extrapolated along that step's increment to the least
+// energy on that line.
 void ElasticContact::guess(const Eigen::ArrayX2d& target, const Eigen::Ref<const Eigen::ArrayXd>& limit) {
   const double curved = (gain() * gain_way()).sum();
   const double again = curved > 0.0 ? std::clamp((gain() * (target - shift())).sum() / curved, 0.0, 2.0) : 0.0;
@@ -166,10 +173,11 @@ void ElasticContact::shear(const Eigen::ArrayX2d& target, const Eigen::Ref<const
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     next_ = guess_ - step * (at_guess_ - target);
     project(next_, limit);
-    constexpr double nothing = 1e-9;  // of what friction could hold: rounding, not a load
+    constexpr double nothing = 1e-9;  // share of the friction limit; below it: rounding, not a load
     const double size = std::max(next_.abs().maxCoeff(), nothing * greatest);
     if ((next_ - guess_).abs().maxCoeff() <= near_enough(tolerance_ * size, off)) {
-      // What slides is to be on its disc to the bit, which the last forces, a little off the solution, need not be.
+      // Slipping elements must lie exactly on their discs, which the last iterate, slightly off the
+      // solution, may not satisfy.
       const auto mark = [&](const auto& force, Eigen::ArrayXd& on_disc) {
         constexpr double rounding = 1e-12;
         on_disc = (force.square().rowwise().sum() >= (1.0 - rounding) * limit.square() && limit > 0.0).template cast<double>();
@@ -187,7 +195,7 @@ void ElasticContact::shear(const Eigen::ArrayX2d& target, const Eigen::Ref<const
     }
     apply(next_, at_next_);
     const double curved = ((next_ - guess_) * (at_next_ - at_guess_)).sum(), flat = (next_ - guess_).square().sum();
-    if (curved * step > flat) {  // too long a step: a shorter one, from the best that there is
+    if (curved * step > flat) {  // step too long: shorten it, from the best point so far
       step *= 0.5;
       momentum = 1.0;
       guess_ = q;

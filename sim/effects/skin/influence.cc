@@ -26,13 +26,13 @@ namespace {
 
 using std::numbers::pi;
 
-// Of a unit force on a cell, at a point: normal, and the three tangential ones [m/N].
+// Displacements of a point under a unit force on a cell: normal and tangential [m/N].
 struct Kernel {
   double normal, xx, yy, xy;
 };
 
-// The half-space under the rectangle [x1, x2] x [y1, y2] around the point, loaded by 1 N/m^2: the integrals of 1/r, x^2/r^3, y^2/r^3 and
-// x y/r^3 from corner to corner (Love, Phil. Trans. A 228, 1929).
+// Half-space, rectangle [x1, x2] x [y1, y2] around the point, loaded by 1 N/m^2: the integrals of
+// 1/r, x^2/r^3, y^2/r^3 and x y/r^3 from corner to corner (Love, Phil. Trans. A 228, 1929).
 Kernel rectangle(double x1, double x2, double y1, double y2, double shear_modulus) {
   double along_x = 0.0, along_y = 0.0, mixed = 0.0;
   const auto corner = [&](double x, double y, double sign) {
@@ -53,7 +53,7 @@ Kernel rectangle(double x1, double x2, double y1, double y2, double shear_modulu
   return {c * inverse, c * (inverse + along_x), c * (inverse + along_y), c * mixed};
 }
 
-// Gauss and Legendre's rule of eight points on [-1, 1]: calls visit(x, weight).
+// Eight-point Gauss-Legendre rule on [-1, 1]: calls visit(x, weight).
 template <class Visit>
 void gauss_legendre(Visit&& visit) {
   constexpr std::array node{0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
@@ -64,12 +64,13 @@ void gauss_legendre(Visit&& visit) {
   }
 }
 
-// What the rigid back takes off at the distance r: the inverse transforms of the layer's compliance less the half-space's,
+// Reduction of the displacement at distance r by the rigid back: the inverse transforms of the
+// layer's compliance less the half-space's,
 //   (1/4 pi G t) Int (N(u) - 1) J0(u r/t) du  and alike.
-// They are smooth over a thickness, and read from a table by cubic interpolation.
+// They are smooth over a thickness, and are read from a table by cubic interpolation.
 class RigidBack {
  public:
-  // `reach`: the largest distance that will be asked for [m].
+  // `reach`: the largest distance needed [m].
   RigidBack(const ElasticBody& body, double reach) : body_(body), spacing_(body.thickness / 16.0) {
     for (std::size_t k = 0; static_cast<double>(k) * spacing_ < reach + 3.0 * spacing_; ++k) {
       rows_.push_back(integrals(static_cast<double>(k) / 16.0));
@@ -79,7 +80,7 @@ class RigidBack {
   [[nodiscard]] Kernel at(double x, double y) const {
     const double r = math::hypot(x, y);
     const double place = r / spacing_;
-    // The functions are even in r: before the first row stands the second.
+    // The functions are even in r: the row before the first equals the second.
     const auto k = static_cast<std::ptrdiff_t>(place);
     const double f = place - static_cast<double>(k);
     const std::array share{-f * (f - 1.0) * (f - 2.0) / 6.0, (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0,
@@ -96,10 +97,12 @@ class RigidBack {
   }
 
  private:
-  // At r = rho t: of the normal part, of what both tangents have alike, and of what turns with the direction.
+  // At r = rho t: the integrals of the normal part, of the isotropic tangential part and of the
+  // tangential part that varies with direction.
   static std::array<double, 3> integrals(double rho) {
-    constexpr double far = 20.0;                                                     // where exp(-2 u) is below rounding
-    const auto pieces = static_cast<int>(std::ceil(far * std::max(0.5, rho / pi)));  // short against the waves of J
+    constexpr double far = 20.0;  // where exp(-2 u) is below rounding error
+    // short compared with the waves of J
+    const auto pieces = static_cast<int>(std::ceil(far * std::max(0.5, rho / pi)));
     const double half = 0.5 * far / pieces;
     std::array<double, 3> sum{};
     for (int piece = 0; piece < pieces; ++piece) {
@@ -121,7 +124,8 @@ class RigidBack {
   std::vector<std::array<double, 3>> rows_;  // at k spacings
 };
 
-// Of a unit force on the cell of a x b [m] at the distance (x, y) between middles: the mean over the cell where it is met.
+// Returns the mean displacement of a cell of a x b [m] under a unit force on another one, (x, y)
+// [m] from centre to centre.
 Kernel cell_on_cell(double x, double y, double a, double b, const ElasticBody& body, const std::optional<RigidBack>& back) {
   Kernel sum{};
   const auto add = [&](double w, const Kernel& k) {
@@ -137,21 +141,21 @@ Kernel cell_on_cell(double x, double y, double a, double b, const ElasticBody& b
           rectangle(px - 0.5 * a, px + 0.5 * a, py - 0.5 * b, py + 0.5 * b, body.shear_modulus));
     });
   });
-  if (back) {  // the distances between points of two cells have the variance of these four
+  if (back) {  // distances between points of two cells have the same variance as these four
     for (const double right : {-1.0, 1.0}) {
       for (const double up : {-1.0, 1.0}) add(0.25, back->at(x + right * a / std::sqrt(6.0), y + up * b / std::sqrt(6.0)));
     }
   }
-  // Kept as floats, since processors differ in the last bits of logarithms.
+  // Rounded to float, so that differences in the last bits do not show.
   const auto rounded = [](double value) { return static_cast<double>(static_cast<float>(value)); };
   return {rounded(sum.normal), rounded(sum.xx), rounded(sum.yy), rounded(sum.xy)};
 }
 
-// A full grid of elements, all along -Z: where each stands in it.
+// A full grid of elements, all along -Z.
 struct Grid {
   std::size_t columns, rows;
   double a, b;                       // m, edges of a cell along x and y
-  std::vector<std::uint32_t> place;  // [n] row * columns + column
+  std::vector<std::uint32_t> place;  // [n] index in the grid, row * columns + column
 };
 
 constexpr double rounding = 1e-6;  // of a cell
@@ -193,7 +197,8 @@ std::optional<Grid> grid_of(const PadLayout& layout) {
   return grid;
 }
 
-// A convolution on a grid of twice the rows and columns, whose second halves bear nothing: their rows need no transform.
+// A convolution on a grid with twice the rows and columns. The added halves carry no load: their
+// rows need no transform.
 class GridInfluence final : public Influence {
  public:
   GridInfluence(const Grid& grid, const ElasticBody& body)
@@ -247,7 +252,7 @@ class GridInfluence final : public Influence {
   };
   using Plan = std::unique_ptr<std::remove_pointer_t<fftw_plan>, Destroy>;
 
-  // Rows of real numbers to spectra and back, those that bear something; columns of spectra.
+  // Plans for the loaded rows, real numbers to spectra and back, and for the columns of spectra.
   void make_plans() {
     const std::lock_guard lock(fftw_planner());
     const int length = static_cast<int>(columns_), height = static_cast<int>(rows_), waves = static_cast<int>(waves_),
@@ -266,7 +271,7 @@ class GridInfluence final : public Influence {
     if (!rows_forward_ || !rows_back_ || !columns_forward_ || !columns_back_) throw std::bad_alloc();
   }
 
-  // What is outside the pad has been 0 from the start, in field_ and in by_rows_.
+  // Cells outside the pad stay 0 from the constructor on, in field_ and in by_rows_.
   void load(const double* force, std::size_t k) {
     for (std::size_t i = 0; i < place_.size(); ++i) field_.get()[place_[i]] = force[i];
     fftw_execute_dft_r2c(rows_forward_.get(), field_.get(), by_rows_.get());
@@ -279,7 +284,8 @@ class GridInfluence final : public Influence {
     for (std::size_t i = 0; i < place_.size(); ++i) way[i] = way_.get()[place_[i]];
   }
 
-  // The kernels' transforms. All are real: the kernels are even in x and in y, or odd in both.
+  // Tabulates the kernels' transforms. All are real: the kernels are even in x and in y, or odd in
+  // both.
   void tabulate(const Grid& grid, const ElasticBody& body) {
     std::vector<Kernel> quarter(grid.rows * grid.columns);
     std::optional<RigidBack> back;
@@ -323,17 +329,18 @@ class GridInfluence final : public Influence {
     transform(&Kernel::xy, true, xy_);
   }
 
-  std::size_t loaded_;                                           // rows of the pad
-  std::size_t columns_, rows_, waves_;                           // of the doubled grid
-  std::vector<std::uint32_t> place_;                             // [n] in it
-  std::unique_ptr<double, Free> field_, way_;                    // rows of the pad: forces, and ways
-  std::unique_ptr<fftw_complex, Free> by_rows_;                  // their transforms, row by row
-  std::array<std::unique_ptr<fftw_complex, Free>, 2> spectrum_;  // of both directions
+  std::size_t loaded_;                           // rows of the pad
+  std::size_t columns_, rows_, waves_;           // of the doubled grid
+  std::vector<std::uint32_t> place_;             // [n] index in the doubled grid
+  std::unique_ptr<double, Free> field_, way_;    // rows of the pad: forces, and displacements
+  std::unique_ptr<fftw_complex, Free> by_rows_;  // their transforms, row by row
+  // of both directions
+  std::array<std::unique_ptr<fftw_complex, Free>, 2> spectrum_;
   Plan rows_forward_, rows_back_, columns_forward_, columns_back_;
   std::vector<double> normal_, xx_, yy_, xy_;  // [rows, waves] m/N
 };
 
-// From each element to its nearest, in the mean [m].
+// Returns the mean distance from each element to its nearest neighbour [m].
 double mean_distance(const PadLayout& layout) {
   if (layout.elements.size() < 2) {
     throw SceneValueError("effects", "elastic_skin: a single element has no distance to another; allowed: a patch above 0");
@@ -349,15 +356,17 @@ double mean_distance(const PadLayout& layout) {
   return sum / static_cast<double>(layout.elements.size());
 }
 
-// Elements anywhere on a curved skin, whose patches are small against its radii. In three dimensions both laws are one tensor,
-// (1/4 pi G)(1/r + r r'/r^3), of which each element sees its own axis and its own tangents.
+// Elements anywhere on a curved skin whose patches are small compared with its radii. In three
+// dimensions both laws are one tensor, (1/4 pi G)(1/r + r r'/r^3), of which each element uses its
+// own axis and tangents.
 class MeshInfluence final : public Influence {
  public:
   MeshInfluence(const PadLayout& layout, const ElasticBody& body, double patch) {
     const auto n = static_cast<Eigen::Index>(layout.elements.size());
     for (Eigen::MatrixXd* m : {&normal_, &xx_, &yy_, &xy_}) m->resize(n, n);
     const double c = 1.0 / (4.0 * pi * body.shear_modulus), radius = patch / std::sqrt(pi);
-    // A round patch under an even load: its mean own displacement is that of a distance of 3 pi/16 radii (Johnson, sec. 3.4).
+    // A round patch under a uniform load: its mean displacement equals that at a distance of 3
+    // pi/16 radii from a point load (Johnson, sec. 3.4).
     own_normal_ = c * 16.0 / (3.0 * pi * radius);
     own_tangential_ = 1.5 * own_normal_;
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -406,7 +415,7 @@ class MeshInfluence final : public Influence {
 }  // namespace
 
 LayerCompliance layer_compliance(double s) {
-  if (s > 20.0) return {1.0, 1.0, 1.0};  // to rounding
+  if (s > 20.0) return {1.0, 1.0, 1.0};  // exact to rounding
   const double bottom = math::cosh(2.0 * s) + 1.0 + 2.0 * s * s;
   // sinh 2s - 2s by its series where the difference would cancel.
   const double s2 = s * s;
