@@ -9,13 +9,15 @@ namespace {
 
 using kernel::lanes;
 
-// What distances and sums of ways are short by [m]: far more than they are rounded by, far less than what it costs to look too early.
+// Amount by which distances and sums of travel are reduced [m]: far more than their rounding error,
+// far less than what an early wake-up would cost.
 constexpr double slack = 1e-9;
 
-// A group that would wake within so many steps does not fall asleep.
+// A group that would wake within this many steps is not put to sleep.
 constexpr double least_sleep = 8.0;
 
-// How far a point within `reach` [m] of the pad's origin may have come from one pose to the other [m].
+// Returns an upper bound of the travel between two poses of any point within `reach` [m] of the
+// pad's origin [m].
 double farthest_way(const Pose& from, const Pose& to, double reach) {
   return (to.position - from.position).norm() + (to.rotation - from.rotation).norm() * reach;
 }
@@ -110,7 +112,7 @@ void ActiveSet::update_element(std::size_t i, const ContactPoints& contacts, con
   update(contacts, columns);
 }
 
-// Works out where the selected groups, which sleep, met the surface in the last step.
+// Computes contact points and gaps in the last step for the selected groups, which sleep.
 void ActiveSet::update(const ContactPoints& contacts, const kernel::Columns& columns) {
   if (selected_.count == 0) return;
   contacts.find(columns, pose_, selected_.groups());
@@ -129,17 +131,19 @@ void ActiveSet::list_candidates() {
   }
 }
 
-// Wakes what may touch after the travel of this step. `pose_` is still that of the step before.
+// Wakes groups that may touch after the travel of this step. `pose_` is still that of the last
+// step.
 void ActiveSet::wake(const ContactPoints& contacts, const kernel::Columns& columns) {
   const double before = travel_;
-  // Of many small ways that are added to a long one each loses what the sum is rounded by.
+  // A small step loses the rounding error of the sum when it is added to a long travel.
   travel_ += step_travel_ + std::numeric_limits<double>::epsilon() * travel_;
   if (travel_ < next_wake_) return;
   selected_.count = 0;
   for (std::size_t g = 0; g < wakes_at_.size(); ++g) {
     if (sleeps(g) && wakes_at_[g] <= travel_) selected_.add(g * lanes);
   }
-  // The step before is written to the columns of "before"; rest() makes those of "now" the same, which this step then writes.
+  // The last step is written to the columns of "before". rest() makes those of "now" equal, and
+  // this step overwrites them.
   kernel::Columns then = columns;
   for (const std::size_t k : {0U, 1U, 2U}) std::swap(then[kernel::contact_x + k], then[kernel::contact_before_x + k]);
   std::swap(then[kernel::gap], then[kernel::gap_before]);
@@ -155,7 +159,8 @@ void ActiveSet::wake(const ContactPoints& contacts, const kernel::Columns& colum
   list_candidates();
 }
 
-// How far the tips of a group must come at least before one touches [m]; `first`: its first element. 0 where that is not known.
+// Returns how far the tips of a group must travel at least before one touches [m]; 0: unknown.
+// `first`: the group's first element.
 double ActiveSet::clearance(const kernel::Columns& columns, std::size_t first) const {
   double least = std::numeric_limits<double>::infinity();
   const std::size_t end = std::min(count_, first + lanes);

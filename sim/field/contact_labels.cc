@@ -10,7 +10,8 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// Columns of summed units: sums over all surfaces up to `summed`, then what they are on the one where the normal force is greatest.
+// Columns of summed units: up to `summed` sums over all surfaces, then values on the surface with
+// the greatest normal force.
 namespace unit {
 enum Column : std::size_t {
   force,  // kernel::UnitColumns
@@ -84,7 +85,7 @@ void ContactLabels::judge(std::span<Field> fields, double time, double dt) {
     counted_ = changes;
     unit_rules::judge_pad(frame_, elements_);
   }
-  // In a sparse field zeros of what lets go keep the sign that they are turned to.
+  // In a sparse field zeros of separating elements keep the sign that they are rotated to.
   if (keeps_angle_ && (elements_.slipping > 0 || fields.front().sparse())) fill(fields, FramePart::all);
 }
 
@@ -100,7 +101,8 @@ void ContactLabels::count_units(std::span<Field> fields) {
 
 const ContactFrame& ContactLabels::fill(std::span<Field> fields, FramePart part) {
   if (filled_ >= part) return frame_;
-  filled_ = keeps_angle_ ? FramePart::all : part;  // whoever reads the angle reads all at each sample
+  // readers of the angle read everything at each sample
+  filled_ = keeps_angle_ ? FramePart::all : part;
   label_units(fields, filled_);
   if (frame_.element_depth.size() > 0) label_elements(fields);
   if (filled_ == FramePart::all || felt_ > 0) {
@@ -136,7 +138,7 @@ void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
   for (std::vector<std::uint64_t>& seen : seen_) seen.resize(fields.size());
   for (std::size_t k = 0; k < fields.size(); ++k) {
     Field& field = fields[k];
-    // All of a field that is another, or that has not stepped.
+    // All groups, if the field is another one or has not stepped.
     const std::uint64_t seen = seen_[all ? 1 : 0][k];
     viewed_ = field.active_since(field.steps() > seen ? seen : 0);
     seen_[0][k] = field.steps();
@@ -152,7 +154,7 @@ void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
   const kernel::UnitColumns units = one_field && single_ ? elements_as_units(fields.front()) : sum_fields(fields);
   const std::size_t count = units_.size();
   const Field& front = fields.front();
-  if (shaken_ && front.sparse()) frame_.force.row(2).setZero();  // of the units that touch nothing too
+  if (shaken_ && front.sparse()) frame_.force.row(2).setZero();  // also of units that touch nothing
   if (!all) {
     for_each_in(viewed_, [&](std::size_t first, std::size_t end) { kernel::label_felt(units, first, end, vectors > 1, frame_); });
     return;
@@ -163,7 +165,8 @@ void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
       for (std::size_t u = first; u < end; ++u) frame_.unit_state[u] = static_cast<UnitState>(static_cast<int>(mode[u]));
     });
   }
-  // Where each unit has a normal of its own. Other pads than skins are turned run by run, whose zeros may have another sign.
+  // Units with individual normals. Pads other than skins are rotated run by run, and their zeros
+  // may have another sign.
   const bool apiece = front.sparse() || (front.has_skin() && !front.on_plane());
   if (one_field && single_ && apiece) {
     kernel::label_groups(units, front.pad_in_surface().rotation.transpose(), rate_, viewed_, count, frame_);
@@ -171,7 +174,8 @@ void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
   }
   const auto most_loaded = [&](std::size_t u) { return one_field ? &fields.front() : most_loaded_[u]; };
   const auto normal = [&](std::size_t u) { return Eigen::Vector3d(units.normal[0][u], units.normal[1][u], units.normal[2][u]); };
-  // Units that meet the same normal are turned together, and with them those that touch nothing: all of theirs is 0, unless their tips ring.
+  // Units with the same normal are rotated together, and so are units without contact: all their
+  // values are 0 unless their tips ring.
   const bool rings = std::ranges::any_of(fields, &Field::has_tips);
   const auto apart = [&](std::size_t u) { return !rings && units.touching[u] == 0.0; };
   for (std::size_t first = 0, end = 0; first < count; first = end) {
@@ -185,7 +189,8 @@ void ContactLabels::label_units(std::span<Field> fields, FramePart part) {
   }
 }
 
-// Force and displacement of units of several elements, or on several surfaces, to the bit as sum_fields() has them.
+// Force and displacement of units of several elements, or on several surfaces, bit-identical to
+// sum_fields().
 void ContactLabels::feel(std::span<const Field> fields, std::size_t vectors) {
   for (std::size_t u = 0; u < units_.size(); ++u) {
     const auto sum = [&](std::size_t c) {
@@ -222,7 +227,7 @@ void ContactLabels::label_elements(std::span<const Field> fields) {
   for (const Field& field : fields) field.add_elements(sparse ? viewed_ : field.all(), depth, shear);
 }
 
-// Calls visit(first, end) for the elements of each group, or once for all.
+// Calls visit(first, end) for the elements of each group, or once for all elements.
 template <class Visit>
 void ContactLabels::for_each_in(const kernel::Groups& groups, Visit&& visit) const {
   if (groups.first == nullptr) return visit(std::size_t{0}, unit_of_element_.size());
@@ -231,7 +236,7 @@ void ContactLabels::for_each_in(const kernel::Groups& groups, Visit&& visit) con
   }
 }
 
-// Units of one element on one surface are what their elements are.
+// Returns the elements' columns as those of units of one element on one surface.
 kernel::UnitColumns ContactLabels::elements_as_units(const Field& field) {
   const auto vector = [&](kernel::Column x) {
     const auto component = [&](std::size_t k) { return field.column(static_cast<kernel::Column>(x + k)); };
@@ -242,7 +247,7 @@ kernel::UnitColumns ContactLabels::elements_as_units(const Field& field) {
           field.column(kernel::limit), field.column(kernel::mode),   shares_.data()};
 }
 
-// Sums units of several elements, or on several surfaces.
+// Sums the elements of units of several elements, or on several surfaces.
 kernel::UnitColumns ContactLabels::sum_fields(std::span<Field> fields) {
   const auto count = static_cast<Eigen::Index>(units_.size());
   sums_.resize(count, unit::columns);
@@ -273,10 +278,11 @@ kernel::UnitColumns ContactLabels::sum_fields(std::span<Field> fields) {
           column(unit::limit),      column(unit::touching),   shares_.data()};
 }
 
-// Sums anew the units of which an element has been viewed: of all others the sums are what they were. All but the normal, which only counts where
-// nothing touches any more, and then the last unit's stands for all (label_units).
+// Recomputes the sums of units of which an element has been viewed; all others are unchanged. The
+// normal is the exception: it only counts if nothing touches, and then the last unit's normal
+// stands for all (label_units).
 void ContactLabels::sum_viewed(Field& field) {
-  std::size_t next = 0;  // unit that has not been summed
+  std::size_t next = 0;  // first unit that has not been summed
   for_each_in(viewed_, [&](std::size_t first, std::size_t end) {
     const std::size_t last = unit_of_element_[end - 1] + std::size_t{1};
     next = std::max(next, std::size_t{unit_of_element_[first]});
@@ -289,10 +295,12 @@ void ContactLabels::sum_viewed(Field& field) {
   sums_.row(sums_.rows() - 1).segment<3>(unit::normal) = field.normal(last).transpose();
 }
 
-// Sums the elements of the units from `begin` to before `end_unit` on one surface, in the pad frame but for the tangential force and the normal. That is the one of the element
-// with the greatest normal force: one beside the surface meets another face.
+// Sums the elements of the units from `begin` to before `end_unit` on one surface. Values are in
+// the pad frame, but the tangential force and the normal are in the surface's. The normal is that
+// of the element with the greatest normal force, since an element beside the surface has the normal
+// of another face.
 void ContactLabels::sum_elements(const Field& field, std::size_t begin, std::size_t end_unit, Eigen::ArrayXXd& sums) const {
-  // The vectors among the columns, and where in `sums` they go.
+  // The vectors among the columns, and their position in `sums`.
   constexpr std::size_t vectors = 4;
   constexpr std::array<std::pair<kernel::Column, std::size_t>, vectors> summed{{{kernel::pad_force_x, unit::force},
                                                                                 {kernel::deflection_x, unit::deflection},

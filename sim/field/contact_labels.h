@@ -1,4 +1,4 @@
-// From elements to units: the truth about one pad, as sensors read it and datasets keep it.
+// From elements to units: the truth about one pad, as sensors read it and datasets store it.
 #pragma once
 
 #include <array>
@@ -12,33 +12,41 @@
 
 namespace slipbench {
 
-// Sums a pad's elements into units and tells what each unit and the pad do (contact_frame.h). Unit states are those of the model's
-// elements; nothing is thresholded. The translation, centre and angle of the slip are the rigid motion that fits the slipping units'
-// velocities best (least squares, equal weights).
-// A pad has one field for each surface that it may touch, all of the same layout. Forces, deflections, slip and counts of friction points
-// are sums over them; the contact plane and the margin of a unit are those on the surface where its normal force is greatest.
+// Sums a pad's elements into units and determines the states of units and pad (contact_frame.h).
+// Unit states are those of the model's elements; nothing is thresholded. The translation, centre
+// and angle of the slip are those of the rigid motion that best fits the slipping units' velocities
+// (least squares, equal weights).
+//
+// A pad has one field for each surface that it may touch, all with the same layout. Forces,
+// deflections, slip and counts of friction points are sums over the fields; a unit's contact plane
+// and margin are those on the surface with its greatest normal force.
 class ContactLabels {
  public:
   explicit ContactLabels(const PadLayout& layout);
 
-  // Reads the fields after a step of `dt` that ended at `time` [s]. Must be called once after every step.
+  // Reads the fields after a step of `dt` that ended at `time` [s]. Must be called once after every
+  // step.
   const ContactFrame& update(std::span<Field> fields, double time, double dt);
-  // update() in three parts, for labels that not everybody reads and a step that may not last. judge() finds the states, and leaves events and
-  // slip_angle as they were; fill(), until the next step, finds of the rest what it is asked for; settle(), once the step stands, adds what the step
-  // judged last has done to events and angle.
+  // update() in three parts, for labels that are not always read and for steps that may be undone.
+  // judge() determines the states and leaves events and slip_angle unchanged. fill() computes
+  // `part` of the rest; the result is valid until the next step. settle(), once the step is final,
+  // adds the last judged step to events and angle.
   void judge(std::span<Field> fields, double time, double dt);
   const ContactFrame& fill(std::span<Field> fields, FramePart part);
   void settle(std::span<const Field> fields, double dt);
 
   [[nodiscard]] const ContactFrame& frame() const { return frame_; }
-  // Before judge(), on a stage: where it stands in the world [m], and the normal force of its vibration on each unit [N].
+  // Sets, before judge(), the stage's position in the world [m] and the normal force of its
+  // vibration on each unit [N].
   void ride(const Eigen::Array3d& stage_position, double shaking) {
     frame_.stage_position = stage_position;
     shaking_ = shaking;
   }
-  // From here on slip_angle is not added up: labels then cost what is read of them. Else a slipping pad's are worked out at every step.
+  // Stops the accumulation of slip_angle, so that labels are computed only when they are read. With
+  // it, those of a slipping pad are computed at every step.
   void leave_slip_angle() { keeps_angle_ = false; }
-  // All that the labels carry from one step to the next beside the fields' state is frame().slip_angle [rad].
+  // frame().slip_angle [rad] is the only label state besides the fields' that is carried from one
+  // step to the next.
   void set_slip_angle(double angle) { frame_.slip_angle = angle; }
 
  private:
@@ -57,25 +65,29 @@ class ContactLabels {
   std::vector<UnitRange> units_;
   std::vector<double> shares_;  // 1/elements of the unit
   std::vector<std::uint32_t> unit_of_element_;
-  bool single_ = false;                    // every unit is one element
-  std::size_t felt_;                       // of force and displacement, how many are read
-  bool keeps_angle_ = true;                // leave_slip_angle() has not been called
-  double shaking_ = 0.0, rate_ = 0.0;      // N, ride(); 1/s, of the step judged last
-  bool shaken_ = false;                    // all forces have been added to
-  FramePart filled_ = FramePart::all;      // of the frame
-  Eigen::ArrayXXd sums_;                   // [N, columns] units of several elements, or on several surfaces
-  Eigen::ArrayXXd on_one_;                 // the same on one of several surfaces
-  std::vector<const Field*> most_loaded_;  // [N] of several fields: the one with the greatest normal force on the unit
-  Eigen::Array3Xd undeformed_;             // [3,N] m, mean of a unit's undeformed tips in P
-  std::vector<unit_rules::Count>
-      counts_;                 // [N] of the step judged last, where units are of several elements or on several surfaces
-  std::uint64_t counted_ = 0;  // changes() of all fields then
-  std::array<std::vector<std::uint64_t>, 2> seen_;  // of each field: its steps() when what is felt, and all, were read last
-  kernel::Groups viewed_{};                         // what has been read of the last field in this step
+  bool single_ = false;      // every unit is one element
+  std::size_t felt_;         // number of values that are read: none, force, force and displacement
+  bool keeps_angle_ = true;  // false after leave_slip_angle()
+  // N, ride(); 1/s, of the last judged step
+  double shaking_ = 0.0, rate_ = 0.0;
+  bool shaken_ = false;  // true if frame_.force contains shaking_
+  // valid part of the frame
+  FramePart filled_ = FramePart::all;
+  Eigen::ArrayXXd sums_;    // [N, columns] units of several elements, or on several surfaces
+  Eigen::ArrayXXd on_one_;  // the same on a single surface
+  // [N] with several fields: the one with the greatest normal force on the unit
+  std::vector<const Field*> most_loaded_;
+  Eigen::Array3Xd undeformed_;  // [3,N] m, mean of a unit's undeformed tips in P
+  // [N] of the last judged step, for units of several elements or on several surfaces
+  std::vector<unit_rules::Count> counts_;
+  std::uint64_t counted_ = 0;  // sum of all fields' changes() at that time
+  // [fields] steps() when the felt part, and when all, was last read
+  std::array<std::vector<std::uint64_t>, 2> seen_;
+  kernel::Groups viewed_{};  // groups read of the last field in this step
   std::vector<unit_rules::UnitEvent> changes_;
   unit_rules::ContactPlane contact_plane_;
-  unit_rules::Count elements_;  // of the whole pad
-  double slip_rate_ = 0.0;      // rad/s, rotation of the slip in the step judged last
+  unit_rules::Count elements_;  // counts of the whole pad
+  double slip_rate_ = 0.0;      // rad/s, rotation of the slip in the last judged step
   ContactFrame frame_;
 };
 

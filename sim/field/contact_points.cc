@@ -59,7 +59,7 @@ namespace {
 
 using Entry = ContactPoints::Entry;
 
-// A shape whose gap is the distance of the nearest point, by steps of that distance.
+// Entry for a shape whose gap is the distance of the nearest point: marches by that distance.
 template <class Shape>
 std::optional<Entry> walk_out(const Shape& shape, const Eigen::Vector3d& tip, const Eigen::Vector3d& axis, double from) {
   constexpr int most_steps = 1000;
@@ -135,7 +135,7 @@ bool ContactPoints::has_come_through(const Eigen::Vector3d& tip, const Eigen::Ve
                                      const SurfacePoint& met) const {
   constexpr double far_side = 0.5;  // cosine between axis and normal
   const double looks_away = met.nx * axis.x() + met.ny * axis.y() + met.nz * axis.z();
-  const auto round = [&] {  // it faces the far side, or is deep inside and looks out
+  const auto round = [&] {  // it faces the far side, or is deep inside and faces outwards
     return looks_away > far_side || (looks_away >= 0.0 && met.gap > 0.5 * depth && is_inside(tip));
   };
   if (const Box* box = std::get_if<Box>(&surface_)) return box->is_behind(faces, tip, axis);
@@ -144,11 +144,11 @@ bool ContactPoints::has_come_through(const Eigen::Vector3d& tip, const Eigen::Ve
     constexpr unsigned side = 2;
     return (met.faces & ~side) == 0 && round();
   }
-  if (on_grid()) return looks_away > far_side;  // whose edges it cannot tell from sides
+  if (on_grid()) return looks_away > far_side;  // a grid does not tell edges from sides
   return !on_plane() && round();
 }
 
-// A grid tells the side by the sign of the gap of one of two opposite axes.
+// On a grid the gaps of two opposite axes tell the side: one of them is negative inside.
 bool ContactPoints::is_inside(const Eigen::Vector3d& p) const {
   const DistanceGrid* const grid = std::get_if<DistanceGrid>(&surface_);
   if (grid == nullptr) return !is_outside(p);
@@ -174,7 +174,7 @@ void ContactPoints::find(const kernel::Columns& columns, const Pose& pose, const
 
 template <class Shape>
 void ContactPoints::meet(const Shape& shape, const kernel::Columns& columns, const Pose& at, const kernel::Groups& groups) const {
-  // Copies: the compiler cannot know that what is written to the columns is none of these.
+  // Copies, since the compiler cannot know that writes to the columns change none of these.
   const kernel::Columns c = columns;
   const Pose pose = at;
   const Shape met_by = shape;  // NOLINT(performance-unnecessary-copy-initialization)

@@ -46,7 +46,7 @@ class Dashpots final : public RheologyEffect {
   static constexpr std::size_t deflections = 4;
 
   std::vector<Element> elements_;
-  std::vector<double> before_;  // [elements][4] penetration and stretch at the end of the step before
+  std::vector<double> before_;  // [elements][4] penetration and stretch at the end of the last step
 };
 
 }  // namespace

@@ -18,16 +18,17 @@ namespace {
 
 constexpr std::size_t alignment = 64;
 
-// The columns that outlive a step. What a step calls "before" is filled from them.
+// The columns carried to the next step. A step fills its "before" columns from them.
 constexpr std::array kept{kernel::contact_x, kernel::contact_y, kernel::contact_z, kernel::gap,      kernel::f_normal,
                           kernel::limit,     kernel::mode,      kernel::anchor_x,  kernel::anchor_y, kernel::anchor_z,
                           kernel::force_x,   kernel::force_y,   kernel::force_z,   kernel::path};
-// Of a skin, which does not find them anew where it rests; on a plane the first alone.
+// For a skin, which does not recompute them at rest; on a plane only the first.
 constexpr std::array kept_of_skin{kernel::depth, kernel::normal_x, kernel::normal_y, kernel::normal_z};
 std::span<const kernel::Column> kept_by_skin(bool plane) {
   return std::span(kept_of_skin).first(plane ? 1 : kept_of_skin.size());
 }
-constexpr std::array kept_of_faces{kernel::faces, kernel::depth_offset};  // and these, unless all meet the one face of a plane
+// Also these, unless the surface is a plane with its single face.
+constexpr std::array kept_of_faces{kernel::faces, kernel::depth_offset};
 
 const PadLayout& checked(const PadLayout& layout, const Friction& friction, const FieldEffects& effects) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("field: " + what); };
@@ -59,7 +60,8 @@ const PadLayout& checked(const PadLayout& layout, const Friction& friction, cons
   return layout;
 }
 
-// Where inside a step a quantity that changes linearly from `before` to `now` passes through zero.
+// Returns the fraction of the step at which a quantity that changes linearly from `before` to `now`
+// is zero.
 double zero_crossing(double before, double now) {
   const double fraction = before / (before - now);
   return fraction >= 0.0 && fraction <= 1.0 ? fraction : 0.0;
@@ -161,7 +163,8 @@ void Field::load_state(std::span<const double> state) {
 }
 
 SLIPBENCH_INLINE void Field::begin_step(const Pose& pad_in_surface, double dt) {
-  pose_.rotation = pad_in_surface.rotation;  // apart: as a whole it waits for the position to be written
+  // separate: assigning the whole pose would wait for the position to be written
+  pose_.rotation = pad_in_surface.rotation;
   pose_.position = pad_in_surface.position;
   step_ = placed_ ? dt : 0.0;
   events_.clear();
@@ -230,7 +233,7 @@ void Field::step_in_stages(const Twist* motion) {
   }
   const bool touches =
       active_set_ ? active_set_->sort(columns_) : touching_ < count_ && kernel::any_touches(columns_, has_memory(), padded_);
-  if (touches) {  // what did not before is anchored where it touched, inside the step
+  if (touches) {  // anchor new contacts where they touched, inside the step
     for_each_element(active(), [this](std::size_t i) {
       if (columns_[mode_before][i] == 0.0 && raw_normal_force(i) > 0.0) anchor_touched(i);
     });
@@ -239,7 +242,7 @@ void Field::step_in_stages(const Twist* motion) {
   if (has_memory()) commit_rheology(step_);
 }
 
-// Moves elements that touch another surface out of this one, by as much as they are inside.
+// Moves elements that touch another surface out of this one, by their depth.
 void Field::open_excluded() {
   for (const std::uint32_t i : excluded_) {
     if (columns_[gap][i] >= 0.0) continue;
@@ -249,7 +252,8 @@ void Field::open_excluded() {
 }
 
 bool Field::is_near() const {
-  if (touching_ > 0 || has_bumps() || on_grid()) return true;  // a tip in a grid may look out of it beside a seam
+  // a tip in a grid may point out of it near a seam
+  if (touching_ > 0 || has_bumps() || on_grid()) return true;
   for (std::size_t k = 0; k < candidates_.count; ++k) {
     const double* const gaps = columns_[gap] + candidates_[k];
     if (std::any_of(gaps, gaps + kernel::lanes, [](double each) { return each < 0.0; })) return true;
@@ -288,8 +292,9 @@ double Field::travel(std::size_t i) const {
          std::abs(columns_[gap][i] + offset - columns_[gap_before][i]);
 }
 
-// The element's columns of "before" become those that it would have, had it touched `next` all the time. Its tip has come from the surface held
-// here, taken as a plane, so both depths are known at one place: what `next` has more is the offset s of field.h.
+// The element's columns of "before" are set as if it had always touched `next`. Its tip comes from
+// the surface held here, taken as a plane, so both depths are known at one position: the excess in
+// `next` is the offset s of field.h.
 void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
   const kernel::Columns &from = columns_, &to = next.columns_;
   const auto in_plane = [](const Eigen::Vector3d& v, const Eigen::Vector3d& n) { return Eigen::Vector3d(v - v.dot(n) * n); };
@@ -303,7 +308,7 @@ void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
       contacts_.normal_at(contact, axis, on_plane() ? SurfacePoint::only_face : static_cast<unsigned>(from[faces_before][i]));
   const Eigen::Vector3d there = next.normal(i);
   const double offset = on_plane() ? 0.0 : from[depth_offset][i], beyond = (tip - contact).dot(n);
-  const Eigen::Vector3d root = tip - beyond * n;  // where the element would meet the surface held here
+  const Eigen::Vector3d root = tip - beyond * n;  // contact point on the surface held here
   const Eigen::Vector3d stretch = in_plane(here_in_next.rotation * (root - anchor), there);
   const Eigen::Vector3d way = in_plane(here_in_next.rotation * (root - contact), there);
   put(to, anchor_x, next.vector(contact_x, i) - stretch);
@@ -312,8 +317,8 @@ void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
   for (const Column c : {gap_before, f_normal_before, limit_before, mode_before}) to[c][i] = from[c][i];
   if (!next.on_plane()) {
     to[faces_before][i] = to[faces][i];
-    // A bend of the surface is passed at one place along the axis, although the depths along the two normals differ. Only a
-    // distance between the faces along the axis is a jump.
+    // A bend of the surface is passed at one position along the axis, although the depths along the
+    // two normals differ. Only a distance between the faces along the axis is a jump.
     const double jump = -to[gap][i] - std::max(0.0, -beyond);
     const double along_there = there.dot(here_in_next.rotation * axis), along = n.dot(axis);
     const double ahead = to[gap][i] / along_there - beyond / along;
@@ -337,12 +342,12 @@ void Field::hand_over(std::size_t i, Field& next, const Pose& here_in_next) {
   from[f_normal_before][i] = -std::abs(from[f_normal_before][i]);
   from[limit_before][i] = from[mode_before][i] = 0.0;
   if (!on_plane()) from[depth_offset][i] = 0.0;
-  from[mode][i] = 1.0;  // of two steps ago: the group of a sparse field stays active in this step (ActiveSet)
+  // of two steps ago: keeps the group of a sparse field active in this step (ActiveSet)
+  from[mode][i] = 1.0;
   ++changes_;
   ++next.changes_;
 }
 
-// The return mapping.
 void Field::map_to_cone() {
   RateEffect* const rate = step_ > 0.0 ? effects_.rate.get() : nullptr;
   const auto map_each = [&](const auto& cone) {
@@ -362,7 +367,8 @@ void Field::map_to_cone() {
   }
 }
 
-// Where the tips meet effects. One that has come to another face will be anchored there anew, under its root (keep_energy).
+// Positions at which the tips read effects. A tip that has come to another face is placed under its
+// root, where keep_energy() anchors it anew.
 void Field::place_tips() {
   kernel::place_tips(columns_, padded_);
   if (on_plane() || kernel::all_keep_faces(columns_, all())) return;
@@ -372,13 +378,14 @@ void Field::place_tips() {
   }
 }
 
-// Whether a face that element i meets is one that it met before.
+// True if element i meets a face that it met before.
 bool Field::share_face(std::size_t i) const {
   return (static_cast<unsigned>(columns_[faces][i]) & static_cast<unsigned>(columns_[faces_before][i])) != 0;
 }
 
-// The s of field.h. k_n delta^2/2 is a function of the tip's position as long as an element meets one face with one s, and does not
-// grow when either changes: a frictionless field gives no work, whatever the way.
+// Updates the offset s of field.h. k_n delta^2/2 is a function of the tip's position while an
+// element meets one face with one s, and does not grow when either changes: a frictionless field
+// delivers no work on any path.
 void Field::keep_energy(std::size_t i) {
   const kernel::Columns& c = columns_;
   double& s = c[kernel::depth_offset][i];
@@ -442,8 +449,8 @@ void Field::rate_friction(double dt, const Twist* motion) {
   for (const auto& effect : effects_.friction) effect->scale(view(dt), columns_[mu_static], columns_[mu_kinetic]);
 }
 
-// Where inside the step an element touches: where its gap closes, or, if a dashpot had let go of it inside the surface, where it
-// pushes again.
+// Returns the fraction of the step at which an element touches: where its gap closes or, if a
+// dashpot had released it inside the surface, where it pushes again.
 double Field::touch_fraction(std::size_t i) const {
   return columns_[gap_before][i] > 0.0 ? zero_crossing(columns_[gap_before][i], columns_[gap][i])
                                        : zero_crossing(columns_[f_normal_before][i], raw_normal_force(i));
@@ -457,15 +464,15 @@ void Field::anchor_touched(std::size_t i) {
   }
 }
 
-// Where inside the step the trial force leaves the stick cone. Force and limit are linear in the step, so their difference is
-// convex and crosses zero once.
+// Returns the fraction of the step at which the trial force leaves the stick cone. Force and limit
+// are linear in the step, so their difference is convex and crosses zero once.
 double Field::onset_fraction(std::size_t i) const {
   const Eigen::Vector3d start = vector(force_before_x, i);
   Eigen::Vector3d end = vector(force_x, i) + columns_[k_tangential][i] * vector(slip_x, i);
   const Eigen::Vector3d n = vector(normal_x, i);
   const double limit_start = columns_[limit_before][i];
   double limit_end = columns_[limit][i];
-  if (effects_.lean) {  // a slip changes its normal force too
+  if (effects_.lean) {  // a slip also changes its normal force
     end = columns_[trial][i] * vector(slip_x, i).normalized();
     limit_end = columns_[slide][i];
   }
@@ -529,7 +536,7 @@ void Field::count_states(const kernel::Groups& groups) {
 
 void Field::resolve_events() {
   count_states(active());
-  if (effects_.tip) return;  // which has reported them
+  if (effects_.tip) return;  // the effect has reported them
   for_each_element(active(), [this](std::size_t i) {
     if (state_before(i) != state(i)) resolve_event(i);
   });
@@ -537,7 +544,7 @@ void Field::resolve_events() {
 
 void Field::resolve_event(std::size_t i) {
   const ElementState from = state_before(i), to = state(i);
-  double fraction = 0.0;  // slip that ends has ended with the step before
+  double fraction = 0.0;  // a slip that ends has ended at the end of the last step
   if (!placed_) {
     fraction = 1.0;
   } else if (from == ElementState::detached) {
@@ -552,9 +559,9 @@ void Field::resolve_event(std::size_t i) {
 }
 
 void Field::note_lost(std::size_t i) {
-  constexpr double least_depth = 1e-5;  // m: less is lost than positions of bodies are known by
+  constexpr double least_depth = 1e-5;  // m: below the accuracy of body positions
   const double depth = -columns_[gap_before][i];
-  // An element with an offset lets go where it is no deeper than that (keep_energy).
+  // An element with an offset separates when it is no deeper than the offset (keep_energy).
   if (depth < least_depth || columns_[depth_offset][i] > 0.0) return;
   const Eigen::Vector3d tip = pose_ * layout_.elements[i].tip, axis = pose_.rotation * layout_.elements[i].axis;
   if (contacts_.has_come_through(tip, axis, static_cast<unsigned>(columns_[faces_before][i]), depth, contacts_.at(tip, axis)))

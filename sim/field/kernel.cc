@@ -15,7 +15,8 @@ SLIPBENCH_INLINE void put(const Columns& c, Column column, std::size_t i, const 
 
 SLIPBENCH_INLINE double total(const Lanes& sums) { return (sums[0] + sums[1]) + (sums[2] + sums[3]); }
 
-// Row `row` of a turned vector, in the order in which Eigen adds up a product: the same to the bit wherever it is worked out.
+// Row `row` of a rotated vector, in the order in which Eigen adds up a product, for bit-identical
+// results.
 SLIPBENCH_INLINE Lanes turned(const Eigen::Matrix3d& r, int row, const Lanes& x, const Lanes& y, const Lanes& z) {
   return row < 2 ? r(row, 0) * x + r(row, 1) * y + r(row, 2) * z : r(row, 0) * x + (r(row, 1) * y + r(row, 2) * z);
 }
@@ -117,7 +118,7 @@ SLIPBENCH_DISPATCHED Sorted sort_groups(const Columns& c, const Groups& candidat
     const Lanes raw = raw_normal_force(at(c, gap, i), at(c, k_normal, i), none), before = at(c, mode_before, i);
     const Mask pressed = raw > 0.0, apart = before == 0.0;
     touches |= pressed & apart;
-    // The column of modes that this step will write still has those of two steps ago.
+    // The column of modes still holds those of two steps ago; this step will overwrite it.
     if (any(pressed | ~apart | (at(c, mode, i) != 0.0))) {
       active[found.active++] = static_cast<std::uint32_t>(i);
       continue;
@@ -167,7 +168,7 @@ SLIPBENCH_DISPATCHED void place_tips(const Columns& c, std::size_t count) {
     const Lanes bx = at(c, contact_before_x, i) - ax, by = at(c, contact_before_y, i) - ay, bz = at(c, contact_before_z, i) - az;
     const Lanes stretch2 = ux * ux + uy * uy + uz * uz, before2 = bx * bx + by * by + bz * bz;
     const Lanes state = at(c, mode_before, i), none{};
-    // A detached tip, state 0, is where its root is.
+    // A detached tip, state 0, is under its root.
     const Lanes trails = stretch2 > before2 ? root(before2 / stretch2) : none + 1.0;
     const Lanes share = state == 2.0 ? trails : none;
     const Mask stuck = state == 1.0;
@@ -233,7 +234,7 @@ SLIPBENCH_DISPATCHED void load_tips(const Columns& c, std::size_t count) {
 
 namespace {
 
-// A vector of columns as the pad sees it.
+// Writes a vector of columns rotated into the pad frame.
 SLIPBENCH_INLINE void put_turned(const Columns& c, Column column, std::size_t i, const Rotation& r, const Lanes& x,
                                  const Lanes& y, const Lanes& z) {
   put(c, column, i, r.r00 * x + r.r01 * y + r.r02 * z);
@@ -268,7 +269,8 @@ SLIPBENCH_DISPATCHED void add_elements(const Columns& c, const Eigen::Matrix3d& 
   const auto add = [&](std::size_t first, std::size_t end) SLIPBENCH_INLINE_BODY {
     SLIPBENCH_VECTORISE
     for (std::size_t i = first; i < end; ++i) {
-      // The anchor lies in the surface's tangent plane through the contact point: there is nothing along the normal to take off.
+      // The anchor lies in the surface's tangent plane through the contact point, so the difference
+      // has no normal part.
       const double dx = c[anchor_x][i] - c[contact_x][i], dy = c[anchor_y][i] - c[contact_y][i],
                    dz = c[anchor_z][i] - c[contact_z][i];
       depth[i] += 0.5 * (std::abs(c[gap][i]) - c[gap][i]);

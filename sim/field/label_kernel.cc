@@ -28,7 +28,7 @@ SLIPBENCH_INLINE void label_all(const UnitColumns& c, const Eigen::Matrix3d& tur
     force[3 * u] = fx;
     force[3 * u + 1] = fy;
     force[3 * u + 2] = fz;
-    // In the order in which Eigen adds up a product, so that a turn is the same to the bit wherever it is worked out.
+    // In the order in which Eigen adds up a product, for bit-identical results.
     contact_force[3 * u] = kLevel ? fx : r00 * fx + r01 * fy + r02 * fz;
     contact_force[3 * u + 1] = kLevel ? fy : r10 * fx + r11 * fy + r12 * fz;
     contact_force[3 * u + 2] = kLevel ? fz : r20 * fx + (r21 * fy + r22 * fz);
@@ -54,7 +54,7 @@ SLIPBENCH_DISPATCHED void label_turned(const UnitColumns& units, const Eigen::Ma
   label_all<false>(units, turn, rate, first, end, frame);
 }
 
-// Rows of four entries each, from four columns of `lanes` entries.
+// Transposes four columns of `lanes` entries into rows of four entries.
 SLIPBENCH_INLINE void turn_round(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   const Lanes ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
   const Lanes cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
@@ -66,7 +66,8 @@ SLIPBENCH_INLINE void turn_round(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
 
 }  // namespace
 
-// An element's entries of four columns are added at once: columns side by side, so that each is summed in the order of the elements.
+// Adds an element's entries of four columns at once: lanes are columns, so that each column is
+// summed in the order of the elements.
 SLIPBENCH_DISPATCHED UnitSum sum_unit(const UnitSum::Summed& columns, std::size_t first, std::size_t count) {
   constexpr std::size_t quads = UnitSum::vector_columns / lanes;
   const auto& from = columns.vectors;
@@ -118,7 +119,7 @@ SLIPBENCH_DISPATCHED UnitSum sum_unit(const UnitSum::Summed& columns, std::size_
   sum.path = own[0];
   sum.limit = own[1];
   sum.normal_force = own[2];
-  // Of the modes 0, 1 and 2, whole numbers, in whatever order they are added.
+  // Modes are the whole numbers 0, 1 and 2, so the order of the sum does not matter.
   for (std::size_t k = 0; k < lanes; ++k) {
     mode += modes[k];
     square += squares[k];
@@ -130,7 +131,8 @@ SLIPBENCH_DISPATCHED UnitSum sum_unit(const UnitSum::Summed& columns, std::size_
 
 namespace {
 
-// The turn of unit_rules::ContactPlane, entry by entry in the order in which it is worked out there: entry 10 is 01.
+// The rotation of unit_rules::ContactPlane, with entries computed in the same order as there: entry
+// 10 equals 01.
 template <class Real>
 struct Turn {
   Real r00, r01, r02, r11, r12, r20, r21, r22;
@@ -154,7 +156,7 @@ struct Turn {
   }
 };
 
-// Where the labels of the units from `first` on go.
+// Addresses of the labels of the units from `first` on.
 struct Labels {
   double *force, *contact_force, *displacement, *slip_velocity, *slip_distance, *margin;
 };
@@ -198,7 +200,7 @@ SLIPBENCH_DISPATCHED void label_groups(const UnitColumns& c, const Eigen::Matrix
     const std::size_t first = groups[k];
     if (first + lanes <= count) {
       label_at<Lanes>(c, to, rate, first, frame);
-    } else {  // the last group is not whole: the columns are, the frame is not
+    } else {  // the last group is incomplete: columns are padded, the frame is not
       for (std::size_t u = first; u < count; ++u) label_at<double>(c, to, rate, u, frame);
     }
   }
@@ -230,7 +232,8 @@ SLIPBENCH_INLINE void put_states(UnitState* to, const Lanes& modes) {
 }
 SLIPBENCH_INLINE void put_states(UnitState* to, double mode) { *to = static_cast<UnitState>(static_cast<int>(mode)); }
 
-// What view_from_pad() and label_units() make of level elements, to the bit: without the products with zeros and ones, and nothing in between.
+// Bit-identical to view_from_pad() and label_units() for level elements, but without products with
+// zeros and ones, and without intermediate columns.
 template <class Real>
 SLIPBENCH_INLINE void label_level_at(const Columns& c, const Rotation& r, Column transmitted, double rate, std::size_t i,
                                      FramePart part, ContactFrame& frame) {
@@ -256,7 +259,7 @@ SLIPBENCH_INLINE void label_level_at(const Columns& c, const Rotation& r, Column
 
 }  // namespace
 
-// The last ones each by itself: lanes that begin where none were written wait for what was written before them.
+// The last entries one by one: overlapping lanes would wait for the values written before.
 SLIPBENCH_DISPATCHED void label_level_elements(const Columns& c, const Eigen::Matrix3d& rotation, Column transmitted, double rate,
                                                std::size_t count, FramePart part, ContactFrame& frame) {
   const Rotation r = entries_back(rotation);

@@ -11,12 +11,12 @@
 namespace slipbench {
 namespace {
 
-// One element in one step, in the surface frame. Springs and rheology give k u + `history` tangentially and k_normal depth + history_normal
-// along the normal of an upright column.
+// One element in one step, in the surface frame. Springs and rheology of an upright column give k u
+// + `history` tangentially and k_normal depth + history_normal along the normal.
 struct LeaningElement {
   Eigen::Vector3d stretch, history;           // m, N: tangential, of the trial
   double k, k_normal, depth, history_normal;  // N/m, N/m, m, N
-  double mu_slide;                            // before a rate law
+  double mu_slide;                            // without a rate law
 };
 
 struct LeaningForce {
@@ -28,17 +28,19 @@ double normal_force(const Lean& lean, const LeaningElement& element, double q) {
   return std::max(0.0, element.k_normal * (element.depth - lean.drop(q)) + element.history_normal);
 }
 
-// Force at the stretch u [m], by effect.h's Lean.
+// Returns the force at the stretch u [m], by effect.h's Lean.
 LeaningForce leaning_force(const Lean& lean, const LeaningElement& element, const Eigen::Vector3d& u) {
   const double q = u.norm(), normal = normal_force(lean, element, q);
   const double stopped = q > lean.stop_deflection ? lean.stop_stiffness * (1.0 - lean.stop_deflection / q) : 0.0;
   return {normal, (element.k - normal / lean.length + stopped) * u + element.history};
 }
 
-// The slip s >= 0 [m] of the tip along the unit vector e of its trial force, which is beyond mu_slide f_n: the first root of
+// Returns the slip s >= 0 [m] of the tip along the unit vector e of its trial force, which is
+// beyond mu_slide f_n: the first root of
 //   e.f_t(u - s e) = mu_slide f_n(u - s e) g(s/dt),
-// g = 1 without a `rate` law. Where the column's stiffness is negative the tip slides outwards, up to the stop: a tip without mass snaps there
-// within the step. `guess`: a slip near the root [m].
+// with g = 1 without a `rate` law. Where the column's stiffness is negative the tip slides
+// outwards, up to the stop: a tip without mass snaps there within the step. `guess`: a slip near
+// the root [m].
 double leaning_slip(const Lean& lean, const LeaningElement& element, const Eigen::Vector3d& e, double guess, double dt,
                     const RateEffect* rate) {
   const double kept = element.history.dot(e), ahead = element.stretch.dot(e);
@@ -47,7 +49,8 @@ double leaning_slip(const Lean& lean, const LeaningElement& element, const Eigen
   const double per_length = 1.0 / lean.length, per_dt = dt > 0.0 ? 1.0 / dt : 0.0;
   const auto excess = [&](double s, double& slope) {
     const double along = ahead - s, q = std::sqrt(across2 + along * along), normal = normal_force(lean, element, q);
-    const double grows = normal > 0.0 ? element.k_normal * along * per_length : 0.0;  // of the normal force with s
+    // increase of the normal force with s
+    const double grows = normal > 0.0 ? element.k_normal * along * per_length : 0.0;
     double added = -normal * per_length, added_grows = -grows * per_length;
     if (q > lean.stop_deflection) {
       const double share = lean.stop_deflection / q;
@@ -59,8 +62,9 @@ double leaning_slip(const Lean& lean, const LeaningElement& element, const Eigen
     slope = -(element.k + added) + added_grows * along - element.mu_slide * (grows * factor + normal * steepens);
     return (element.k + added) * along + kept - element.mu_slide * normal * factor;
   };
-  // Newton's steps from the guess, held between what is known to be below and above the root. Nothing is above at first: where Newton's step
-  // does not lead upwards, growing ones do, of which the first is what the stiffest column would give way.
+  // Newton's steps from the guess, kept inside a bracket. At first there is no upper bound: where
+  // Newton's step does not lead upwards, growing steps do, the first of which is the displacement
+  // of the stiffest column.
   double low = 0.0, high = std::numeric_limits<double>::infinity(), stride = 0.0, s = std::max(0.0, guess);
   for (int iteration = 0; iteration < 200; ++iteration) {
     double slope = 0.0;
@@ -81,9 +85,10 @@ double leaning_slip(const Lean& lean, const LeaningElement& element, const Eigen
   return s;
 }
 
-// L g(w) [N] of the rate law for a trial force t that slides by associated flow on the cone of size `at_rest` L: the slip s(L) is the distance
-// over k of t from the cone of L, a convex function of the slope -h/k with h = f.e/L, e the direction of the slip. So each L from the tangent at
-// the one before is too small, and they converge from below, quadratically.
+// Returns L g(w) [N] of the rate law for a trial force t that slides by associated flow on the cone
+// of size `at_rest` L. The slip s(L) is the distance of t from the cone of L, divided by k: a
+// convex function with the slope -h/k, h = f.e/L, e the direction of the slip. So each L from the
+// tangent at the last one is too small, and they converge from below, quadratically.
 double strengthened(const ConeEffect& cone, RateEffect& rate, double dt, std::size_t i, const Eigen::Vector3d& t,
                     const Eigen::Vector3d& n, double k, double at_rest) {
   double sliding = at_rest;

@@ -1,7 +1,8 @@
-// The return mapping of one element onto its friction cone (field.h): one for all cones.
+// The return mapping of one element onto its friction cone (field.h), common to all cones.
 //
-// A trial force with the anchor where it was, what the cone makes of it (map_onto_circle; map_onto of other cones), and the element's new
-// state. The kernel inlines all three and, of a circle, works on several elements at once.
+// It takes a trial force with the anchor unchanged, its projection onto the cone
+// (map_onto_circle; map_onto for other cones), and the element's new state. The kernel inlines all
+// three and, for the circular cone, works on several elements at once.
 #pragma once
 
 #include <cmath>
@@ -15,7 +16,8 @@
 
 namespace slipbench::kernel {
 
-// An element's entry of a column, or those of several elements from it on. `Real`: double, or Lanes.
+// Returns an element's entry of a column, or those of several elements from it on. `Real`: double,
+// or Lanes.
 template <class Real>
 SLIPBENCH_INLINE Real entry(const Columns& c, Column column, std::size_t i) {
   return vector_at<Real>(c[column] + i);
@@ -23,10 +25,10 @@ SLIPBENCH_INLINE Real entry(const Columns& c, Column column, std::size_t i) {
 template <class Real>
 using Flag = decltype(Real{} < Real{});
 
-// Of an element while its anchor stays. Vectors are tangential.
+// Forces of an element if its anchor stays. Vectors are tangential.
 template <class Real>
 struct TrialOf {
-  Real raw, f_n;    // normal force: negative while apart, and 0 then [N]
+  Real raw, f_n;    // normal force: raw is negative while separated, f_n is 0 then [N]
   Real ux, uy, uz;  // stretch [m]
   Real hx, hy, hz;  // history of the rheology [N]
   Real tx, ty, tz;  // force k u + h [N]
@@ -56,7 +58,7 @@ SLIPBENCH_INLINE TrialOf<Real> trial_of(const Columns& c, std::size_t i) {
     if (c[h_x] != nullptr) {
       t.hx = at(h_x);
       t.hy = at(h_y);
-      if constexpr (!kPlane) {  // the history was made in an earlier tangent plane
+      if constexpr (!kPlane) {  // the history was computed in an earlier tangent plane
         t.hz = at(h_z);
         const Real along = t.hx * nx + t.hy * ny + t.hz * nz;
         t.hx -= along * nx;
@@ -64,19 +66,19 @@ SLIPBENCH_INLINE TrialOf<Real> trial_of(const Columns& c, std::size_t i) {
         t.hz -= along * nz;
       }
     }
-    t.tx += t.hx;  // also 0, which takes the sign off a zero
+    t.tx += t.hx;  // also adding 0 matters: it removes the sign of a zero
     t.ty += t.hy;
     if constexpr (!kPlane) t.tz += t.hz;
   }
   return t;
 }
 
-// What a cone makes of a trial: the element after the step.
+// Projection of a trial onto a cone: the element after the step.
 template <class Real>
 struct MappedOf {
-  Real raw;         // normal force, negative while apart [N]
+  Real raw;         // normal force, negative while separated [N]
   Real fx, fy, fz;  // tangential force [N]
-  Real sx, sy, sz;  // slip, by which the stretch is shorter [m]
+  Real sx, sy, sz;  // slip, by which the stretch is reduced [m]
   Real path;        // its length [m]
   Flag<Real> slides;
 };
@@ -88,15 +90,16 @@ SLIPBENCH_INLINE Real size_of(const TrialOf<Real>& t) {
   return root(kPlane ? squared : squared + t.tz * t.tz);
 }
 
-// The size of a trial force [N] beyond which element i slips: `stick` mu_s f_n, or, once it has begun, `slide` mu_k f_n. By a rate law mu_k may be
-// the larger one, and slip is no slip while it is shorter than what counts.
+// Returns the size of a trial force [N] beyond which element i slips: `stick` mu_s f_n or, if it
+// slipped before, `slide` mu_k f_n. By a rate law mu_k may be the larger one. A slip shorter than
+// shortest_slip does not count.
 template <class Real, bool kExtended>
 SLIPBENCH_INLINE Real slips_beyond(const Columns& c, std::size_t i, const Real& stick, const Real& slide) {
   const Real onset = kExtended ? (slide > stick ? slide : stick) : stick;
   return (entry<Real>(c, mode_before, i) == 2.0 ? slide : onset) + entry<Real>(c, k_tangential, i) * shortest_slip;
 }
 
-// Coulomb's circular cone, also for what does not touch.
+// Projects onto Coulomb's circular cone, also for elements without contact.
 template <class Real, bool kPlane, bool kExtended>
 SLIPBENCH_INLINE MappedOf<Real> map_onto_circle(const Columns& c, std::size_t i, const TrialOf<Real>& t) {
   const Real none{}, one = none + 1.0, softness = entry<Real>(c, compliance, i);
@@ -106,17 +109,18 @@ SLIPBENCH_INLINE MappedOf<Real> map_onto_circle(const Columns& c, std::size_t i,
   const Flag<Real> slides = touches & (size > slips_beyond<Real, kExtended>(c, i, limit_stick, limit_slide));
   const Real ratio = limit_slide / size, scale = slides ? ratio : one;
   const Real loss = (size - limit_slide) * softness;
-  // With u = (f - h) / k the anchor lies at c - u; the slip of this step is what the stretch lost: nothing of one that sticks.
+  // With u = (f - h) / k the anchor lies at c - u; the slip of this step is the loss of stretch, 0
+  // for a sticking element.
   const Real lost = (one - scale) * softness;
   const Real fx = scale * t.tx, fy = scale * t.ty, fz = scale * t.tz;
-  // Of what does not touch every zero has the same sign, whatever it has come from: it is part of the state.
+  // Without contact every zero has the same sign, whatever it comes from: it is part of the state.
   return {t.raw,       touches ? fx : none, touches ? fy : none,         touches ? fz : none,
           lost * t.tx, lost * t.ty,         kPlane ? none : lost * t.tz, slides ? loss : none,
           slides};
 }
 
-// Takes over what the cone has made of the trial. `kKeepsAnchor`: on a plane an anchor that sticks stays to the bit, which c - (c - a) does up to
-// rounding only.
+// Stores the projected trial. `kKeepsAnchor`: on a plane a sticking anchor stays bit-identical,
+// whereas c - (c - a) keeps it only up to rounding.
 template <class Real, bool kPlane, bool kKeepsAnchor>
 SLIPBENCH_INLINE void take_over(const Columns& c, std::size_t i, const TrialOf<Real>& t, const MappedOf<Real>& m) {
   const Real none{}, one = none + 1.0;
@@ -143,7 +147,8 @@ SLIPBENCH_INLINE void take_over(const Columns& c, std::size_t i, const TrialOf<R
   set(mode, (touches ? one : none) + (m.slides ? one : none));
 }
 
-// Maps `count` elements one after the other onto a cone `map_onto(i, trial)` of those that touch. `plane`, `extended`: as for map().
+// Maps `count` elements one by one; `map_onto(i, trial)` projects those that touch onto the cone.
+// `plane`, `extended`: as for map().
 template <class Cone>
 void map_each(const Columns& c, bool plane, bool extended, std::size_t count, const Cone& map_onto) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -159,12 +164,14 @@ void map_each(const Columns& c, bool plane, bool extended, std::size_t count, co
 
 namespace slipbench {
 
-// What `cone` makes of the trial of element i, which touches. `rate`: null, or a rate law in a step of `dt` > 0 [s].
+// Projects the trial of element i, which touches, onto `cone`. `rate`: null, or a rate law in a
+// step of `dt` > 0 [s].
 [[nodiscard]] kernel::Mapped map_onto(const ConeEffect& cone, RateEffect* rate, double dt, const kernel::Columns& columns,
                                       std::size_t i, const kernel::Trial& trial);
 
-// What Coulomb's cone makes of it where elements are columns (effect.h's Lean); the trial is that of an upright one. Also writes the columns trial
-// and slide. Throws InputError where the column is loaded beyond what its stop holds.
+// Projects the trial of element i onto Coulomb's cone for leaning columns (effect.h's Lean); the
+// trial is that of an upright column. Also writes the columns trial and slide. Throws InputError if
+// the column is loaded beyond the capacity of its stop.
 [[nodiscard]] kernel::Mapped map_onto(const Lean& lean, const RateEffect* rate, double dt, const kernel::Columns& columns,
                                       std::size_t i, const kernel::Trial& trial);
 

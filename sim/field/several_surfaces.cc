@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::size_t none = static_cast<std::size_t>(-1);
 
-// Returns the surface k of `count` with the largest way(k), the distance [m] behind the tip at which the element passed its face; none if
-// may_meet(k) is false for every k.
+// Returns the surface k of `count` with the largest way(k), the distance [m] behind the tip at
+// which the element passed its face; none if may_meet(k) is false for every k.
 template <class MayMeet, class Way>
 std::size_t first_surface(std::size_t count, const MayMeet& may_meet, const Way& way) {
   std::size_t first = none;
@@ -25,14 +25,15 @@ std::size_t first_surface(std::size_t count, const MayMeet& may_meet, const Way&
   return first;
 }
 
-// The surface that element i touches by state(field), or none.
+// Returns the surface that element i touches according to state(field), or none.
 template <class State>
 std::size_t holder_of(std::span<const Field> fields, const State& state) {
   const auto touched = std::ranges::find_if(fields, [&](const Field& field) { return state(field) != ElementState::detached; });
   return touched == fields.end() ? none : static_cast<std::size_t>(touched - fields.begin());
 }
 
-// The way of one element back through the union of all surfaces that its tip is in: from each surface into those that touch it there.
+// The path of one element back through the union of all surfaces that contain its tip: from each
+// surface into those that touch it.
 class WayBack {
  public:
   WayBack(std::span<const Field> fields, std::size_t i) : entries_(fields.size()) {
@@ -61,13 +62,15 @@ class WayBack {
   std::size_t first_ = none;
 };
 
-// The surface that element i meets after approach() of all fields, and that it meets there as the union has it; none: it meets nothing.
+// Returns the surface that element i meets after approach() of all fields, and makes it meet the
+// union's face there; none: it meets nothing.
 std::size_t owner_of(std::span<Field> fields, std::size_t i, std::size_t holder) {
   const auto meets = [i](const Field& field) { return field.is_inside(i); };
   const auto met = std::ranges::count_if(fields, meets);
   if (holder != none && met == 1 && fields[holder].keeps_face(i)) return holder;
-  // The grid of a mesh may miss an element that is inside it beside an edge. A first touch there is accepted only within the length of the column: a pad
-  // that points the wrong way has its elements inside as well, but deeper.
+  // The grid of a mesh may miss an element that is inside it near an edge. A first touch there is
+  // accepted only within the length of the column: a pad that points the wrong way has its elements
+  // inside as well, but deeper.
   const double column = fields.front().column_length();
   if (met == 0 && holder == none) {
     const auto in_grid = [i](const Field& field) { return field.on_grid() && field.has_tip_inside(i); };
@@ -81,14 +84,14 @@ std::size_t owner_of(std::span<Field> fields, std::size_t i, std::size_t holder)
   const WayBack back(fields, i);
   std::size_t owner = back.first();
   if (owner == none || (column > 0.0 && back.entry(owner)->way > column)) {
-    // A round body, or none: what each surface says by itself.
+    // A round body, or none: use each surface by itself.
     if (holder != none && (met == 0 || fields[holder].is_inside(i))) return holder;
     return first_surface(
         fields.size(), [&](std::size_t k) { return fields[k].is_inside(i); },
         [&](std::size_t k) { return fields[k].way_inside(i); });
   }
   if (holder != none && holder != owner && back.entry(holder)) {
-    // It goes on to a face that has just come to lie before its own.
+    // It moves on to a face that has just come to lie before its own.
     fields[holder].meet_face(i, *back.entry(holder));
     const double ahead = back.entry(owner)->way - back.entry(holder)->way;
     if (!(ahead > same_place && ahead <= fields[holder].travel(i) + 2.0 * same_place)) return holder;
@@ -97,8 +100,9 @@ std::size_t owner_of(std::span<Field> fields, std::size_t i, std::size_t holder)
   return owner;
 }
 
-// The grid of a mesh rounds edges and knows the nearest face alone: where meshes lie against each other it meets the wall between them, which no
-// element can touch. `owner`: the surface that element i meets, or none.
+// The grid of a mesh rounds edges and knows the nearest face only: where meshes adjoin it sees the
+// inner face between them, which no element can touch. `owner`: the surface that element i meets,
+// or none.
 void refuse_seam_of_meshes(std::span<const Field> fields, std::span<const Pose> pads, std::size_t i, std::size_t owner) {
   constexpr double rounded = 1e-4;  // m, a fifth of a cell of half a millimetre
   constexpr double leaning = -0.7;  // cosine between axis and normal of a face that leans by 45 deg
@@ -119,7 +123,7 @@ void refuse_seam_of_meshes(std::span<const Field> fields, std::span<const Pose> 
   }
 }
 
-// After approach() of all fields.
+// Call after approach() of all fields.
 void share_elements(std::span<Field> fields, std::span<const Pose> pads) {
   std::vector<std::vector<std::uint32_t>> excluded(fields.size());
   for (std::size_t i = 0; i < fields.front().size(); ++i) {
@@ -135,10 +139,10 @@ void share_elements(std::span<Field> fields, std::span<const Pose> pads) {
   for (std::size_t k = 0; k < fields.size(); ++k) fields[k].exclude(excluded[k]);
 }
 
-// A load that counts twice would be a wrong result without a word.
+// A load counted twice would be a silently wrong result.
 void refuse_two_contacts(std::span<const Field> fields) {
   if (fields.front().has_skin()) {
-    // Each field would solve for a skin that is pressed by its surface alone.
+    // Each field would solve for a skin pressed by its surface alone.
     if (std::ranges::count_if(fields, [](const Field& field) { return field.touching() > 0; }) > 1) {
       throw InputError(
           "effects: elastic_skin: the pad touches two surfaces at once, and its skin is solved for one; let it touch one");

@@ -1,11 +1,13 @@
-// A step of a field whose pad is one elastic body (SkinEffect). Between the undeformed tips and the forces stand three things that a field of
-// springs does not need:
-// - The surface is met where the loaded skin is: a tip that touches at its anchor, as the step before has left it. So a stuck patch feels no
-//   change of gap while the pad moves along, and a tip that begins to slip or stops meets no other place for it. One that slips is met late by
-//   the slip of one step.
-// - A gap counts along the element's axis, gap/cos of the angle between axis and normal, as the skin gives. Force p along the axis is p/cos
-//   along the normal.
-// - Ways and forces in the tangent plane are told by the element's x and y, turned with its z onto the normal the shortest way.
+// A step of a field whose pad is one elastic body (SkinEffect). Three things are needed that a
+// field of springs does not need:
+// - The contact is evaluated where the loaded skin is: for a touching tip at its anchor, as the
+//   last step has left it. So a stuck patch feels no change of gap while the pad moves along, and a
+//   tip that begins to slip, or stops, does not jump to another position. For a slipping tip the
+//   contact lags by the slip of one step.
+// - A gap is measured along the element's axis, gap/cos of the angle between axis and normal, as
+//   the skin yields. A force p along the axis is p/cos along the normal.
+// - Displacements and forces in the tangent plane are given by the element's x and y, after the
+//   shortest rotation of its z onto the normal.
 #include <algorithm>
 
 #include "sim/field/field.h"
@@ -16,21 +18,21 @@ namespace {
 
 using kernel::Lanes, kernel::lanes, kernel::lanes_at, kernel::put_lanes;
 
-// Columns of Field::skin_. Frames are constant; the rest is of the step.
+// Columns of Field::skin_. Frames are constant; the rest changes with the step.
 enum SkinColumn : std::size_t {
   x_axis = 0,  // of the element's frame, in P
   y_axis = 3,
   z_axis = 6,
-  tip_in_frame = 9,  // undeformed, along these [m]
-  met_x = 12,        // where the loaded tip is, along these [m]
+  tip_in_frame = 9,  // undeformed, in that frame [m]
+  met_x = 12,        // position of the loaded tip, in that frame [m]
   met_y,
   axial_gap,  // [m]
   cosine,     // between z and the normal
   lean_x,
-  lean_y,  // of the normal along x and y
+  lean_y,  // components of the normal along x and y
   target_x,
   target_y,  // g of sim/effects/skin/elastic_contact.h [m]
-  cap,       // L of it [N]
+  cap,       // its L [N]
   pressure,  // SkinEffect::Solution, column by column
   sunk,
   shear_x,
@@ -41,7 +43,7 @@ enum SkinColumn : std::size_t {
   skin_columns
 };
 
-// From so steep an angle on, nearly 87 deg, a face is none that this element could press on.
+// A face at an angle beyond this, nearly 87 deg, cannot be pressed on by the element.
 constexpr double steepest_cosine = 0.05;
 
 struct Vectors {
@@ -51,7 +53,7 @@ struct Ways {
   Lanes x, y;
 };
 
-// Of elements i to i + lanes: columns that stand one padded length apart.
+// Columns of elements i to i + lanes, one padded length apart.
 struct SkinTable {
   double* first;
   std::size_t padded;
@@ -76,7 +78,8 @@ SLIPBENCH_INLINE Vectors turned(const kernel::Rotation& r, const Vectors& v) {
           r.r20 * v.x + r.r21 * v.y + r.r22 * v.z};
 }
 
-// Between the elements' frames and that in which the pad has `pose`. Frames that are all alike are one rotation with the pad's.
+// Transforms between the elements' frames and the frame in which the pad has `pose`. If all element
+// frames are equal, they are combined with the pad's rotation.
 struct Frames {
   Frames(const SkinTable& table, bool all_alike, const Pose& pose) : t(table), alike(all_alike) {
     Eigen::Matrix3d own = Eigen::Matrix3d::Identity();
@@ -109,7 +112,7 @@ struct Frames {
     };
     return turned(outward, {component(0), component(1), component(2)});
   }
-  // Of the tangent plane's (x, y), out of the frame.
+  // Rotates (x, y) of the tangent plane out of the element's frame.
   [[nodiscard]] SLIPBENCH_INLINE Vectors out(std::size_t i, const Ways& way) const {
     const Lanes lx = t.at(lean_x, i), ly = t.at(lean_y, i), rise = lx * way.x + ly * way.y,
                 share = rise / (1.0 + t.at(cosine, i));
@@ -122,7 +125,8 @@ struct Frames {
   double x, y, z;
 };
 
-// From a place in the element's frame, seen along the axis, to that of the undeformed tip, in the tangent plane.
+// Returns the displacement from a position in the element's frame, seen along the axis, to that of
+// the undeformed tip, in the tangent plane.
 SLIPBENCH_INLINE Ways way_to_root(const SkinTable& t, std::size_t i, const Lanes& x, const Lanes& y) {
   const Lanes dx = t.at(tip_in_frame, i) - x, dy = t.at(tip_in_frame + 1, i) - y;
   const Lanes lx = t.at(lean_x, i), ly = t.at(lean_y, i), upright = t.at(cosine, i);
@@ -132,7 +136,7 @@ SLIPBENCH_INLINE Ways way_to_root(const SkinTable& t, std::size_t i, const Lanes
 
 }  // namespace
 
-// Tips go where the loaded surface is, seen along the axes.
+// Moves the tips to the loaded surface, seen along the axes.
 SLIPBENCH_DISPATCHED static void place_loaded(const kernel::Columns& c, const Frames& in_pad, const Frames& frames,
                                               std::size_t count) {
   const SkinTable t = frames.t;
@@ -147,8 +151,8 @@ SLIPBENCH_DISPATCHED static void place_loaded(const kernel::Columns& c, const Fr
   }
 }
 
-// Gaps along the axes, of those along the normals, and where the undeformed tips would meet the surface.
-// On a plane no height is written: it is 0.
+// Converts gaps along the normals to gaps along the axes, and computes the contact points of the
+// undeformed tips. On a plane no height is written: it is 0.
 SLIPBENCH_DISPATCHED static void look_along_axes(const kernel::Columns& c, const Frames& frames, bool plane, std::size_t count) {
   const SkinTable t = frames.t;
   const Lanes none{}, one = none + 1.0;
@@ -170,8 +174,9 @@ SLIPBENCH_DISPATCHED static void look_along_axes(const kernel::Columns& c, const
   }
 }
 
-// Normal forces along the normals; negative while apart, so that their zero is the instant of touch. The gap is what is left of it once the
-// surface has given way, or how far it has.
+// Stores normal forces along the normals; negative while separated, so that their zero is the
+// instant of touch. The gap becomes the remaining gap after the surface has yielded or, in contact,
+// the surface's displacement.
 SLIPBENCH_DISPATCHED static void take_pressure(const kernel::Columns& c, SkinTable t, double own_stiffness, std::size_t count) {
   const Lanes none{}, one = none + 1.0;
   for (std::size_t i = 0; i < count; i += lanes) {
@@ -181,14 +186,14 @@ SLIPBENCH_DISPATCHED static void take_pressure(const kernel::Columns& c, SkinTab
     put_lanes(c[kernel::gap] + i, touches ? -w * upright : left);
     put_lanes(c[kernel::f_normal] + i, touches ? p / upright : -own_stiffness * left);
     put_lanes(c[kernel::depth] + i, w);
-    // What is apart shifts across its axis; which way the surface leans below it is nothing to it.
+    // A separated element shifts across its axis; the slope of the surface below does not matter.
     t.put(cosine, i, touches ? upright : one);
     t.put(lean_x, i, touches ? t.at(lean_x, i) : none);
     t.put(lean_y, i, touches ? t.at(lean_y, i) : none);
   }
 }
 
-// The shift that the tips would have if all stuck to where they were.
+// Computes the shift that the tips would have if all stuck.
 SLIPBENCH_DISPATCHED static void aim(const kernel::Columns& c, const Frames& frames, double placed, std::size_t count) {
   const SkinTable t = frames.t;
   const Lanes none{}, one = none + 1.0;
@@ -197,7 +202,7 @@ SLIPBENCH_DISPATCHED static void aim(const kernel::Columns& c, const Frames& fra
     const Vectors a = vectors_at(c, kernel::anchor_x, i), b = vectors_at(c, kernel::contact_before_x, i);
     const Vectors was = frames.place_in(i, {touched ? a.x : b.x, touched ? a.y : b.y, touched ? a.z : b.z});
     const Ways way = way_to_root(t, i, was.x, was.y);
-    // What touches anew has followed its neighbours, and goes with the pad for the rest of the step.
+    // A new contact has followed its neighbours, and moves with the pad for the rest of the step.
     const Lanes gap = at(c, kernel::gap_before, i), depth = at(c, kernel::gap, i);
     const Lanes rest = depth < 0.0 ? placed * (gap > 0.0 ? depth / (depth - gap) : one) : none;
     t.put(target_x, i, touched ? way.x : t.at(shift_x, i) + rest * way.x);
@@ -205,7 +210,7 @@ SLIPBENCH_DISPATCHED static void aim(const kernel::Columns& c, const Frames& fra
   }
 }
 
-// What the solution makes of the elements.
+// Stores the tangential solution in the elements' columns.
 SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const Frames& frames, std::size_t count) {
   const SkinTable t = frames.t;
   const Lanes none{}, one = none + 1.0;
@@ -214,12 +219,12 @@ SLIPBENCH_DISPATCHED static void take_shear(const kernel::Columns& c, const Fram
     const Ways target{t.at(target_x, i), t.at(target_y, i)}, shifted{t.at(shift_x, i), t.at(shift_y, i)},
         shear{t.at(shear_x, i), t.at(shear_y, i)}, ahead{target.x - shifted.x, target.y - shifted.y};
     const Lanes way = kernel::root(ahead.x * ahead.x + ahead.y * ahead.y);
-    // Where there is no friction it slips whichever way it is taken.
+    // Without friction it slips in any direction.
     const auto gives = (t.at(cap, i) == 0.0) | ((ahead.x * shear.x + ahead.y * shear.y > 0.0) & (t.at(slides, i) != 0.0));
     const auto slips = touches & (way > kernel::shortest_slip) & gives, loose = ~(touches & touched);
     Vectors anchor = vectors_at(c, kernel::anchor_x, i);
     if (any(loose)) {
-      // What is loose, or has touched in this step, is where its root's place and its shift say.
+      // Loose elements, and new contacts, are anchored by their root's position and shift.
       const Vectors root = vectors_at(c, kernel::contact_x, i);
       const Vectors behind = frames.out(i, Ways{touches ? target.x : shifted.x, touches ? target.y : shifted.y});
       anchor = {loose ? root.x - behind.x : anchor.x, loose ? root.y - behind.y : anchor.y, loose ? root.z - behind.z : anchor.z};
@@ -254,7 +259,7 @@ void Field::prepare_skin() {
       t[z_axis + k][i] = frame(row, 2);
       t[tip_in_frame + k][i] = tip[row];
     }
-    // One that is loaded alone, for instants inside a step.
+    // Stiffness of an element loaded alone, for instants inside a step.
     columns_[k_normal][i] = 1.0 / skin.own_normal();
     columns_[k_tangential][i] = 1.0 / skin.own_tangential();
     columns_[k_normal_spring][i] = element.k_normal = skin.punch_normal()[i];
@@ -304,7 +309,7 @@ void Field::step_on_skin(const Twist* motion) {
   take_shear(columns_, frames, count_);
 }
 
-// Whether the pad is where it was, and nothing else could change; remembers where it is.
+// True if the pad has not moved and nothing else could change; stores the pose.
 bool Field::skin_rests() {
   const std::span<double> before = skin_pose();
   const Eigen::Map<Eigen::Matrix3d> rotation(before.data());
@@ -314,7 +319,7 @@ bool Field::skin_rests() {
   return rests;
 }
 
-// A pad that has not moved since the step before is as it was, and what slipped sticks.
+// A pad that has not moved since the last step keeps its state, and slipping elements stick.
 void Field::rest_on_skin() {
   const auto keep = [this](Column now, Column before) { std::copy_n(columns_[before], count_, columns_[now]); };
   for (const std::size_t k : {0U, 1U, 2U}) {
@@ -328,7 +333,8 @@ void Field::rest_on_skin() {
   for (std::size_t i = 0; i < count_; ++i) columns_[mode][i] = std::min(columns_[mode_before][i], 1.0);
 }
 
-// An element that has begun to slip holds mu_k f_n, and what it lets go of loads its neighbours: until none begins.
+// An element that begins to slip carries mu_k f_n, and the load that it drops goes to its
+// neighbours. Repeats until no element begins to slip.
 void Field::shear_skin() {
   const SkinTable t{skin_.data(), padded_};
   SkinEffect& skin = *effects_.skin;
@@ -356,7 +362,7 @@ void Field::add_sunk(double* depth_of) const {
   }
 }
 
-// p'C p/2 + q'C q/2: forces times the ways that the surface has given.
+// p'C p/2 + q'C q/2: forces times displacements of the surface.
 kernel::SpringSums Field::skin_sums() const {
   kernel::SpringSums sums{Eigen::Vector3d::Zero(), 0.0, 0.0};
   for (std::size_t i = 0; i < count_; ++i) {

@@ -10,10 +10,10 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// Below this share of the slip's speed a fitted translation or rotation is rounding, not motion.
+// A fitted translation or rotation below this share of the slip's speed is rounding, not motion.
 constexpr double negligible = 1e-6;
 
-// `touched_by_slip`: units of which a part slips, or all.
+// `touched_by_slip`: number of units that slip at least in part.
 [[gnu::always_inline]] inline void judge(ContactFrame& frame, const Count& elements, const Count& units,
                                          std::uint32_t touched_by_slip) {
   frame.state_micro = pad_state(units.touching, touched_by_slip);
@@ -29,7 +29,7 @@ void ContactPlane::face(const Eigen::Vector3d& normal) {
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   normal_ = normal;
   level_ = normal == z;
-  if (normal == -z) {  // all half turns are as short: the one about X
+  if (normal == -z) {  // all half turns are equally short: take the one about X
     turn_ = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
     return;
   }
@@ -60,7 +60,8 @@ double fit_slip_motion(ContactFrame& frame, const Eigen::Array3Xd& undeformed, c
   for (std::size_t u = 0; u < frame.unit_state.size(); ++u) {
     if (frame.unit_state[u] != UnitState::slip && frame.unit_state[u] != UnitState::partial) continue;
     const auto c = static_cast<Eigen::Index>(u);
-    // The slipping tips are where the load has bent them to: in a steady turn they trail on smaller circles than their roots.
+    // The slipping tips are displaced by the load: in a steady turn they trail on smaller circles
+    // than their roots.
     const Eigen::Vector3d tip = plane.turned(undeformed.col(c) + frame.displacement.col(c));
     const double x = tip.x(), y = tip.y();
     const double vx = frame.slip_velocity(0, c), vy = frame.slip_velocity(1, c);

@@ -1,5 +1,5 @@
-// From elements to units and pads: the rules that turn states of friction points into a ContactFrame, whatever model they come
-// from.
+// From elements to units and pads: the rules that turn states of friction points into a
+// ContactFrame, for any contact model.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace slipbench::unit_rules {
 
-// How many elements of a unit, or units of a pad, touch and how many of those slip.
+// Number of elements of a unit, or units of a pad, that touch, and of those that slip.
 struct Count {
   std::uint32_t touching = 0;
   std::uint32_t slipping = 0;
@@ -29,19 +29,20 @@ struct Count {
   }
 };
 
-// A unit slips when all of its touching elements do.
+// A unit slips if all of its touching elements do.
 inline UnitState unit_state(const Count& elements) {
   if (elements.touching == 0) return UnitState::detached;
   if (elements.slipping == 0) return UnitState::stick;
   return elements.slipping == elements.touching ? UnitState::slip : UnitState::partial;
 }
 
-// The turn that brings a surface's normal onto +Z the shortest way: from the pad frame into the contact plane.
+// The shortest rotation that brings a surface's normal onto +Z: from the pad frame into the contact
+// plane.
 class ContactPlane {
  public:
-  // `normal`: unit vector. The units of a pad that meet the same one share the turn, which is then not worked out again.
+  // `normal`: unit vector. Recomputes the rotation only if the normal has changed.
   void face(const Eigen::Vector3d& normal);
-  // The turn's matrix, null where there is nothing to turn.
+  // The rotation's matrix; null if it is the identity.
   [[nodiscard]] const Eigen::Matrix3d* turn() const { return level_ ? nullptr : &turn_; }
   [[nodiscard]] Eigen::Vector3d turned(const Eigen::Vector3d& v) const { return level_ ? v : turn_ * v; }
   [[nodiscard]] Eigen::Vector3d turned_back(const Eigen::Vector3d& v) const { return level_ ? v : turn_.transpose() * v; }
@@ -52,38 +53,42 @@ class ContactPlane {
   bool level_ = true;
 };
 
-// Sets the pad's state by both rules from the units', and the stuck fraction from the count of all its elements. A pad of a single unit has
-// no units that could be told apart: strict is micro there. Its elements stick and slip by turns, and hardly ever slip all at once.
+// Sets the pad's state by both rules from the units', and the stuck fraction from the count of all
+// its elements. For a pad with a single unit the strict rule equals the micro rule: there are no
+// units to distinguish, and its elements, which stick and slip alternately, hardly ever slip all at
+// once.
 void judge_pad(ContactFrame& frame, const Count& elements);
-// The same where every unit is one element.
+// The same if every unit is one element.
 void judge_pad_of_elements(ContactFrame& frame, const Count& elements);
 
-// Sets slip_direction and slip_centre from the rigid motion that fits the slipping units'
-// velocities best (least squares, equal weights), and returns the rate of its rotation [rad/s].
-// Each is NaN where the fit has no translation or no rotation. `undeformed`: [3,N] m, mean of each
-// unit's undeformed tips in P. `plane`: that in which all units slip; a level one where each has
-// its own.
+// Sets slip_direction and slip_centre from the rigid motion that best fits the slipping units'
+// velocities (least squares, equal weights), and returns the rate of its rotation [rad/s]. Each is
+// NaN if the fit has no translation or no rotation. `undeformed`: [3,N] m, mean of each unit's
+// undeformed tips in P. `plane`: that in which all units slip; a level one if each unit has its
+// own.
 double fit_slip_motion(ContactFrame& frame, const Eigen::Array3Xd& undeformed, const ContactPlane& plane);
 
-// An element's change and the unit that it belongs to.
+// An element's change and its unit.
 struct UnitEvent {
   ElementEvent event;
   std::uint32_t unit;
 };
 
-// Sorts, keeping the order of equals: std::stable_sort, which asks for memory, only where there is something to sort.
+// Sorts stably. Calls std::stable_sort, which allocates memory, only if the range is not sorted
+// yet.
 template <class Iterator, class Before>
 void sort_stably(Iterator first, Iterator last, const Before& before) {
   if (!std::is_sorted(first, last, before)) std::stable_sort(first, last, before);
 }
 
-// Replays the element changes of a step of `dt` that ended at `time` [s] in order of time and appends to `report`, in order of
-// time, what each does to its unit (contact_frame.h). `changes` is sorted in place; `count_before(unit)` gives a unit's Count
-// before the step.
+// Replays the element changes of a step of `dt` that ended at `time` [s] in order of time and
+// appends their effects on the units to `report`, in order of time (contact_frame.h). Sorts
+// `changes` in place; `count_before(unit)` returns a unit's Count before the step.
 template <class CountBefore>
 void report_unit_events(std::vector<UnitEvent>& changes, CountBefore&& count_before, double time, double dt,
                         std::vector<ContactEvent>& report) {
-  // Events of one unit closer than this share of a step happen together: bristles of one tip touch at once, up to rounding.
+  // Events of one unit closer than this share of a step are simultaneous: bristles of one tip touch
+  // at once, up to rounding.
   constexpr double together = 1e-9;
   sort_stably(changes.begin(), changes.end(), [](const UnitEvent& a, const UnitEvent& b) {
     return a.unit != b.unit ? a.unit < b.unit : a.event.fraction < b.event.fraction;

@@ -1,4 +1,4 @@
-// Entries of columns that are worked on at once, and what the kernel's files share.
+// Vectors of column entries, and helpers that the kernel's files share.
 #pragma once
 
 #include <cmath>
@@ -11,8 +11,8 @@
 
 namespace slipbench::kernel {
 
-// As many entries of a column as are worked on at once: for loops that would not become vector code by themselves, and for sums whose
-// order does not depend on how they do.
+// Entries of a column processed at once: for loops that compilers do not vectorise, and for sums
+// whose order must not depend on the compiler.
 using Lanes = Quad;
 using Mask = decltype(Lanes{} == Lanes{});
 static_assert(lanes == quad);
@@ -24,7 +24,7 @@ SLIPBENCH_INLINE bool any(bool one) { return one; }
 SLIPBENCH_INLINE Lanes lanes_at(const double* from) { return vector_at<Lanes>(from); }
 SLIPBENCH_INLINE void put_lanes(double* to, const Lanes& values) { put_vector(to, values); }
 
-// Three components of as many vectors, one vector after the other.
+// Stores vectors given by three components, one vector after the other.
 SLIPBENCH_INLINE void put_vectors(double* to, const Lanes& x, const Lanes& y, const Lanes& z) {
   const Lanes even = __builtin_shufflevector(x, y, 0, 4, 2, 6), odd = __builtin_shufflevector(y, z, 1, 5, 3, 7);
   const Lanes across = __builtin_shufflevector(z, x, 0, 5, 2, 7);
@@ -32,17 +32,17 @@ SLIPBENCH_INLINE void put_vectors(double* to, const Lanes& x, const Lanes& y, co
   put_lanes(to + lanes, __builtin_shufflevector(odd, even, 0, 1, 6, 7));
   put_lanes(to + 2 * lanes, __builtin_shufflevector(across, odd, 2, 3, 6, 7));
 }
-// The same of two.
+// The same for two components.
 SLIPBENCH_INLINE void put_vectors(double* to, const Lanes& x, const Lanes& y) {
   put_lanes(to, __builtin_shufflevector(x, y, 0, 4, 1, 5));
   put_lanes(to + lanes, __builtin_shufflevector(x, y, 2, 6, 3, 7));
 }
 
-// Of one element.
+// The same for one element.
 SLIPBENCH_INLINE void put_vectors(double* to, double x, double y, double z) { to[0] = x, to[1] = y, to[2] = z; }
 SLIPBENCH_INLINE void put_vectors(double* to, double x, double y) { to[0] = x, to[1] = y; }
 
-// max(0, x), exactly, and never -0.
+// max(0, x), exact, and never -0.
 template <class Real>
 SLIPBENCH_INLINE Real positive(const Real& x) {
   const Real none{};
@@ -56,7 +56,7 @@ SLIPBENCH_INLINE Lanes root(const Lanes& values) {
 }
 SLIPBENCH_INLINE double root(double value) { return std::sqrt(value); }
 
-// The entries of a rotation, for loops that are to find them in registers.
+// The entries of a rotation, so that loops keep them in registers.
 struct Rotation {
   double r00, r01, r02, r10, r11, r12, r20, r21, r22;
 };
@@ -65,7 +65,7 @@ SLIPBENCH_INLINE Rotation entries_of(const Eigen::Matrix3d& r) {
   return {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)};
 }
 
-// Those of its transpose.
+// The entries of its transpose.
 SLIPBENCH_INLINE Rotation entries_back(const Eigen::Matrix3d& r) {
   return {r(0, 0), r(1, 0), r(2, 0), r(0, 1), r(1, 1), r(2, 1), r(0, 2), r(1, 2), r(2, 2)};
 }

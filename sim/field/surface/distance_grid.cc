@@ -13,27 +13,29 @@ struct DistanceGrid::Samples {
   Eigen::Vector3d first;             // m, the grid's lowest corner
   double cell, rate;                 // m, 1/m
   std::array<double, 3> cells;       // along x, y, z
-  std::size_t stride_x, stride_y;    // in coefficients; along z it is 1
+  std::size_t stride_x, stride_y;    // in coefficients; 1 along z
   std::vector<double> coefficients;  // m, cells + 3 along each axis
 };
 
 namespace {
 
-constexpr double margin = 3.0;    // cells between the box and the end of the grid
-constexpr std::size_t reach = 3;  // samples that the filter and the spline need beyond the end of the grid: 2 and 1
+constexpr double margin = 3.0;  // cells between the box and the edge of the grid
+// samples beyond the edge of the grid: 2 for the filter and 1 for the spline
+constexpr std::size_t reach = 3;
 constexpr std::size_t filter_reach = 2;
 
 using Counts = std::array<std::size_t, 3>;
 
-// Nodes that carry a sample, along one axis.
+// Returns the number of nodes with a sample, along one axis.
 double sampled_nodes(double extent, double cell) { return std::ceil(extent / cell) + 2.0 * margin + 1.0 + 2.0 * reach; }
 
-// How far p lies outside the box, along each axis.
+// Returns how far p lies outside the box, along each axis.
 Eigen::Vector3d beyond(const Eigen::Vector3d& p, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   return (low - p).cwiseMax(p - high).cwiseMax(0.0);
 }
 
-// The filter of the class comment along one axis, which loses filter_reach nodes at either end of it.
+// Applies the filter of the class comment along one axis, which loses filter_reach nodes at either
+// end.
 std::vector<double> filtered(const std::vector<double>& f, Counts& counts, std::size_t axis) {
   std::size_t stride = 1;
   for (std::size_t k = axis + 1; k < 3; ++k) stride *= counts[k];
@@ -53,7 +55,8 @@ std::vector<double> filtered(const std::vector<double>& f, Counts& counts, std::
   return c;
 }
 
-// The four cubic B-splines that reach a point at the fraction t of a cell, and their slopes per cell.
+// The four cubic B-splines whose support contains a point at the fraction t of a cell, and their
+// slopes per cell.
 struct Weights {
   double value[4], slope[4];
 
@@ -111,7 +114,8 @@ DistanceGrid::DistanceGrid(const std::function<double(const Eigen::Vector3d&)>& 
         const Eigen::Vector3d p(coordinate(0, i), coordinate(1, j), coordinate(2, k));
         const double sample = distance(p);
         if (!std::isfinite(sample)) refuse("a sample is not finite");
-        // A millionth of a cell: a surface that touches its box is as near as the box, up to rounding.
+        // Tolerance of a millionth of a cell: a surface that touches its box is as near as the box,
+        // up to rounding.
         const double to_box = beyond(p, low, high).norm();
         if (to_box > 0.0 && sample < to_box - 1e-6 * cell) refuse("the surface does not lie within its box");
         samples.push_back(sample);
@@ -161,7 +165,7 @@ SurfacePoint DistanceGrid::at(double x, double y, double z, double ax, double ay
   const auto i = static_cast<std::size_t>(u), j = static_cast<std::size_t>(v), k = static_cast<std::size_t>(w);
   const Weights along_x(u - static_cast<double>(i)), along_y(v - static_cast<double>(j)), along_z(w - static_cast<double>(k));
 
-  // Sums over x and y, for each of the four nodes along z: what the compiler can do four at a time.
+  // Sums over x and y, for each of the four nodes along z, so that the compiler vectorises them.
   double value[4] = {}, slope_x[4] = {}, slope_y[4] = {};
   const double* plane = grid.coefficients.data() + i * grid.stride_x + j * grid.stride_y + k;
   for (const std::size_t a : {0U, 1U, 2U, 3U}) {

@@ -17,12 +17,12 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
 constexpr std::uint32_t leaf_size = 4;
 
-// Vertices by the first one within a tolerance: cells of a grid, many tolerances wide, that vertices are looked for in.
+// Maps vertices to the first one within a tolerance, by the cells of a grid, many tolerances wide.
 class Weld {
  public:
   explicit Weld(double tolerance) : tolerance_(tolerance) {}
 
-  // The first vertex that has been within the tolerance of this one, else `next`, which is remembered.
+  // Returns the first vertex within the tolerance of this one, or else `next`, which is stored.
   std::uint32_t first_at(const Eigen::Vector3d& v, std::uint32_t next) {
     const Cell low = cell_of(v.array() - tolerance_), high = cell_of(v.array() + tolerance_);
     for (std::int64_t x = low[0]; x <= high[0]; ++x) {
@@ -54,7 +54,8 @@ class Weld {
   std::map<Cell, std::vector<std::pair<Eigen::Vector3d, std::uint32_t>>> cells_;
 };
 
-// The faces by the first vertex at each place, without those that have two corners at one.
+// Returns the faces with each vertex replaced by the first one at its position, without faces that
+// have two equal corners.
 std::vector<Face> welded(const std::vector<Eigen::Vector3d>& vertices, const std::vector<Face>& faces, double tolerance) {
   Weld weld(tolerance);
   std::vector<std::uint32_t> same_as;
@@ -72,7 +73,7 @@ std::vector<Face> welded(const std::vector<Eigen::Vector3d>& vertices, const std
   return result;
 }
 
-// Each edge must be run along as often one way as the other.
+// Each edge must be used equally often in both directions.
 void refuse_open(const std::vector<Face>& faces) {
   struct Runs {
     int all = 0, more_up = 0;  // from the lower to the higher vertex
@@ -97,7 +98,8 @@ void refuse_open(const std::vector<Face>& faces) {
       " faces meet that look opposite ways; allowed: none; fill its holes and let its normals look outwards with a mesh editor, or touch geoms of simple shapes in its place");
 }
 
-// Unit normal; zero where a corner is no farther than `width` from the opposite edge, the longest.
+// Returns the unit normal; zero if a corner is no farther than `width` from the opposite, longest
+// edge.
 Eigen::Vector3d normal_of(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, double width) {
   const Eigen::Vector3d n = (b - a).cross(c - a);
   const double twice_area = n.norm(), longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
@@ -121,7 +123,7 @@ MeshDistance::MeshDistance(const std::vector<Eigen::Vector3d>& vertices, const s
   if (closed.empty()) throw InputError("the mesh has no faces; allowed: a closed mesh");
   refuse_open(closed);
 
-  double volume = 0.0;  // six times it
+  double volume = 0.0;  // times six
   for (const Face& face : closed) volume += vertices[face[0]].dot(vertices[face[1]].cross(vertices[face[2]]));
   if (!(volume > 0.0)) {
     throw InputError(
@@ -133,12 +135,12 @@ MeshDistance::MeshDistance(const std::vector<Eigen::Vector3d>& vertices, const s
   split(0, static_cast<std::uint32_t>(triangles_.size()));
 }
 
-// Appends the tree of these triangles to the nodes; sorts them on the way.
+// Appends the tree of these triangles to the nodes and sorts the triangles.
 void MeshDistance::split(std::uint32_t first, std::uint32_t count) {
   const auto begin = triangles_.begin() + first, end = begin + count;
   Node node{begin->corner[0], begin->corner[0], first, count};
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()),
-                  high = -low;  // of the triangles' middles
+                  high = -low;  // bounds of the triangles' centres
   const auto middle = [](const Triangle& t) { return Eigen::Vector3d(t.corner[0] + t.corner[1] + t.corner[2]); };
   std::for_each(begin, end, [&](const Triangle& triangle) {
     for (const Eigen::Vector3d& corner : triangle.corner) {
@@ -172,8 +174,9 @@ DistanceGrid MeshDistance::on_grid(std::size_t nodes) const {
   const Eigen::Vector3d &low = nodes_.front().low, &high = nodes_.front().high;
   const double cell = DistanceGrid::cell_for(high - low, nodes);
   DistanceGrid grid(*this, low, high, cell);
-  // A cell below the middle of a face the grid must see a good part of that depth: below a wall of two cells it sees all of it,
-  // up to the blending of its two sides; below an edge of 90 degrees, from its very rim, 0.7 of it.
+  // A cell below the middle of a face the grid must see a good part of that depth: below a wall of
+  // two cells all of it, up to the blending of its two sides; below an edge of 90 degrees, from its
+  // very rim, 0.7 of it.
   double area = 0.0, thin = 0.0;
   for (const Triangle& t : triangles_) {
     const double share = (t.corner[1] - t.corner[0]).cross(t.corner[2] - t.corner[0]).norm();
@@ -207,7 +210,8 @@ void MeshDistance::search(std::uint32_t at, const Eigen::Vector3d& p, double& di
   if (way_to_far < distance2) search(far, p, distance2);
 }
 
-// By the region that p lies over: a corner, an edge or the face (Ericson, Real-Time Collision Detection, 2005, sec. 5.1.5).
+// By the region that p projects to: a corner, an edge or the face (Ericson, Real-Time Collision
+// Detection, 2005, sec. 5.1.5).
 double MeshDistance::distance2_to(const Triangle& triangle, const Eigen::Vector3d& p) {
   if (triangle.normal.isZero(0.0)) return std::numeric_limits<double>::infinity();
   const auto& [a, b, c] = triangle.corner;
@@ -230,7 +234,7 @@ double MeshDistance::distance2_to(const Triangle& triangle, const Eigen::Vector3
   return to(a + over_b / whole * ab + over_c / whole * ac);
 }
 
-// How often more the ray from p along +x leaves the mesh than it enters it.
+// Returns how often the ray from p along +x leaves the mesh, minus how often it enters it.
 int MeshDistance::winding(std::uint32_t at, const Eigen::Vector3d& p) const {
   const Node& node = nodes_[at];
   if (p.x() > node.high.x() || p.y() < node.low.y() || p.y() > node.high.y() || p.z() < node.low.z() || p.z() > node.high.z()) {
@@ -242,9 +246,11 @@ int MeshDistance::winding(std::uint32_t at, const Eigen::Vector3d& p) const {
   return sum;
 }
 
-// 1 where that ray leaves through the triangle, -1 where it enters, else 0. Seen along the ray, the triangle's outline winds around p as often as
-// its edges pass p on the side of +y, going up in z less going down. On which side an edge passes is worked out from its lower end, thus alike
-// for both its faces: a ray through an edge meets just one of them.
+// Returns 1 if that ray leaves through the triangle, -1 if it enters, else 0. Seen along the ray,
+// the winding number of the triangle's outline around p is the number of its edges that pass p on
+// the side of +y going up in z, minus those going down. The side on which an edge passes is
+// computed from its lower end, hence equally for both its faces: a ray through an edge meets
+// exactly one of them.
 int MeshDistance::crossing(const Triangle& triangle, const Eigen::Vector3d& p) {
   int turns = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -256,7 +262,8 @@ int MeshDistance::crossing(const Triangle& triangle, const Eigen::Vector3d& p) {
   }
   if (turns == 0) return 0;
   const auto& [a, b, c] = triangle.corner;
-  const double above = (b - a).cross(c - a).dot(p - a);  // the plane, on the side of its normal
+  // signed distance from the plane, times twice its area
+  const double above = (b - a).cross(c - a).dot(p - a);
   return above * turns < 0.0 ? turns : 0;
 }
 

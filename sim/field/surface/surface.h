@@ -1,4 +1,4 @@
-// The touched surfaces: signed distance, outward normal, and which face a pad's element meets.
+// The touched surfaces: signed distance, outward normal, and the face that a pad's element meets.
 #pragma once
 
 #include <algorithm>
@@ -15,18 +15,22 @@
 
 namespace slipbench {
 
-// All shapes are given in the surface frame S. `at(x, y, z, ax, ay, az)`: tip and element axis in S. Inside a shape with several
-// faces the face met is the one through which the element entered: the nearest one seen backwards along the element's axis, not
-// the nearest in distance, so that a pillar close to an edge presses on the top and not on the side. That is what one position
-// tells; what an element does whose face changes under way is the field's to say (Field::keep_energy).
+// All shapes are given in the surface frame S. `at(x, y, z, ax, ay, az)`: tip and element axis in
+// S. Inside a shape with several faces the face met is the one through which the element entered:
+// the nearest one backwards along the element's axis, not the nearest in distance, so that a pillar
+// close to an edge presses on the top and not on the side. This follows from one position alone; a
+// change of face during the motion is handled by Field::keep_energy.
 //
-// Box and Cylinder also take the length of the element's column [m]: how far behind its tip the column is fixed to the pad. A
-// column meets the first flat face that it enters, however thin the shape is behind that face, so an element goes on pressing on
-// a card that is thinner than the element is deep, even with its undeformed tip beyond the far side. With a length of 0 nothing
-// is known of the column: a tip nearer to a face that it looks out of than to the one by which it came in meets nothing.
+// Box and Cylinder also take the length of the element's column [m]: the distance behind its tip at
+// which the column is fixed to the pad. A column meets the first flat face that it enters, however
+// thin the shape is behind that face, so an element goes on pressing on a card that is thinner than
+// the element is deep, even with its undeformed tip beyond the far side. A length of 0 means that
+// the column is unknown: a tip nearer to a face that it points out of than to the one by which it
+// entered then meets nothing.
 
-// What at() says, of one element or of as many as a vector of the compiler's (kernel::Lanes) holds. met() has no branch for one of several, since every
-// element may be another case, but for what none of them needs; each is worked out in the order in which a branch would.
+// Result of at() for one element, or for the elements of a vector (kernel::Lanes). met() has no
+// branches on vectors, since the elements may be different cases, unless no element needs the
+// branch; each case is computed in the order of the scalar branches.
 template <class Real>
 struct Met {
   Real gap, nx, ny, nz, faces;
@@ -43,7 +47,7 @@ template <class Real>
   }
 }
 
-// Whether a condition holds for the one element, or for one of several.
+// True if a condition holds for the element, or for any of several.
 template <class Mask>
 [[gnu::always_inline]] inline bool any_of(const Mask& mask) {
   if constexpr (std::is_same_v<Mask, bool> || std::is_same_v<Mask, int>) {
@@ -65,7 +69,8 @@ struct Sphere {
 
   [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
     const double r = std::sqrt(x * x + y * y + z * z);
-    if (r == 0.0) return {radius, ax, ay, az};  // the centre has no nearest point: nothing there looks at a face
+    // the centre has no nearest point: no element there points at a face
+    if (r == 0.0) return {radius, ax, ay, az};
     const double nx = x / r, ny = y / r, nz = z / r;
     const double gap = r - radius;
     return {nx * ax + ny * ay + nz * az < 0.0 ? gap : std::abs(gap), nx, ny, nz};
@@ -94,7 +99,7 @@ struct Box {
     if (any_of(!is_outside)) {
       Real looks[3], way_back = none, way_ahead = none, entry = none, exit = none;
       for (int k = 0; k < 3; ++k) {
-        looks[k] = a[k] < 0.0 ? one : -one;  // the face of this pair that looks at the element
+        looks[k] = a[k] < 0.0 ? one : -one;  // the face of this pair that faces the element
         const Real slope = a[k] < 0.0 ? -a[k] : a[k];
         const Real back = slope == 0.0 ? none + infinite : (half[k] - looks[k] * p[k]) / slope;
         const Real ahead = slope == 0.0 ? none + infinite : (half[k] + looks[k] * p[k]) / slope;
@@ -108,7 +113,7 @@ struct Box {
         exit = ahead < way_ahead ? none + k : exit;
         way_ahead = ahead < way_ahead ? ahead : way_ahead;
       }
-      // Else it looks out through a nearer face than it could have come in by.
+      // Otherwise it points out through a face nearer than the one by which it could have entered.
       const auto looks_in = (way_back <= way_ahead) | (way_back <= column);
       const Real face = looks_in ? entry : exit;
       for (int k = 0; k < 3; ++k) {
@@ -127,7 +132,8 @@ struct Box {
       gap = is_outside ? distance : gap;
       faces = is_outside ? beyond : faces;
       if constexpr (kThin) {
-        for (int k = 0; k < 3; ++k) {  // the tip is beyond the face opposite to the one by which its column came in
+        // the tip is beyond the face opposite to the one by which its column entered
+        for (int k = 0; k < 3; ++k) {
           const Real looks = a[k] < 0.0 ? one : -one, slope = a[k] < 0.0 ? -a[k] : a[k], depth = half[k] - looks * p[k];
           const Real lateral = distance2 - outside[k] * outside[k];
           const auto through = (slope >= upright) & (lateral == 0.0) & (depth > 2.0 * half[k]) & (depth <= column * slope) &
@@ -144,7 +150,8 @@ struct Box {
   // True if a column of that length [m] may stick out of both sides.
   [[nodiscard]] bool is_thin(double column) const { return 2.0 * half.minCoeff() < column; }
 
-  // The outward normal of the face of one bit of SurfacePoint::faces; 0 for several or none.
+  // Returns the outward normal of the face with a single bit of SurfacePoint::faces; 0 for several
+  // bits or none.
   [[nodiscard]] Eigen::Vector3d normal_of(unsigned faces) const {
     for (int k = 0; k < 3; ++k) {
       for (const double side : {1.0, -1.0}) {
@@ -154,8 +161,9 @@ struct Box {
     return Eigen::Vector3d::Zero();
   }
 
-  // Where the straight line from the tip back along the axis leaves the box: at the distance `way` behind the tip [m], through the face of the bit
-  // `faces` whose normal is n; and from which distance on it is in the box.
+  // The straight line from the tip back along the axis leaves the box at the distance `way` behind
+  // the tip [m], through the face with the bit `faces` and the normal n; it is in the box from the
+  // distance `from` on [m].
   struct Passage {
     double from, way;
     Eigen::Vector3d n;
@@ -178,8 +186,8 @@ struct Box {
     return passage;
   }
 
-  // True if an element that pressed on the face of the bit `faces` is past the middle behind that face, neither its tip nor its column beyond the
-  // edges of the face.
+  // True if an element that pressed on the face with the bit `faces` is past the middle behind that
+  // face, with neither its tip nor its column beyond the edges of the face.
   [[nodiscard]] bool is_behind(unsigned faces, const Eigen::Vector3d& p, const Eigen::Vector3d& a) const {
     const Eigen::Vector3d n = normal_of(faces);
     const double slope = -n.dot(a);
@@ -198,10 +206,12 @@ struct Box {
   }
 
  private:
-  // Least cosine between the axis of an element and the face through whose whole thickness its column goes: 60 deg.
+  // Least cosine between the axis of an element and the normal of a face through whose whole
+  // thickness its column passes: 60 deg.
   static constexpr double upright = 0.5;
 
-  // True where the column at the distance `way` behind the tip is within the edges of the faces of pair k.
+  // True if the column at the distance `way` behind the tip is within the edges of the faces of
+  // pair k.
   template <class Real>
   [[gnu::always_inline]] inline decltype(Real{} <= Real{})
       enters_by(int k, const Real (&p)[3], const Real (&a)[3], const Real& way) const {
@@ -210,14 +220,14 @@ struct Box {
     return (x <= half[u]) & (x >= -half[u]) & (y <= half[v]) & (y >= -half[v]);
   }
 
-  // Above only_face, which stands for surfaces without edges. `side`: 1 or -1.
+  // Bits above only_face, which stands for surfaces without edges. `side`: 1 or -1.
   template <class Real>
   [[gnu::always_inline]] static inline Real face_bit(int k, const Real& side) {
     return (3.0 - side) * static_cast<double>(1U << (2 * k));
   }
 };
 
-// Axis along z of S.
+// A cylinder with its axis along z of S.
 struct Cylinder {
   double radius;       // m
   double half_length;  // m
@@ -233,23 +243,24 @@ struct Cylinder {
     const Real side = r - radius, cap = height - half_length;
     const auto beside = side > 0.0, beyond = cap > 0.0;
     const Real end = p[2] < 0.0 ? -one : one,
-               looks = a[2] < 0.0 ? one : -one;  // the cap that is near, that which looks at the element
+               looks = a[2] < 0.0 ? one : -one;  // the nearer cap; the cap that faces the element
 
     const Real towards_side = -(nx * a[0] + ny * a[1]), towards_cap = a[2] < 0.0 ? -a[2] : a[2];
     const Real depth = half_length - looks * p[2];
     const auto by_side = (towards_side > 0.0) & (-side * towards_cap <= depth * towards_side);
-    // It came in through the cap, unless it looks out through the side and leaves by it sooner.
+    // It entered through the cap, unless it points out through the side and leaves there sooner.
     const auto by_cap = (depth * -towards_side <= -side * towards_cap) | (depth <= column * towards_cap);
     const Real behind_gap = by_cap ? -depth : -side, behind_z = by_cap ? looks : none,
                behind_faces = by_cap ? cap_bit(looks) : none;
     const Real inside_gap = by_side ? side : behind_gap, inside_z = by_side ? none : behind_z;
     const Real inside_faces = by_side ? none + side_bit : behind_faces;
-    const Real within = by_side ? one : (by_cap ? none : one);  // how much of the side's normal the one inside has
+    // factor of the side's normal for a tip inside
+    const Real within = by_side ? one : (by_cap ? none : one);
 
     const Real past_gap = beyond ? cap : inside_gap, past_z = beyond ? end : inside_z;
     const Real past_faces = beyond ? cap_bit(end) : inside_faces, past = beyond ? none : within;
     Real out_gap = side, out_z = none, out = one;
-    if (any_of(beside & beyond)) {  // hardly ever, and a root and two quotients dear
+    if (any_of(beside & beyond)) {  // rare, and a root and two quotients are expensive
       const Real corner = root_of(side * side + cap * cap);
       out_gap = beyond ? corner : side;
       out_z = beyond ? end * cap / corner : none;
@@ -258,7 +269,8 @@ struct Cylinder {
     const Real out_faces = beyond ? none + side_bit + cap_bit(end) : none + side_bit;
     Real share = beside ? out : past;
     Real gap = beside ? out_gap : past_gap, nz = beside ? out_z : past_z, faces = beside ? out_faces : past_faces;
-    if constexpr (kThin) {  // the tip is beyond the cap opposite to the one by which its column came in
+    // the tip is beyond the cap opposite to the one by which its column entered
+    if constexpr (kThin) {
       const auto through = (towards_cap >= upright) & (side <= 0.0) & (depth > 2.0 * half_length) &
                            (depth <= column * towards_cap) & enters_by_cap(p, a, depth / towards_cap);
       gap = through ? -depth : gap;
@@ -272,7 +284,8 @@ struct Cylinder {
   // True if a column of that length [m] may stick out of both caps.
   [[nodiscard]] bool is_thin(double column) const { return 2.0 * half_length < column; }
 
-  // The outward normal of the cap of one bit of SurfacePoint::faces; 0 for the side, several or none.
+  // Returns the outward normal of the cap with a single bit of SurfacePoint::faces; 0 for the side,
+  // several bits or none.
   [[nodiscard]] Eigen::Vector3d normal_of(unsigned faces) const {
     for (const double end : {1.0, -1.0}) {
       if (faces == static_cast<unsigned>(cap_bit(end))) return {0.0, 0.0, end};
@@ -280,7 +293,7 @@ struct Cylinder {
     return Eigen::Vector3d::Zero();
   }
 
-  // As of a Box, for a cap.
+  // Like Box::is_behind(), for a cap.
   [[nodiscard]] bool is_behind(unsigned faces, const Eigen::Vector3d& p, const Eigen::Vector3d& a) const {
     const double end = normal_of(faces).z(), slope = -end * a.z(), depth = half_length - end * p.z();
     const double tip[3] = {p.x(), p.y(), p.z()}, axis[3] = {a.x(), a.y(), a.z()};
@@ -294,10 +307,10 @@ struct Cylinder {
   }
 
  private:
-  static constexpr double upright = 0.5;  // as of a Box
+  static constexpr double upright = 0.5;  // like Box::upright
   static constexpr double side_bit = 2.0;
 
-  // True where the column at the distance `way` behind the tip is within the edge of the caps.
+  // True if the column at the distance `way` behind the tip is within the edge of the caps.
   template <class Real>
   [[gnu::always_inline]] inline decltype(Real{} <= Real{})
       enters_by_cap(const Real (&p)[3], const Real (&a)[3], const Real& way) const {
@@ -311,7 +324,7 @@ struct Cylinder {
   }
 };
 
-// The points nearer than `radius` to the piece of the z axis with |z| <= half_length.
+// The points nearer than `radius` to the segment |z| <= half_length of the z axis.
 struct Capsule {
   double radius;       // m
   double half_length;  // m, of the cylinder between the two half balls
@@ -323,28 +336,32 @@ struct Capsule {
 
 // The points p with sum (p_k/half_k)^2 <= 1.
 //
-// The nearest point x of the surface has p - x = t q with q_k = x_k/half_k^2, so x_k = p_k half_k^2/(half_k^2 + t), and t, the
-// largest root of F(t) = sum (x_k/half_k)^2 = 1, has the sign of the distance (Eberly, Distance from a Point to an Ellipse, an
-// Ellipsoid, or a Hyperellipsoid, 2013). 1/sqrt(F) is concave and nearly straight (it is straight for a sphere), so Newton's
-// steps for 1/sqrt(F) = 1 never pass the root, and a few do: the same as for the secular equation of a trust region (Conn, Gould
-// & Toint, Trust-Region Methods, 2000, sec. 7.3).
+// The nearest point x of the surface satisfies p - x = t q with q_k = x_k/half_k^2, so x_k = p_k
+// half_k^2/(half_k^2 + t), and t, the largest root of F(t) = sum (x_k/half_k)^2 = 1, has the sign
+// of the distance (Eberly, Distance from a Point to an Ellipse, an Ellipsoid, or a Hyperellipsoid,
+// 2013). 1/sqrt(F) is concave and nearly straight (straight for a sphere), so Newton's steps for
+// 1/sqrt(F) = 1 never pass the root, and a few suffice, as for the secular equation of a trust
+// region (Conn, Gould & Toint, Trust-Region Methods, 2000, sec. 7.3).
 struct Ellipsoid {
   Eigen::Vector3d half;  // m, half axes along x, y, z; centre at the origin
 
   [[nodiscard]] SurfacePoint at(double x, double y, double z, double ax, double ay, double az) const {
     const double p[3] = {x, y, z};
     const double least = half.minCoeff() * half.minCoeff();
-    // Solved for s = t + least, so that what is divided by is not lost in rounding near the pole at s = 0.
+    // Solved for s = t + least, so that the divisor is not lost in rounding near the pole at s = 0.
     double scaled[3], excess[3], s = 1e-16 * least;
     const double lowest = s;
     for (int k = 0; k < 3; ++k) {
       scaled[k] = half[k] * p[k];
       excess[k] = half[k] * half[k] - least;
-      s = std::max(s, std::abs(scaled[k]) - excess[k]);  // one term of F alone is 1 here, so the root lies beyond
+      // one term of F is 1 here, so the root lies beyond
+      s = std::max(s, std::abs(scaled[k]) - excess[k]);
     }
-    // Up to rounding on the disc (or rod, or centre) from which there are two or more nearest points: nothing is met.
+    // Up to rounding on the disc (or rod, or centre) with two or more nearest points: nothing is
+    // met.
     if (s == lowest && !(newton_step(scaled, excess, s) > 0.0)) return {half.minCoeff(), ax, ay, az};
-    s = std::max(s, least + newton_step(scaled, excess, least));  // the step from the surface, where most tips are
+    // Newton's step from the surface, where most tips are
+    s = std::max(s, least + newton_step(scaled, excess, least));
     double step = s;
     while (step > 1e-9 * s) {  // the error is then of the order of the step's square
       step = newton_step(scaled, excess, s);
@@ -361,7 +378,8 @@ struct Ellipsoid {
   }
 
  private:
-  // Towards 1/sqrt(F) = 1. F = sum y^2 with y_k = scaled_k/(s + excess_k), its slope is -2 sum y_k^2/(s + excess_k).
+  // Returns Newton's step towards 1/sqrt(F) = 1. F = sum y^2 with y_k = scaled_k/(s +
+  // excess_k); its slope is -2 sum y_k^2/(s + excess_k).
   static double newton_step(const double (&scaled)[3], const double (&excess)[3], double s) {
     double f = 0.0, slope = 0.0;
     for (int k = 0; k < 3; ++k) {

@@ -1,19 +1,20 @@
-// What an element of a pad meets on a touched surface.
+// Contact of an element of a pad with a touched surface.
 #pragma once
 
 namespace slipbench {
 
-// Places that differ by less are one [m]: the rounding of coordinates.
+// Positions that differ by less [m] are equal: the rounding of coordinates.
 inline constexpr double same_place = 1e-9;
 
-// What an element meets: `gap` is the signed distance of its undeformed tip [m] (negative: penetration), `normal` the unit
-// outward normal of the surface there. An element whose axis points away from every face near it never touches: its gap is
-// positive.
+// The contact of an element. `gap` is the signed distance of its undeformed tip [m] (negative:
+// penetration), `nx`, `ny`, `nz` the unit outward normal of the surface there. An element whose
+// axis points away from every face near it never touches: its gap is positive.
 //
-// `faces`, a bit for each face of a surface with edges: of a tip outside, those beyond whose planes it lies; of a tip inside, the
-// one that it meets; none where it meets none. A tip meets a face without a jump of its gap if it had that bit the moment before.
+// `faces` has a bit for each face of a surface with edges. For a tip outside: the faces beyond
+// whose planes it lies. For a tip inside: the face that it meets, if any. A tip meets a face
+// without a jump of its gap if the face's bit was set in the last step.
 struct SurfacePoint {
-  static constexpr unsigned only_face = 1;  // of a surface without edges: met by whoever looks at it
+  static constexpr unsigned only_face = 1;  // for a surface without edges
 
   double gap;
   double nx, ny, nz;

@@ -1,11 +1,12 @@
-// How thick a touched shape is.
+// Thickness of a touched shape.
 #pragma once
 
 #include "sim/field/surface/surface.h"
 
 namespace slipbench {
 
-// The least extent of the shape along any line through its middle [m]; infinite for a plane, and for a mesh, whose grid does not know it.
+// Returns the least extent of the shape along any line through its centre [m]; infinite for a
+// plane, and for a mesh, whose grid does not know it.
 [[nodiscard]] double thickness_of(const Surface& surface);
 
 }  // namespace slipbench
