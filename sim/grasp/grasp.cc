@@ -31,9 +31,9 @@ void add_scatter(Grasp& grasp, const Parameters& scatter, double period, std::ui
   if (scatter.flag("phase")) grasp.phase += period * stream("phase").uniform();
 }
 
-// None where the fingers do not drift: then nothing is drawn.
+// Draws the drift of the fingers. Without drift it is empty and nothing is drawn.
 std::vector<DriftTone> draw_drift(const Parameters& grip, std::uint64_t seed, std::uint64_t trial) {
-  constexpr std::size_t tones = 8;  // nearly normal, and smooth
+  constexpr std::size_t tones = 8;  // nearly Gaussian, and smooth
   if (grip.number("drift") == 0.0) return {};
   RandomStream stream(seed, trial, "grip.drift");
   std::vector<DriftTone> drift(tones);
@@ -44,7 +44,7 @@ std::vector<DriftTone> draw_drift(const Parameters& grip, std::uint64_t seed, st
   return drift;
 }
 
-// Counts closer than this are the same: positions are sums of doubles.
+// Counts closer than this are equal: positions are sums of doubles.
 constexpr double same_count = 1e-6;
 
 double linear(int value, double least, double most) {
@@ -341,7 +341,8 @@ void Gripper::obey(const Pending& pending) {
   const double force_limit = linear(pending.command.force, weakest_, strongest_);
   const bool stronger = force_limit > force_limit_;
   force_limit_ = force_limit;
-  // Told the same again it goes on as it was: under way, there, or stopped unless it may now press harder.
+  // The same target again changes nothing: the motion goes on, rests, or stays stopped unless it
+  // may now press harder.
   if (target == target_ && speed == speed_ && !(stopped_ && stronger)) return;
   if (dead_band_ > 0.0 && std::abs(target - position_.at(pending.time).position) <= dead_band_ + same_count) return;
   target_ = target;

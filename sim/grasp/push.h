@@ -1,4 +1,4 @@
-// A force from outside on the box of a grasp: a pull, a push, a knock.
+// An external force on the box of a grasp: a pull, a push, a knock.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,17 +7,17 @@
 
 namespace slipbench {
 
-// The force is straight between the rows of `box.push`, and zero before the first and after the last.
+// The force is linear between the rows of `box.push`, and zero before the first and after the last.
 class Push {
  public:
-  // `rows`: time [s], then force [N] along x, y and z of the world. Throws SceneValueError at box.push where all rows are of one time, and where
-  // a time is earlier than that of the row before.
+  // `rows`: time [s], then force [N] along x, y and z of the world. Throws SceneValueError at
+  // box.push if all rows have the same time, and if a time is earlier than that of the row before.
   explicit Push(NumberTable rows);
 
   [[nodiscard]] bool empty() const { return rows_.rows.empty(); }
 
-  // The mean force [N] between two instants [s], begin < end: a body that it acts on over a step gains the whole impulse, however short
-  // a knock is against the step.
+  // Returns the mean force [N] between two instants [s], begin < end. Applied over a step, it gives
+  // a body the whole impulse, however short a knock is compared with the step.
   [[nodiscard]] Eigen::Vector3d mean(double begin, double end) const;
 
  private:
