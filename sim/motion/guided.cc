@@ -25,7 +25,7 @@ void Guided::write(double time, const ArmCommand& command) {
                                       format_quantity(speed, Quantity::speed), time, format_quantity(speed_, Quantity::speed)));
   }
   const double acts = time + latency_;
-  // The same again is no change: a profile would otherwise grow by every write.
+  // The same velocity again is not a change: a profile would otherwise grow with every write.
   if (command.sideways != written_.sideways) sideways_.change_velocity(acts, command.sideways, acceleration_);
   if (command.up != written_.up) up_.change_velocity(acts, command.up, acceleration_);
   if (command.up > 0.0 && std::isinf(lift_start_)) lift_start_ = acts;

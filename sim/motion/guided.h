@@ -1,9 +1,11 @@
-// The arm of a grasp that goes where its controller tells it to.
+// The arm of a grasp, moved by its controller's commands.
 //
-// Command. What is written at t begins to act at t + latency: from then on the arm's velocity, sideways and up, changes to the one commanded
-// with the constant `top_acceleration`, each axis for itself, and stays. So its motion is a closed form of the commands and does not depend on
-// the step of who asks for it. Before the first command it rests where it is; after the last it goes on as told.
-// It does not turn, and no force moves it. (A velocity interface, as that of a UR5's `speedl`, with a stiff arm.)
+// Command. A command written at t takes effect at t + latency: from then on the arm's velocity,
+// sideways and up, changes to the commanded one with the constant `top_acceleration`, independently
+// on each axis, and stays. So the motion is a closed form of the commands and does not depend on
+// the caller's step. Before the first command the arm rests; after the last it keeps its velocity.
+// It does not rotate, and no force moves it. (A velocity interface, like `speedl` of a UR5, with a
+// stiff arm.)
 #pragma once
 
 #include <limits>
@@ -14,7 +16,8 @@
 
 namespace slipbench {
 
-// The arm begins at the origin, aligned with the world: X is the closing direction, Y sideways, Z up. See describe().
+// The arm starts at the origin, aligned with the world: X is the closing direction, Y sideways, Z
+// up. See describe().
 MotionKind guided_motion();
 
 class Guided final : public Motion {
@@ -22,10 +25,10 @@ class Guided final : public Motion {
   // `parameters`: of guided_motion().
   explicit Guided(const Parameters& parameters);
 
-  // Takes a command written at `time` [s], in order of time. Throws InputError when it asks for more than the parameter `top_speed`, or for no
-  // number.
+  // Takes a command written at `time` [s], in order of time. Throws InputError if it exceeds the
+  // parameter `top_speed`, or is not a number.
   void write(double time, const ArmCommand& command);
-  // When the first command that raises the arm begins to act [s]; infinite until there is one.
+  // Returns when the first command that raises the arm takes effect [s]; infinite until then.
   [[nodiscard]] double lift_start() const { return lift_start_; }
 
   [[nodiscard]] BodyState pad_at(double t) const override;

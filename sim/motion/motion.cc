@@ -11,7 +11,8 @@ namespace {
 
 constexpr double turn = 2.0 * std::numbers::pi;
 
-// The powers of e^(i angle) that are the spindle's orders, by repeated squaring: one sine and cosine for all of them.
+// Returns the powers of e^(i angle) for the spindle's orders, by repeated squaring: one sine and
+// cosine for all of them.
 std::array<std::complex<double>, 7> powers(double angle) {
   const auto [sine, cosine] = math::sincos(angle);
   const std::complex<double> p1(cosine, sine);
@@ -22,7 +23,8 @@ std::array<std::complex<double>, 7> powers(double angle) {
 
 constexpr std::size_t idle_axis = 3;
 
-// Below this share of the amplitude what is left of a ringing mode is nothing: far less than a float's rounding of any signal.
+// Below this share of the amplitude a ringing mode counts as silent: far less than a float's
+// rounding of any signal.
 constexpr double silent = 1e-12;
 
 }  // namespace
@@ -90,9 +92,9 @@ void MotorVibration::add_noise(Drive& drive, std::size_t axis, double speed) con
   drive.corner += speed * (orders.back() * speed / lead);
 }
 
-// The force of the motors on the frame [N].
+// Returns the force of the motors on the frame [N].
 double MotorVibration::drive(const BodyState& stage, double dt) {
-  // Of a line's amplitude a: mean square a^2/2, and together half of the whole.
+  // A line of amplitude a has the mean square a^2/2; all lines together make half of the total.
   static const double line_share = 1.0 / std::sqrt(static_cast<double>(orders.size()));
   static const double noise_share = std::sqrt(0.5);
   Drive now;
@@ -118,8 +120,8 @@ double MotorVibration::drive(const BodyState& stage, double dt) {
   return amplitude_ * (line_share * now.lines + noise_share * std::sqrt(now.speed / reference_speed) * noise_);
 }
 
-// q'' + 2 zeta w q' + w^2 q = u with u linear over the step: from one state to the next, the homogeneous solution and the straight line
-// q = (u - 2 zeta u'/w)/w^2.
+// q'' + 2 zeta w q' + w^2 q = u with u linear over the step. Advances the state by the homogeneous
+// solution and the straight line q = (u - 2 zeta u'/w)/w^2.
 void MotorVibration::set_step(double dt) {
   step_ = dt;
   for (Mode& mode : modes_) {
@@ -129,7 +131,8 @@ void MotorVibration::set_step(double dt) {
     mode.from_q = {even + decay * odd, -w * w * odd};
     mode.from_v = {odd, even - decay * odd};
     const double slope = 1.0 / (w * w * dt), lag = 2.0 * mode.zeta / (w * w * w * dt), rest = 1.0 / (w * w);
-    // The line for a unit drive at the start (falling to 0), and at the end (rising from 0): its states at both ends.
+    // The line for a unit drive at the start (falling to 0), and at the end (rising from 0): its
+    // states at both ends.
     const std::array<double, 2> start_0{rest + lag, -slope}, start_1{lag, -slope}, end_0{-lag, slope}, end_1{rest - lag, slope};
     for (std::size_t i = 0; i < 2; ++i) {
       mode.from_start[i] = start_1[i] - mode.from_q[i] * start_0[0] - mode.from_v[i] * start_0[1];

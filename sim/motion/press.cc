@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* simulation = "Dynamically Reconfigurable Tactile Sensor for Robotic Manipulation, IEEE RA-L 2020";
 
-// The ranges are wide of what a bench could be: a number beyond is a slip of the pen.
+// The ranges exceed any real bench: a number outside is a typing error.
 Entry press_entry() {
   return {"press",
           "A stage presses the pad onto the surface, holds it and slowly retreats, while forces move what it touches.",

@@ -10,7 +10,7 @@ Profile::Profile(double position) : pieces_{{-std::numeric_limits<double>::infin
 
 void Profile::change_velocity(double t, double velocity, double acceleration) {
   const ProfilePoint from = at(t);
-  while (pieces_.back().start > t) pieces_.pop_back();  // a change still at work at t is cut short
+  while (pieces_.back().start > t) pieces_.pop_back();  // cut short a change under way at t
   const double change = velocity - from.velocity;
   if (change == 0.0) {
     if (pieces_.back().acceleration != 0.0) pieces_.push_back({t, from.position, velocity, 0.0});
@@ -29,18 +29,20 @@ void Profile::change_velocity(double t, double velocity, double acceleration) {
 void Profile::move(double t, double distance, double speed, double acceleration) {
   if (distance == 0.0) return;
   const double length = std::abs(distance);
-  const double top = std::min(speed, std::sqrt(acceleration * length));  // a short way never reaches the full speed
+  // a short move never reaches full speed
+  const double top = std::min(speed, std::sqrt(acceleration * length));
   const double ramp = std::isinf(acceleration) ? 0.0 : top / acceleration;
   const double way_at_top = length - top * ramp;
   change_velocity(t, std::copysign(top, distance), acceleration);
   change_velocity(t + ramp + std::max(0.0, way_at_top) / top, 0.0, acceleration);
-  // Rounding in the times must not leave a creep or a missed target behind.
+  // Rounding in the times must not leave a residual speed or an offset.
   pieces_.back().velocity = 0.0;
 }
 
 void Profile::move_to(double t, double target, double speed, double acceleration) {
   const ProfilePoint from = at(t);
-  const double braking = 0.5 * from.velocity * std::abs(from.velocity) / acceleration;  // way until it would rest
+  // signed braking distance
+  const double braking = 0.5 * from.velocity * std::abs(from.velocity) / acceleration;
   const double left = target - from.position;
   if (from.velocity == 0.0 || (left - braking) * from.velocity < 0.0) {
     change_velocity(t, 0.0, acceleration);
@@ -49,7 +51,7 @@ void Profile::move_to(double t, double target, double speed, double acceleration
     return;
   }
   const double now = std::abs(from.velocity), length = std::abs(left);
-  // Up to `top` and down to rest takes (top^2 - now^2/2)/acceleration.
+  // Accelerating to `top` and braking to rest takes the distance (top^2 - now^2/2)/acceleration.
   const double top = std::min(speed, std::sqrt(acceleration * length + 0.5 * now * now));
   const double ramp = std::isinf(acceleration) ? 0.0 : std::abs(top - now) / acceleration;
   const double way_at_top = length - 0.5 * (now + top) * ramp - 0.5 * top * top / acceleration;

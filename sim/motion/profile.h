@@ -5,31 +5,33 @@
 
 namespace slipbench {
 
-// Position and velocity of one coordinate; units are the caller's (m and m/s, or rad and rad/s).
+// Position and velocity of one coordinate, in the caller's units (m and m/s, or rad and rad/s).
 struct ProfilePoint {
   double position;
   double velocity;
 };
 
-// A trapezoidal profile in the making: begins at rest, and each call appends to it. Accelerations may be infinite: the velocity then
-// jumps.
+// A trapezoidal profile under construction: starts at rest, and each call appends to it.
+// Accelerations may be infinite: the velocity then jumps.
 class Profile {
  public:
   explicit Profile(double position);
 
-  // From time t on: changes the velocity to `velocity` with at most `acceleration` (> 0). A change still at work at t is cut short.
+  // From time t on, changes the velocity to `velocity` with `acceleration` (> 0). Cuts short a
+  // change under way at t.
   void change_velocity(double t, double velocity, double acceleration);
 
-  // From time t on: moves from rest by `distance` and rests again, at no more than `speed` (> 0) and `acceleration` (> 0).
+  // From time t on, moves from rest by `distance` and comes to rest, with at most `speed` (> 0) and
+  // `acceleration` (> 0).
   void move(double t, double distance, double speed, double acceleration);
 
-  // The same to the place `target`, also from a move that is under way: the velocity at t is gone on from, and is braked first where it
-  // leads away from the target or past it.
+  // The same to the position `target`, also during a move: continues from the velocity at t, and
+  // brakes first if that leads away from the target or past it.
   void move_to(double t, double target, double speed, double acceleration);
 
   // When the last change ends [s].
   [[nodiscard]] double end() const { return pieces_.back().start; }
-  // Largest speed ever reached.
+  // Returns the largest speed ever reached.
   [[nodiscard]] double top_speed() const;
   [[nodiscard]] bool at_rest_always() const { return pieces_.size() == 1; }
 
@@ -42,7 +44,8 @@ class Profile {
   std::vector<Piece> pieces_;  // the last one has no acceleration and no end
 };
 
-// How far something has come down that begins at `start` and takes `time` [s]: 3 s^2 - 2 s^3 of the share s of it that has passed.
+// Progress of a descent that begins at `start` and takes `time` [s]: 3 s^2 - 2 s^3 with s the
+// elapsed share of the time.
 ProfilePoint come_down(double t, double start, double time);
 
 }  // namespace slipbench

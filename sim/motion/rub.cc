@@ -19,7 +19,7 @@ namespace {
 constexpr const char* fitted = "assumed: fitted to 111 recordings of a BioTac SP (scenes/biotac_sp/slip.md)";
 constexpr const char* outline = "COMSOL model of the BioTac SP by bsadr: half-ellipsoid of 13.85 x 10.1 x 9.85 mm";
 
-// The ranges are wide of what a finger could be or do: a number beyond is a slip of the pen.
+// The ranges exceed any real finger and motion: a number outside is a typing error.
 Entry rub_entry() {
   return {
       "rub",
@@ -85,7 +85,8 @@ Entry rub_entry() {
       }};
 }
 
-// Bounds, so that top_speed() is one. A rate beyond is drawn again (one of 16,000); a value, which cannot turn back at once, is bent from 3 on.
+// Bounds, which make top_speed() finite. A rate beyond is drawn again (one in 16,000); a value,
+// which cannot jump back, saturates from 3 on.
 constexpr double limit = 4.0;
 constexpr double knot = 0.01;  // s
 
@@ -93,8 +94,9 @@ struct Point {
   double value = 0.0, rate = 0.0;
 };
 
-// White noise behind two equal low passes, as a Markov chain. With s the time over the time constant and u = x'/a, (x, u) is normal with
-// unit covariance P, and over s it becomes A (x, u) + L w with A = e^-s [1+s, s; -s, 1-s] and L L^T = P - A A^T.
+// White noise behind two equal low passes, as a Markov chain. With s the time over the time
+// constant and u = x'/a, (x, u) is normal with unit covariance P, and over s it becomes A (x, u) +
+// L w with A = e^-s [1+s, s; -s, 1-s] and L L^T = P - A A^T.
 class Process {
  public:
   void begin(RandomStream& random) {
@@ -117,7 +119,7 @@ class Process {
     u_ = u;
   }
 
-  // x, and its rate over a: beyond limit - 1 they bend to the limit.
+  // Returns x, and its rate over a: beyond limit - 1 they saturate at the limit.
   [[nodiscard]] Point bounded() const {
     const double over = std::abs(x_) - (limit - 1.0);
     if (over <= 0.0) return {x_, u_};
@@ -126,7 +128,7 @@ class Process {
   }
 
  private:
-  // 1 - e^-y (1 + y + y^2/2), without cancellation where y is small.
+  // Returns 1 - e^-y (1 + y + y^2/2), without cancellation where y is small.
   static double beyond_second(double y) {
     if (y > 1.0) return 1.0 - math::exp(-y) * (1.0 + y + 0.5 * y * y);
     double term = y * y * y / 6.0, sum = term;
@@ -137,7 +139,8 @@ class Process {
   double x_ = 0.0, u_ = 0.0;
 };
 
-// The processes of one trial at any time. A chain can only be walked forwards; for a time before the last one it begins anew.
+// The processes of one trial at any time. A chain only runs forwards; for a time before the last
+// one it is restarted.
 class Restlessness {
  public:
   enum Which { load, along, around, drive, count };
@@ -145,7 +148,7 @@ class Restlessness {
   struct Settings {
     double corner, warp_corner;  // Hz
     double warp, drive;
-    double begin, rise;  // s, from when on q comes up, and in how long
+    double begin, rise;  // s, start and duration of the rise of q
     double rest;         // factor on all other processes until then
   };
 
@@ -160,13 +163,14 @@ class Restlessness {
             p.rate + s * (6.0 * rise - 4.0 * p.rate - 2.0 * q.rate + 3.0 * s * (p.rate + q.rate - 2.0 * rise))};
   }
 
-  // The integral of q, and q.
+  // Returns the integral of q, and q.
   [[nodiscard]] Point way(double t) const {
     const double s = go_to(t), first = walk_.before.q, q = first + s * (walk_.after.q - first);
     return {walk_.before.way + 0.5 * knot * s * (first + q), q};
   }
 
-  // Bounds on the rate of the processes [1/s] and on q. Between knots a cubic is at most twice as steep as at them and as their chord.
+  // Upper bounds of the rate of the processes [1/s] and of q. Between knots a cubic is at most
+  // twice as steep as at the knots and as their chord.
   [[nodiscard]] double top_rate() const {
     return 2.0 * limit * (pole_ * math::exp(settings_.warp * limit) + 1.5 * (1.0 - settings_.rest) / settings_.rise);
   }
@@ -181,7 +185,7 @@ class Restlessness {
     RandomStream random;
     Process time;
     std::array<Process, count> processes;
-    std::size_t knots;  // up to `after`, which is number knots - 1
+    std::size_t knots;  // number drawn; `after` is number knots - 1
     Knot before, after;
   };
 
@@ -217,7 +221,7 @@ class Restlessness {
     ++walk.knots;
   }
 
-  // Share of the way from `before` to `after`.
+  // Moves the chain to time t; returns the fraction between `before` and `after`.
   [[nodiscard]] double go_to(double t) const {
     const double place = std::max(0.0, t) / knot, floor = std::floor(place);
     const auto before = static_cast<std::size_t>(floor);
@@ -283,9 +287,11 @@ class Rub final : public Motion {
     const double rate = restless_.top_rate(), q = restless_.top_way_rate();
     const double vertical = (gap_ + deepest_) * 1.5 / approach_ + most_pressing * deepest_ * load_sd_ * rate;
     // (1 - tanh^2 y) y is at most 0.4477, where 2 y tanh y = 1.
-    // With x = a sin h and g the arc's angle: tan(pitch) = tan(h)/(a m), 1/m from the lesser to the greater of b and c, and
-    // tan(roll) = -(c/b) tan(g). An angle whose tangent is f times another's changes at most max(f, 1/f) times as fast. m itself changes by
-    // at most half of f^2 - 1 of it a radian, f = max(b, c)/min(b, c), and pitch by half of that.
+    //
+    // With x = a sin h and g the arc's angle: tan(pitch) = tan(h)/(a m), 1/m from the lesser to the
+    // greater of b and c, and tan(roll) = -(c/b) tan(g). An angle whose tangent is f times
+    // another's changes at most max(f, 1/f) times as fast. m itself changes by at most half of f^2
+    // - 1 of it per radian, f = max(b, c)/min(b, c), and pitch by half of that.
     const double most = std::max(b_, c_), least = std::min(b_, c_), f = most / least;
     const double cosine = std::sqrt(1.0 - math::pow((std::abs(site_[0]) + std::min(limit * wander_[0], room_[0])) / a_, 2));
     const double h_rate = wander_[0] * rate / (a_ * cosine), g_rate = wander_[1] * rate / radius();
@@ -298,7 +304,7 @@ class Rub final : public Motion {
   [[nodiscard]] bool turns() const override { return rotation_ != 0.0; }
 
  private:
-  // Shares of the half length, and angles [rad], up to which a skin can be pressed.
+  // Limits of the skin that can be pressed: share of the half length, and angle [rad].
   static constexpr double reach_x = 0.95, reach_arc = 1.4;
   static constexpr double most_pressing = 0.448;
 
@@ -309,7 +315,7 @@ class Rub final : public Motion {
 
   [[nodiscard]] double radius() const { return 0.5 * (b_ + c_); }
 
-  // What the skin leaves beside a site. Throws where that is none.
+  // Returns the space between a site and the end of the skin. Throws if there is none.
   static double room(double site, double end, const char* what) {
     if (std::abs(site) < end) return end - std::abs(site);
     throw SceneValueError("motion.site", fmt::format("with the offset leads {} along {}; allowed: less than {} on this skin",
@@ -317,14 +323,15 @@ class Rub final : public Motion {
                                                      format_quantity(end, Quantity::length)));
   }
 
-  // A coordinate of the spot.
+  // Returns a coordinate of the spot.
   [[nodiscard]] Point wandered(std::size_t k, const Point& process) const {
     const double bounded = math::tanh(wander_[k] * process.value / room_[k]);
     return {site_[k] + room_[k] * bounded, (1.0 - bounded * bounded) * wander_[k] * process.rate};
   }
 
-  // The spot is centre + (x, k b sin g, -k c cos g) with k = sqrt(1 - (x/a)^2); the outward normal there is along
-  // (x/a^2, k sin(g)/b, -k cos(g)/c). Rx turns its Y component away, then Ry its X component.
+  // The spot is centre + (x, k b sin g, -k c cos g) with k = sqrt(1 - (x/a)^2); the outward normal
+  // there is along (x/a^2, k sin(g)/b, -k cos(g)/c). Rx rotates away its Y component, then Ry its X
+  // component.
   [[nodiscard]] Spot spot_at(double t) const {
     const Point along = wandered(0, restless_.at(Restlessness::along, t)),
                 around = wandered(1, restless_.at(Restlessness::around, t));

@@ -13,10 +13,10 @@
 namespace slipbench {
 namespace {
 
-// The bench that the published PapillArray sequences were recorded on.
+// The bench on which the published PapillArray sequences were recorded.
 constexpr const char* protocol = "Wang et al., IEEE RA-L 9 (2024) 1827: hexapod protocol";
 
-// The ranges are wide of what a bench could be: a number beyond is a slip of the pen.
+// The ranges exceed any real bench: a number outside is a typing error.
 Entry stage_entry() {
   return {
       "stage",

@@ -38,7 +38,7 @@ Entry wander_entry() {
       }};
 }
 
-// A smooth random function of time that is spread evenly over (-1, 1).
+// A smooth random function of time, uniformly distributed over (-1, 1).
 class Wave {
  public:
   struct Point {
@@ -73,8 +73,9 @@ class Wave {
     double omega, phase;
   };
   static constexpr std::size_t tones = 8;
-  static constexpr double amplitude = 0.5;                                         // of each: 8 * 0.5^2/2 = 1
-  static constexpr double slope = std::numbers::sqrt2 * std::numbers::inv_sqrtpi;  // of erf(g/sqrt 2) at g = 0
+  static constexpr double amplitude = 0.5;  // of each tone: 8 * 0.5^2/2 = 1
+  // of erf(g/sqrt 2) at g = 0
+  static constexpr double slope = std::numbers::sqrt2 * std::numbers::inv_sqrtpi;
   std::array<Tone, tones> tones_{};
 };
 
