@@ -17,7 +17,7 @@
 namespace slipbench {
 namespace {
 
-// The entry called `name` of a catalogue. The parser has let no other names through.
+// Returns the catalogue entry `name`. The parser has accepted only names that exist.
 template <class Catalogue>
 const auto& kind_named(const Catalogue& catalogue, const std::string& name) {
   return *std::find_if(catalogue.begin(), catalogue.end(), [&](const auto& kind) { return kind.about.name == name; });
@@ -57,7 +57,7 @@ ParameterSpec angle() {
   return number_spec("angle", Quantity::angle, "0 deg", any_value, "Direction of the axis, from the world's X axis.", "free");
 }
 
-// With the shape's z axis along the angle, and its highest line at z = 0.
+// Places the shape with its z axis along the angle, and its highest line at z = 0.
 Pose lying(const Parameters& p) {
   Pose pose = placed(p, -p.number("radius"));
   pose.rotation = rotation_by_axes({0.0, 0.5 * std::numbers::pi, p.number("angle")});
@@ -125,7 +125,7 @@ std::vector<ParameterSpec> place() {
           "assumed")};
 }
 
-// A body that may be free, with the parameters of its size in front.
+// Returns the entry of a body that may be free, with the parameters of its size first.
 Entry shape(std::string name, std::string summary, std::vector<ParameterSpec> sizes) {
   const std::vector<ParameterSpec> motion{
       number_spec("mass", Quantity::mass, "100 g", positive, "Mass, spread evenly.", "assumed"),

@@ -1,4 +1,4 @@
-// The simulation itself: a scene's pads, surface and motion, stepped in time.
+// A stage simulation: a scene's pads, surface and motion, stepped in time.
 #pragma once
 
 #include <cstddef>
@@ -14,15 +14,17 @@
 
 namespace slipbench {
 
-// Runs one trial of a scene. Every pad follows the scene's motion against the scene's surface; no dynamics are solved, since
-// nothing is free to move. Pads do not feel each other: with `time_step: auto` each takes the longest step that divides its own sampling
-// time and that its own effects bear, and the motors shake each by a force of its own with the same random numbers (the level and the
-// phases of their lines are alike in all; the noise is drawn once a step).
+// Runs one trial of a scene. Every pad follows the scene's motion against the scene's surface; no
+// dynamics are solved, since no body is free to move. Pads do not influence each other: with
+// `time_step: auto` each takes the longest step that divides its own sampling time and that its own
+// effects allow. The motors shake each pad by its own force with the same random numbers (the level
+// and the phases of their lines are alike for all; the noise is drawn once per step).
 class StageSimulation final : public Simulation {
  public:
-  // `pads`: one layout a sensor of the scene, in the scene's order. `output_rates` [Hz]: the sensors' rates, in the same order.
-  // `trial` keys the effects' random streams. Throws InputError when a sensor's rate does not divide the step rate or when
-  // the step is too long for an effect, and std::logic_error for a scene that is another simulation's (articulated pads, bodies).
+  // `pads`: one layout per sensor of the scene, in the scene's order. `output_rates` [Hz]: the
+  // sensors' rates, in the same order. `trial` keys the effects' random streams. Throws InputError
+  // if a sensor's rate does not divide the step rate or the step is too long for an effect, and
+  // std::logic_error for a scene that needs another simulation (articulated pads, bodies).
   StageSimulation(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> output_rates,
                   std::uint64_t trial);
   ~StageSimulation() override;
@@ -37,7 +39,7 @@ class StageSimulation final : public Simulation {
   [[nodiscard]] const ContactFrame& contact(std::size_t pad) const override { return contact_part(pad, FramePart::all); }
   [[nodiscard]] const ContactFrame& contact_part(std::size_t pad, FramePart part) const override;
   void leave_slip_angle() override;
-  // "pad" (one: all sensors ride on the same stage) and "surface".
+  // "pad" (one, since all sensors ride on the same stage) and "surface".
   [[nodiscard]] const std::vector<NamedBody>& bodies() const override;
   [[nodiscard]] bool rotating() const override;
 

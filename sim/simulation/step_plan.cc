@@ -8,21 +8,21 @@
 namespace slipbench {
 namespace {
 
-// Times that should be whole multiples may miss by this share: they come from decimal text.
+// Relative tolerance for times that should be whole multiples: they come from decimal text.
 constexpr double rounding = 1e-9;
 
-// How many steps within a sampling time are tried before sensors' rates count as having no common step.
+// Number of divisors of a sampling time tried before sensors' rates count as having no common step.
 constexpr double most_divisors = 100.0;
 
-// n when `longer` is n times `shorter`, else 0.
+// Returns n if `longer` is n times `shorter`, else 0.
 std::size_t whole_ratio(double longer, double shorter) {
   const double ratio = longer / shorter;
   const double nearest = std::round(ratio);
   return nearest >= 1.0 && std::abs(ratio - nearest) <= rounding * nearest ? static_cast<std::size_t>(nearest) : 0;
 }
 
-// The longest step that divides every sampling time; where none of a reasonable number does, the check in plan_steps() says which
-// sensor is in the way.
+// Returns the longest step that divides every sampling time. If there is none within most_divisors,
+// the check in plan_steps() reports the sensor that does not fit.
 double automatic_step(std::span<const double> rates, double longest) {
   const double fastest = *std::max_element(rates.begin(), rates.end());
   const double first = std::max(1.0, std::ceil(1.0 / (fastest * longest)));

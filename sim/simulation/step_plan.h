@@ -1,4 +1,4 @@
-// How a trial's time is cut into steps and samples, and when each of its pads is due.
+// Divides a trial's time into steps and samples, and says when each pad has a tick.
 #pragma once
 
 #include <algorithm>
@@ -18,15 +18,18 @@ struct StepPlan {
   std::vector<std::size_t> strides;  // ticks between two samples, by sensor
 };
 
-// The steps that the sensors of a scene from number `first` on have in common, which sample at `output_rates` [Hz]. `time_step: auto` takes the longest step that divides every
-// sampling time and is at most `longest` [s]. `limited_by` says what does not bear a longer one: "the scene's effects".
-// Throws SceneValueError when the scene's own step is longer than that, is no whole part of the duration or of a sampling time.
+// Plans the common steps of a scene's sensors from number `first` on, which sample at
+// `output_rates` [Hz]. `time_step: auto` takes the longest step that divides every sampling time
+// and is at most `longest` [s]. `limited_by` names the cause of that limit for messages: "the
+// scene's effects". Throws SceneValueError if the scene's own step is longer than that, or does not
+// divide the duration or a sampling time.
 StepPlan plan_steps(const Scene& scene, std::span<const double> output_rates, double longest, const std::string& limited_by,
                     std::size_t first = 0);
 
-// Tick k of a clock with the given step [s] is at k/n where the step is an nth of a second up to the rounding of decimal text, and else at
-// k steps. A quotient of whole numbers is rounded once, so that ticks of different clocks that are at the same time are so to the bit:
-// 9 ms is 9/1000 and 90/10000, but not 9 times 0.001.
+// Times of a clock's ticks. If the step [s] is 1/n of a second, up to the rounding of decimal text,
+// tick k is at k/n; otherwise at k steps. A quotient of whole numbers is rounded once, so that
+// simultaneous ticks of different clocks have bit-identical times: 9 ms is 9/1000 and 90/10000, but
+// not 9 times 0.001.
 class TickTimes {
  public:
   explicit TickTimes(double step) : step_(step) {
@@ -42,20 +45,21 @@ class TickTimes {
 
  private:
   double step_;
-  double per_second_ = 0.0;  // 0: the step is no whole part of a second
+  double per_second_ = 0.0;  // 0: the step does not divide a second
 };
 
-// A pad ticks at the times of its own step, to the bit as without the others; no common clock is sought, so any rates go together. Where
-// pads tick at the same time they do so to the bit.
+// Clocks of several pads. A pad ticks at the times of its own step, bit-identical to those without
+// other pads. There is no common clock, so any rates can be combined. Simultaneous ticks of pads
+// have bit-identical times.
 class PadClocks {
  public:
-  // The next pad's. `plan`: of that pad alone.
+  // Adds the next pad. `plan`: of that pad alone.
   void add(const StepPlan& plan) {
     clocks_.push_back({plan.dt, plan.ticks, plan.strides.front(), TickTimes(plan.dt)});
     stepped_.reserve(clocks_.size());
   }
 
-  // Goes to the next instant at which a pad has a tick and returns it [s]; the first is 0.
+  // Advances to the next instant at which a pad has a tick and returns it [s]; the first is 0.
   double advance() {
     double now = clocks_.front().due;
     for (const Clock& clock : clocks_) now = std::min(now, clock.due);
@@ -69,7 +73,7 @@ class PadClocks {
     return now;
   }
 
-  // The pads that have a tick at the instant last gone to, in ascending order.
+  // The pads with a tick at the current instant, in ascending order.
   [[nodiscard]] std::span<const std::size_t> stepped() const { return stepped_; }
   [[nodiscard]] std::size_t ticks(std::size_t pad) const { return clocks_[pad].ticks; }
   [[nodiscard]] double time_step(std::size_t pad) const { return clocks_[pad].dt; }  // s
