@@ -1,4 +1,5 @@
-// What a scene may name. Filled by whoever composes the program, so that the parser depends on no effect and no sensor.
+// The names that a scene may use. Filled by the code that composes the program, so that the parser
+// depends on no effect or sensor.
 #pragma once
 
 #include <map>
@@ -14,43 +15,45 @@ struct Material {
   std::string name;
   double mu_static;
   double mu_kinetic;
-  std::string source;  // where the figures come from, or "assumed: why"
+  std::string source;  // origin of the figures, or "assumed: why"
 };
 
-// A named set of defaults: path of a scene's key -> what stands there unless the scene says otherwise.
+// A named set of defaults: path of a scene's key -> its value unless the scene sets it.
 struct Protocol {
   std::string name;
   std::map<std::string, std::string> defaults;
 };
 
-// What a scene may ask of its trials. The first parameter of each is `limit`, which is what `expect: {NAME: LIMIT}` gives.
+// An expectation that a scene may have of its trials. The first parameter of each is `limit`, the
+// LIMIT in `expect: {NAME: LIMIT}`.
 struct ExpectationEntry : Entry {
-  bool of_grasp = false;     // only where there is a gripper
-  bool of_detector = false;  // only where there is a detector
+  bool of_grasp = false;     // needs a gripper
+  bool of_detector = false;  // needs a detector
 };
 
-// The catalogues, by the scene key that draws from them.
+// The catalogues, by the scene key that uses them.
 struct Catalogues {
   std::vector<Material> materials;
   std::vector<Entry> surfaces;  // surface.shape
   std::vector<Entry> motions;   // motion.kind
   std::vector<Entry> sensors;   // sensors.*.type
-  std::map<std::string, std::vector<Entry>>
-      electronics;                  // sensors.*.electronics: by type the parts that it has, those of `typical`
+  // sensors.*.electronics: the parts of each sensor type, those of `typical`
+  std::map<std::string, std::vector<Entry>> electronics;
   std::vector<Entry> effects;       // effects
   std::vector<Entry> bodies;        // bodies.*.shape
   std::vector<Entry> grasp;         // box, grip, scatter: one entry each
   std::vector<Protocol> protocols;  // grip.protocol
-  // The time [s] at which the motion `lift` with these parameters has raised the arm, which no trial may end before; null: any may.
+  // Returns the time [s] at which the motion `lift` with these parameters has raised the arm; no
+  // trial may end before. Null: no limit.
   double (*lift_end)(const Parameters& motion) = nullptr;
   std::vector<Entry> detectors;                // detector.type
   std::vector<Entry> controllers;              // controller.type
   std::vector<ExpectationEntry> expectations;  // expect
 };
 
-// The materials that a surface may be made of.
+// The materials of surfaces.
 
-// Friction of the pads' silicone on each material, dry unless the name says otherwise.
+// Returns the friction of the pads' silicone on each material, dry unless the name says otherwise.
 std::vector<Material> material_table();
 
 }  // namespace slipbench

@@ -9,13 +9,14 @@
 namespace slipbench {
 namespace {
 
-// Keys that only a scene with bodies that move by forces may have: of the scene, and of its sensors.
+// Keys that only a scene with bodies that move by forces may have: of the scene, and of its
+// sensors.
 constexpr std::array<std::string_view, 5> dynamic_keys{"controls", "field_solver", "gravity", "hold", "integrator"};
 constexpr std::array<std::string_view, 5> dynamic_sensor_keys{"ahead", "damping", "follows", "site", "touches"};
-// Those of both that a grasp has no use for.
+// Keys of both lists that are invalid in a grasp.
 constexpr std::array<std::string_view, 4> keys_of_models{"controls", "hold", "site", "touches"};
 
-// What an override writes to take a key back: the key then counts as absent.
+// An override by which a key counts as absent.
 struct Withdrawal {
   std::string_view key;
   std::string_view word;
@@ -98,7 +99,8 @@ class DynamicsReader : EntryReader {
     return hold;
   }
 
-  // Of a scene with pads as fields: articulated pads have one integrator, and `contact` has its own.
+  // For a scene with pads as fields: articulated pads have one integrator, and `contact` has its
+  // own.
   std::string read_integrator(const YamlNode* node, const Scene& scene) {
     if (node == nullptr) return {};
     const std::string name = std::get<std::string>(value(node, "integrator", integrator_spec));
@@ -117,7 +119,7 @@ class DynamicsReader : EntryReader {
     return name;
   }
 
-  // Sensors that read the contact of another one's pad, or of that on the other finger of a grasp.
+  // Reads sensors that use the contact of another sensor's pad, or of the second pad of a grasp.
   void read_followers(const YamlNode& sensors, Scene& scene) {
     std::vector<std::string_view> pads;
     for (const SensorScene& sensor : scene.sensors) {
@@ -258,7 +260,7 @@ class DynamicsReader : EntryReader {
     return {time, control_value(node.children[1], path + ".1")};
   }
 
-  // An actuator's unit is the model's affair: every one is taken, and turned into SI.
+  // The model defines an actuator's unit: accepts every unit and converts it to SI.
   double control_value(const YamlNode& node, const std::string& path) {
     if (node.kind != YamlNode::Kind::scalar) {
       fail(node.origin,

@@ -55,7 +55,8 @@ struct ToJson {
   std::string operator()(const ParameterMap&) const { throw std::logic_error("a map is recorded by its entries"); }
 };
 
-// A value that nobody has declared: true, false, a number with or without a unit in SI, else text.
+// Returns a value without a declaration: true, false, a number with or without a unit in SI, else
+// text.
 Parameters::Value undeclared_value(const std::string& text) {
   if (text == "true" || text == "false") return text == "true";
   try {
@@ -69,7 +70,7 @@ ParameterSpec share(const char* name, const char* doc) {
   return number_spec(name, Quantity::none, "1 %", positive_up_to(1.0), doc, "free");
 }
 
-// Keys of a scene that say how it is computed. With a wish that is what is looked for.
+// Keys of a scene that say how it is computed. With `accuracy` they are determined by the program.
 constexpr std::array<std::string_view, 3> settings{"field_solver", "integrator", "time_step"};
 
 }  // namespace
@@ -194,7 +195,7 @@ Parameters::Value EntryReader::table(const YamlNode* node, const std::string& pa
     }
     values.resize(std::max(width, spec.columns.size()), std::nan(""));
   }
-  if (in_file) table.path = node->text;  // as the scene writes it
+  if (in_file) table.path = node->text;  // as written in the scene
   record(path, table);
   if (in_file) table.path = in_folder(node->text);
   return table;

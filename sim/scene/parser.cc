@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t max_trials = 1'000'000;
 constexpr std::size_t max_checked_cells = 10'000;
 
-// A swept value that is neither one number nor one name: a sequence of effects, say.
+// Converts a swept value that is neither one number nor one name, such as a sequence of effects.
 nlohmann::json json_of(const YamlNode& node) {
   switch (node.kind) {
     case YamlNode::Kind::null: return nullptr;
@@ -36,7 +36,7 @@ nlohmann::json json_of(const YamlNode& node) {
   throw std::logic_error("no such kind of node");
 }
 
-// What a scene calls by a name whose figures other keys may replace, all of them.
+// A name in a scene that stands for figures, and the keys that together may replace all of them.
 struct NamedFigures {
   std::string path;
   std::vector<std::string> replaced_by;
@@ -50,7 +50,8 @@ std::vector<NamedFigures> named_figures(const Catalogues& catalogues) {
   return names;
 }
 
-// "friction.static (stage.yaml:7), friction.kinetic (stage.yaml:7)": those that the scene has.
+// Returns "friction.static (stage.yaml:7), friction.kinetic (stage.yaml:7)": the replacing keys
+// that the scene has.
 std::string replacements_in(const YamlNode& root, const NamedFigures& name) {
   std::string text;
   for (const std::string& path : name.replaced_by) {
@@ -60,7 +61,8 @@ std::string replacements_in(const YamlNode& root, const NamedFigures& name) {
   return text;
 }
 
-// Refuses entry number `entry` of the sweep where every value of it makes the same scene: trials would differ in the name alone.
+// Refuses entry number `entry` of the sweep if all its values make the same scene: trials would
+// differ only in the name.
 void refuse_idle(const YamlNode& scene, const Sweep& sweep, std::size_t entry, const NamedFigures& name,
                  const Catalogues& catalogues) {
   std::size_t contexts = 1;
@@ -75,7 +77,7 @@ void refuse_idle(const YamlNode& scene, const Sweep& sweep, std::size_t entry, c
       try {
         read_scene(root, catalogues, &read);
       } catch (const InputError&) {
-        return;  // without its draws it is no scene
+        return;  // not a valid scene without its draws
       }
       read.erase(name.path);
       if (first && read != *first) return;
@@ -85,7 +87,7 @@ void refuse_idle(const YamlNode& scene, const Sweep& sweep, std::size_t entry, c
   YamlNode root = scene;
   sweep.apply_one(root, entry, 0, 0);
   const std::string replacements = replacements_in(root, name);
-  if (replacements.empty()) return;  // the same value again
+  if (replacements.empty()) return;  // the values themselves are equal
   fail(swept.origin, "sweep." + swept.path + " changes nothing: what " + quote(name.path) + " stands for is replaced by " +
                          replacements + "; allowed: a sweep of those, or a scene without them");
 }
@@ -110,7 +112,7 @@ void refuse_idle(const YamlNode& scene, const Sweep& sweep, const Catalogues& ca
 
 }  // namespace
 
-// A checked file, ready to be expanded: shared by the copies of a plan.
+// A checked file, ready to be expanded; shared by the copies of a plan.
 struct TrialPlan::Plan {
   YamlNode scene;  // without its sweep
   Sweep sweep;
@@ -120,7 +122,7 @@ struct TrialPlan::Plan {
 SceneFile SceneFile::load(const std::string& path) {
   check_regular_file(path);
   std::ifstream stream(path, std::ios::binary);
-  // One byte more than is allowed: enough to see that a file is too long, whatever it is.
+  // One byte more than allowed: enough to detect a file that is too long.
   std::string text(max_yaml_bytes + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream.is_open() || stream.bad()) throw InputError(path + ": cannot be read: " + std::strerror(errno));

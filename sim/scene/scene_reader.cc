@@ -13,10 +13,10 @@ constexpr std::string_view schema_version = "1";
 constexpr double max_steps = 1e8;
 constexpr std::size_t max_sensors = 64;
 constexpr double least_impedance = 1e-4, most_impedance = 0.9999;  // mjMINIMP and mjMAXIMP
-constexpr double least_width = 1e-15;                              // m, mjMINVAL, and no more
+constexpr double least_width = 1e-15;                              // m, mjMINVAL: lower bound only
 constexpr std::string_view contact_fidelity = "mujoco_contact";
 
-// The motions of a grasp's arm, the usual one first, which are no motions of a stage.
+// Motions of a grasp's arm, the default first; they are invalid for a stage.
 constexpr std::array<std::string_view, 2> arm_motions{"lift", guided_motion_name};
 
 constexpr std::array<SceneKey, 28> keys{{
@@ -60,7 +60,7 @@ class SceneReader : EntryReader {
     check_keys(root, "the scene", names_of(keys));
     read_version(root);
     Scene scene;
-    scene.grasp = read_grasp(root);  // first: its protocol is the default of others
+    scene.grasp = read_grasp(root);  // first: its protocol sets defaults of other sections
     if (const YamlNode* node = root.find("description")) scene.description = text_of(*node, "description", "text");
     scene.duration = number(root.find("duration"), "duration", duration_spec);
     scene.time_step = read_time_step(root.find("time_step"), scene.duration);
@@ -161,7 +161,7 @@ class SceneReader : EntryReader {
     return split;
   }
 
-  // MuJoCo takes its defaults for a reference of mixed signs.
+  // MuJoCo silently uses its defaults for a reference of mixed signs.
   static void refuse_mixed(const YamlNode* node, const Parameters& contact, const std::string& name, const std::string& allowed,
                            bool or_none) {
     const std::vector<double>& reference = contact.vector(name);
@@ -195,7 +195,7 @@ class SceneReader : EntryReader {
                                          (static_node == nullptr ? " of " + material.name : "") + "; allowed: at most that");
         }
       } else if (static_node != nullptr && material.mu_static > 0.0) {
-        // Only the static one is given: the material keeps its ratio.
+        // Only the static coefficient is given: keep the material's ratio.
         friction.kinetic_coefficient = friction.static_coefficient * (material.mu_kinetic / material.mu_static);
       }
       friction.scale = number(node->find("scale"), "friction.scale", scale_spec);
@@ -256,7 +256,7 @@ class SceneReader : EntryReader {
     return Named{entry->name, parameters(node, "controller", "controller", *entry, {"type"})};
   }
 
-  // A map whose `type` names one of `entries`, or none: null.
+  // Returns the entry named by `type` in the map, or null for none.
   const Entry* read_loop_part(const YamlNode* node, const std::string& key, const std::vector<Entry>& entries) {
     if (node == nullptr) return nullptr;
     require_map(*node, key, "'type' and parameters");
@@ -290,7 +290,7 @@ class SceneReader : EntryReader {
     return static_cast<std::size_t>(found - sensors.begin());
   }
 
-  // A scene with `grip` or `box` is a grasp; where one is missing it is all defaults.
+  // A scene with `grip` or `box` is a grasp; the missing one takes its defaults.
   std::optional<GraspScene> read_grasp(const YamlNode& root) {
     const YamlNode *grip = root.find("grip"), *box = root.find("box"), *scatter = root.find("scatter");
     if (grip == nullptr && box == nullptr) {
@@ -331,7 +331,8 @@ class SceneReader : EntryReader {
     const double end = catalogues_.lift_end(scene.motion.parameters);
     if (scene.duration >= end - 1e-9) return;  // as exact as a sum of decimal fractions
     const YamlNode* node = root.find("motion");
-    // A drawn lift may outlast its trial, as some of the published benchmark do: what has not left the table by then is not lifted.
+    // A drawn lift may outlast its trial, as in some trials of the published benchmark: a box that
+    // has not left the table by then counts as not lifted.
     const auto is_drawn = [](const YamlNode* value) { return value != nullptr && value->origin.drawn; };
     const auto of_motion = [&](const char* key) { return node == nullptr ? nullptr : node->find(key); };
     if (is_drawn(root.find("duration")) || is_drawn(of_motion("settle")) || is_drawn(of_motion("distance")) ||
@@ -339,7 +340,8 @@ class SceneReader : EntryReader {
       return;
     }
     const auto seconds = [](double time) { return format_number(time) + " s"; };
-    const std::string needed = seconds(std::ceil(1e3 * end) / 1e3);  // what the message allows is enough
+    // rounded up, so that the duration in the message suffices
+    const std::string needed = seconds(std::ceil(1e3 * end) / 1e3);
     fail(node == nullptr ? root.origin : node->key_origin,
          "motion: the lift ends at " + needed + ", after the trial's duration of " + seconds(scene.duration) +
              "; allowed: a duration of at least " + needed + ", or a lift that ends earlier");

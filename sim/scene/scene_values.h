@@ -1,11 +1,11 @@
-// The declarations of a scene's own values, those that belong to no entry of a catalogue: for scene_reader.cc.
+// Declarations of a scene's own values, which belong to no catalogue entry: for scene_reader.cc.
 #pragma once
 
 #include "sim/core/parameters.h"
 
 namespace slipbench {
 
-// Of a coefficient and of its scale: far beyond any dry pair, so likely a slip of the pen.
+// Limit of a coefficient and of its scale: far beyond any dry pair, so a likely typing error.
 inline constexpr double max_friction = 100.0;
 
 inline const ParameterSpec duration_spec =
@@ -36,9 +36,9 @@ inline const ParameterSpec control_time_spec =
 
 inline constexpr double mujoco_min_value = 1e-15;  // mjMINVAL
 
-// The scene's key `contact`: MuJoCo's own contact between tips and what they touch, with fidelity mujoco_contact. Names and
-// defaults are MuJoCo's but where the source says otherwise; numbers are bare, as MuJoCo writes them. Where MuJoCo would clip a
-// value it is refused.
+// The scene's key `contact`: MuJoCo's own contact between tips and touched geoms, with fidelity
+// mujoco_contact. Names and defaults are MuJoCo's unless the source says otherwise; numbers are
+// bare, as in MuJoCo. A value that MuJoCo would clip is refused.
 inline const Entry contact_entry{
     .name = "contact",
     .summary = "MuJoCo's own contact friction, with fidelity: mujoco_contact.",

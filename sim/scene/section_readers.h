@@ -1,5 +1,5 @@
-// What a scene is read with: values and entries by their declarations, and sections that are read apart: what its results have to
-// be, and the bodies that move by forces.
+// Reads values and entries by their declarations, and the sections with their own readers: required
+// accuracy, expectations, and bodies that move by forces.
 #pragma once
 
 #include <algorithm>
@@ -21,28 +21,29 @@
 
 namespace slipbench {
 
-// What scene_reader.cc reads every section with: values and entries of a catalogue, by their declarations. Every function throws
-// InputError at the node that does not fit.
+// Reads values and entries of a catalogue by their declarations; scene_reader.cc uses it for every
+// section. Every function throws InputError at the node that does not fit.
 
-// A value that a scene was read from or that was filled in by default.
+// A value that a scene was read from, or its default.
 struct ReadValue {
   std::string json;                    // numbers in SI
   Quantity quantity = Quantity::none;  // of a number
-  std::string written = {};            // as the scene has it; empty: a default, or no scalar
+  std::string written = {};            // as written in the scene; empty: a default, or not a scalar
 
   friend bool operator==(const ReadValue&, const ReadValue&) = default;
 };
 
-// All of them, by path.
+// All values, by path.
 using Trace = std::map<std::string, ReadValue, std::less<>>;
 
-// A text as a JSON string.
+// Returns a text as a JSON string.
 std::string json_text(const std::string& text);
 
-// A number as JSON: the shortest text that reads back as the same double; an infinite one as the string "inf" or "-inf".
+// Returns a number as JSON: the shortest text that reads back as the same double; an infinite one
+// as the string "inf" or "-inf".
 std::string json_number(double value);
 
-// Names of items, in alphabetical order, as a message lists them.
+// Returns names of items in alphabetical order, for messages.
 template <class Items>
 std::vector<std::string_view> names_of(const Items& items) {
   std::vector<std::string_view> names;
@@ -51,7 +52,7 @@ std::vector<std::string_view> names_of(const Items& items) {
   return names;
 }
 
-// The item called `name`; `noun` says in a message what it would be.
+// Returns the item called `name`. `noun`: the kind of item, for messages.
 template <class Item>
 const Item& named(const std::vector<Item>& items, const std::string& name, const Origin& origin, const std::string& noun) {
   const auto found = std::ranges::find(items, name, &Item::name);
@@ -59,20 +60,21 @@ const Item& named(const std::vector<Item>& items, const std::string& name, const
   return *found;
 }
 
-// The text of a scalar. `path`: as in "motion.tilt.0".
+// Returns the text of a scalar. `path`: such as "motion.tilt.0".
 const std::string& text_of(const YamlNode& node, const std::string& path, const std::string& allowed);
 
 void require_map(const YamlNode& node, const std::string& where, const std::string& allowed);
 
-// `allowed` in alphabetical order.
+// Lists `allowed` in alphabetical order.
 void check_keys(const YamlNode& map, const std::string& where, const std::vector<std::string_view>& allowed);
 
-// One scalar of `spec`'s type, or one entry of its vector.
+// Returns one scalar of `spec`'s type, or one entry of its vector.
 Parameters::Value scalar(const YamlNode& node, const std::string& path, const ParameterSpec& spec);
 
 class EntryReader {
  public:
-  // `root`: of the scene; its file's folder is where paths begin, also where --set has put them. `trace` may be null.
+  // `root`: origin of the scene's root; paths are relative to its file's folder, also those given
+  // by --set. `trace` may be null.
   EntryReader(Origin root, Trace* trace) : root_(std::move(root)), trace_(trace) {}
 
  protected:
@@ -83,24 +85,26 @@ class EntryReader {
   void record(const std::string& path, const Parameters::Value& value, Quantity quantity = Quantity::none,
               const std::string& written = {});
 
-  // A path as the scene writes it, from the scene's own folder.
+  // Resolves a path as written in the scene, relative to the scene's folder.
   [[nodiscard]] std::string in_folder(const std::string& path) const;
 
-  // The value at `node`, or the default where that is null.
+  // Returns the value at `node`, or the default if it is null.
   Parameters::Value value(const YamlNode* node, const std::string& path, const ParameterSpec& spec);
   double number(const YamlNode* node, const std::string& path, const ParameterSpec& spec) {
     return std::get<double>(value(node, path, spec));
   }
 
-  // The parameters of `entry` out of `map` (null: all at their defaults). `other_keys` may stand beside them.
+  // Reads the parameters of `entry` from `map` (null: all at their defaults). The map may also
+  // contain `other_keys`.
   Parameters parameters(const YamlNode* map, const std::string& path, const std::string& where, const Entry& entry,
                         const std::vector<std::string_view>& other_keys);
 
-  // A map whose `selector` names the entry: motion.kind, surface.shape.
+  // Reads a map whose `selector` names the entry: motion.kind, surface.shape.
   Named read_kind(const YamlNode* node, const std::string& path, const std::string& selector, const std::string& default_name,
                   const std::vector<Entry>& entries, const std::string& noun, std::vector<std::string_view> other_keys);
 
-  // A sequence of names, or of maps of one key with parameters: "[ageing, {stribeck: {speed: 1 mm/s}}]". Null: empty.
+  // Reads a sequence of names, or of maps of one key with parameters: "[ageing, {stribeck: {speed:
+  // 1 mm/s}}]". Null: empty.
   std::vector<Named> read_list(const YamlNode* node, const std::string& path, const std::vector<Entry>& entries,
                                const std::string& noun);
 
@@ -115,24 +119,24 @@ class EntryReader {
   const Protocol* protocol_ = nullptr;
 };
 
-// The scene's key `accuracy`: how right its results have to be, instead of how finely time is to be cut.
+// The scene's key `accuracy`: the required accuracy of its results, instead of a time step.
 
 // Reads
-//   accuracy: {onset: 1 %, creep: 1 um/s}    # what may be wished for: accuracy_specs(); none: nothing is
+//   accuracy: {onset: 1 %, creep: 1 um/s}    # measures: accuracy_specs(); none: no requirement
 class AccuracyReader : EntryReader {
  public:
-  // Records where `reader` does.
+  // Records into the trace of `reader`.
   explicit AccuracyReader(const EntryReader& reader) : EntryReader(reader) {}
 
-  // `root`: of the scene. Empty where it wishes for nothing. Throws InputError at the node that does not fit, also where the
-  // scene sets itself what is to be found: its step or its solver.
+  // `root`: of the scene. Returns nothing if there is no requirement. Throws InputError at the node
+  // that does not fit, also if the scene sets its step or its solver, which the program is to find.
   std::optional<AccuracyScene> read(const YamlNode& root);
 };
 
-// What may be wished for, by name: shares of 1, but for creep, a speed.
+// The measures, by name: shares of 1, except creep, a speed.
 const std::vector<ParameterSpec>& accuracy_specs();
 
-// The scene's key `expect`: what must come out of its trials.
+// The scene's key `expect`: the required results of its trials.
 
 // The controller that never tightens on slip.
 inline constexpr const char* negative_control = "hold_preset";
@@ -142,14 +146,15 @@ inline constexpr const char* negative_control = "hold_preset";
 //     dropped: false                        # the limit alone
 //     max_slip: {limit: 3 mm, pass: 0.9}    # with further parameters of the catalogue's entry
 //     confidence: 0.99                      # default 0.95
-//     control: none                         # default: hold_preset in a scene with a controller, else none
+//     control: none                         # default: hold_preset with a controller, else none
 class ExpectationReader : EntryReader {
  public:
-  // Records where `reader` does.
+  // Records into the trace of `reader`.
   explicit ExpectationReader(const EntryReader& reader) : EntryReader(reader) {}
 
-  // `scene`: read but for this key. Throws InputError at the node that does not fit: no such expectation, one that needs a gripper or a
-  // detector in a scene without, a limit of another quantity.
+  // `scene`: read except for this key. Throws InputError at the node that does not fit: an unknown
+  // expectation, one that needs a gripper or a detector in a scene without it, a limit of another
+  // quantity.
   ExpectScene read(const YamlNode& node, const Scene& scene, const std::vector<ExpectationEntry>& catalogue);
 
  private:
@@ -157,34 +162,38 @@ class ExpectationReader : EntryReader {
   std::string read_control(const YamlNode* node, const Scene& scene);
 };
 
-// What a scene says of bodies that move by forces, and refuses where it has none. `scene`: read but for that, for detector, controller and
-// expectations. Records where `reader` does. Throws InputError at the node that does not fit.
+// Reads the keys for bodies that move by forces, and refuses them if there are none. `scene`: read
+// except for these keys, detector, controller and expectations. Records into the trace of `reader`.
+// Throws InputError at the node that does not fit.
 void read_dynamics(const EntryReader& reader, const YamlNode& root, const Catalogues& catalogues, Scene& scene);
 
-// The value of `key` in the scene, null where it has none or takes it back.
+// Returns the value of `key` in the scene; null if it is missing or withdrawn.
 const YamlNode* find_kept(const YamlNode& root, std::string_view key);
 
-// The path of an entry of the map `list`, which names a `what` by an identifier and says by `selector` which of `entries` it is. Throws InputError
-// where it does not; `allowed`: what stands in it.
+// Returns the path of an entry of the map `list`. The entry names a `what` by an identifier and
+// selects by `selector` one of `entries`. Throws InputError if it does not; `allowed`: the content
+// of the entry, for messages.
 std::string named_part(const YamlNode& node, const std::string& list, const std::string& what, const std::string& allowed,
                        const std::string& selector, const std::vector<Entry>& entries);
 
 // From a tree of YAML values to a checked Scene.
 
-// A key that stands at the root of a scene.
+// A key at the root of a scene.
 struct SceneKey {
   std::string_view name;
-  std::string_view doc;  // one sentence, what it holds
+  std::string_view doc;  // one sentence: what it holds
 };
 
-// All of them, in alphabetical order.
+// All root keys, in alphabetical order.
 std::span<const SceneKey> scene_keys();
 
-// Reads the tree of a scene without its key `sweep`. Throws InputError at the first thing that is wrong. `trace` may be null.
-// Throws InputError naming the root's line where a default name (the motion 'stage', say) is not in its catalogue.
+// Reads the tree of a scene without its key `sweep`. Throws InputError at the first error; at the
+// root's line if a default name (such as the motion 'stage') is not in its catalogue. `trace` may
+// be null.
 Scene read_scene(const YamlNode& root, const Catalogues& catalogues, Trace* trace);
 
-// The scene's `seed`, 0 where it has none. Throws InputError when it is no unsigned number of 64 bits.
+// Returns the scene's `seed`, 0 if it has none. Throws InputError if it is not an unsigned 64-bit
+// integer.
 std::uint64_t read_seed(const YamlNode& root);
 
 }  // namespace slipbench

@@ -27,7 +27,7 @@ void mark_drawn(YamlNode& node) {
   for (YamlNode& child : node.children) mark_drawn(child);
 }
 
-// The values to choose from: of an axis of the grid, or of a draw.
+// Returns the values to choose from, of an axis of the grid or of a draw.
 std::vector<YamlNode> values_of(const YamlNode& node, const std::string& where) {
   if (node.kind != YamlNode::Kind::sequence || node.children.empty()) {
     const std::string found = node.kind == YamlNode::Kind::sequence ? "empty" : described(node);
@@ -40,7 +40,7 @@ bool starts_with(std::span<const std::string> path, std::span<const std::string>
   return path.size() >= prefix.size() && std::ranges::equal(path.first(prefix.size()), prefix);
 }
 
-// Reads the numbers of a draw; all but lognormal's sd share one quantity, which the units tell.
+// Reads the numbers of a draw; all except lognormal's sd share one quantity, given by the units.
 class DrawReader {
  public:
   DrawReader(const YamlNode& map, std::string where) : map_(map), where_(std::move(where)) {}
@@ -160,11 +160,12 @@ double sample_once(const Draw& draw, RandomStream& random) {
   throw std::logic_error("a choice is no number");
 }
 
-// The value as a scene would write it: with the SI unit, so that a draw of the wrong dimension is refused when it is read.
+// Returns the value as a scene would write it, with the SI unit, so that a draw of the wrong
+// dimension is refused when it is read.
 YamlNode sample(const Draw& draw, RandomStream& random) {
   for (int i = 0; i < max_redraws; ++i) {
     const double value = sample_once(draw, random);
-    // Rounding of exp may leave the interval of log_uniform by one unit in the last place, too.
+    // Rounding of exp may also leave the interval of log_uniform by one unit in the last place.
     if (value < draw.min || value > draw.max) continue;
     YamlNode node;
     node.kind = YamlNode::Kind::scalar;
@@ -185,12 +186,12 @@ std::string named(const SweptPath& swept) { return "sweep." + (swept.parts.empty
                          (swept.parts.empty() ? "of the whole value" : swept.path + "=... as a whole"));
 }
 
-// Both were typed, and neither is nearer to what its user means.
+// Both come from the command line, and neither takes precedence.
 [[noreturn]] void refuse_both(const SweptPath& swept) {
   fail(swept.origin, named(swept) + " sweeps what the command line fixes, too; allowed: one of the two");
 }
 
-// Takes the key at `path` out of a map of an axis; returns whether it was there.
+// Removes the key at `path` from a map of an axis; returns true if it existed.
 bool erase_inside(YamlNode& value, std::span<const std::string> path, const SweptPath& swept) {
   if (value.kind != YamlNode::Kind::map) refuse_inside(swept);
   if (path.size() == 1)
@@ -199,7 +200,7 @@ bool erase_inside(YamlNode& value, std::span<const std::string> path, const Swep
   return child != nullptr && erase_inside(*child, path.subspan(1), swept);
 }
 
-// What the command line gives has no line.
+// Values from the command line have no line number.
 bool is_typed(const YamlNode& node) { return node.origin.line == 0 || std::ranges::any_of(node.children, is_typed); }
 
 void collect(const YamlNode& value, const std::string& path, std::vector<std::string>& leaves) {
@@ -277,7 +278,7 @@ void Sweep::read_trials(const YamlNode& node) {
   }
 }
 
-// Maps that are merged into the scene itself: values of several sections that go together.
+// Maps that are merged into the scene itself: values of several sections that belong together.
 void Sweep::read_scenes(const YamlNode& node) {
   SweptPath swept{
       .path = "", .parts = {}, .origin = node.key_origin, .values = {}, .draw = std::nullopt, .typed = is_typed(node)};
@@ -325,7 +326,7 @@ void Sweep::drop_overridden(const std::vector<std::vector<std::string>>& overrid
     for (SweptPath& swept : paths_) {
       if (!starts_with(fixed, swept.parts)) continue;
       if (fixed == swept.parts) refuse_both(swept);
-      // A key inside an axis of maps is fixed: every map loses it.
+      // A key inside an axis of maps is fixed: remove it from every map.
       const auto inside = std::span(fixed).subspan(swept.parts.size());
       for (YamlNode& value : swept.values) {
         if (erase_inside(value, inside, swept) && swept.typed) refuse_both(swept);
@@ -336,7 +337,8 @@ void Sweep::drop_overridden(const std::vector<std::vector<std::string>>& overrid
 }
 
 void Sweep::collect_leaves() {
-  // Two entries that set the same value would hide each other: sorted by their parts, a path stands right before those below it.
+  // Two entries that set the same value would hide each other. Sorted by its parts, a path directly
+  // precedes those below it.
   struct Leaf {
     std::vector<std::string> parts;
     const SweptPath* owner;

@@ -1,4 +1,4 @@
-// The sweep of a scene: which values each trial takes.
+// The sweep of a scene: the values of each trial.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@
 
 namespace slipbench {
 
-// A random number as a scene asks for it. With u uniform in [0, 1) and z standard normal:
+// A random number as requested by a scene. With u uniform in [0, 1) and z standard normal:
 //   uniform      min + (max - min) u
 //   log_uniform  exp of a uniform draw from ln min to ln max
-//   normal       mean + sd z, drawn again until it is within [min, max] where these are given
+//   normal       mean + sd z, redrawn until it is within [min, max] if these are given
 //   lognormal    median exp(sd z), likewise
 //   choice       one of `values`, all equally likely
 struct Draw {
@@ -31,7 +31,7 @@ struct Draw {
   Origin origin;
 };
 
-// A kind of draw: its name and the numbers that it needs and may have.
+// A kind of draw: its name, and its required and optional numbers.
 struct DrawKind {
   std::string_view name;
   Draw::Kind kind;
@@ -41,47 +41,49 @@ struct DrawKind {
 
 const std::vector<DrawKind>& draw_kinds();
 
-// Returns true if a sweep cannot vary this key of a scene.
+// True if a sweep cannot vary this key of a scene.
 bool is_fixed(std::string_view key);
 
 // One entry of `sweep`: an axis of the grid, or a draw.
 struct SweptPath {
-  std::string path;  // empty, as the parts: the axis `scene`, whose maps are merged into the scene itself
+  // Empty, as are the parts: the axis `scene`, whose maps are merged into the scene itself.
+  std::string path;
   std::vector<std::string> parts;
   Origin origin;
   std::vector<YamlNode> values;  // of the axis, or of a choice
   std::optional<Draw> draw;
-  bool typed;  // given on the command line, all of it or a part
+  bool typed;  // given on the command line, in whole or in part
 };
 
-// Every path that the entry sets: a map on an axis stands for the keys in it.
+// Returns every path that the entry sets: a map on an axis stands for the keys in it.
 std::vector<std::string> leaves_of(const SweptPath& swept);
 
-// Most draws of a cell that a scene may ask for, and most cells of the grid.
+// Largest number of draws per cell, and of cells of the grid.
 inline constexpr std::size_t max_cells = 1'000'000;
 
 class Sweep {
  public:
-  // `node`: the scene's `sweep`, or null where it has none. `overridden`: paths fixed on the command line, which leave the sweep
-  // of the file. What the command line sweeps stays: below such a path it applies to what was given there, and the same path is refused.
-  // Throws InputError.
+  // `node`: the scene's `sweep`, or null. `overridden`: paths fixed on the command line, which are
+  // removed from the file's sweep. A sweep given on the command line stays: a fixed path below it
+  // changes its values, and the same path is refused. Throws InputError.
   Sweep(const YamlNode* node, const std::vector<std::vector<std::string>>& overridden);
 
-  [[nodiscard]] std::size_t cells() const { return cells_; }    // of the grid, at least 1
-  [[nodiscard]] std::size_t trials() const { return trials_; }  // draws of each cell, as the scene says
+  [[nodiscard]] std::size_t cells() const { return cells_; }  // of the grid, at least 1
+  // draws per cell, as given by the scene
+  [[nodiscard]] std::size_t trials() const { return trials_; }
 
   // Every path that some trial sets, in file order: a map on an axis stands for the keys in it.
   [[nodiscard]] const std::vector<std::string>& leaves() const { return leaves_; }
 
-  // What it sets, in file order.
+  // The entries, in file order.
   [[nodiscard]] const std::vector<SweptPath>& paths() const { return paths_; }
 
-  // Puts into the scene what entry `entry` of paths() sets with its value number `value`, and what all others set with their
-  // value number `others`, counted round. Drawn numbers are left out. Throws as apply().
+  // Sets value number `value` of entry number `entry` of paths() in the scene, and value number
+  // `others` (modulo their number) of all other entries. Omits drawn numbers. Throws like apply().
   void apply_one(YamlNode& scene, std::size_t entry, std::size_t value, std::size_t others) const;
 
-  // Puts the values of one trial into the scene. The last axis varies fastest. Throws InputError where a path does not fit the
-  // scene or a truncated draw finds no value.
+  // Sets the values of one trial in the scene. The last axis varies fastest. Throws InputError if a
+  // path does not fit the scene or a truncated draw finds no value.
   void apply(YamlNode& scene, std::size_t cell, std::uint64_t seed, std::size_t trial) const;
 
  private:

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t max_depth = 64;
 
-// Builds the tree from yaml-cpp's events and refuses what a scene has no use for.
+// Builds the tree from yaml-cpp's events and refuses constructs that scenes do not support.
 class TreeBuilder : public YAML::EventHandler {
  public:
   TreeBuilder(std::shared_ptr<const std::string> source, bool has_lines) : source_(std::move(source)), has_lines_(has_lines) {}
@@ -59,7 +59,7 @@ class TreeBuilder : public YAML::EventHandler {
   // A sequence or map that is still being read.
   struct Open {
     YamlNode node;
-    bool has_key = false;  // a map's key has been read, its value comes next
+    bool has_key = false;  // a map's key has been read, its value is next
     std::string key;
     Origin key_origin;
   };
@@ -74,7 +74,8 @@ class TreeBuilder : public YAML::EventHandler {
 
   void check_plain(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) const {
     if (anchor != 0) fail(origin_of(mark), "anchors ('&name') are not allowed");
-    // yaml-cpp gives "?" to plain values, "!" to quoted text and "" to the rest; anything else was written by the user.
+    // yaml-cpp gives "?" to plain values, "!" to quoted text and "" to the rest; anything else was
+    // written by the user.
     if (!tag.empty() && tag != "?" && tag != "!") fail(origin_of(mark), "tags ('!name') are not allowed");
   }
 
@@ -121,7 +122,7 @@ class TreeBuilder : public YAML::EventHandler {
     if (parent.node.kind == YamlNode::Kind::map) {
       node.key = std::move(parent.key);
       node.key_origin = std::move(parent.key_origin);
-      // yaml-cpp places a missing value at whatever comes next.
+      // yaml-cpp gives a missing value the position of the next token.
       if (node.kind == YamlNode::Kind::null) node.origin = node.key_origin;
       parent.has_key = false;
     }
@@ -147,8 +148,8 @@ class TreeBuilder : public YAML::EventHandler {
   YamlNode root_;
 };
 
-// Position of the first byte that is not well-formed UTF-8 or is a control character other than tab, line feed and carriage
-// return; npos where all is text.
+// Returns the position of the first byte that is not well-formed UTF-8 or is a control character
+// other than tab, line feed and carriage return; npos if there is none.
 std::size_t first_bad_byte(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   std::size_t i = 0;
@@ -175,7 +176,8 @@ std::size_t first_bad_byte(std::string_view text) {
   return std::string_view::npos;
 }
 
-// The first of the adjacent lines, ending with number `line`, that are indented with a tab; 0 where that line is not.
+// Returns the first of the adjacent lines, ending with number `line`, that are indented with a
+// tab; 0 if that line is not.
 int first_tabbed_line(std::string_view text, int line) {
   int first = 0;
   for (int number = 1; number <= line; ++number) {
@@ -192,7 +194,7 @@ bool is_index(const std::string& part) {
   return !part.empty() && std::ranges::all_of(part, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// The item of `sequence` that `part` selects, or null.
+// Returns the item of `sequence` that `part` selects, or null.
 const YamlNode* item_of(const YamlNode& sequence, const std::string& part) {
   std::size_t index = 0;
   if (!is_index(part)) return nullptr;
@@ -222,7 +224,7 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
-// Where the cells of a file's column go, and what is written behind each.
+// Target column of the cells of a file's column, and the unit to append to each.
 struct Place {
   std::size_t column;
   std::string unit;
