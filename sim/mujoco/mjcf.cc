@@ -27,23 +27,23 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t largest_file = 100'000'000;  // bytes
 constexpr double most_cells = 1e8;
-constexpr double most_copies = 1e6;  // of nested ones together
-constexpr double most_values = 1e6;  // that each body, joint or the like has
-constexpr double most_keys = 1e4;    // MuJoCo's time grows by their square
+constexpr double most_copies = 1e6;  // nested ones multiplied
+constexpr double most_values = 1e6;  // per body, joint and the like
+constexpr double most_keys = 1e4;    // MuJoCo's time grows with its square
 constexpr double most_memory = 4e9;  // bytes
 
 struct Tag {
   std::string name;
   std::map<std::string, std::string> attributes;
   std::size_t line = 1;
-  bool begins = false, ends = false;  // an element; both: it is empty
+  bool begins = false, ends = false;  // of an element; both: an empty element
 };
 
-// What MuJoCo's XML skips, comments and the like; "<!" begins two others too.
+// Parts that MuJoCo's XML parser skips, such as comments; "<!" begins two others too.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> skipped{
     {{"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<!", ">"}, {"<?", "?>"}}};
 
-// The tags of a text. What is no XML gives any tags.
+// Returns the tags of a text. The result for text that is not XML is arbitrary.
 std::vector<Tag> tags_of(std::string_view text) {
   constexpr std::string_view space = " \t\r\n\v\f";
   std::vector<Tag> tags;
@@ -82,7 +82,8 @@ std::vector<Tag> tags_of(std::string_view text) {
   return tags;
 }
 
-// The product of an attribute's numbers, 1 where it is not there: "3 4" is 12, "2M" is 2^21. With an entity, "&#51;", it may be any.
+// Returns the product of an attribute's numbers, 1 if it is missing: "3 4" is 12, "2M" is 2^21.
+// With an entity such as "&#51;" it is infinite, since it may be any number.
 double product_of(const Tag& tag, const std::string& attribute) {
   const auto found = tag.attributes.find(attribute);
   if (found == tag.attributes.end()) return 1.0;
@@ -107,18 +108,18 @@ void check_size(const std::string& file, const Tag& tag, const char* what, doubl
                    std::to_string(found) + "; allowed: at most " + std::to_string(most));
 }
 
-// What has been looked at.
+// Files already checked.
 struct Looked {
   std::map<std::string, std::vector<Tag>> files;
-  std::map<std::string, double> copies;    // that are made of each file's elements
+  std::map<std::string, double> copies;    // number of copies made of each file's elements
   std::map<std::string, fs::path> models;  // that <attach> may name
 };
 
-// `root`: the folder that the model's own folders are in.
+// `root`: the folder to which the model's own folders are relative.
 void check_file(const fs::path& path, const fs::path& root, Looked& looked, double copies = 1.0) {
   check_regular_file(path.string(), largest_file);
   const std::string file = path.lexically_normal().string();
-  if (copies <= looked.copies[file]) return;  // MuJoCo refuses one that includes itself
+  if (copies <= looked.copies[file]) return;  // MuJoCo refuses a file that includes itself
   looked.copies[file] = copies;
   std::ifstream stream(path, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
@@ -140,7 +141,7 @@ void check_file(const fs::path& path, const fs::path& root, Looked& looked, doub
     if (tag.name != "model" || !tag.attributes.contains("name") || !tag.attributes.contains("file")) continue;
     for_each_file(tag.attributes.at("file"), [&](const fs::path& found) { looked.models[tag.attributes.at("name")] = found; });
   }
-  std::vector<double> replicated{copies};  // by the elements that are open
+  std::vector<double> replicated{copies};  // stack of the open elements' factors
   for (const Tag& tag : tags) {
     if (tag.name == "replicate" && !tag.begins && replicated.size() > 1) replicated.pop_back();
     if (!tag.begins) continue;
@@ -157,7 +158,7 @@ void check_file(const fs::path& path, const fs::path& root, Looked& looked, doub
         const fs::path model = looked.models.at(value);
         check_file(model, model.parent_path(), looked, replicated.back());
       }
-      const bool names_file = key.starts_with("file");  // of a cube's sides too
+      const bool names_file = key.starts_with("file");  // also of a cube's sides
       const std::size_t entity = value.find('&');
       if ((names_file || key.ends_with("dir")) && entity != std::string::npos && value.find(';', entity) != std::string::npos)
         throw InputError(fmt::format("{}:{}: {} is {}; allowed: a name without entities", path.string(), tag.line, printable(key),

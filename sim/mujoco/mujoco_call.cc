@@ -12,7 +12,7 @@ namespace slipbench {
 namespace {
 
 struct Call;
-// The call that a thread is in.
+// The thread's innermost call.
 thread_local Call* under_way = nullptr;
 thread_local std::array<char, 1024> text;
 
@@ -28,7 +28,7 @@ struct Call {
 };
 
 void on_error(const char* message) {
-  if (under_way == nullptr) {  // not called by way of call_mujoco(): what MuJoCo itself would do
+  if (under_way == nullptr) {  // not inside call_mujoco(): do what MuJoCo itself would do
     std::fprintf(stderr, "ERROR: %s\n", message);
     std::exit(EXIT_FAILURE);
   }
@@ -38,7 +38,7 @@ void on_error(const char* message) {
 
 void on_warning(const char*) {}
 
-// Whether MuJoCo left the action by its error handler.
+// Runs the action; true if MuJoCo left it through its error handler.
 bool jumps_back(Call& call, void (*action)(void*), void* context) {
   std::jmp_buf here;
   call.way_back = &here;

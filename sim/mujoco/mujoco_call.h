@@ -18,10 +18,11 @@ using SpecPointer = std::unique_ptr<mjSpec, MujocoFree>;
 using ModelPointer = std::unique_ptr<mjModel, MujocoFree>;
 using DataPointer = std::unique_ptr<mjData, MujocoFree>;
 
-// Runs action(context). Where MuJoCo would end the process (mju_error) throws InputError with its text instead, or what
-// carry_to_caller() was given; the mjData in use is then good for nothing but to be deleted. `action` must own nothing that needs a
-// destructor: it is left by longjmp. The first call takes over mju_user_error and mju_user_warning for the whole process; warnings
-// are then counted in mjData and not printed. Thread-safe.
+// Runs action(context). Where MuJoCo would end the process (mju_error), throws InputError with its
+// text instead, or the argument of carry_to_caller(); the mjData in use may then only be deleted.
+// `action` must own nothing that needs a destructor: it is left by longjmp. The first call sets
+// mju_user_error and mju_user_warning for the whole process; warnings are then counted in mjData
+// and not printed. Thread-safe.
 void call_mujoco(void (*action)(void* context), void* context);
 
 template <class Action>
@@ -29,11 +30,12 @@ void call_mujoco(Action&& action) {
   call_mujoco([](void* context) { (*static_cast<std::remove_reference_t<Action>*>(context))(); }, &action);
 }
 
-// For what MuJoCo calls back, before it ends with mju_error, which takes no more than a text: the call_mujoco() around it throws `error`
-// itself. Does nothing where MuJoCo was called by others.
+// For callbacks of MuJoCo, before they call mju_error, which accepts only a text: makes the
+// call_mujoco() around it throw `error` itself. Does nothing if MuJoCo was called by other code.
 void carry_to_caller(std::exception_ptr error);
 
-// Throws InputError where mjData has counted a warning, with MuJoCo's text, the time [s] and the body that it names, if any.
+// Throws InputError if mjData has counted a warning, with MuJoCo's text, the time [s] and the body
+// that it names, if any.
 void refuse_warnings(const mjModel* model, const mjData* data, double time);
 
 }  // namespace slipbench

@@ -8,7 +8,7 @@
 namespace slipbench {
 namespace {
 
-// The body of the degree of freedom or coordinate that a warning names, or nothing.
+// Returns the body of the degree of freedom or coordinate that a warning names, or nothing.
 std::string body_of(const mjModel* model, int warning, int info) {
   int body = -1;
   if (warning == mjWARN_INERTIA || warning == mjWARN_BADQVEL || warning == mjWARN_BADQACC) {

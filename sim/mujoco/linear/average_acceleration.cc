@@ -15,20 +15,20 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// The 6x6 of many springs, translation before rotation.
+// The 6x6 matrix of many springs, translation before rotation.
 struct Springs {
   Matrix6d total = Matrix6d::Zero();
   double all_round = 0.0;
   Vector3d first = Vector3d::Zero();
   Matrix3d second = Matrix3d::Zero();
 
-  // A spring `a` in all directions at the lever r: a [I, -[r]x; [r]x, |r|^2 I - r r'].
+  // Adds an isotropic spring `a` at the lever r: a [I, -[r]x; [r]x, |r|^2 I - r r'].
   void add_all_round(double a, const Vector3d& r) {
     all_round += a;
     first += a * r;
     second.noalias() += a * r * r.transpose();
   }
-  // A spring `b` along n alone.
+  // Adds a spring `b` that acts along n only.
   void add_along(double b, const Vector3d& n, const Vector3d& r) {
     Vector6d row;
     row << n, r.cross(n);
@@ -46,7 +46,7 @@ struct Springs {
   }
 };
 
-// Rows of the equations, each in vectors of four and with room at its end. Of what is held: six columns, then the force.
+// Rows of the held body's equations, padded to multiples of four: six columns, then the force.
 struct HeldRows {
   static constexpr int columns = 8, force = 6;
   alignas(32) double at[6][columns];
@@ -60,7 +60,8 @@ struct HeldRows {
   }
 };
 
-// Of a finger: the six columns of P + G with room behind them, then -G and the force as HeldRows has them.
+// Rows of a finger's equations: the six columns of P + G, padded, then -G and the force as in
+// HeldRows.
 struct FingerRows {
   static constexpr int columns = 16, held = 8;
   alignas(32) double at[6][columns];
@@ -75,7 +76,7 @@ struct FingerRows {
       at[i][held + HeldRows::force] = on_it[i];
     }
   }
-  // After eliminate(): the finger's acceleration where what is held has `a`.
+  // After eliminate(): returns the finger's acceleration for the held body's acceleration `a`.
   [[nodiscard]] Vector6d follow(const Vector6d& a) const {
     Vector6d result;
     for (int i = 5; i >= 0; --i) {
@@ -88,7 +89,7 @@ struct FingerRows {
   }
 };
 
-// to -= factor * from, from a column on.
+// Computes to -= factor * from.
 template <int columns>
 SLIPBENCH_INLINE void subtract(double* to, double factor, const double* from) {
   for (int j = 0; j < columns; j += static_cast<int>(quad)) {
@@ -96,7 +97,7 @@ SLIPBENCH_INLINE void subtract(double* to, double factor, const double* from) {
   }
 }
 
-// Cholesky's rows of a finger, P + G = U' U, and what they leave of the equations of what is held.
+// Eliminates a finger by Cholesky, P + G = U' U, from the equations of the held body.
 SLIPBENCH_DISPATCHED void eliminate(FingerRows& finger, HeldRows& whole) {
   for (int k = 0; k < 6; ++k) {
     double* row = finger.at[k];
@@ -108,7 +109,7 @@ SLIPBENCH_DISPATCHED void eliminate(FingerRows& finger, HeldRows& whole) {
   }
 }
 
-// The acceleration of what is held; `whole` is used up.
+// Returns the held body's acceleration; overwrites `whole`.
 Vector6d solve_rows(HeldRows& whole) {
   for (int k = 0; k < 6; ++k) {
     const double inverse = 1.0 / whole.at[k][k];
@@ -159,8 +160,9 @@ Matrix6d added_inertia(const Field& field, double viscous_time, double h) {
   return springs.sum();
 }
 
-// With v = Q' (v_frame - w x p) and w = Q' w_frame of the frame at p, turned by Q:
-//   [A, B; B', D] -> [A, B - A p; ., D + p B + (p B)' - p A p] of the turned blocks, p the matrix of p x.
+// With v = Q' (v_frame - w x p) and w = Q' w_frame for the frame at p, rotated by Q:
+//   [A, B; B', D] -> [A, B - A p; ., D + p B + (p B)' - p A p] of the rotated blocks,
+// with p the matrix of p x.
 Matrix6d seen_from(const Pose& frame, const Matrix6d& inertia) {
   const Matrix3d& q = frame.rotation;
   const Matrix3d p = cross_matrix(frame.position);
@@ -207,8 +209,9 @@ void HeldBodies::solve(const mjModel* m, mjData* d, const std::array<Matrix6d, 2
                 Eigen::Map<const Vector3d>(d->xpos + 3 * body)};
   };
   const Pose held = pose_of(held_.body);
-  // A free joint's translations are the world's, its rotations the body's own. In the held body's axes, about its frame, where the body is `placed`:
-  // forces there, and accelerations back.
+  // A free joint's translations are in the world, its rotations in the body's own frame. These
+  // convert to the held body's axes, about its frame, in which the body is `placed`: forces there,
+  // and accelerations back.
   const auto force_on = [&](const Body& body, const Pose& placed) {
     const Eigen::Map<const Vector6d> joint(d->qfrc_smooth + body.dof);
     const Vector3d force = held.rotation.transpose() * joint.head<3>();
@@ -222,7 +225,7 @@ void HeldBodies::solve(const mjModel* m, mjData* d, const std::array<Matrix6d, 2
     joint.head<3>() = held.rotation * (a.head<3>() + turning.cross(placed.position));
     joint.tail<3>() = placed.rotation.transpose() * turning;
   };
-  // In a finger's own axes, and of them in those of its joint.
+  // To a finger's own axes, and from them to those of its joint.
   const auto in_finger = [&](const Body& finger, const Vector3d& moving, const Vector3d& turning) {
     Vector6d result;
     result << pose_of(finger.body).rotation.transpose() * moving, turning;

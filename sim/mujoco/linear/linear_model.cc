@@ -16,7 +16,7 @@ namespace {
 
 constexpr double accurate_phase = 0.75;   // h omega
 constexpr double accurate_damping = 1.0;  // h tau omega^2
-constexpr double linearised = 0.99;       // of the limit that tangents give
+constexpr double linearised = 0.99;       // share of the limit from tangents
 
 // Largest eigenvalue of B^-1 A, symmetric matrices, B positive definite.
 double largest_ratio(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
@@ -24,7 +24,8 @@ double largest_ratio(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return solver.eigenvalues().maxCoeff();
 }
 
-// The least step beyond `inside` that is not: `inside` must be true up to a step and false from there on.
+// Bisects for the largest step at which `inside` is true: it must be true up to a step and false
+// beyond it. `within`: a step at which it is true.
 template <class Predicate>
 double last_inside(double within, Predicate&& inside) {
   double low = within, high = 2.0 * within;
@@ -40,21 +41,22 @@ double velocity_first_limit(const LinearModel& model) {
   const double omega = std::sqrt(std::max(0.0, largest_ratio(model.stiffness, model.mass)));
   const double rate = largest_ratio(model.damping, model.mass);
   if (!(omega > 0.0) && !(rate > 0.0)) return std::numeric_limits<double>::infinity();
-  // (h omega)^2 <= 1 and 2 h rate <= 1 add up to 2 at most, and dampers of joints only help.
+  // (h omega)^2 <= 1 and 2 h rate <= 1 add up to at most 2, and dampers of joints only help.
   const double stable = 1.0 / std::max(omega, 2.0 * rate);
   return last_inside(stable, [&](double h) {
     return largest_ratio(h * h * model.stiffness + 2.0 * h * model.damping, model.mass + 0.5 * h * model.joint_damping) <= 4.0;
   });
 }
 
-// The least size of h lambda, along the ray of lambda, at which |R| = 1.
+// Returns the least size of h lambda, along the ray of lambda, at which |R| = 1.
 double runge_kutta_reach(std::complex<double> direction) {
   const auto stable = [&](double size) {
     const std::complex<double> z = size * direction;
-    // Without damping R stays within rounding of 1 for small z.
+    // Without damping |R| stays within rounding of 1 for small z.
     return std::norm(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)))) <= 1.0 + 1e-9;
   };
-  // The region of stability ends before |z| = 3 on the left of the imaginary axis, and no ray enters it twice there.
+  // The region of stability ends before |z| = 3 on the left of the imaginary axis, and no ray
+  // enters it twice there.
   double size = 1.0;
   while (stable(size + 0.01)) size += 0.01;
   double beyond = size + 0.01;
@@ -72,7 +74,8 @@ double runge_kutta_limit(const LinearModel& model) {
   slope.topRightCorner(n, n).setIdentity();
   slope.bottomLeftCorner(n, n) = -mass.solve(model.stiffness);
   slope.bottomRightCorner(n, n) = -mass.solve(model.damping + model.joint_damping);
-  // Coordinates in units of the fastest mode's velocity: else half of the matrix would be beyond the other's rounding.
+  // Scale coordinates to the fastest mode's velocity: otherwise one half of the matrix would be
+  // below the other's rounding error.
   const double scale = std::sqrt(slope.norm());
   if (!(scale > 0.0)) return std::numeric_limits<double>::infinity();
   slope.topRightCorner(n, n) *= scale;

@@ -12,7 +12,7 @@
 namespace slipbench {
 namespace {
 
-// G' B G of a 3x3 spring B at the lever r.
+// Adds G' B G of a 3x3 spring B at the lever r.
 void add_spring(Matrix6d& total, const Eigen::Matrix3d& spring, const Eigen::Vector3d& r) {
   const Eigen::Matrix3d cross = cross_matrix(r);
   const Eigen::Matrix3d turned = spring * cross;
@@ -22,12 +22,12 @@ void add_spring(Matrix6d& total, const Eigen::Matrix3d& spring, const Eigen::Vec
   total.bottomRightCorner<3, 3>() += cross.transpose() * turned;
 }
 
-// k_n n n' + k_t across.
+// Returns k_n n n' + k_t across.
 Eigen::Matrix3d spring(double k_n, const Eigen::Vector3d& n, double k_t, const Eigen::Matrix3d& across) {
   return k_n * n * n.transpose() + k_t * across;
 }
 
-// J M^-1 J' of all pads.
+// Returns J M^-1 J' of all pads.
 Eigen::MatrixXd delassus_of(const mjModel* m, mjData* d, std::span<const PadOnBodies> pads) {
   RowMatrix jacobians(static_cast<Eigen::Index>(6 * pads.size()), static_cast<Eigen::Index>(m->nv));
   for (std::size_t i = 0; i < pads.size(); ++i) {
@@ -36,7 +36,7 @@ Eigen::MatrixXd delassus_of(const mjModel* m, mjData* d, std::span<const PadOnBo
   return delassus(m, d, jacobians);
 }
 
-// Largest eigenvalue of R A R' with R = diag(roots).
+// Returns the largest eigenvalue of R A R' with R = diag(roots).
 double rooted_eigenvalue(const Eigen::MatrixXd& a, std::span<const Matrix6d> roots) {
   Eigen::MatrixXd product(a.rows(), a.cols());
   for (std::size_t i = 0; i < roots.size(); ++i) {
@@ -88,7 +88,8 @@ PadTangent field_tangent(const Field& field, const Pose& surface, const Eigen::V
   return tangent;
 }
 
-// To the bit the difference of what mj_jac gives for the two, along the degrees of freedom that either has.
+// Bit-identical to the difference of mj_jac's results for both bodies, along the degrees of freedom
+// of either.
 void relative_jacobian(const mjModel* m, const mjData* d, const PadOnBodies& pad, double* rows) {
   Eigen::Map<RowMatrix> jacobian(rows, 6, static_cast<Eigen::Index>(m->nv));
   std::fill_n(rows, jacobian.size(), 0.0);
@@ -109,7 +110,7 @@ Eigen::MatrixXd delassus(const mjModel* m, mjData* d, const RowMatrix& jacobians
   RowMatrix solved(jacobians.rows(), jacobians.cols());
   mj_solveM(m, d, solved.data(), jacobians.data(), static_cast<int>(jacobians.rows()));
   const Eigen::MatrixXd a = jacobians * solved.transpose();
-  return 0.5 * (a + a.transpose());  // rounding is all that is not symmetric
+  return 0.5 * (a + a.transpose());  // asymmetry is only rounding
 }
 
 Vibration fastest_vibration(const mjModel* m, mjData* d, std::span<const PadOnBodies> pads,
