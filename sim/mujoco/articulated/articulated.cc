@@ -16,7 +16,7 @@
 namespace slipbench {
 namespace {
 
-// The default of `damping` [s]. By it a slip begins early.
+// The default of `damping` [s]: the time by which a slip begins early.
 constexpr double longest_dashpot_time = 1e-3;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -42,11 +42,13 @@ void check(const PadLayout& layout, Friction friction) {
   }
 }
 
-// The stiffness of an element's normal slide that makes slide and contact in series as stiff as the element. The discrete
-// integrator gives a tip on its slide k the effective mass m + c dt + k dt^2, and MuJoCo's contact of constant impedance d and
-// solref -s/dt^2 is r/(dt^2 (1/m_eff + w)), r = s/(1 - d) the contact_ratio, w the inverse mass of what the tip is
-// mounted on and of what it touches. The part w dt^2/r of the contact's compliance does not depend on k: with 1/k' = 1/k_n - w dt^2/r
-// k solves r k^2 + (r M - (1 + r) k') k - r M k' = 0, M = (m + c dt)/dt^2.
+// Returns the stiffness of an element's normal slide for which slide and contact in series are as
+// stiff as the element. The discrete integrator gives a tip on its slide k the effective mass m + c
+// dt + k dt^2, and the stiffness of MuJoCo's contact of constant impedance d and solref -s/dt^2 is
+// r/(dt^2 (1/m_eff + w)), with r = s/(1 - d) the contact_ratio and w the inverse mass of the tip's
+// carrier and of the touched body. The part w dt^2/r of the contact's compliance does not depend on
+// k: with 1/k' = 1/k_n - w dt^2/r, k solves r k^2 + (r M - (1 + r) k') k - r M k' = 0, M = (m + c
+// dt)/dt^2.
 double normal_slide(double wanted, double inverse_mass, double damping, const PillarSettings& settings) {
   const double r = settings.contact_ratio, dt = settings.dt;
   if (std::isinf(r)) return wanted;
@@ -56,12 +58,12 @@ double normal_slide(double wanted, double inverse_mass, double damping, const Pi
   return (std::sqrt(b * b + 4.0 * r * r * free * k_n) - b) / (2.0 * r);
 }
 
-// That of a free tip on a spring [N s/m].
+// Returns the damping of a free tip on a spring [N s/m].
 double tip_damping(double stiffness, const PillarSettings& settings) {
   return 2.0 * settings.damping_ratio * std::sqrt(stiffness * settings.tip_mass);
 }
 
-// MuJoCo's own defaults for a part that has been added, whatever the model's default class says.
+// Sets MuJoCo's own defaults for an added part, whatever the model's default class is.
 template <class Part, class... Links>
 void make_plain(Part* part, void (*set_default)(Part*), Links Part::*... links) {
   Part plain;
@@ -72,13 +74,13 @@ void make_plain(Part* part, void (*set_default)(Part*), Links Part::*... links) 
 
 Eigen::Map<const Eigen::Vector3d> vector3(const mjtNum* v) { return Eigen::Map<const Eigen::Vector3d>(v); }
 
-// Of the second geom against the first along the contact's normal and its two tangents, out of the velocities of all constraints'
-// rows. Those of an elliptic contact are these, those of a pyramidal one the edges n + mu t_1, n - mu t_1, n + mu t_2, n - mu
-// t_2.
+// Returns the velocity of the second geom relative to the first along the contact's normal and its
+// two tangents, from the velocities of all constraint rows. The rows of an elliptic contact are
+// these; those of a pyramidal one are the edges n + mu t_1, n - mu t_1, n + mu t_2, n - mu t_2.
 Eigen::Vector3d contact_velocity(const mjContact& contact, const mjtNum* rows, bool pyramidal) {
   const mjtNum* row = rows + contact.efc_address;
   if (!pyramidal) return vector3(row);
-  const double twice = 2.0 * contact.friction[0];  // of both tangents
+  const double twice = 2.0 * contact.friction[0];  // for both tangents
   return {0.5 * (row[0] + row[1]), (row[0] - row[1]) / twice, (row[2] - row[3]) / twice};
 }
 
@@ -161,7 +163,7 @@ void add_articulated_pad(mjSpec* spec, mjsBody* carrier, const Pose& pad_in_carr
 void drive_free_joint(const mjModel* model, mjData* data, int joint, const Pose& from, const Pose& to, double dt) {
   const Eigen::Quaterniond turn(from.rotation);
   const Eigen::Vector3d linear = (to.position - from.position) / dt;
-  // The angular velocity of a free joint is given in the body's own frame.
+  // The angular velocity of a free joint is in the body's own frame.
   const Eigen::Vector3d angular = rotation_vector(from.rotation.transpose() * to.rotation) / dt;
   const double quaternion[4] = {turn.w(), turn.x(), turn.y(), turn.z()};
   mjtNum* qpos = data->qpos + model->jnt_qposadr[joint];
@@ -286,7 +288,7 @@ void ArticulatedContact::begin_run(double time) {
   report_events(time, 0.0);
 }
 
-// Of what has changed since the tips were as in before_.
+// Reports the changes since the states in before_.
 void ArticulatedContact::report_events(double time, double dt) {
   frame_.events.clear();
   changes_.clear();
@@ -304,8 +306,9 @@ void ArticulatedContact::report_events(double time, double dt) {
   unit_rules::report_unit_events(changes_, count_before, time, dt, frame_.events);
 }
 
-// The rotations, contacts and Jacobian in mjData after mj_step() are those of the step's start, where the solver found the forces,
-// while qvel is that of its end. A pad that turns at w therefore sees its forces turned by w dt, 0.03 degrees at 0.5 rad/s and 1 ms.
+// The rotations, contacts and Jacobian in mjData after mj_step() are those of the step's start,
+// where the solver found the forces, while qvel is that of its end. So a pad that rotates at w sees
+// its forces rotated by w dt, 0.03 degrees at 0.5 rad/s and 1 ms.
 void ArticulatedContact::gather(const mjModel* model, const mjData* data) {
   std::fill(tips_.begin(), tips_.end(), Tip{});
   if (data->nefc == 0) return;
@@ -321,8 +324,8 @@ void ArticulatedContact::gather(const mjModel* model, const mjData* data) {
     const int first = element_of_geom_[static_cast<std::size_t>(contact.geom[0])];
     const int second = element_of_geom_[static_cast<std::size_t>(contact.geom[1])];
     if (first < 0 && second < 0) continue;
-    const double side =
-        second >= 0 ? 1.0 : -1.0;  // MuJoCo's normal, forces and velocities are those of the second geom against the first
+    // MuJoCo's normal, forces and velocities are those of the second geom relative to the first.
+    const double side = second >= 0 ? 1.0 : -1.0;
     Tip& tip = tips_[static_cast<std::size_t>(second >= 0 ? second : first)];
 
     mjtNum force[6];
@@ -362,21 +365,21 @@ ElementState ArticulatedContact::judge(std::size_t i) const {
   return on_cone && speed > settings_.least_speed ? ElementState::slip : ElementState::stick;
 }
 
-// Where in the step [0, 1] the element came to its new state.
+// Returns the fraction of the step [0, 1] at which the element changed its state.
 double ArticulatedContact::fraction_of_change(std::size_t i, double dt) const {
   const Tip &now = tips_[i], &before = before_[i];
   const Element& element = layout_.elements[i];
   const auto share = [](double part, double whole) { return whole > 0.0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0; };
-  // Touch: the force at the end of the step has grown at k_n times the speed at which the tip came.
+  // Touch: the force at the end of the step has grown at k_n times the speed of approach.
   if (before.state == ElementState::detached) return 1.0 - share(now.normal_force, element.k_normal * now.approach * dt);
-  // Detach: the normal force went on falling as in the step before.
+  // Detach: the normal force went on falling at the rate of the last step.
   if (now.state == ElementState::detached) return share(before.normal_force, before.fall);
-  // Onset: the drive is shared by the spring, before it, and the slip, after it.
+  // Onset: the drive divides into the stretch of the spring, before it, and the slip, after it.
   if (now.state == ElementState::slip) {
     const double stretched = (now.tangential - before.tangential).norm();
     return share(stretched, stretched + element.k_tangential * now.velocity.norm() * dt);
   }
-  // Stop: the tip went on at the speed of the step before.
+  // Stop: the tip went on at the speed of the last step.
   return share(now.velocity.norm(), before.velocity.norm());
 }
 

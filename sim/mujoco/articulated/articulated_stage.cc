@@ -23,7 +23,8 @@
 namespace slipbench {
 namespace {
 
-// kg and kg m^2. Against it the forces of a pad (tens of N) turn the prescribed velocity by 1e-8 m/s in a step of 1 ms.
+// kg and kg m^2. A pad's forces (tens of N) change the prescribed velocity by 1e-8 m/s in a step of
+// 1 ms.
 constexpr double carrier_mass = 1e6;
 
 struct GeomShape {
@@ -41,7 +42,7 @@ GeomShape geom_shape(const DistanceGrid&) {
   throw std::invalid_argument("the articulated stage has no geom for a distance grid");
 }
 
-// Into how many of MuJoCo's steps one of `dt` [s] is cut.
+// Returns the number of MuJoCo's steps into which one of `dt` [s] is divided.
 int parts_of(double dt, const ArticulatedSettings& recipe) {
   if (!(dt > 0.0)) throw std::invalid_argument("the articulated stage needs a step longer than 0 s");
   return static_cast<int>(std::ceil(dt / recipe.longest_step * (1.0 - 1e-9)));
@@ -53,7 +54,7 @@ struct ArticulatedStage::World {
   PadLayout layout;
   Surface surface;
   double dt;
-  int parts;  // MuJoCo's steps in one of the simulation's
+  int parts;  // MuJoCo's steps per step of the simulation
   ModelPointer model;
   DataPointer data;
   std::unique_ptr<ArticulatedContact> contact;
@@ -121,7 +122,8 @@ ArticulatedStage::~ArticulatedStage() = default;
 
 const ContactFrame& ArticulatedStage::frame() const { return world_->frame; }
 
-// Tips inside the surface are pressed in; then the contacts take up the rest of their load while the pad rests.
+// Presses in the tips inside the surface; then the contacts take up the rest of their load while
+// the pad is at rest.
 void ArticulatedStage::World::place(const Pose& pad, double time) {
   const int steps = contact->steps_to_settle(contact->begin_on(model.get(), data.get(), surface, pad));
   for (int k = 0; k < steps; ++k) {

@@ -14,21 +14,23 @@
 namespace slipbench {
 namespace {
 
-// The state rule's, of a contact of the user's: see user_pillars().
+// The state rule for a contact set by the user: see user_pillars().
 constexpr double cone_share = 1e-6;
 constexpr double least_speed = 1e-6;  // m/s
 constexpr double creep_speed = 1e-3;  // m/s
 constexpr double creep_time = 1e-2;   // s
 
-constexpr double tip_radius = 1e-4;  // m, as the recipe's
+constexpr double tip_radius = 1e-4;  // m, as in the recipe
 
-// A contact's time constants within which tips come to rest: e^-10. In steps one counts for two at least, the least that MuJoCo calls
-// safe: a faster contact overshoots, and rests no sooner.
+// Time constants of the contact in which tips come to rest: e^-10. One counts for at least two
+// steps, the least that MuJoCo calls safe: a faster contact overshoots, and comes to rest no
+// sooner.
 constexpr double settling_times = 10.0;
 constexpr double least_time_constant = 2.0;  // steps
 constexpr double most_settling_steps = 100'000.0;
 
-// Of a contact with `solref` [s]: its own, or 2/b of one that is given directly as [-k, -b].
+// Returns the time constant of a contact with `solref` [s]: its own, or 2/b if given directly as
+// [-k, -b].
 double time_constant(const std::array<mjtNum, mjNREF>& solref) { return solref[0] > 0.0 ? solref[0] : -2.0 / solref[1]; }
 
 }  // namespace
@@ -44,7 +46,7 @@ mjtIntegrator integrator_named(std::string_view name) {
 }
 
 PillarSettings articulated_pillars(const ArticulatedSettings& recipe, double dt) {
-  // A hair above the longest step is rounding of a step that was divided.
+  // A tiny excess over the longest step is rounding of a divided step.
   if (!(dt > 0.0 && dt <= recipe.longest_step * (1.0 + 1e-9))) {
     throw std::invalid_argument("the articulated recipe holds for steps of at most " + std::to_string(recipe.longest_step) +
                                 " s");
@@ -63,11 +65,12 @@ PillarSettings articulated_pillars(const ArticulatedSettings& recipe, double dt)
   pillars.tip_radius = recipe.tip_radius;
   pillars.damping_ratio = recipe.damping_ratio;
   pillars.solref = {-recipe.contact_stiffness / (dt * dt), -2.0 * std::sqrt(recipe.contact_stiffness) / dt};
-  // A time constant, written directly: refsafe, which the rest of the model may need, would lengthen one that is under 2 dt.
-  // Friction has no position, so the stiffness counts for nothing; that it is negative says that these are direct.
+  // A time constant, given directly: refsafe, which the rest of the model may need, would lengthen
+  // one under 2 dt. Friction has no position, so the stiffness has no effect; its negative sign
+  // marks direct values.
   pillars.solreffriction = {-1.0, -2.0 / (recipe.friction_time * dt)};
   pillars.solimp = std::to_array(usual.solimp);
-  pillars.solimp[0] = pillars.solimp[1] = recipe.impedance;  // whatever the penetration
+  pillars.solimp[0] = pillars.solimp[1] = recipe.impedance;  // at any penetration
   pillars.contact_ratio = recipe.contact_stiffness / (1.0 - recipe.impedance);
   pillars.carrier_in_scale = true;
   pillars.settling_steps = recipe.settling_steps;
@@ -99,7 +102,8 @@ PillarSettings user_pillars(const Parameters& contact, double dt) {
   pillars.solimp = std::to_array(usual.solimp);
   std::ranges::copy(contact.vector("solimp"), pillars.solimp.begin());
   const double steps = settling_times * std::max(least_time_constant, time_constant(pillars.solref) / dt);
-  pillars.settling_steps = std::ceil(steps * (1.0 - 1e-9));  // a hair above a whole number is rounding of a step that was divided
+  // a tiny excess over a whole number is rounding of a divided step
+  pillars.settling_steps = std::ceil(steps * (1.0 - 1e-9));
   pillars.cone_share = cone_share;
   pillars.least_speed = least_speed;
   pillars.creep_speed = creep_speed;
@@ -156,7 +160,8 @@ double longest_articulated_step(const PadLayout& layout, std::span<const Inverse
   for (std::size_t i = 0; i < layout.elements.size(); ++i) {
     const auto [most, least] = inverse_mass[i];
     const double r = recipe.contact_stiffness / (1.0 - recipe.impedance), k_n = layout.elements[i].k_normal;
-    // Compliance of the contact by an inverse mass w: w dt^2/r (normal_slide()). By nothing, any step will do.
+    // Compliance of the contact by an inverse mass w: w dt^2/r (normal_slide()). Without one any
+    // step will do.
     longest = std::min({longest, std::sqrt(recipe.compliance_share * r / (k_n * most)),
                         std::sqrt(recipe.force_share * r / (k_n * (most - least)))});
   }

@@ -14,7 +14,8 @@
 namespace slipbench {
 namespace {
 
-// Of the main solver, while tips settle. With the recipe's the presses wander by 0.08 mN at rest, with this by 1e-8 N.
+// Tolerance of the main solver while tips settle. With the recipe's tolerance the pressing forces
+// wander by 0.08 mN at rest, with this one by 1e-8 N.
 constexpr double rest_tolerance = 1e-14;
 
 }  // namespace
@@ -28,7 +29,7 @@ void DynamicSimulation::State::find_pillars(const Scene& scene) {
   }
 }
 
-// Tips that stand inside what they touch at the start. Returns whether there are any.
+// Indents the tips that are inside the touched surface at the start. Returns true if there are any.
 bool DynamicSimulation::State::indent_tips(const mjModel* held, mjData* settled) const {
   bool any = false;
   call_mujoco([&] { mj_kinematics(held, settled); });
@@ -36,7 +37,8 @@ bool DynamicSimulation::State::indent_tips(const mjModel* held, mjData* settled)
     const Pose pad_in_world = pose_at(settled->site_xpos + 3 * pad.site, settled->site_xmat + 9 * pad.site);
     const std::vector<int>& tips = pad.pillars->bodies();
     for (int pair = 0; pair < held->npair; ++pair) {
-      // The first tip's pairs name all that the pad touches. MuJoCo orders the geoms of a pair by their types.
+      // The first tip's pairs name all geoms that the pad touches. MuJoCo orders the geoms of a
+      // pair by their types.
       const int one = held->pair_geom1[pair], two = held->pair_geom2[pair];
       const bool first = held->geom_bodyid[one] == tips.front();
       if (!first && held->geom_bodyid[two] != tips.front()) continue;
@@ -49,9 +51,10 @@ bool DynamicSimulation::State::indent_tips(const mjModel* held, mjData* settled)
   return any;
 }
 
-// Steps in which only the tips move, without weights, so that they take up their loads before the run begins. As the stage is,
-// what is not a tip is deaf to what it touches and overwritten before every step: were it to give way within a step, the pads
-// would push it to where their forces balance.
+// Steps in which only the tips move, without weights, so that they take up their loads before the
+// run begins. Everything else is treated like the stage: heavy, so that contacts do not move it,
+// and overwritten before every step. If it could yield within a step, the pads would push it to
+// where their forces balance.
 void DynamicSimulation::State::settle_tips() {
   const ModelPointer held(mj_copyModel(nullptr, m()));
   std::vector<bool> of_tip(static_cast<std::size_t>(m()->nv), false);
@@ -66,7 +69,7 @@ void DynamicSimulation::State::settle_tips() {
   DataPointer settled;
   call_mujoco([&] {
     settled.reset(mj_makeData(held.get()));
-    mj_setConst(held.get(), settled.get());  // bodies of which MuJoCo has the inertia ready
+    mj_setConst(held.get(), settled.get());  // MuJoCo precomputes the inertia of some bodies
   });
   held->stat = m()->stat;  // see leave_out_of_scale()
   for (const Pad& pad : pads) pad.pillars->suit_to_held(held.get());
@@ -99,8 +102,8 @@ void DynamicSimulation::State::settle_tips() {
   }
 }
 
-// The recipe's soft friction is right for tips alone: a box that is dragged over a table under it rocks and slides at a fraction
-// of mu f_n, and creeps before.
+// The recipe's soft friction is accurate for tips only: a box dragged over a table under it rocks
+// and slides at a fraction of mu f_n, and creeps before.
 void DynamicSimulation::State::refuse_other_contacts(double time) const {
   for (int c = 0; c < d()->ncon; ++c) {
     const mjContact& contact = d()->contact[c];
@@ -119,8 +122,9 @@ void DynamicSimulation::State::refuse_other_contacts(double time) const {
   }
 }
 
-// The model with articulated pads. Their joints and contacts are implicit: only the recipe limits the step, and with a contact of
-// the user's, who may find out himself, only the springs of a hand, which are not his.
+// The model with articulated pads. Their joints and contacts are implicit: only the recipe limits
+// the step. With a contact set by the user, who chooses its step, only the springs of a hand limit
+// it, since the scene does not set these.
 StepPlan DynamicSimulation::State::plan_pillars(const Scene& scene, std::span<const double> rates, const Hand* hand) {
   refuse_without_field(scene);
   judge_fields = false;

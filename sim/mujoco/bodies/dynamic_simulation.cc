@@ -27,11 +27,12 @@
 namespace slipbench {
 namespace {
 
-// By how much the step may exceed the longest right one once the run is on its way and bodies have moved to other poses: h omega =
-// 1. Beyond that a slide begins to come out wrong by percents (shared MUJOCO.md, section B).
+// Factor by which the step may exceed the longest accurate one once the run has started and bodies
+// have moved to other poses: h omega = 1. Beyond that a slide has errors of several percent (shared
+// MUJOCO.md, section B).
 constexpr double limit_slack = 4.0 / 3.0;
 
-// A control's value at time t [s].
+// Returns a control's value at time t [s].
 double value_at(const std::vector<ControlScene::Point>& points, double t) {
   const auto next = std::ranges::upper_bound(points, t, {}, &ControlScene::Point::time);
   if (next == points.begin()) return points.front().value;
@@ -40,7 +41,7 @@ double value_at(const std::vector<ControlScene::Point>& points, double t) {
   return from.value + (next->value - from.value) * ((t - from.time) / (next->time - from.time));
 }
 
-// The custom text by which a model asks for records of bodies that have no free joint.
+// The custom text in which a model names bodies without a free joint that are to be recorded.
 constexpr const char* record_text = "slipbench.record";
 
 std::vector<std::string> recorded_by_wish(const mjModel* m) {
@@ -50,14 +51,15 @@ std::vector<std::string> recorded_by_wish(const mjModel* m) {
   return {std::istream_iterator<std::string>(words), {}};
 }
 
-// Whether the springs that act are others than a step ago, or turn with a slip.
+// True if other springs act than a step ago, or if they rotate with a slip.
 bool springs_changed(const Field& field) {
   if (field.slipping() > 0) return true;
   const std::span now(field.column(kernel::mode), field.size()), before(field.column(kernel::mode_before), field.size());
   return !std::ranges::equal(now, before);
 }
 
-// The springs that a field feels like: those of the sensor, or what an elastic skin makes of them.
+// Returns the springs of a pad for stability: those of the sensor, or those of an elastic skin as a
+// whole.
 const PadLayout& springs_of(const Field& field, const PadLayout& sensor) { return field.has_skin() ? field.layout() : sensor; }
 
 }  // namespace
@@ -72,7 +74,7 @@ void DynamicSimulation::State::make_data() {
   call_mujoco([this] { data.reset(mj_makeData(m())); });
 }
 
-// Pads of the model in the scene's order, and what they touch.
+// Finds the model's pads in the scene's order, and the geoms that they touch.
 void DynamicSimulation::State::find_pads(const Scene& scene) {
   pads.clear();
   contacts.clear();
@@ -88,7 +90,8 @@ void DynamicSimulation::State::find_fields(const Scene& scene) {
   if (spring) {
     for (const FingerNames& finger : finger_names) fingers.push_back(mj_name2id(m(), mjOBJ_BODY, finger.body));
   }
-  pad_group_of(m(), d())->allow_long_steps();  // the simulation sees to the step itself, before the first one
+  // the simulation checks the step itself, before the first one
+  pad_group_of(m(), d())->allow_long_steps();
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
     const int instance = mj_name2id(m(), mjOBJ_PLUGIN, scene.sensors[i].name.c_str());
     PadInstance* pad = pad_of(m(), d(), instance);
@@ -115,7 +118,7 @@ void DynamicSimulation::State::find_controls(const Scene& scene) {
     }
     const mjtNum* range = m()->actuator_ctrlrange + 2 * id;
     for (const ControlScene::Point& point : control.points) {
-      // MuJoCo would clamp it and not say so.
+      // MuJoCo would clamp it silently.
       if (m()->actuator_ctrllimited[id] && !(point.value >= range[0] && point.value <= range[1])) {
         throw SceneValueError(path, fmt::format("{} is beyond the actuator's range; allowed: {} to {}",
                                                 format_number(point.value), format_number(range[0]), format_number(range[1])));
@@ -173,8 +176,9 @@ void DynamicSimulation::State::refuse_implicit() const {
   if (!why.empty()) throw SceneValueError("field_solver", "implicit " + why);
 }
 
-// With every element of every pad stuck, as stiff as it can get, where a pad that is away would come down on what it touches: from
-// afar it would turn the object by a lever that it will never have. Or with the elements that touch, where they are.
+// Returns the tangents of all pads with every element stuck, the greatest stiffness, at the point
+// where a separated pad would touch the object: at its present distance it would have a lever that
+// never occurs. Or with the touching elements only, where they are.
 PadTangents DynamicSimulation::State::stuck_pads(bool touching_only) const {
   PadTangents stuck;
   for (const Contact& contact : contacts) {
@@ -222,7 +226,7 @@ void DynamicSimulation::State::check_limit(double time) {
   touching_before = touching;
   if (!more) return;
   if (free_bodies) {
-    read_bodies();  // what follows rounds centres of mass otherwise
+    read_bodies();  // otherwise the code below would round centres of mass
     call_mujoco([this] { FreeBodies::factor(m(), d()); });
   }
   const PadTangents stuck = stuck_pads(true);
@@ -236,7 +240,7 @@ void DynamicSimulation::State::check_limit(double time) {
   }
 }
 
-// The scene's own start: velocities of its bodies, and the stage.
+// Sets the scene's own start: velocities of its bodies, and the stage.
 void DynamicSimulation::State::start(const Scene& scene) {
   for (const BodyScene& body : scene.bodies) {
     const int id = mj_name2id(m(), mjOBJ_BODY, body.name.c_str());
@@ -254,8 +258,8 @@ void DynamicSimulation::State::prescribe(double time) {
   if (!motion) return;
   const BodyState stage = motion->pad_at(time);
   const Eigen::Quaterniond turn(stage.pose.rotation);
-  const Eigen::Vector3d spin =
-      stage.pose.rotation.transpose() * stage.angular_velocity;  // of a free joint: in the body's own frame
+  // A free joint's angular velocity is in the body's own frame.
+  const Eigen::Vector3d spin = stage.pose.rotation.transpose() * stage.angular_velocity;
   const double quaternion[4] = {turn.w(), turn.x(), turn.y(), turn.z()};
   mju_copy3(d()->qpos + stage_qpos, stage.pose.position.data());
   mju_copy4(d()->qpos + stage_qpos + 3, quaternion);
@@ -263,9 +267,9 @@ void DynamicSimulation::State::prescribe(double time) {
   mju_copy3(d()->qvel + stage_dof + 3, spin.data());
 }
 
-// mj_step of a grasp: of the pads' forces and of applied ones alone.
+// Replaces mj_step for a grasp: only the pads' forces and applied forces act.
 void DynamicSimulation::State::step_free() {
-  // Whether MuJoCo might find one of them bad.
+  // True if MuJoCo might reject one of the values.
   const auto suspect = [](const mjtNum* values, mjtSize count) {
     return !(Eigen::Map<const Eigen::VectorXd>(values, count).squaredNorm() <= mjMAXVAL * mjMAXVAL);
   };
@@ -284,7 +288,7 @@ void DynamicSimulation::State::step_free() {
   for (const Pad& pad : pads) pad.instance->commit(m(), d());
 }
 
-// The accelerations by average_acceleration.h.
+// Computes the accelerations by average_acceleration.h.
 void DynamicSimulation::State::average() {
   std::array<Matrix6d, 2> between{Matrix6d::Zero(), Matrix6d::Zero()};
   Matrix6d ground = Matrix6d::Zero();
@@ -296,7 +300,7 @@ void DynamicSimulation::State::average() {
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Pad& pad = pads[contacts[i].pad];
     const Field& field = pad.instance->fields()[contacts[i].field];
-    const bool stands = pad.body == held;  // on a surface that does not move with what is held
+    const bool stands = pad.body == held;  // on a surface that does not move with the held body
     if (tick == 0 || springs_changed(field)) {
       added[i] = added_inertia(field, pad.instance->config().damping, dt);
       if (!stands) added[i] = in_held(pad, field, added[i]);
@@ -311,13 +315,13 @@ void DynamicSimulation::State::average() {
   held_bodies->solve(m(), d(), between, ground, carriages);
 }
 
-// One step of MuJoCo, from a tick to the next.
+// Takes one step of MuJoCo, from a tick to the next.
 void DynamicSimulation::State::advance(std::size_t from) {
   const double time = time_of(from);
   for (const Control& control : controls) d()->ctrl[control.actuator] = value_at(control.points, time);
-  // RK4's fields have been committed at the end of the step before, at the time that MuJoCo gave it.
+  // RK4's fields were committed at the end of the last step, at the time that MuJoCo gave it.
   if (!leads || articulated) d()->time = time;
-  // Tips stick through positions, which follow from velocities: they need the step's mean one.
+  // Tips stick through positions, which follow from velocities: they need the step's mean velocity.
   if (articulated && motion) {
     drive_free_joint(m(), d(), stage_joint, motion->pad_at(time).pose, motion->pad_at(time_of(from + 1)).pose, dt);
   }
@@ -326,7 +330,8 @@ void DynamicSimulation::State::advance(std::size_t from) {
   refuse_warnings(m(), d(), time);
   after = Eigen::Map<Eigen::VectorXd>(d()->qvel, m()->nv);
   if (implicit && d()->nefmcon == 0 && touching()) {
-    find_field_force();  // what lets go within the step has neither springs nor a force at its end
+    // a pad that separates within the step has neither springs nor a force at its end
+    find_field_force();
     if (!field_force.isZero(0.0)) {
       throw InputError(
           fmt::format("the pads' implicit springs are not in MuJoCo's solver at {:.6g} s; allowed: field_solver explicit", time));
@@ -353,7 +358,7 @@ void DynamicSimulation::State::read_bodies() {
   }
 }
 
-// The model at the start of the run.
+// Prepares the model at the start of the run.
 void DynamicSimulation::State::begin(const Scene& scene) {
   make_data();
   find_pads(scene);
@@ -363,11 +368,11 @@ void DynamicSimulation::State::begin(const Scene& scene) {
   if (motion) leave_out_of_scale(model.get(), d(), stage_dof);
 }
 
-// Whether the springs of a grasp are implicit. Left to us, they are so where that is cheaper: a
-// step costs up to half as much again, so where a sensor or an effect asks for steps nearly as
-// short as explicit ones, they are explicit. A step that the scene gives is for accuracy, and
+// True if the springs of a grasp are implicit. With `automatic` they are if that is cheaper: a step
+// costs up to half as much again, so if a sensor or an effect needs steps nearly as short as
+// explicit ones, they are explicit. A step given by the scene is chosen for accuracy, hence
 // implicit: its error falls with the square of the step, that of an explicit one, whose dashpots
-// feel the velocity of half a step ago, with the step. `longest`: the step that effects bear.
+// use the velocity of half a step ago, only linearly. `longest`: the longest step for the effects.
 bool DynamicSimulation::State::choose_implicit(const Scene& scene, FieldSolver wished, std::span<const double> rates,
                                                double longest, const Vibration& fastest) const {
   const auto steps = [&](double bearable) {
@@ -381,7 +386,7 @@ bool DynamicSimulation::State::choose_implicit(const Scene& scene, FieldSolver w
   return !rates.empty() && steps(explicit_step) >= 1.5 * steps(rounded_down(longest_averaged_step(fastest)));
 }
 
-// The model with fields, and the longest step that they bear.
+// Builds the model with fields and plans its longest step.
 StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<const double> rates, std::uint64_t trial,
                                                const DynamicSimulationOptions& options) {
   model = build_model(scene, layouts, trial, options.hand, handed);
@@ -427,7 +432,8 @@ StepPlan DynamicSimulation::State::plan_fields(const Scene& scene, std::span<con
   return plan_steps(scene, rates, longest, limited_by);
 }
 
-// The scene that forces see: without the sensors that only read. `read`: how many of the scene's sensors somebody reads.
+// Returns the scene of the pads that exert forces, without the sensors that only read.
+// `read_sensors`: number of the scene's sensors that are read.
 Scene DynamicSimulation::State::carrying(const Scene& scene, std::span<const PadLayout* const> pad_layouts,
                                          std::size_t read_sensors) {
   Scene result = scene;
@@ -478,7 +484,7 @@ DynamicSimulation::DynamicSimulation(const Scene& scene, std::span<const PadLayo
   s.dt = plan.dt;
   s.ticks = plan.ticks;
 
-  // The pads take the step when the data is made.
+  // The pads read the step when the data is made.
   s.model->opt.timestep = s.dt;
   if (s.averages) {
     s.held_bodies.emplace(s.m(), std::array{s.fingers[0], s.fingers[1]}, mj_name2id(s.m(), mjOBJ_BODY, options.hand->box),
@@ -497,8 +503,9 @@ DynamicSimulation::DynamicSimulation(const Scene& scene, std::span<const PadLayo
   if (s.articulated) s.settle_tips();
   s.to_keep = !s.articulated && !s.implicit && !s.leads;
   call_mujoco([&s] { mj_forward(s.model.get(), s.data.get()); });
-  // RK4 commits at the end of a step only. What touches at t = 0 sticks there, unstrained, as by any other integrator: else no tip would hold in
-  // the first step, and tick 0 would have no truth.
+  // RK4 commits only at the end of a step. Pads that touch at t = 0 must stick there, unstrained,
+  // as with any other integrator: otherwise no tip would hold in the first step, and tick 0 would
+  // have no truth.
   if (s.leads && !s.articulated) {
     for (const State::Pad& pad : s.pads) pad.instance->commit(s.m(), s.d());
   }
@@ -568,7 +575,7 @@ void DynamicSimulation::tell_carriage(std::size_t finger, const Vector6d& accele
   state_->carriages[finger] = acceleration;
 }
 
-// From one tick of the simulation to the next.
+// Steps from one tick of the simulation to the next.
 void DynamicSimulation::State::take_tick() {
   const double time = time_of(tick);
   if (!articulated && !leads) {
@@ -590,7 +597,8 @@ void DynamicSimulation::State::take_tick() {
   ++tick;
 }
 
-// The simulation takes its tick, the followers take theirs up to there, in order of time, and the instant of the simulation's own comes last.
+// The simulation takes its tick first; then the followers take theirs up to it, in order of
+// time; the simulation's own tick is reported last.
 void DynamicSimulation::step() {
   State& s = *state_;
   if (s.at_tick) s.take_tick();

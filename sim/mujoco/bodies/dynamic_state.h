@@ -1,5 +1,5 @@
-// The insides of DynamicSimulation, for its own files: dynamic_simulation.cc (the run, and pads as fields), dynamic_pillars.cc (articulated
-// pads) and watch.cc.
+// The implementation of DynamicSimulation, shared by dynamic_simulation.cc (the run, and pads as
+// fields), dynamic_pillars.cc (articulated pads) and watch.cc.
 #pragma once
 
 #include <algorithm>
@@ -30,21 +30,25 @@
 
 namespace slipbench {
 
-// A sensor that reads another one's contact: its pad stands where that pad stands, and presses on nothing.
+// A sensor that reads another sensor's contact: its pad is where that pad is, and exerts no force.
 
-// Elements of its own meet the surfaces that the followed pad meets, with that pad's friction and effects installed for these elements, along
-// the very history of relative poses that the followed pad has. Their normal force acts on no body: the followed pad alone carries,
-// so that with or without followers every body moves alike, to the bit.
+// Its own elements meet the surfaces that the followed pad meets, with that pad's friction and
+// effects installed for these elements, along the same history of relative poses. Their normal
+// force acts on no body: only the followed pad exerts forces, so that all bodies move
+// bit-identically with or without followers.
 //
-// Its ticks are its own, at whole multiples of its step from 0 on, whatever the simulation's step is: that step is its sampling time, or the
-// longest part of it that the effects bear. Between two ticks of the simulation the pose is interpolated, linearly in the origin and in the angle:
-// a field takes the way between two poses to be straight in any case. Every pose that the simulation had is met: where none of the follower's
-// ticks falls on it, by a step between two of them. The velocity that laws of speed see is the followed pad's where a step ends at a tick
-// of the simulation, else the mean of the step.
+// It has its own ticks, at whole multiples of its step from 0 on, whatever the simulation's step
+// is: its step is its sampling time, or the longest whole fraction of it that the effects allow.
+// Between two ticks of the simulation the pose is interpolated, linearly in the origin and in the
+// angle: a field assumes a straight path between two poses anyway. Every pose of the simulation is
+// visited, if necessary by a step between two of the follower's ticks. Laws of speed use the
+// followed pad's velocity if a step ends at a tick of the simulation, otherwise the mean of the
+// step.
 class PadFollower {
  public:
-  // `followed` must outlive the follower, `model` the constructor. `layout`, `ahead` [m] before the pad, `rate` [Hz]: of the sensor. `speed`: the fastest that the pad
-  // moves [m/s], as effects ask it; `bench_step` [s]. Throws SceneValueError where an effect does not suit the pad.
+  // `followed` must outlive the follower, `model` the constructor. `layout`, `ahead` [m] before the
+  // pad, `rate` [Hz]: of the sensor. `speed`: the pad's top speed [m/s], for effects; `bench_step`
+  // [s]. Throws SceneValueError if an effect does not fit the pad.
   PadFollower(const mjModel* model, const PadInstance& followed, const PadLayout& layout, double ahead, double rate, double speed,
               double bench_step);
   PadFollower(const PadFollower&) = delete;
@@ -54,70 +58,73 @@ class PadFollower {
   [[nodiscard]] std::size_t stride() const { return stride_; }  // ticks between readings
   [[nodiscard]] std::size_t ticks(double last_time) const;      // up to `last_time` [s]
 
-  // Takes over where the followed pad has been committed, at the simulation's tick at `time` [s]. The ticks before it must have been taken, and
-  // catch_up() called.
+  // Reads the followed pad after it has been committed, at the simulation's tick at `time` [s]. All
+  // ticks before must have been taken, and catch_up() called.
   void look(double time);
-  // When the next tick is due [s]; and whether that is before the simulation's tick looked at last, or with it, times being as good as their
-  // rounding.
+  // When the next tick is due [s]; and whether that is before, or at, the simulation's tick last
+  // read, within the rounding of times.
   [[nodiscard]] double due() const { return due_; }
   [[nodiscard]] bool due_before() const { return due_ < now_ - slack_; }
   [[nodiscard]] bool due_now() const { return due_ <= now_ + slack_; }
   // Takes the tick that is due.
   void step();
-  // Goes on to the simulation's tick looked at last, where no tick of the follower fell on it.
+  // Advances to the simulation's tick last read, if no tick of the follower coincided with it.
   void catch_up();
 
-  // The contact at the latest tick, with all events since the one before.
+  // The contact at the latest tick, with all events since the previous one.
   [[nodiscard]] const ContactFrame& contact() const { return *shown_; }
 
  private:
   struct Way {
-    Pose from, to;  // of the pad in the surface, at the simulation's two ticks looked at last
+    Pose from, to;  // of the pad in the surface, at the simulation's last two ticks
   };
 
   void go_to(double time, bool arrives);
 
   const PadInstance& followed_;
-  std::vector<Field> fields_;  // one a touched geom
+  std::vector<Field> fields_;  // one per touched geom
   std::vector<Way> ways_;
-  std::vector<Pose> poses_;  // of the last step, one a field
+  std::vector<Pose> poses_;  // of the last step, one per field
   std::vector<Twist> motions_;
   ContactLabels labels_;
   double step_ = 0.0, slack_;  // s
   std::size_t stride_ = 1, tick_ = 0;
-  double due_ = 0.0, time_ = 0.0;          // s, of the next tick; of the fields
-  double before_ = 0.0, now_ = 0.0;        // s, of the simulation's ticks
-  bool placed_ = false, arrived_ = false;  // the fields have been stepped; are at the simulation's tick
-  std::vector<ContactEvent> since_;        // events of steps between two ticks
-  ContactFrame frame_;                     // the latest tick's, where the labels' is not
+  double due_ = 0.0, time_ = 0.0;    // s, of the next tick; of the fields
+  double before_ = 0.0, now_ = 0.0;  // s, of the simulation's ticks
+  // fields have been stepped; are at the simulation's tick
+  bool placed_ = false, arrived_ = false;
+  std::vector<ContactEvent> since_;  // events of steps between two ticks
+  ContactFrame frame_;               // the latest tick's, if it differs from the labels' frame
   const ContactFrame* shown_;
 };
 
-// The spring and the dashpot of a grasp's finger: its carriage, which moves as the arm and the drive say, pulls it back along x (the
-// closing direction), y and z, and against any turn. As linear springs these hold for small turns; 100 N m/rad turn by 0.1 degree under
-// 10 N.
+// The spring and the dashpot of a grasp's finger. Its carriage, whose motion is given by the arm
+// and the drive, pulls it back along x (the closing direction), y and z, and against any rotation.
+// As linear springs these hold for small rotations; 100 N m/rad rotate by 0.1 degree under 10 N.
 struct FingerSpring {
   Eigen::Vector3d stiffness, damping;         // N/m, N s/m along x, y, z
   double turning_stiffness, turning_damping;  // N m/rad, N m s/rad
 
-  // Force and torque on the finger's frame, in the world. `carriage` and `finger`: state of the carriage's and of the finger's frame.
+  // Returns force and torque on the finger's frame, in the world. `carriage` and `finger`: state of
+  // the carriage's and of the finger's frame.
   [[nodiscard]] Vector6d wrench(const BodyState& carriage, const BodyState& finger) const;
-  // The force along the closing direction, without that of the dashpot [N]: what the drive's motor feels.
+  // Returns the force along the closing direction, without the dashpot's [N]: the drive's motor
+  // feels it.
   [[nodiscard]] double closing_force(const Pose& carriage, const Pose& finger) const;
-  // About the finger's frame, which is turned as `rotation`.
+  // Returns the tangent about the finger's frame, which is rotated by `rotation`.
   [[nodiscard]] PadTangent tangent(const Eigen::Matrix3d& rotation) const;
 };
 // `grip`: of the entry `grip`.
 FingerSpring finger_spring(const Parameters& grip);
 
-// A finger alone on its springs.
+// Vibration of a finger alone on its springs.
 Vibration finger_vibration(const Parameters& grip);
 
 struct DynamicSimulation::State {
   using MjMatrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
   using MjVector = Eigen::Map<const Eigen::Vector3d>;
   static Pose pose_at(const mjtNum* position, const mjtNum* rotation) { return {MjMatrix(rotation), MjVector(position)}; }
-  // Down to three digits: what a message allows must be allowed when it is typed in.
+  // Rounds down to three digits: a value that a message allows must be valid when it is typed in.
   static double rounded_down(double value);
 
   // A field and one of the geoms that it touches.
@@ -125,13 +132,13 @@ struct DynamicSimulation::State {
     std::size_t pad;
     std::size_t field;  // of the pad
     int object_body;
-    // N, of the elements' springs and dashpots, in the world, at the tick looked at last
+    // N, of the elements' springs and dashpots, in the world, at the last checked tick
     Eigen::Vector3d on_pad = Eigen::Vector3d::Zero();
   };
 
   struct Pad {
-    PadInstance* instance;                        // null: it is articulated
-    std::unique_ptr<ArticulatedContact> pillars;  // null: it is a field
+    PadInstance* instance;                        // null: articulated
+    std::unique_ptr<ArticulatedContact> pillars;  // null: a field
     int site;
     int body;
     std::size_t stride = 1;
@@ -142,7 +149,7 @@ struct DynamicSimulation::State {
     std::vector<ControlScene::Point> points;
   };
 
-  // A body that is recorded: its frame, or a site.
+  // A recorded body: its frame, or a site.
   struct Recorded {
     mjtObj type;
     int id;
@@ -150,20 +157,20 @@ struct DynamicSimulation::State {
 
   struct WeighedBody {
     int body;
-    int dof;  // the first of its six
+    int dof;  // first of its six
     WeightRule rule;
   };
 
-  std::unique_ptr<Motion> motion;  // of the stage; null: there is none
+  std::unique_ptr<Motion> motion;  // of the stage; null without a stage
   HandedLayouts handed;
   ModelPointer model;
   DataPointer data;
   std::vector<const PadLayout*> layouts;
-  std::size_t read = 0;                // how many pads somebody reads
-  std::optional<FingerSpring> spring;  // of every finger, where there is a hand
+  std::size_t read = 0;                // number of pads that are read
+  std::optional<FingerSpring> spring;  // of every finger, if there is a hand
   std::vector<Pad> pads;
 
-  // Of a sensor of the scene that somebody reads.
+  // A sensor of the scene that is read.
   struct Read {
     bool follows;
     std::size_t index;  // into followers, else into pads
@@ -171,7 +178,7 @@ struct DynamicSimulation::State {
   std::vector<Read> sensors;
   std::vector<std::unique_ptr<PadFollower>> followers;
   std::vector<std::size_t> stepped;
-  bool at_tick = true;  // the instant last stepped to is a tick of the simulation, no follower's before it
+  bool at_tick = true;  // the current instant is a tick of the simulation, not only of followers
   std::vector<Contact> contacts;
   std::vector<Control> controls;
   std::vector<Recorded> recorded;
@@ -180,30 +187,38 @@ struct DynamicSimulation::State {
   int stage_joint = -1, stage_qpos = -1, stage_dof = -1;
   double dt = 0.0;
   std::size_t ticks = 0, tick = 0;
-  bool leads = false;    // RK4: a step tells the truth of its end, and what it leaves in the data is of there
-  bool to_keep = false;  // pads keep their state from the first step on: before it, who has the data may still move bodies
+  // RK4: a step gives the truth at its end, and leaves the data there.
+  bool leads = false;
+  // Pads keep their state from the first step on: before it, the owner of the data may still move
+  // bodies.
+  bool to_keep = false;
   bool articulated = false;
-  bool own_contact = false;  // articulated, with the contact of the scene's own settings
+  bool own_contact = false;  // articulated, with the contact set by the scene
   bool implicit = false;
-  bool averages = false;                                                  // implicit springs of a grasp
-  std::vector<int> fingers;                                               // bodies
-  std::optional<FreeBodies> free_bodies;                                  // of a grasp without MuJoCo's contacts
-  std::optional<HeldBodies> held_bodies;                                  // with implicit springs
-  std::array<Vector6d, 2> carriages{Vector6d::Zero(), Vector6d::Zero()};  // accelerations of what the fingers' springs hang on
-  std::vector<Matrix6d> added{};    // inertia by the springs of each contact, about what is held, or what that stands on
+  bool averages = false;                  // implicit springs of a grasp
+  std::vector<int> fingers;               // bodies
+  std::optional<FreeBodies> free_bodies;  // of a grasp without MuJoCo's contacts
+  std::optional<HeldBodies> held_bodies;  // with implicit springs
+  // Accelerations of the carriages of the fingers' springs.
+  std::array<Vector6d, 2> carriages{Vector6d::Zero(), Vector6d::Zero()};
+  // Inertia added by the springs of each contact, about the held body, or the body on which that
+  // stands.
+  std::vector<Matrix6d> added{};
   bool limited = false;             // the fields' springs limit the step, and the limit is obeyed
-  std::size_t touching_before = 0;  // elements, at the tick before
+  std::size_t touching_before = 0;  // elements, at the last tick
 
   std::vector<WeighedBody> weighed;
   std::vector<int> moving;  // bodies that the ejection rule watches
   std::optional<EnergyRule> energy;
-  WatchedEnergy pending;          // works of the step that began at the tick looked at last
-  Eigen::VectorXd before, after;  // velocities of the last step, `after` with the stage as MuJoCo left it
-  Eigen::VectorXd field_force;    // generalized, of that step
-  Vector6d stage_force = Vector6d::Zero(), stage_way = Vector6d::Zero();  // of the step before
+  WatchedEnergy pending;  // works of the step that began at the last checked tick
+  // Velocities of the last step, `after` with the stage as MuJoCo left it.
+  Eigen::VectorXd before, after;
+  Eigen::VectorXd field_force;  // generalized, of that step
+  // of the last step
+  Vector6d stage_force = Vector6d::Zero(), stage_way = Vector6d::Zero();
   Eigen::VectorXd mean, work_space;
-  double last_slip_loss = 0.0;  // J, of the step before
-  std::vector<double> centres;  // [3 nbody] m, at the tick before
+  double last_slip_loss = 0.0;  // J, of the last step
+  std::vector<double> centres;  // [3 nbody] m, at the last tick
 
   [[nodiscard]] const mjModel* m() const { return model.get(); }
   [[nodiscard]] mjData* d() const { return data.get(); }
@@ -260,8 +275,9 @@ struct DynamicSimulation::State {
     return std::ranges::any_of(pads,
                                [](const Pad& pad) { return truth_of(pad, FramePart::states).state != PadState::no_contact; });
   }
-  void read_bodies();  // where they are not those of the tick yet
-  // Brings poses and velocities from the step's start to its end. Forces and contacts stay those of the step.
+  void read_bodies();  // updates `bodies` to the current tick
+  // Updates poses and velocities from the step's start to its end. Forces and contacts stay those
+  // of the step.
   void follow() {
     call_mujoco([this] {
       mj_kinematics(m(), d());
@@ -270,7 +286,7 @@ struct DynamicSimulation::State {
     });
   }
 
-  bool judge_fields = true;  // the energy that the pads store is known
+  bool judge_fields = true;  // the energy stored in the pads is known
   void find_watched(const WatchLimits& limits);
   void watch_step(double time, const Eigen::VectorXd& velocity);
   void watch(double time, const Eigen::VectorXd& velocity);

@@ -76,7 +76,8 @@ void FreeBodies::place(const mjModel* m, mjData* d) const {
     for (const Fixed& geom : body.geoms) put(frame * geom.pose, d->geom_xpos + 3 * geom.id, d->geom_xmat + 9 * geom.id);
     for (const Fixed& site : body.sites) put(frame * site.pose, d->site_xpos + 3 * site.id, d->site_xmat + 9 * site.id);
 
-    // A free joint's translations are the world's, its rotations the body's own; all refer to the centre of mass.
+    // A free joint's translations are in the world, its rotations in the body's own frame; all
+    // refer to the centre of mass.
     const Vector3d arm = centre.position - frame.position;
     mjtNum* axes = d->cdof + 6 * body.dof;
     mju_zero(axes, 18);
@@ -90,8 +91,8 @@ void FreeBodies::place(const mjModel* m, mjData* d) const {
     vector_at(d->cvel + 6 * body.body) = spin;
     vector_at(d->cvel + 6 * body.body + 3) = vector_at(d->qvel + body.dof) + spin.cross(arm);
 
-    // The force [N] and torque [N m] that keep the joint's velocities as they are: m (w x (w x r) - g) at the centre of mass, which is at r from the
-    // frame's origin, and w x I w about it.
+    // The force [N] and torque [N m] that keep the joint's velocities constant: m (w x (w x r) - g)
+    // at the centre of mass, which is at r from the frame's origin, and w x I w about it.
     const Vector3d force = body.mass * (spin.cross(spin.cross(arm)) - gravity);
     vector_at(d->qfrc_bias + body.dof) = force;
     vector_at(d->qfrc_bias + body.dof + 3) =
@@ -99,7 +100,8 @@ void FreeBodies::place(const mjModel* m, mjData* d) const {
   }
 }
 
-// With f at the frame's origin and the torque t about it, in the body's axes: about the centre of mass, at the lever r, the torque is t - r x f.
+// With f at the frame's origin and the torque t about it, in the body's axes: about the centre of
+// mass, at the lever r, the torque is t - r x f.
 void FreeBodies::accelerate(mjData* d) const {
   for (const Body& body : bodies_) {
     const Eigen::Matrix3d rotation = matrix_at(d->xmat + 9 * body.body);

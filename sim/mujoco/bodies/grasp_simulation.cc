@@ -25,7 +25,7 @@
 namespace slipbench {
 namespace {
 
-// Texture and roughness are on the face of a shape that looks upwards, the fingers on its sides.
+// Texture and roughness are on the top face of a shape, but the fingers touch its sides.
 void refuse_textures(const Scene& scene, const PadLayout& pad) {
   for (const Named& effect : scene.effects) {
     if (!install_effects({effect}, pad, Plane{}, scene.seed, 0).surface.empty()) {
@@ -41,7 +41,7 @@ constexpr const char* box_name = "box";
 constexpr const char* table_name = "table";
 constexpr const char* corners_name = "box_corners";
 constexpr double never = std::numeric_limits<double>::infinity();
-constexpr double corner_damping = 3e-4;  // s, of the dashpots beside their springs (assumed)
+constexpr double corner_damping = 3e-4;  // s, of the dashpots parallel to their springs (assumed)
 
 BodyScene body(const char* name, const char* shape) {
   const auto entry = std::ranges::find(body_catalogue(), shape, &Entry::name);
@@ -57,11 +57,11 @@ SensorScene mounted(SensorScene sensor, const char* site, const char* touched, d
   return sensor;
 }
 
-// The pads that press, as DynamicSimulation counts them: the sensor's is 0.
+// Pads that exert forces, as DynamicSimulation counts them: the sensor's is 0.
 constexpr std::size_t second_pad_index = 1, corners_index = 2;
 
-// The scene that DynamicSimulation steps: a box, a table, two pads at the fingers' sites, and the box's corners, but for where
-// MuJoCo's own contact is between box and table.
+// Returns the scene that DynamicSimulation steps: a box, a table, two pads at the fingers' sites,
+// and the box's corners, unless MuJoCo's own contact is between box and table.
 Scene laid_out(const Scene& scene, const Grasp& grasp) {
   if (std::ranges::find(scene.sensors, second_pad_name, &SensorScene::name) != scene.sensors.end()) {
     throw SceneValueError("sensors", "'second_pad' names the pad on the other finger; allowed: another name");
@@ -105,15 +105,16 @@ double stiffness_of(const PadLayout& pad) {
 }  // namespace
 
 struct GraspSimulation::State {
-  // One finger, where it is in MuJoCo.
+  // One finger and its state in MuJoCo.
   struct Finger {
     int qpos, dof;
-    std::size_t pad;     // as DynamicSimulation counts them
-    double impact;       // N, of its pad when it comes at the fastest speed
-    double most = 0.0;   // N, that its spring has reached
+    std::size_t pad;     // index in DynamicSimulation
+    double impact;       // N, force of its pad when it arrives at the fastest speed
+    double most = 0.0;   // N, largest force of its spring so far
     Pose at_rest;        // of the carriage in the arm, fully closed
     BodyState carriage;  // now
-    Vector6d speed = Vector6d::Constant(std::numeric_limits<double>::quiet_NaN());  // of the carriage, at the tick before
+    // of the carriage, at the last tick
+    Vector6d speed = Vector6d::Constant(std::numeric_limits<double>::quiet_NaN());
   };
 
   State(const Scene& scene, std::span<const PadLayout* const> pads, std::span<const double> rates, std::uint64_t trial,
@@ -151,7 +152,7 @@ struct GraspSimulation::State {
     finger_weight = grip.number("finger_mass") * Eigen::Vector3d::Map(m->opt.gravity);
     bodies = {{"arm", motion->pad_at(0.0)}};
     for (std::size_t i = 0; i < simulation->bodies().size(); ++i) {
-      if (simulation->bodies()[i].name == corners_name) continue;  // the box again
+      if (simulation->bodies()[i].name == corners_name) continue;  // same as the box
       bodies.push_back(simulation->bodies()[i]);
       shown.push_back(i);
     }
@@ -161,7 +162,7 @@ struct GraspSimulation::State {
       const std::vector<double>& face = grip.vector("pad_size");
       std::ranges::find(bodies, second_pad_name, &NamedBody::name)->size = {face[0], face[1], 0.0};
     }
-    // Where the scene's friction depends on the direction, that of the weight counts.
+    // If the scene's friction depends on the direction, that of the weight counts.
     const double reach = own_contact
                              ? 1.0
                              : pad_of(m, simulation->data(), mj_name2id(m, mjOBJ_PLUGIN, inner.sensors.front().name.c_str()))
@@ -172,7 +173,7 @@ struct GraspSimulation::State {
     start_height = grasp.box_position.z();
     table_height = start_height - 0.5 * grasp.box_size.z();
     if (guided == nullptr) least_lift = std::min(1e-3, 0.1 * scene.motion.parameters.number("distance"));
-    // The last tick judges where the lift ends with the trial, or is cut short by it.
+    // The last tick decides if the lift ends with the trial, or is cut short by it.
     const double last = TickTimes(simulation->time_step(0)).at(simulation->ticks(0) - 1);
     if (guided == nullptr) lift.end = std::min(lift.end, last);
   }
@@ -186,8 +187,8 @@ struct GraspSimulation::State {
   Grasp grasp;
   Gripper gripper;
   std::unique_ptr<Motion> motion;  // of the arm
-  Guided* guided;                  // the same, where the controller commands it
-  LiftTimes lift;                  // of one that is prescribed
+  Guided* guided;                  // the same, if the controller commands it
+  LiftTimes lift;                  // of a prescribed lift
   FingerSpring spring;
   Push push;
   Eigen::Vector3d push_place;        // m, from the box's middle, in its axes
@@ -197,11 +198,12 @@ struct GraspSimulation::State {
   bool own_contact;                // MuJoCo's, of the pads and between box and table
   Eigen::Vector3d finger_weight;   // N
   std::vector<NamedBody> bodies;   // the arm, then those of the simulation
-  std::vector<std::size_t> shown;  // which
+  std::vector<std::size_t> shown;  // index of each in the simulation
   int box;                         // MuJoCo's body
   std::size_t tick = 0;
   double ideal = 0.0, start_height = 0.0, table_height = 0.0;
-  double least_lift = 0.0;  // m, of the lowest corner over the table: less is a hop of a box that slips
+  // m, height of the lowest corner over the table: less is a hop of a slipping box.
+  double least_lift = 0.0;
   GraspTruth truth;
   bool lifting = false;
   Pose taken;  // of the box in the arm, when the lift began
@@ -216,7 +218,8 @@ BodyState GraspSimulation::State::finger_now(const Finger& finger) const {
   return state;
 }
 
-// The fingers' springs pull towards where arm and drive are at the tick from which MuJoCo steps.
+// Sets the fingers' springs to pull towards the position of arm and drive at the tick from which
+// MuJoCo steps.
 void GraspSimulation::State::drive(double time) {
   const BodyState arm = motion->pad_at(time);
   bodies.front().state = arm;
@@ -251,7 +254,8 @@ void GraspSimulation::State::drive(double time) {
     const Vector6d gained = speed - std::exchange(finger.speed, speed);
     if (time > 0.0) simulation->tell_carriage(k, gained / simulation->time_step(0));
     wrench.head<3>() -= finger_weight;
-    const Eigen::Vector3d torque = now[k].pose.rotation.transpose() * wrench.tail<3>();  // a free joint's is in its own frame
+    // a free joint's is in its own frame
+    const Eigen::Vector3d torque = now[k].pose.rotation.transpose() * wrench.tail<3>();
     mjtNum* applied = simulation->data()->qfrc_applied + finger.dof;
     mju_copy3(applied, wrench.data());
     mju_copy3(applied + 3, torque.data());
@@ -259,13 +263,14 @@ void GraspSimulation::State::drive(double time) {
   if (!push.empty()) push_box(time);
 }
 
-// The push of the step that begins now.
+// Applies the push of the step that begins now.
 void GraspSimulation::State::push_box(double time) {
   const mjModel* m = simulation->model();
   mjData* d = simulation->data();
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(d->xmat + 9 * box);
   const Eigen::Vector3d force = push.mean(time, time + simulation->time_step(0));
-  const Eigen::Vector3d torque = push_place.cross(rotation.transpose() * force);  // a free joint's is in its own frame
+  // a free joint's is in its own frame
+  const Eigen::Vector3d torque = push_place.cross(rotation.transpose() * force);
   mjtNum* applied = d->qfrc_applied + m->jnt_dofadr[m->body_jntadr[box]];
   mju_copy3(applied, force.data());
   mju_copy3(applied + 3, torque.data());
@@ -342,8 +347,9 @@ DynamicSimulation& GraspSimulation::dynamics() { return *state_->simulation; }
 void GraspSimulation::step() {
   State& s = *state_;
   const double time = TickTimes(s.simulation->time_step(0)).at(s.tick);
-  // A field's tick is told before the step that begins with it, that of MuJoCo's own contacts after the step that leads to it:
-  // the fingers' springs are those of where the next step begins.
+  // A field's tick comes before the step that begins with it; the tick of MuJoCo's own contacts
+  // comes after the step that leads to it. The fingers' springs are those at the start of the next
+  // step.
   if (s.simulation->at_tick() && !s.own_contact) s.drive(time);
   s.simulation->step();
   if (!s.simulation->at_tick()) return;

@@ -11,7 +11,7 @@
 namespace slipbench {
 namespace {
 
-// To be seen only: it touches nothing and weighs nothing.
+// For display only: without contact and mass.
 void add_plate(mjsBody* finger, const std::vector<double>& pad_size, double pivot) {
   constexpr double thickness = 8e-3;  // m, of the 2F-85's pad (mujoco_menagerie)
   mjsGeom* plate = mjs_addGeom(finger, nullptr);
@@ -48,7 +48,7 @@ void add_fingers(mjsBody* world, const Hand& hand) {
     copy_turn(Eigen::Quaterniond(place.rotation), finger->quat);
     finger->explicitinertial = 1;
     finger->mass = grip.number("finger_mass");
-    mju_zero3(finger->ipos);  // MuJoCo's own default is not that
+    mju_zero3(finger->ipos);  // MuJoCo's own default is not zero
     std::fill_n(finger->inertia, 3, grip.number("finger_inertia"));
     add_plate(finger, grip.vector("pad_size"), grip.number("pivot"));
 

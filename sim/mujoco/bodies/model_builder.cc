@@ -28,12 +28,12 @@
 namespace slipbench {
 namespace {
 
-// In the folder of the model, as far as MuJoCo can see: it includes the model's file.
+// In the model's folder, as MuJoCo sees it: it includes the model's file.
 constexpr const char* wrapper_name = "slipbench-scene-wrapper.xml";
 constexpr double earth_gravity = 9.81;  // m/s2
 
-// Time constant of the contacts of the scene's own bodies [s]: 100 times as stiff as MuJoCo's default, in which 100 g sinks in by
-// 0.1 mm.
+// Time constant of the contacts of the scene's own bodies [s]: 100 times as stiff as MuJoCo's
+// default, in which 100 g sinks in by 0.1 mm.
 constexpr double contact_time = 2e-3;
 
 struct ToYaml {
@@ -73,7 +73,7 @@ std::vector<std::string> names_in(const mjSpec* spec, mjtObj type) {
   return names;
 }
 
-// The element's name, which it is given where it has none.
+// Returns the element's name; sets it to `otherwise` if it has none.
 std::string name_of(mjsElement* element, const std::string& otherwise) {
   const std::string name = mjs_getString(mjs_getName(element));
   if (!name.empty()) return name;
@@ -81,18 +81,18 @@ std::string name_of(mjsElement* element, const std::string& otherwise) {
   return otherwise;
 }
 
-// A scene's model in the making.
-// What of the scene a message of MuJoCo is about.
+// Returns the scene's key to which a message of MuJoCo refers.
 const char* blamed(const Scene& scene) { return scene.model.empty() ? "bodies" : "model"; }
 
+// A scene's model under construction.
 class Builder {
  public:
   Builder(const Scene& scene, std::span<const PadLayout* const> pads, std::uint64_t trial, const Hand* hand)
       : scene_(scene), pads_(pads), trial_(trial), hand_(hand) {}
 
   ModelPointer build(HandedLayouts& handed) {
-    // What the plugin's attributes say of geoms is known only when the model has been read, and they must be there when it is
-    // read.
+    // The plugin's attributes depend on geoms that are known only after the model has been read,
+    // and must be there when it is read. So it is read twice.
     SpecPointer bare = parse("");
     add_all(bare.get());
     SpecPointer spec = parse(extension(handed));
@@ -103,7 +103,7 @@ class Builder {
   ModelPointer build_articulated(const std::function<double(double)>& step_for) {
     SpecPointer spec = parse("");
     add_all(spec.get());
-    // Where the sites are and what moves how easily is known only when the model has been compiled.
+    // Sites and inverse masses are known only after the model has been compiled.
     const ModelPointer bare = compile(spec.get());
     refuse_articulated(bare.get());
     const bool recipe = !scene_.contact;
@@ -174,7 +174,7 @@ class Builder {
     return model;
   }
 
-  // The pose that the scene begins with.
+  // Returns data at the scene's initial pose.
   static DataPointer start_of(const mjModel* model) {
     DataPointer data;
     call_mujoco([&] {
@@ -184,7 +184,8 @@ class Builder {
     return data;
   }
 
-  // Gives the joints the inertia m + c dt + k dt^2 that they have in a step of the discrete integrator.
+  // Gives the joints the inertia m + c dt + k dt^2 that they have in a step of the discrete
+  // integrator.
   static void weigh_joints_down(mjModel* model, double dt) {
     for (int dof = 0; dof < model->nv; ++dof) model->dof_armature[dof] += dt * model->dof_damping[dof];
     for (int joint = 0; joint < model->njnt; ++joint) {
@@ -197,8 +198,9 @@ class Builder {
     });
   }
 
-  // For add_articulated_pad(), by element: of the pad's body at the tip and of every touched body where it is nearest to the tip:
-  // for there the tip will touch if it moves along its axis, and no lever is longer than the body.
+  // For add_articulated_pad(): returns per element the inverse mass of the pad's body at the tip
+  // and of every touched body at its point nearest to the tip. There the tip will touch if it moves
+  // along its axis, and no lever is longer than the body.
   [[nodiscard]] std::vector<InverseMass> inverse_masses(const mjModel* model, mjData* data, std::size_t sensor) const {
     struct Touched {
       int body;
@@ -245,7 +247,7 @@ class Builder {
     return result;
   }
 
-  // What MuJoCo would leave out or do otherwise, without a word.
+  // Refuses settings that MuJoCo would silently ignore or treat differently.
   void refuse_articulated(const mjModel* model) const {
     const auto refuse_flag = [](const std::string& flag, const std::string& setting) {
       throw SceneValueError(
@@ -280,7 +282,7 @@ class Builder {
     const auto size = static_cast<int>(error.size());
     SpecPointer spec;
     if (scene_.model.empty() && extension_text.empty()) {
-      spec.reset(mj_makeSpec());  // MuJoCo works out its whole schema for each text
+      spec.reset(mj_makeSpec());  // faster: MuJoCo processes its whole schema for each text
     } else if (scene_.model.empty()) {
       spec.reset(mj_parseXMLString(fmt::format("<mujoco>{}</mujoco>", extension_text).c_str(), nullptr, error.data(), size));
     } else {
@@ -317,7 +319,7 @@ class Builder {
       spec->option.noslip_iterations = 10;
       if (scene_.implicit_fields()) spec->option.impratio = implicit_impratio;
     }
-    // Where there are none MuJoCo would prepare for them at every step.
+    // Without sensors MuJoCo would still prepare for them at every step.
     if (mjs_firstElement(spec, mjOBJ_SENSOR) == nullptr) spec->option.disableflags |= mjDSBL_SENSOR;
     for (const BodyScene& body : scene_.bodies) add_body(spec, body);
     if (hand_ != nullptr) {
@@ -326,7 +328,8 @@ class Builder {
     if (hand_ != nullptr && !scene_.contact) {
       mjs_setName(mjs_addSite(mjs_findBody(spec, hand_->box), nullptr)->element, corner_site);
       spec->option.integrator = mjINT_EULER;
-      spec->option.disableflags |= mjDSBL_EULERDAMP | mjDSBL_CONSTRAINT | mjDSBL_DAMPER;  // it has no joint that is damped
+      // no joint is damped
+      spec->option.disableflags |= mjDSBL_EULERDAMP | mjDSBL_CONSTRAINT | mjDSBL_DAMPER;
     }
     if (!scene_.integrator.empty()) spec->option.integrator = integrator_named(scene_.integrator);
     if (std::ranges::any_of(scene_.sensors, [](const SensorScene& sensor) { return sensor.site.empty(); })) add_stage(spec);
@@ -361,7 +364,7 @@ class Builder {
     }
     if (scene.shape.name == "plane") {
       geom->type = mjGEOM_PLANE;
-      geom->size[2] = 1.0;  // spacing of the drawn grid: the extent of 0 means endless
+      geom->size[2] = 1.0;  // spacing of the drawn grid; the extent of 0 means infinite
       return;
     }
     geom->mass = p.number("mass");
@@ -384,8 +387,9 @@ class Builder {
     }
   }
 
-  // Instead of the geom's own mass, where the box's centre is not its middle, or a weight is in it. About the common centre of
-  // two masses m and w, r apart, I = I_m + m w/(m + w) (r^2 1 - r r^T): parallel axes, the weight a point.
+  // Replaces the geom's own mass if the box's centre of mass is not its middle, or a weight is in
+  // it. About the common centre of two masses m and w, r apart, I = I_m + m w/(m + w) (r^2 1 - r
+  // r^T): parallel axes, the weight a point.
   static void put_mass_at(mjsBody* body, const Parameters& box) {
     const auto centre = Eigen::Vector3d::Map(box.vector("centre_of_mass").data());
     const double mass = box.number("mass"), weight = box.number("weight");
@@ -404,12 +408,12 @@ class Builder {
     const Eigen::Vector3d products(turned(0, 1), turned(0, 2), turned(1, 2));
     if (products.isZero(0.0)) return;
     mju_copy3(body->fullinertia, body->inertia);
-    mju_zero3(body->inertia);  // MuJoCo takes the one or the other
+    mju_zero3(body->inertia);  // MuJoCo accepts only one of them
     mju_copy3(body->fullinertia + 3, products.data());
   }
 
-  // Instead of the geom's own mass, where the cylinder is hollow or its centre of mass is not its middle: I_z = m/2 (R^2 + r^2),
-  // I_x = I_y = m/12 (3 R^2 + 3 r^2 + L^2).
+  // Replaces the geom's own mass if the cylinder is hollow or its centre of mass is not its middle:
+  // I_z = m/2 (R^2 + r^2), I_x = I_y = m/12 (3 R^2 + 3 r^2 + L^2).
   static void hollow_out(mjsBody* body, const BodyScene& scene) {
     const Parameters& cylinder = scene.shape.parameters;
     const auto centre = Eigen::Vector3d::Map(cylinder.vector("centre_of_mass").data());
@@ -438,7 +442,7 @@ class Builder {
     mjs_setName(mjs_addSite(stage, nullptr)->element, stage_name);
   }
 
-  // Finds the pad's site and what it touches, and parts its body from theirs.
+  // Finds the pad's site and the geoms that it touches, and excludes contacts between their bodies.
   void mount(mjSpec* spec, std::size_t i, std::vector<SitePair>& pairs) {
     const SensorScene& sensor = scene_.sensors[i];
     const std::string path = "sensors." + sensor.name;
@@ -467,7 +471,7 @@ class Builder {
     }
   }
 
-  // A set of pointers has no order that is the same in every run.
+  // A set of pointers has another order in every run: returns the bodies in the model's order.
   static std::vector<mjsBody*> in_order(const mjSpec* spec, const std::set<mjsBody*>& bodies) {
     std::vector<mjsBody*> result;
     for (mjsElement* e = mjs_firstElement(spec, mjOBJ_BODY); e != nullptr; e = mjs_nextElement(spec, e)) {
@@ -519,7 +523,7 @@ class Builder {
     mjs_setString(exclude->bodyname2, b.c_str());
   }
 
-  // The plugin's instances, as a user would write them.
+  // Returns the plugin's instances, in the form in which a user would write them.
   [[nodiscard]] std::string extension(HandedLayouts& handed) const {
     std::string text = fmt::format("<extension><plugin plugin=\"{}\">", bench_plugin_name);
     for (std::size_t i = 0; i < scene_.sensors.size(); ++i) {

@@ -17,7 +17,8 @@
 namespace slipbench {
 namespace {
 
-// Two times are one when they differ by less than this share of the simulation's step: where a step is no whole part of a second they are rounded.
+// Two times are equal if they differ by less than this share of the simulation's step: they are
+// rounded if a step does not divide a second.
 constexpr double same_time = 1e-6;
 
 Pose between(const Pose& from, const Pose& to, double share) {
@@ -31,7 +32,8 @@ PadFollower::PadFollower(const mjModel* model, const PadInstance& followed, cons
     : followed_(followed), labels_(layout), slack_(same_time * bench_step), shown_(&labels_.frame()) {
   const PadConfig& config = followed.config();
   PadLayout springs = without_dashpots(layout);
-  // Z of the pad frame points into the pad: where the pad is at depth d [m], the follower is at d + ahead, and k_n ahead [N] more in each spring.
+  // Z of the pad frame points into the pad: with the pad at depth d [m] the follower is at d +
+  // ahead, with k_n ahead [N] more in each spring.
   for (Element& element : springs.elements) element.tip.z() -= ahead;
   double longest = std::numeric_limits<double>::infinity();
   for (const int geom : config.geoms) {
@@ -103,10 +105,10 @@ void PadFollower::catch_up() {
 Vector6d FingerSpring::wrench(const BodyState& carriage, const BodyState& finger) const {
   const Eigen::Matrix3d back = carriage.pose.rotation.transpose();
   const Eigen::Vector3d offset = finger.pose.position - carriage.pose.position;
-  // What the carriage's own turning carries along is no stretch.
+  // Motion due to the carriage's rotation is not stretch.
   const Eigen::Vector3d speed = finger.velocity - carriage.velocity - carriage.angular_velocity.cross(offset);
   const Eigen::Vector3d pull = stiffness.cwiseProduct(back * offset) + damping.cwiseProduct(back * speed);
-  // The rotation vector of a small turn R is the antisymmetric part of R, to the third order.
+  // The rotation vector of a small rotation R is the antisymmetric part of R, to third order.
   const Eigen::Matrix3d turn = finger.pose.rotation * back;
   const Eigen::Vector3d turned = 0.5 * Eigen::Vector3d(turn(2, 1) - turn(1, 2), turn(0, 2) - turn(2, 0), turn(1, 0) - turn(0, 1));
   Vector6d result;

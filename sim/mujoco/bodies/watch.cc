@@ -14,7 +14,8 @@
 namespace slipbench {
 
 std::optional<std::string> WeightRule::check(const WatchedBody& body, double dt) {
-  // The change that leads to this tick belongs to the step before it or to the one after it: both windows allow for it.
+  // The change that leads to this tick belongs to the step before it or to the one after it: both
+  // windows allow for it.
   const double change = (body.predicted - before_).norm();
   before_ = body.predicted;
   variation_ += change;
@@ -70,7 +71,7 @@ std::optional<std::string> EnergyRule::check_body(double kinetic) const {
       kinetic, total_);
 }
 
-// DynamicSimulation's watch over the run (dynamic_simulation.h).
+// DynamicSimulation's checks of the run (dynamic_simulation.h).
 
 void DynamicSimulation::State::find_watched(const WatchLimits& limits) {
   energy.emplace(limits, judge_fields);
@@ -89,7 +90,7 @@ void DynamicSimulation::State::find_watched(const WatchLimits& limits) {
   centres.assign(d()->xipos, d()->xipos + 3 * m()->nbody);
 }
 
-// Work of the weights since the tick before [J].
+// Returns the work of the weights since the last tick [J].
 double DynamicSimulation::State::weight_work() {
   const Eigen::Vector3d pull = gravity();
   double work = 0.0;
@@ -101,8 +102,8 @@ double DynamicSimulation::State::weight_work() {
   return work;
 }
 
-// The generalized force of all fields in the step that has been taken; of articulated pads, what they do to the stage: all else that
-// they do is MuJoCo's springs and contacts.
+// Computes the generalized force of all fields in the last step. For articulated pads it is their
+// force on the stage: all their other forces are MuJoCo's springs and contacts.
 void DynamicSimulation::State::find_field_force() {
   if (articulated) {
     field_force.setZero();
@@ -119,8 +120,9 @@ void DynamicSimulation::State::find_field_force() {
   pad_group_of(m(), d())->add_applied(m(), d(), field_force.data());
 }
 
-// Works of the step that has been taken. That of the fields on the stage waits for the force at the step's end: what moves as
-// prescribed does not answer the force at its start, and the trapezoid is what the springs take up.
+// Computes the works of the last step. The work of the fields on the stage waits for the force at
+// the step's end: a prescribed motion does not respond to the force at its start, and the
+// trapezoidal rule gives the energy that the springs take up.
 void DynamicSimulation::State::note_works() {
   const auto force = [this](const mjtNum* values) { return Eigen::Map<const Eigen::VectorXd>(values, m()->nv); };
   mean = 0.5 * (before + force(d()->qvel));
@@ -137,7 +139,7 @@ void DynamicSimulation::State::note_works() {
 
 void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocity) {
   if (leads && tick == 0) return;            // no step has led here
-  constexpr double standard_gravity = 9.81;  // m/s2, by which bodies without weight are judged
+  constexpr double standard_gravity = 9.81;  // m/s2, reference for bodies without weight
   const bool pads_predicted = averages || leads;
   for (WeighedBody& body : weighed) {
     const auto linear = [&body](const mjtNum* values) { return MjVector(values + body.dof); };
@@ -149,7 +151,8 @@ void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocit
       if (contact.object_body == body.body) pads_force -= contact.on_pad;
     }
     if (implicit) pads_force = field_force.segment<3>(body.dof);
-    // The coordinates are those of the body's frame; the acceleration is that of its centre.
+    // The coordinates are those of the body's frame; the acceleration is that of its centre of
+    // mass.
     const MjMatrix rotation(d()->xmat + 9 * body.body);
     const Eigen::Vector3d arm = MjVector(d()->xipos + 3 * body.body) - MjVector(d()->xpos + 3 * body.body);
     const auto local = [&body](const Eigen::VectorXd& values) { return values.segment<3>(body.dof + 3); };
@@ -165,7 +168,8 @@ void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocit
     now.force = pads_force + joints + linear(d()->qfrc_constraint) + linear(d()->qfrc_applied) + weight;
     now.predicted = joints - centripetal;
     if (pads_predicted) now.predicted += pads_force;
-    // With impratio 1e4 beside implicit pads MuJoCo's solver leaves a rest that changes its sign from step to step.
+    // With impratio 1e4 together with implicit pads MuJoCo's solver leaves a residual that changes
+    // its sign from step to step.
     if (leads || implicit) now.predicted += linear(d()->qfrc_constraint);
     now.mass_times_acceleration =
         mass * (rate + spin_rate.cross(arm)) + centripetal + linear(m()->dof_armature).cwiseProduct(rate);
@@ -176,7 +180,8 @@ void DynamicSimulation::State::weigh(double time, const Eigen::VectorXd& velocit
   }
 }
 
-// Looks at the tick at `time`, when the bodies had the given velocity, after the step that tells its truth.
+// Checks the tick at `time`, when the bodies had the given velocity, after the step that yields its
+// truth.
 void DynamicSimulation::State::watch(double time, const Eigen::VectorXd& velocity) {
   WatchedEnergy now = pending;
   now.supply += std::max(0.0, weight_work());
@@ -190,7 +195,7 @@ void DynamicSimulation::State::watch(double time, const Eigen::VectorXd& velocit
     const Pad& pad = pads[contact.pad];
     const Field& field = pad.instance->fields()[contact.field];
     const kernel::SpringSums sums = field.spring_sums();
-    if (!implicit) {  // else its force is the solver's
+    if (!implicit) {  // otherwise its force is the solver's
       const double damping = pad.instance->config().damping;
       // RK4 has been through other stages since the tick.
       const Wrench damped =
@@ -200,7 +205,8 @@ void DynamicSimulation::State::watch(double time, const Eigen::VectorXd& velocit
     now.elastic += sums.elastic;
     slip_loss += sums.slip_loss;
   }
-  // The fields' work is taken with the mean speed of a step, and so must be what is lost: else a slide that gains dv seems to give mu f_n h dv/2.
+  // The fields' work uses the mean speed of a step, and so must the loss: otherwise a slide that
+  // gains dv would seem to deliver mu f_n h dv/2.
   now.slip_loss = 0.5 * (slip_loss + std::exchange(last_slip_loss, slip_loss));
   mean = velocity;
   if (motion) mean.segment<6>(stage_dof).setZero();
