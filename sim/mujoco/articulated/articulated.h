@@ -83,7 +83,7 @@ struct PillarSettings {
 //   the contact's (articulated.cc), so that f_n is k_n times the penetration of the undeformed tip
 //   at any step.
 //   Tangential: soft friction in the main solve (impratio) and Coulomb's in the noslip pass.
-//   friction_time < dt removes a stuck tip's velocity up to 1/(1 + 2/(impedance friction_time)) per
+//   friction_time < dt leaves 1/(1 + 2/(impedance friction_time)) of a stuck tip's velocity per
 //   step, so that the tip trails the drive by 0.2 steps.
 //   Limits, measured: with a smaller impratio noslip ignores the normal force on a tilted pad,
 //   which lifts off in a slide (1e-6: at 1 degree; 0.05: at 10 degrees); with a larger one slip

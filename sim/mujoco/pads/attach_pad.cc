@@ -34,7 +34,7 @@ std::vector<mjsBody*> bodies_of(const mjSpec* spec) {
 
 std::string name_of(mjsElement* element) { return mjs_getString(mjs_getName(element)); }
 
-// Its name; what has none is given one, since excludes and tendons know things by name.
+// Returns the body's name and sets one if it has none, since excludes and tendons refer to names.
 std::string named(mjSpec* spec, mjsBody* body) {
   if (name_of(body->element).empty()) {
     int number = 1;
@@ -48,7 +48,7 @@ bool is_world(mjsBody* body) { return name_of(body->element) == "world"; }
 
 bool has(mjsBody* body, mjtObj type) { return mjs_firstChild(body, type, 0) != nullptr; }
 
-// The bodies that move with one; of what is fixed to the world only itself.
+// Returns the bodies that move rigidly with this one; for a body fixed to the world only itself.
 std::vector<mjsBody*> moving_with(const mjSpec* spec, mjsBody* body) {
   const auto top = [](mjsBody* b) {
     while (!is_world(b) && !has(b, mjOBJ_JOINT) && !b->mocap) b = mjs_getParent(b->element);
@@ -61,7 +61,8 @@ std::vector<mjsBody*> moving_with(const mjSpec* spec, mjsBody* body) {
   return all;
 }
 
-// Of the bodies that move and carry this one the first, where its kinematic tree begins; of what is fixed to the world itself.
+// Returns the first moving ancestor of this body, where its kinematic tree begins; for a body fixed
+// to the world itself.
 mjsBody* beginning_of_tree(mjsBody* body) {
   mjsBody* first = body;
   for (mjsBody* b = body; !is_world(b); b = mjs_getParent(b->element)) {
@@ -75,7 +76,8 @@ bool stands_below(mjsBody* body, mjsBody* root) {
   return body == root;
 }
 
-// What the plugin will take a name for: with the prefix and suffix of the pad's instance first.
+// Finds the element for a name as the plugin does: first with the prefix and suffix of the pad's
+// instance.
 mjsElement* look_up(const mjSpec* spec, const std::string& instance, const std::string& own, mjtObj type,
                     const std::string& name) {
   const auto find = [&](const std::string& whole) { return mjs_findElement(spec, type, whole.c_str()); };
@@ -85,7 +87,7 @@ mjsElement* look_up(const mjSpec* spec, const std::string& instance, const std::
   return find(name);
 }
 
-// The bodies whose geoms the words of `touch` stand for (pad_instance.h), each once.
+// Returns the bodies of the geoms that the words of `touch` name (pad_instance.h), each once.
 std::vector<mjsBody*> touched_bodies(const mjSpec* spec, const std::string& instance, const AttachedPad& pad, mjsBody* carrier) {
   std::vector<mjsBody*> bodies;
   const auto take = [&](mjsBody* body) {
@@ -119,15 +121,17 @@ using Pair = std::pair<std::string, std::string>;
 Pair pair_of(const std::string& a, const std::string& b) { return std::minmax(a, b); }
 
 void exclude(mjSpec* spec, const std::string& pad_body, const std::string& body, std::set<Pair>& known) {
-  // An exclude of the world would let things fall through its other geoms, the floor. The plugin refuses contact that is possible then.
+  // An exclude of the world would let bodies fall through its other geoms, the floor. The plugin
+  // refuses a contact that is then possible.
   if (pad_body == body || pad_body == "world" || body == "world" || !known.insert(pair_of(pad_body, body)).second) return;
   mjsExclude* added = mjs_addExclude(spec);
   mjs_setString(added->bodyname1, pad_body.c_str());
   mjs_setString(added->bodyname2, body.c_str());
 }
 
-// Adds a plugin instance and the sensor that reads it. By XML, since MuJoCo's setter of attributes takes a map of the C++ library that MuJoCo itself
-// was built with. Attached with a part of the name as prefix, because MuJoCo warns of an empty one.
+// Adds a plugin instance and the sensor that reads it. By XML, since MuJoCo's setter of attributes
+// takes a map of the C++ library with which MuJoCo itself was built. Attached with a part of the
+// name as prefix, because MuJoCo warns of an empty one.
 void add_instance(mjSpec* spec, const std::string& own, const std::vector<std::pair<std::string, std::string>>& attributes) {
   const std::string prefix = own.substr(0, own.size() - 1), rest = escaped(own.substr(own.size() - 1));
   std::string configs;
@@ -242,7 +246,7 @@ void prepare_implicit(mjSpec* spec, std::span<const SitePair> pairs) {
   if (spec->option.solver == mjSOL_PGS) spec->option.solver = mjSOL_NEWTON;
   for (const SitePair& pair : pairs) {
     mjsTendon* tendon = mjs_addTendon(spec, nullptr);
-    tendon->damping[0] = 1e-9;  // N s/m, so small that it damps nothing, and not zero
+    tendon->damping[0] = 1e-9;  // N s/m: negligible damping, but not zero
     tendon->rgba[3] = 0.0F;
     mjs_wrapSite(tendon, pair.pad_site.c_str());
     mjs_wrapSite(tendon, pair.object_site.c_str());

@@ -1,6 +1,7 @@
-// Pads in a model that is being put together by MuJoCo's mjSpec: what slipbench.mujoco.attach_pad() of tools/python does, for C++.
-// README.md shows a call; MuJoCo must know the plugin before (mj_loadPluginLibrary() or register_field_plugin()). The sensor has the pad's name, and
-// pad_instance.h says what stands in its sensordata.
+// Adds pads to a model under construction by MuJoCo's mjSpec: the C++ counterpart of
+// slipbench.mujoco.attach_pad() in tools/python. README.md shows a call; MuJoCo must know the
+// plugin before (mj_loadPluginLibrary() or register_field_plugin()). The sensor has the pad's
+// name; pad_instance.h describes its sensordata.
 #pragma once
 
 #include <cstdint>
@@ -12,39 +13,44 @@ struct mjSpec_;
 
 namespace slipbench {
 
-// What a pad is, in the words of pad_instance.h.
+// Settings of a pad, in the syntax of pad_instance.h.
 struct PadOptions {
-  // A sensor's name, one with parameters ({type: papillarray, bristles: 6}), or elements ([[x, y, z, k_n, k_t], ...]).
+  // A sensor's name, one with parameters ({type: papillarray, bristles: 6}), or elements ([[x, y,
+  // z, k_n, k_t], ...]).
   std::string pad = "papillarray";
-  std::string name{};      // of the instance and its sensor; default: that of the site
+  std::string name{};      // of the instance and its sensor; default: the site's
   std::string friction{};  // 0.5, or {static: 0.5, kinetic: 0.4}
   std::string material{};
-  std::string effects{};            // a list, as in a scene
-  std::string solver = "explicit";  // or implicit, for which integrator, iterations and cone are set and tendons added
+  std::string effects{};  // a list, as in a scene
+  // Or implicit, for which integrator, iterations and cone are set and tendons added.
+  std::string solver = "explicit";
   std::optional<double> damping{};  // s
-  bool truth = true;                // whether the sensor reads the truth, too
+  bool truth = true;                // true: the sensor also reads the truth
   std::uint64_t seed = 0, trial = 0;
   std::string check = "error";  // or warn
   std::string unloaded = "1";   // or nan
 };
 
-// A pad of a model, as complete_pad() wants to know it: MuJoCo does not tell what a plugin's attributes are.
+// A pad of a model for complete_pad(): MuJoCo does not report a plugin's attributes.
 struct AttachedPad {
-  std::string name;  // of the instance and its sensor, without what mjs_attach() puts before or behind it
+  // Of the instance and its sensor, without prefix or suffix of mjs_attach().
+  std::string name;
   std::string site;
   std::vector<std::string> touch;
   bool implicit;
 };
 
-// Puts a pad on a site, with a sensor that reads it, and calls complete_pad(). `touch`: names of geoms, body:NAME, subtree:NAME, group:N. Works
-// before and after mjs_attach(). Throws InputError for a site that is not there, a name that is taken, a `check` that is not known, and where
-// MuJoCo does not know the plugin; other mistakes are errors of mj_compile().
+// Adds a pad at a site, with a sensor that reads it, and calls complete_pad(). `touch`: names of
+// geoms, body:NAME, subtree:NAME, group:N. Works before and after mjs_attach(). Throws InputError
+// for a site that does not exist, a name already in use, an unknown `check`, and if MuJoCo does not
+// know the plugin; mj_compile() reports other mistakes.
 AttachedPad attach_pad(mjSpec_* spec, const std::string& site, const std::vector<std::string>& touch,
                        const PadOptions& options = {});
 
-// Adds what every pad of this name needs and the model lacks: excludes between what moves with it and what it touches, and for implicit pads options
-// and tendons. Call it on a spec to which one with the pad has been attached. What the pad names and the spec does not have is left for mj_compile()
-// to refuse.
+// Adds settings that every pad of this name needs and the model lacks: excludes between the bodies
+// that move with the pad and those that it touches, and for implicit pads options and tendons. Call
+// it on a spec to which one with the pad has been attached. Names that the spec does not contain
+// are left for mj_compile() to refuse.
 void complete_pad(mjSpec_* spec, const AttachedPad& pad);
 
 }  // namespace slipbench

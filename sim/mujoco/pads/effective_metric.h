@@ -1,5 +1,6 @@
-// The effective metric of MuJoCo's integrator `discrete`, M + h^2 K (implicit.h). MuJoCo 4.0.1 exports what these functions need and declares it in
-// no header; implicit_self_test() proves their types on the very model.
+// The effective metric of MuJoCo's integrator `discrete`, M + h^2 K (implicit.h). MuJoCo 4.0.1
+// exports the functions needed here without declaring them in a header; implicit_self_test()
+// verifies their types on the actual model.
 #pragma once
 
 #include <algorithm>
@@ -15,13 +16,15 @@ void mj_effShift(const mjModel* m, mjData* d);
 
 namespace slipbench {
 
-// Whether the step in progress solves with the metric.
+// True if the step in progress solves with the metric.
 inline bool metric_is_on(const mjData* d) { return d->efm_active != 0; }
 
-// Adds the velocity's share of the rows to the force, as MuJoCo does after its PASSIVE callbacks.
+// Adds the contribution of the rows at the current velocity to the force, as MuJoCo does after its
+// PASSIVE callbacks.
 inline void shift_by_metric(const mjModel* m, mjData* d) { mj_effShift(m, d); }
 
-// Appends rows to the metric: indices [n, contact, columns...], values [scale, force, values...], packed. False when the arena is full.
+// Appends rows to the metric: indices [n, contact, columns...], values [scale, force, values...],
+// packed. Returns false if the arena is full.
 inline bool append_to_metric(mjData* d, const std::vector<int>& more_indices, const std::vector<mjtNum>& more_values) {
   const auto before = static_cast<std::size_t>(d->nefmcon), total = before + more_indices.size();
   auto* indices = static_cast<int*>(mj_arenaAllocByte(d, total * sizeof(int), alignof(int)));

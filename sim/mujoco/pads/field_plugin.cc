@@ -24,8 +24,9 @@ PadCatalogue& catalogue() {
   return shared;
 }
 
-// Runs `action` and reports what it throws by mju_error, which does not return and may jump over the caller: nothing that must be
-// torn down is alive then. A simulation of this program gets the exception itself; to other callers the text says whose it is.
+// Runs `action` and reports its exceptions by mju_error, which does not return and may jump over
+// the caller: at that point nothing needs a destructor. A simulation of this program gets the
+// exception itself; for other callers the text names its origin.
 template <class Action>
 void report_errors(Action&& action) {
   thread_local std::array<char, 1024> message;
@@ -39,7 +40,8 @@ void report_errors(Action&& action) {
   if (message[0] != '\0') mju_error("%s", message.data());
 }
 
-// What plugin_data points to: the pad, and at the last pad of an mjData what all of them share.
+// The object behind plugin_data: the pad, and for the last pad of an mjData the group of all of
+// them.
 struct Slot {
   PadInstance pad;
   std::unique_ptr<PadGroup> group;

@@ -32,7 +32,7 @@ std::string name_of(const mjModel* model, int geom) {
   return mesh != nullptr ? text + " of the mesh " + quote(mesh) : text;
 }
 
-// A compiled mesh: what it is made of, byte by byte.
+// A compiled mesh and its data as bytes.
 struct Mesh {
   const float* vertices;
   std::size_t vertex_count;
@@ -58,7 +58,8 @@ struct Mesh {
   }
 };
 
-// A simulation makes its surfaces anew with every mjData; a second's work is done once.
+// A simulation makes its surfaces anew with every mjData; the grid, a second's work, is computed
+// once.
 DistanceGrid grid_of(const Mesh& mesh) {
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<const DistanceGrid::Samples>> known;
@@ -96,7 +97,8 @@ Surface shape_of(const mjModel* model, int geom) {
 GeomSurface surface_of_geom(const mjModel* model, int geom) {
   if (geom < 0 || geom >= model->ngeom) throw std::invalid_argument("geom " + std::to_string(geom) + " is not in the model");
   try {
-    // MuJoCo's shapes stand in their geom's frame as ours do in theirs; the compiler has put meshes into theirs.
+    // MuJoCo's shapes have the same pose in their geom's frame as ours in theirs; the compiler has
+    // transformed meshes accordingly.
     return {shape_of(model, geom), Pose{}};
   } catch (const InputError& error) {
     throw InputError(name_of(model, geom) + " cannot be touched by a pad: " + error.what());

@@ -17,9 +17,10 @@ namespace slipbench {
 namespace {
 
 constexpr int max_iterations = 25;
-constexpr double tolerance = 1e-10;  // of the terms of the predicted velocity
-// Of the last step in the memory. A contact of MuJoCo answers the field within the step; taking its answer whole into the next
-// prediction, which the field answers, keeps a stick-slip flicker of step length alive. Half of it dies out.
+constexpr double tolerance = 1e-10;  // share of the terms of the predicted velocity
+// Share of the last step in the memory. A contact of MuJoCo responds to the field within the step.
+// If the next prediction, to which the field responds, used all of that response, a stick-slip
+// flicker with the period of the step would persist. With half of it the flicker dies out.
 constexpr double newest_share = 0.5;
 
 using Eigen::Index;
@@ -60,7 +61,7 @@ class MetricRows {
     }
   }
 
-  // False when the arena is full.
+  // Returns false if the arena is full.
   [[nodiscard]] bool write(mjData* d) const { return indices_.empty() || append_to_metric(d, indices_, values_); }
 
  private:
@@ -68,7 +69,8 @@ class MetricRows {
   std::vector<mjtNum> values_;
 };
 
-// Whether a tendon that is in the metric joins the object, or a body welded to it, with the pad's kinematic tree.
+// True if a tendon in the metric connects the object, or a body welded to it, with the pad's
+// kinematic tree.
 bool joined(const mjModel* m, int pad_body, int object_body) {
   const auto moves_with_pad = [&](int body) {
     return body == m->body_weldid[pad_body] || (m->body_treeid[body] >= 0 && m->body_treeid[body] == m->body_treeid[pad_body]);
@@ -121,7 +123,8 @@ std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pa
   const ModelPointer copy(mj_copyModel(nullptr, m));
   copy->nplugin = 0;  // the fields themselves are plugins
   std::fill_n(&copy->actuator_plugin[0], static_cast<Index>(copy->nactuator), -1);
-  copy->opt.disableflags |= mjDSBL_CONSTRAINT;  // MuJoCo's short cuts past the metric are those without constraints
+  // MuJoCo's shortcuts around the metric are those without constraints
+  copy->opt.disableflags |= mjDSBL_CONSTRAINT;
   const DataPointer data(mj_makeData(copy.get()));
   mjData* d = data.get();
   const auto nv = static_cast<Index>(copy->nv);
@@ -162,8 +165,9 @@ std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pa
   Eigen::Map<VectorXd>(d->qfrc_applied, nv) = -metric * (v + h * with_rows) / h;
   if (std::string error = accelerate(false); !error.empty()) return error;
   const VectorXd with_force = Eigen::Map<VectorXd>(d->qacc, nv);
-  // Measured by what the rows changed, so that a field that was ignored stands out beside large accelerations. The force is found
-  // as a difference of large numbers where the pads are stiff, which costs digits: h^2 K / m may be 1e6.
+  // Relative to the change made by the rows, so that an ignored field is noticed despite large
+  // accelerations. For stiff pads the force is a difference of large numbers, which costs digits:
+  // h^2 K / m may be 1e6.
   const double difference = (with_rows - with_force).norm(), size = with_rows.norm() + v.norm() / h;
   if (std::isfinite(difference) && difference <= 1e-6 * size) return {};
   return "self-test failed. With the pads in MuJoCo's metric the acceleration differs by " + std::to_string(difference) +
@@ -171,7 +175,7 @@ std::string implicit_self_test(const mjModel* m, std::span<const ImplicitPad> pa
          "): this model takes a path through MuJoCo that leaves them out. Use the explicit solver";
 }
 
-// Steps the field to where w leads the pad while the surface stands still; the pad's pose there.
+// Steps the field to the pad's pose after a step with w, the surface at rest; returns that pose.
 Pose ImplicitFields::move(const ImplicitContact& contact, const Vector6d& w) const {
   const Pose pad{rotation_by(h_ * w.tail<3>()) * contact.pad.rotation, contact.pad.position + h_ * w.head<3>()};
   contact.field->load_state(contact.state);
@@ -191,12 +195,13 @@ void ImplicitFields::evaluate(const ImplicitContact& contact, const Vector6d& w,
   const Wrench wrench = field.damped_wrench_on_pad({turn.transpose() * w.head<3>(), turn.transpose() * w.tail<3>()}, tau_);
   linear.force << turn * wrench.force, turn * wrench.torque;
   const PadTangent tangent = field_tangent(field, contact.surface, pad.position, tau_);
-  linear.stiffness = tangent.stiffness + tangent.damping / h_;  // a velocity of the step is a displacement over h
+  // a velocity of the step is a displacement over h
+  linear.stiffness = tangent.stiffness + tangent.damping / h_;
   linear.coupling.setZero();
   for (std::size_t i = 0; i < field.size(); ++i) {
     if (field.state(i) != ElementState::slip) continue;
     const Element& element = field.layout().elements[i];
-    const double gives = 1.0 - field.sliding_share(i);  // what a faster slip does not take up
+    const double gives = 1.0 - field.sliding_share(i);  // share that a faster slip does not take up
     const Matrix3d grip = -gives * (element.k_normal + element.c_normal / h_) / field.normal_force(i) *
                           (turn * field.tangential_force(i)) * (turn * field.normal(i)).transpose();
     const Matrix3d cross = cross_matrix(contact.surface * field.contact_point(i) - pad.position);
@@ -207,7 +212,7 @@ void ImplicitFields::evaluate(const ImplicitContact& contact, const Vector6d& w,
   }
 }
 
-// Contacts that touch now or would, if their fields did not push, at the end of the step.
+// Finds contacts that touch now or would touch at the end of the step without their fields' force.
 void ImplicitFields::find_active(std::span<const ImplicitContact> contacts, std::span<const double> memory) {
   active_.clear();
   free_.resize(start_.size());
@@ -221,7 +226,7 @@ void ImplicitFields::find_active(std::span<const ImplicitContact> contacts, std:
   free_.conservativeResize(block(active_.size()));
 }
 
-// w - w_free - h A F, with linear_ at w.
+// Returns w - w_free - h A F, with linear_ at w.
 VectorXd ImplicitFields::residual(std::span<const ImplicitContact> contacts, const VectorXd& w) {
   VectorXd force(w.size());
   for (std::size_t a = 0; a < active_.size(); ++a) {
@@ -231,10 +236,11 @@ VectorXd ImplicitFields::residual(std::span<const ImplicitContact> contacts, con
   return w - free_ - h_ * (delassus_ * force);
 }
 
-// Newton's method on the relative velocities. The force is piecewise smooth; where a full step does not help, shorter ones are
-// tried.
+// Newton's method on the relative velocities. The force is piecewise smooth; if a full step does
+// not help, shorter ones are tried.
 void ImplicitFields::predict(std::span<const ImplicitContact> contacts) {
-  // Rotations weigh as the velocity they give at the distance where the bodies are as easily turned as moved.
+  // Rotations are weighted by the velocity that they cause at the distance at which the bodies
+  // rotate as easily as they translate.
   VectorXd weight(free_.size());
   for (std::size_t a = 0; a < active_.size(); ++a) {
     const auto own = delassus_.diagonal().segment<6>(block(a));
@@ -264,7 +270,8 @@ void ImplicitFields::predict(std::span<const ImplicitContact> contacts) {
     }
     slope.diagonal().array() += 1.0;
     const VectorXd full = solution(slope, r);
-    converged_ = h_ * size(full) <= kernel::shortest_slip;  // the field itself does not tell poses apart that are closer
+    // the field itself does not distinguish closer poses
+    converged_ = h_ * size(full) <= kernel::shortest_slip;
     if (converged_) {
       w_ = w;
       return;
@@ -275,7 +282,7 @@ void ImplicitFields::predict(std::span<const ImplicitContact> contacts) {
       r = residual(contacts, w);
       if (size(r) < error) break;
     }
-    if (size(r) >= error) {  // over the kink, then
+    if (size(r) >= error) {  // then go over the kink
       w = from - full;
       r = residual(contacts, w);
     }
@@ -296,7 +303,8 @@ std::string ImplicitFields::apply(const mjModel* m, mjData* d, std::span<const I
   jacobians_.resize(block(contacts.size()), nv);
   start_.resize(block(contacts.size()));
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    auto rows = jacobians_.middleRows(block(i), 6);  // not of six by type: Eigen would add up in another order
+    // Rows of dynamic size: with a fixed size of six Eigen would sum in another order.
+    auto rows = jacobians_.middleRows(block(i), 6);
     relative_jacobian(m, d, {contacts[i].pad_body, contacts[i].object_body, contacts[i].pad.position}, rows.data());
     if (contacts[i].field != nullptr) start_.segment<6>(block(i)).noalias() = rows * Eigen::Map<const VectorXd>(d->qvel, nv);
   }
@@ -316,7 +324,7 @@ std::string ImplicitFields::apply(const mjModel* m, mjData* d, std::span<const I
   }
   if (!rows.write(d)) return "MuJoCo's arena is full; raise <size memory=\"...\"/>";
   for (std::size_t a = 0; a < active_.size(); ++a) {
-    // MuJoCo itself takes h K w' away (mj_effShift and the metric).
+    // MuJoCo itself subtracts h K w' (mj_effShift and the metric).
     const Vector6d force = linear_[a].force + h_ * linear_[a].stiffness * w_.segment<6>(block(a));
     Eigen::Map<VectorXd>(d->qfrc_passive, nv) += jacobian.middleRows<6>(block(a)).transpose() * force;
   }

@@ -1,5 +1,6 @@
-// In place of implicit.cc in the plugin's build for MuJoCo 3.3.7, which has no integrator `discrete`: a model that asks for implicit pads is refused
-// when it is made, so that none of these is called.
+// Replaces implicit.cc in the plugin's build for MuJoCo 3.3.7, which has no integrator `discrete`:
+// a model with implicit pads is refused when it is made, so that the other functions are never
+// called.
 #include <stdexcept>
 
 #include <mujoco/mujoco.h>

@@ -18,7 +18,7 @@
 namespace slipbench {
 namespace {
 
-// A pad that is given element by element.
+// A pad given element by element.
 
 constexpr const char* allowed_row = "[x, y, z, k_n, k_t], or [x, y, z, k_n, k_t, ax, ay, az] with the element's axis";
 
@@ -100,7 +100,7 @@ class TableSensor final : public Sensor {
     return frame_;
   }
 
-  // No paper has labelled such a pad: the truth by the micro rule, which is what an ideal camera would see.
+  // No paper has labelled such a pad: the truth by the micro rule, as an ideal camera would see it.
   [[nodiscard]] PadState paper_label(const ContactFrame& truth, bool /*rotating*/) const override { return truth.state_micro; }
 
  private:
@@ -120,8 +120,9 @@ class TableSensor final : public Sensor {
   SensorFrame frame_;
 };
 
-// Reads rows of x, y, z, k_n, k_t and, where they have three more, the axis; numbers in SI or with units. `units`: a sequence of
-// how many elements each unit has, or null for one each. Throws InputError when a row is not that or the units do not add up.
+// Reads rows of x, y, z, k_n, k_t and, with three more values, the axis; numbers in SI or with
+// units. `units`: a sequence with the number of elements of each unit, or null for one each. Throws
+// InputError for an invalid row or if the units do not add up.
 PadLayout read_element_table(const YamlNode& rows, const YamlNode* units) {
   if (rows.kind != YamlNode::Kind::sequence) {
     fail(rows.origin, "elements is " + described(rows) + "; allowed: a sequence of " + allowed_row);
@@ -151,13 +152,14 @@ PadLayout read_element_table(const YamlNode& rows, const YamlNode* units) {
   return layout;
 }
 
-// A sensor without electronics that reports every unit's force [N] and displacement [m] in the pad frame, one sample a step. `of_elements`: and
-// depth and shear [m] of each element (contact_frame.h), for a layout with element_truth.
+// Makes a sensor without electronics that reports every unit's force [N] and displacement [m] in
+// the pad frame, one sample per step. `of_elements`: also depth and shear [m] of each element
+// (contact_frame.h), for a layout with element_truth.
 std::unique_ptr<Sensor> make_table_sensor(const PadLayout& layout, double rate, bool of_elements) {
   return std::make_unique<TableSensor>(layout, rate, of_elements);
 }
 
-// The type by which the scene reader knows the pad of an element table.
+// Sensor type under which the scene reader knows the pad of an element table.
 constexpr const char* table_type = "elements";
 
 const ParameterSpec trial_spec = integer_spec("trial", "0", non_negative, "Key of the random draws.", "free");
@@ -187,7 +189,8 @@ class Attributes {
   [[noreturn]] void refuse(const std::string& what) const { throw InputError("plugin '" + name_ + "': " + what); }
 
   [[nodiscard]] YamlNode yaml(const char* attribute) const {
-    constexpr std::size_t longest_shown = 80;  // MuJoCo keeps 1000 characters or so of a message: a table would leave no room
+    // MuJoCo keeps about 1000 characters of a message: a table would use them up.
+    constexpr std::size_t longest_shown = 80;
     std::string shown = text(attribute);
     if (shown.size() > longest_shown) shown = shown.substr(0, longest_shown) + "...";
     return parse_yaml(text(attribute), "plugin '" + name_ + "' " + attribute + "=" + quote(shown), false);
@@ -201,7 +204,8 @@ class Attributes {
     }
   }
 
-  // The object called `object_name`, -1: there is none. After MjSpec.attach it may have the prefix or suffix that the instance has.
+  // Returns the id of the object called `object_name`, or -1. After MjSpec.attach it may have the
+  // prefix or suffix of the instance.
   [[nodiscard]] int find(mjtObj type, const std::string& object_name) const {
     const std::string declared = text("name");
     for (std::size_t at = declared.empty() ? std::string::npos : name_.find(declared); at != std::string::npos;
@@ -215,7 +219,7 @@ class Attributes {
     }
     return -1;
   }
-  // The same; `noun`: "site". Throws InputError where there is none.
+  // The same; `noun`: "site". Throws InputError if there is none.
   [[nodiscard]] int object(mjtObj type, const char* noun, const std::string& object_name, int count) const {
     if (const int id = find(type, object_name); id >= 0) return id;
     std::vector<std::string> known;
@@ -246,7 +250,8 @@ void add(YamlNode& map, const char* key, YamlNode child) {
   map.children.push_back(std::move(child));
 }
 
-// The instance's name as a scene may name a sensor: MjSpec.attach puts things like "left/" before it.
+// Converts the instance's name to a valid sensor name of a scene: MjSpec.attach adds prefixes such
+// as "left/".
 std::string sensor_name(std::string name) {
   for (char& c : name) {
     if (!(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z') && !(c >= '0' && c <= '9')) c = '_';
@@ -254,7 +259,7 @@ std::string sensor_name(std::string name) {
   return name.front() >= '0' && name.front() <= '9' ? "_" + name : name;
 }
 
-// The attributes that are those of a scene, put together as one.
+// Combines the attributes that correspond to a scene's keys into a scene.
 YamlNode scene_tree(const Attributes& attributes) {
   YamlNode root, sensors, surface;
   root.kind = sensors.kind = surface.kind = YamlNode::Kind::map;
@@ -279,8 +284,8 @@ YamlNode scene_tree(const Attributes& attributes) {
   return root;
 }
 
-// MuJoCo asks for the same attributes three times a pad and model, and the trials of a sweep have the same few: those that a thread read last serve
-// as long as their texts do.
+// MuJoCo reads the same attributes three times per pad and model, and the trials of a sweep share a
+// few sets of them. So a thread keeps the results of the last texts read.
 template <class Value>
 class LastRead {
  public:
@@ -298,10 +303,10 @@ class LastRead {
   }
 
  private:
-  std::deque<std::pair<std::vector<std::string>, Value>> known_;  // the one asked for last in front
+  std::deque<std::pair<std::vector<std::string>, Value>> known_;  // most recently used first
 };
 
-// What the attributes say that a scene would say. `known`: the same at every call.
+// Reads the scene that the attributes describe. `known`: the same at every call.
 const Scene& read_contact(const Attributes& attributes, const Catalogues& known) {
   thread_local LastRead<Scene> scenes;
   std::vector<std::string> texts{attributes.name()};
@@ -318,7 +323,7 @@ bool below(const mjModel* model, int body, int root) {
   return body == root;
 }
 
-// Where MuJoCo asks for sizes it has not yet found out which bodies are welded.
+// When MuJoCo asks for sizes it has not yet determined which bodies are welded.
 bool welded(const mjModel* model, int a, int b) {
   const auto top = [model](int body) {
     while (body > 0 && model->body_jntnum[body] == 0) body = model->body_parentid[body];
@@ -327,7 +332,7 @@ bool welded(const mjModel* model, int a, int b) {
   return top(a) == top(b);
 }
 
-// The geoms that a word of `touch` stands for.
+// Returns the geoms that a word of `touch` names.
 std::vector<int> geoms_of(const Attributes& attributes, const std::string& word, int site) {
   const mjModel* model = attributes.model();
   const std::size_t colon = word.find(':');
@@ -375,7 +380,7 @@ std::vector<int> touched_geoms(const Attributes& attributes, int site) {
   return geoms;
 }
 
-// Layouts that are handed over in memory, by their names.
+// Layouts passed in memory, by name.
 struct Handed {
   std::mutex mutex;
   std::map<std::string, PadLayout> layouts;
@@ -386,7 +391,7 @@ Handed& handed() {
   return all;
 }
 
-// The pad of the attributes elements and units.
+// Returns the pad of the attributes elements and units.
 PadLayout table_of(const Attributes& attributes) {
   if (const std::string name = attributes.text("elements"); name.starts_with('@')) {
     const std::lock_guard lock(handed().mutex);
@@ -423,7 +428,7 @@ HandedLayouts::~HandedLayouts() {
 }
 
 std::unique_ptr<Sensor> PadConfig::make_sensor(const PadCatalogue& catalogue) const {
-  // A table's pad is read at every step: there is no electronics to have a rate of its own.
+  // A table's pad is read at every step: no electronics sets a rate.
   if (!table.empty()) return make_table_sensor(table.front(), 0.0, reads_elements);
   try {
     return catalogue.make_sensor(sensor, seed, trial);

@@ -15,11 +15,12 @@
 namespace slipbench {
 namespace {
 
-// How much longer than longest_explicit_step() a step may be: h omega = 1 instead of 0.75. A user's model is what it is, its pose changes,
-// and up to there weight, threshold and slide are right to 0.1 % (tests/sim/mujoco/pads/plugin_grip_test.cc); beyond, a slide comes out wrong.
+// Factor by which a step may exceed longest_explicit_step(): h omega = 1 instead of 0.75. The pose
+// of a user's model changes, and up to this factor weight, threshold and slide are accurate to 0.1
+// % (tests/sim/mujoco/pads/plugin_grip_test.cc); beyond it a slide is wrong.
 constexpr double bearable = 4.0 / 3.0;
 
-// With three digits.
+// Formats a time with three digits.
 std::string short_time(double time) { return format_quantity(std::stod(fmt::format("{:.3g}", time)), Quantity::time); }
 
 std::string names_of(const std::vector<PadInstance*>& pads) {
@@ -51,7 +52,7 @@ bool paired(const mjModel* model, int a, int b) {
   return false;
 }
 
-// Whether MuJoCo takes the two for parent and child, which do not collide.
+// True if MuJoCo treats the two as parent and child, which do not collide.
 bool related(const mjModel* model, int body_a, int body_b) {
   if ((model->opt.disableflags & mjDSBL_FILTERPARENT) != 0) return false;
   const int a = model->body_weldid[body_a], b = model->body_weldid[body_b];
@@ -110,7 +111,7 @@ void PadGroup::add_force(const mjModel* model, mjData* data) {
   const auto refuse = [this](const std::string& failure) {
     if (!failure.empty()) throw InputError(fmt::format("plugins {}: solver='implicit' {}", names_of(implicit_), failure));
   };
-  refuse(implicit_refusal(model, {}));  // options may have been changed since the mjData was made
+  refuse(implicit_refusal(model, {}));  // options may have changed since the mjData was made
   contacts_.clear();
   double* gathered = memory_.data();
   for (PadInstance* pad : implicit_) {
@@ -118,7 +119,7 @@ void PadGroup::add_force(const mjModel* model, mjData* data) {
     const std::span<const double> memory = pad->implicit_memory(model, data);
     gathered = std::copy(memory.begin(), memory.end(), gathered);
   }
-  // Tendons matter where something may touch.
+  // Tendons matter only if something may touch.
   const bool idle = std::ranges::all_of(contacts_, [](const ImplicitContact& contact) { return contact.field == nullptr; });
   std::string failure = idle ? "" : implicit_refusal(model, described_);
   if (failure.empty()) failure = solver_.apply(model, data, contacts_, memory_, implicit_.front()->config().damping);
@@ -167,8 +168,9 @@ double PadGroup::longest_step(const mjModel* model, mjData* data) const {
   return bearable * longest_explicit_step(fastest_vibration(model, data, pads.bodies, pads.tangents));
 }
 
-// The step is judged when more elements of a pad touch than in the step before. Before the first commit nothing is thrown, since MuJoCo's
-// compiler takes one step with whatever step the model has; what was found then is thrown at the next one, contact or not.
+// The step is checked when more elements of a pad touch than in the last step. Before the first
+// commit nothing is thrown, since MuJoCo's compiler takes one step with the model's time step; a
+// violation found then is thrown at the next step, with or without contact.
 void PadGroup::refuse_long_step(const mjModel* model, mjData* data) {
   const bool placed = explicit_.front()->placed(model, data);
   if (!placed) {
@@ -205,7 +207,7 @@ std::string possible_contact(const mjModel* model, const PadConfig& config) {
   constexpr int none = mjDSBL_CONTACT | mjDSBL_CONSTRAINT;
   if ((model->opt.disableflags & none) != 0) return {};
   const int pad_body = model->site_bodyid[config.site];
-  if (pad_body == 0) return {};  // all that stands would be the pad's
+  if (pad_body == 0) return {};  // otherwise all fixed geoms would be the pad's
   const bool fixed = model->body_weldid[pad_body] == 0;
   std::string first;
   std::set<std::pair<int, int>> bodies;
@@ -255,8 +257,8 @@ SiteWatch::SiteWatch(const PadLayout& layout) {
   deepest_start_ = std::min(layout.unit_height, radius_ > 0.0 ? radius_ : std::numeric_limits<double>::infinity());
 }
 
-// A gap is that of an element only where it looks at the surface; inside the one way or the other does. A grid's may be off by a fifth of a cell at
-// either end.
+// A gap is valid only for an element that points at the surface; inside, one of the two directions
+// does. A grid's gap may be off by a fifth of a cell at either end.
 double SiteWatch::clearance(const Surface& shape, const Pose& pad) const {
   const auto* const grid = std::get_if<DistanceGrid>(&shape);
   const double rounded_by = grid != nullptr ? grid->cell() : 0.0;

@@ -19,24 +19,26 @@
 namespace slipbench {
 namespace {
 
-// Of the instance's share of plugin_state. All zero: never stepped.
+// Header of the instance's share of plugin_state. All zero: never stepped.
 enum Header : std::size_t { committed_time, next_sample, slip_angle, header_size };
 
-// What an instance that touches nothing may leave out. It is known only after two steps without contact and a sample: a step that ends without may
-// have slipped, and a sensor may have read the one before.
+// Work that an instance without contact may skip. It may do so only after two steps without contact
+// and a sample: a step that ends without contact may have slipped, and a sensor may have read the
+// one before.
 namespace phase {
-constexpr double awake = 0.0, apart_once = 1.0, apart = 2.0,
-                 resting = 3.0;  // resting: since then only the poses are those of the last step
-}
+// resting: since then only the poses are those of the last step
+constexpr double awake = 0.0, apart_once = 1.0, apart = 2.0, resting = 3.0;
+}  // namespace phase
 
-// Kept with the fields' states: where the pad was, then where each touched geom was, position and rotation as MuJoCo has them, then the phase.
+// Stored with the fields' states: the poses of the pad and of each touched geom, position and
+// rotation in MuJoCo's format, then the phase.
 constexpr std::size_t frame_values = 12;
 std::size_t rest_values(const PadConfig& config) { return frame_values * (1 + config.geoms.size()) + 1; }
 mjtNum* save_frame(const mjtNum* position, const mjtNum* rotation, mjtNum* to) {
   return std::copy_n(rotation, 9, std::copy_n(position, 3, to));
 }
 
-constexpr double far_enough = 1e-5;  // m, more than positions are rounded by
+constexpr double far_enough = 1e-5;  // m, more than the rounding of positions
 
 // A sample is due when its time is reached up to the rounding of a sum of steps.
 constexpr double rounding = 1e-6;
@@ -61,7 +63,7 @@ std::size_t memory_values(Sensor& sensor) {
   return size;
 }
 
-// Its number where it has none.
+// Returns the geom's name, or its number if it has none.
 std::string name_of_geom(const mjModel* model, int geom) {
   const char* name = mj_id2name(model, mjOBJ_GEOM, geom);
   return name == nullptr ? std::to_string(geom) : name;
@@ -74,7 +76,8 @@ Field field_of(const mjModel* model, const PadConfig& config, const PadLayout& l
   } catch (const SceneValueError& error) {
     throw InputError(fmt::format("plugin '{}', geom '{}': {}", config.name, name_of_geom(model, geom), error.what()));
   }
-  // Bodies that forces move accelerate under the tips, and are solved for with springs that have no state of their own.
+  // Bodies that move by forces accelerate below the tips, and are solved with springs that have no
+  // state of their own.
   if (effects.tip) {
     throw InputError(fmt::format(
         "plugin '{}': effects: inertia needs pads that move as prescribed; allowed here: effects without", config.name));
@@ -86,14 +89,15 @@ Field field_of(const mjModel* model, const PadConfig& config, const PadLayout& l
   return {layout, surface, config.friction, std::move(effects)};
 }
 
-// A surface of the same kind as the geom's, as far as effects tell kinds apart and the state's size depends on it.
+// Returns a surface of the same kind as the geom's, as far as effects distinguish kinds and the
+// state's size depends on it.
 Surface kind_of_surface(int geom_type) {
   if (geom_type == mjGEOM_PLANE) return Plane{};
   if (geom_type == mjGEOM_BOX) return Box{{1.0, 1.0, 1.0}};
   return Sphere{1.0};
 }
 
-// Whether the fields of a state have been stepped (Field::save_state).
+// True if the fields of a state have been stepped (Field::save_state).
 bool is_placed(std::span<const double> fields) { return fields[0] != 0.0; }
 
 using MjMatrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
@@ -103,29 +107,30 @@ Pose pose_at(const mjtNum* position, const mjtNum* rotation) { return {MjMatrix(
 
 bool same(const Pose& a, const Pose& b) { return a.position == b.position && a.rotation == b.rotation; }
 
-// Velocity in the world of a frame of body `body` at `point`, as mj_objectVelocity has it: cvel, rotation first, is that of the point which
-// the body's tree refers to.
+// Returns the velocity in the world of a frame of body `body` at `point`, like mj_objectVelocity.
+// cvel, rotation first, is that of the reference point of the body's tree.
 Twist velocity_of(const mjModel* model, const mjData* data, int body, const mjtNum* point) {
   const MjVector angular(data->cvel + 6 * body), linear(data->cvel + 6 * body + 3);
   const Eigen::Vector3d arm = MjVector(point) - MjVector(data->subtree_com + 3 * model->body_rootid[body]);
   return {linear - arm.cross(angular), angular};
 }
 
-// Adds a force and a torque at `point` of a body to qfrc_passive, as mj_applyFT does, but along the body's own degrees of freedom only; what is
-// fixed to the world has none.
+// Adds a force and a torque at `point` of a body to qfrc_passive, like mj_applyFT, but only along
+// the body's own degrees of freedom; a body fixed to the world has none.
 void push(const mjModel* model, mjData* data, const Eigen::Vector3d& force, const Eigen::Vector3d& torque, const mjtNum* point,
           int body) {
   const int moving = model->body_weldid[body];
   if (moving == 0) return;
   const Eigen::Vector3d arm = MjVector(point) - MjVector(data->subtree_com + 3 * model->body_rootid[body]);
-  Eigen::Matrix<double, 6, 1> wrench;  // rotation first, about the point that cdof refers to
+  Eigen::Matrix<double, 6, 1> wrench;  // rotation first, about cdof's reference point
   wrench << torque + arm.cross(force), force;
   for (int dof = model->body_dofadr[moving] + model->body_dofnum[moving] - 1; dof >= 0; dof = model->dof_parentid[dof]) {
     data->qfrc_passive[dof] += Eigen::Map<const Eigen::Matrix<double, 6, 1>>(data->cdof + 6 * dof).dot(wrench);
   }
 }
 
-// Values as a reader gets them. A zero that was turned into the pad's frame has the sign of the turn; none is read with one.
+// Writes values for readers. Adding 0 removes the sign that a zero gets from the rotation into the
+// pad's frame.
 template <class Values>
 double* write_values(const Values& values, double* out) {
   return std::transform(std::begin(values), std::end(values), out, [](auto value) { return static_cast<double>(value) + 0.0; });
@@ -182,7 +187,7 @@ PadInstance::PadInstance(const mjModel* model, int instance, PadConfig config, c
     const GeomSurface surface = surface_of_geom(model, geom);
     fields_.push_back(field_of(model, config_, layout, geom, surface.shape));
     const SiteWatch watch(layout);
-    // A mesh's grid is rounded beyond the ball around its corners.
+    // A mesh's grid is rounded beyond the bounding ball.
     const bool in_ball = model->geom_rbound[geom] > 0.0 && model->geom_type[geom] != mjGEOM_MESH;
     touched_.push_back({geom, model->geom_bodyid[geom], surface.in_geom, surface.shape, watch,
                         in_ball ? model->geom_rbound[geom] + watch.radius() + far_enough : 0.0});
@@ -235,14 +240,16 @@ PadInstance::Parts PadInstance::parts(const mjModel* model, mjData* data) const 
           .truth = take(truth_)};
 }
 
-// Whether poses and velocities are those of the call before. Cheaper than working out the same ones again.
+// True if poses and velocities are those of the last call. Cheaper than recomputing the same
+// results.
 bool PadInstance::sees_the_same(const mjModel* model, const mjData* data) {
   double* out = sees_.data();
   const auto look_at_frame = [&](const mjtNum* position, const mjtNum* rotation, int body) {
     out = std::copy_n(position, 3, out);
     out = std::copy_n(rotation, 9, out);
     out = std::copy_n(data->cvel + 6 * body, 6, out);
-    out = std::copy_n(data->subtree_com + 3 * model->body_rootid[body], 3, out);  // the point that cvel refers to
+    // cvel's reference point
+    out = std::copy_n(data->subtree_com + 3 * model->body_rootid[body], 3, out);
   };
   look_at_frame(data->site_xpos + 3 * config_.site, data->site_xmat + 9 * config_.site, model->site_bodyid[config_.site]);
   for (const Touched& touched : touched_) {
@@ -254,7 +261,8 @@ bool PadInstance::sees_the_same(const mjModel* model, const mjData* data) {
   return false;
 }
 
-// Finds the pad in the frame of every touched surface. Returns whether it is where the trial that the fields hold has it.
+// Finds the pad in the frame of every touched surface. Returns true if it is at the pose of the
+// fields' present trial.
 bool PadInstance::locate(const mjModel* model, const mjData* data) {
   if (!keeps_state_ && sees_the_same(model, data)) return evaluated_;
   bool unmoved = evaluated_;
@@ -276,7 +284,7 @@ bool PadInstance::locate(const mjModel* model, const mjData* data) {
   return unmoved;
 }
 
-// Makes the fields hold the trial at `time` of what locate() has found.
+// Makes the fields hold the trial at `time` for the poses found by locate().
 void PadInstance::evaluate(const Parts& state, double time) {
   const bool same_start = keeps_state_ || std::memcmp(state.fields.data(), began_with_.data(), state.fields.size_bytes()) == 0;
   if (evaluated_ && same_start && time == time_) return;
@@ -322,8 +330,8 @@ void PadInstance::evaluate(const Parts& state, double time) {
   dt_ = dt;
 }
 
-// Whether nothing is to be worked out: the pad has touched nothing, and cannot where it is. Most pads are so far away that the balls around them and
-// around what they touch tell.
+// True if nothing needs to be computed: the pad has touched nothing, and cannot at its pose. Most
+// pads are so far away that the bounding balls of the pad and the touched geoms suffice.
 bool PadInstance::rests(const mjModel* model, const mjData* data, const Parts& state, double time) {
   if (!may_rest_ || keeps_state_ || state.fields.back() < phase::apart || !(time >= state.header[committed_time])) return false;
   const MjVector pad(data->site_xpos + 3 * config_.site);
@@ -341,7 +349,7 @@ bool PadInstance::rests(const mjModel* model, const mjData* data, const Parts& s
   return *clear_;
 }
 
-// A commit of a pad at rest.
+// Commits a pad at rest.
 void PadInstance::rest(const mjData* data, const Parts& state, double time) {
   state.header[committed_time] = time;
   if (watched_ && sample_time_ > 0.0 && sample_is_due(time, state.header[next_sample])) {
@@ -362,17 +370,18 @@ bool PadInstance::sample_is_due(double time, double next) const {
 void PadInstance::judge(const Parts& state) {
   if (judged_) return;
   labels_.set_slip_angle(state.header[slip_angle]);
-  labels_.judge(fields_, time_, dt_ > 0.0 ? dt_ : step_);  // where no time has passed nothing has slipped
+  // without elapsed time nothing has slipped
+  labels_.judge(fields_, time_, dt_ > 0.0 ? dt_ : step_);
   if (!keeps_state_) labels_.fill(fields_, FramePart::all);
   judged_ = true;
 }
 
-// Lets labels and sensor read the trial.
+// Evaluates labels and sensor for the trial.
 void PadInstance::measure(const Parts& state) {
   if (measured_) return;
   judge(state);
   next_sample_ = state.header[next_sample];
-  // A simulation that keeps the state reads labels_ by sensors of its own.
+  // A simulation that keeps the state reads labels_ by its own sensors.
   sampled_ = !keeps_state_ && sample_is_due(time_, next_sample_);
   if (sampled_ || feels_every_tick_) {
     const double* remembered = is_placed(state.fields) ? state.memory.data() : first_memory_.data();
@@ -391,7 +400,8 @@ void PadInstance::measure(const Parts& state) {
 }
 
 void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
-  // One reading a step: of a longer step a multiplexed sensor would miss electrodes, and not only samples.
+  // One reading per step: at a longer step a multiplexed sensor would miss electrodes, not only
+  // samples.
   if (sensor_->scans() > 1 && step_ > sample_time_ * (1.0 + rounding)) {
     throw InputError(fmt::format(
         "plugin '{}': the time step {} is longer than the {} between two readings of the sensor, which needs each; allowed: at most that",
@@ -416,7 +426,8 @@ void PadInstance::refuse_what_cannot_work(const mjModel* model) const {
   }
 }
 
-// What exerts no force because it looks away, or a huge one because it begins deep inside, was meant otherwise.
+// A pad that exerts no force because it points away, or a huge one because it starts deep inside,
+// is a mistake in the model.
 void PadInstance::check_site(const mjModel* model, bool placed) {
   std::size_t touching = 0;  // on any geom: one may lie beside another
   for (const Field& field : fields_) touching += field.touching();
@@ -497,7 +508,7 @@ void PadInstance::add_stuck_tangent(const mjModel* model, mjData* data, PadTange
     const SurfacePoint met =
         std::visit([&](const auto& shape) { return shape.at(origin.x(), origin.y(), origin.z(), axis.x(), axis.y(), axis.z()); },
                    touched.shape);
-    Pose there = pad;  // from afar it would turn the object by a lever that it will never have
+    Pose there = pad;  // at its present distance it would have a lever that never occurs
     if (met.gap > 0.0) there.position -= met.gap * (placed.rotation * Eigen::Vector3d(met.nx, met.ny, met.nz));
     PadLayout layout = fields_[k].layout();
     for (Element& element : layout.elements) element.k_tangential += fields_[k].stop_stiffness();
@@ -551,7 +562,7 @@ void PadInstance::begin_implicit(const mjModel* model, mjData* data, std::vector
   exclude_all_but_first(fields_, pads_in_surfaces_);  // the solver steps one field at a time
 }
 
-// The force of an element that has come through a thin or round body would vanish without a word.
+// The force of an element that has passed through a thin or round body would vanish silently.
 void PadInstance::refuse_lost(const mjModel* model) const {
   for (std::size_t k = 0; k < fields_.size(); ++k) {
     const std::optional<Field::Lost>& lost = fields_[k].lost();
@@ -566,8 +577,9 @@ void PadInstance::refuse_lost(const mjModel* model) const {
   }
 }
 
-// Whether the pad touches nothing at the end of the step either, as the implicit solver foresees it: with the velocity that it has, and with the
-// relative acceleration of its memory. A tip's way is no longer than its path.
+// True if the pad touches nothing at the end of the step either, as predicted by the implicit
+// solver from its velocity and the relative acceleration in its memory. A tip's displacement is at
+// most its path.
 bool PadInstance::stays_clear(const mjModel* model, const mjData* data, const Parts& state) {
   const MjVector pad(data->site_xpos + 3 * config_.site);
   const Eigen::Vector3d motion = velocity_of(model, data, model->site_bodyid[config_.site], pad.data()).linear;
@@ -592,10 +604,10 @@ bool PadInstance::stays_clear(const mjModel* model, const mjData* data, const Pa
 
 void PadInstance::write_sensors(const mjModel* model, mjData* data) {
   refuse_what_cannot_work(model);
-  if (outputs_.empty()) return;  // MuJoCo asks every instance, read or not
+  if (outputs_.empty()) return;  // MuJoCo calls this for every instance, read or not
   const Parts state = parts(model, data);
-  // RK4 commits at the end of a step, so that at the beginning of the next one nothing has moved since: what was seen then still
-  // holds.
+  // RK4 commits at the end of a step, so that at the start of the next one nothing has moved: the
+  // last readings are still valid.
   if ((is_placed(state.fields) && data->time == state.header[committed_time]) || rests(model, data, state, data->time)) {
     for (const int address : outputs_) {
       mjtNum* const out = std::copy(state.held.begin(), state.held.end(), data->sensordata + address);
@@ -621,7 +633,7 @@ void PadInstance::commit(const mjModel* model, mjData* data) {
     rest(data, state, computed_at_);
     return;
   }
-  // Whose state is kept has been moved by nobody since its force was worked out.
+  // With keep_state() nothing has moved since the force was computed.
   if (!(keeps_state_ && tried_)) {
     evaluated_ = locate(model, data);
     evaluate(state, computed_at_);
@@ -652,7 +664,7 @@ void PadInstance::commit(const mjModel* model, mjData* data) {
   fields_hold_state_ = true;
 }
 
-// What labels and sensor carry to the next step.
+// Stores the state that labels and sensor carry to the next step.
 void PadInstance::remember_readings(const Parts& state) {
   measure(state);
   labels_.settle(fields_, dt_);
@@ -689,7 +701,8 @@ void PadInstance::draw(const mjModel* model, mjData* data, mjvScene* scene) {
       if (field.state(i) == ElementState::detached) continue;
       tip += field.deflection(i);
       force += field.force_on_pad(i);
-      // After a step the kinematics are those of the commit: nothing has moved since, and what slipped then would seem to stick.
+      // After a step the kinematics are those of the commit: nothing has moved since, and elements
+      // that slipped would seem to stick.
       shown = placed ? field.state_before(i) : field.state(i);
     }
     const Eigen::Vector3d from = pad * tip, to = from + scale * (pad.rotation * force);

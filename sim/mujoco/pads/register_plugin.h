@@ -14,34 +14,38 @@ struct mjData_;
 
 namespace slipbench {
 
-// sim/ knows no sensor: whoever composes a program or the plugin's library hands them in.
+// sim/ depends on no sensor: the code that composes a program, or the plugin's library, passes them
+// in.
 struct PadCatalogue {
   Catalogues catalogues;
-  // Throws InputError when the sensor cannot be as the scene says.
+  // Throws InputError if the sensor is not possible as given by the scene.
   std::unique_ptr<Sensor> (*make_sensor)(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial) = nullptr;
 };
 
 inline constexpr const char* field_plugin_name = "slipbench.field";
-// The same plugin in models that the program builds. A process may hold the program and the plugin's library, two copies of the same code, and
-// MuJoCo takes a name once.
+// The same plugin in models that the program builds. A process may contain the program and the
+// plugin's library, two copies of the same code, and MuJoCo accepts a name only once.
 inline constexpr const char* bench_plugin_name = "slipbench.bench";
 
-// Call once, before a model that uses the plugin is read. Leaves a `slipbench.field` alone that another copy has registered. Says so by
-// mju_warning and does nothing when the MuJoCo that is loaded is not the version this was compiled for: MuJoCo's structures are not the same in
-// any two.
+// Call once, before a model that uses the plugin is read. Does not replace a `slipbench.field` that
+// another copy has registered. If the loaded MuJoCo is not the version for which this was compiled,
+// warns by mju_warning and does nothing: MuJoCo's structures differ between versions.
 void register_field_plugin(PadCatalogue catalogue);
 
 // The same, and `slipbench.bench`. For programs that simulate scenes.
 void register_bench_plugin(PadCatalogue catalogue);
 
-// What the plugin's library tells others of a model's pads beside what MuJoCo asks for: Python's slipbench.mujoco calls it.
+// Further functions of the plugin's library about a model's pads: Python's slipbench.mujoco calls
+// them.
 
-// One line for each pad, values separated by tabs: its instance's number, name, site's number, number of units, 1 with truth; then one for each
-// channel of the sensor: "", name, unit and shape, as in "9 3". Throws InputError where the model's attributes are wrong.
+// Returns one line for each pad, values separated by tabs: its instance's number, name, site's
+// number, number of units, 1 with truth; then one for each channel of the sensor: "", name, unit
+// and shape, as in "9 3". Throws InputError if the model's attributes are invalid.
 [[nodiscard]] std::string describe_pads(const mjModel_* model);
 
-// The longest step [s] that the explicit pads of the model bear, with all elements of every pad touching at once: each pad on that of its bodies on
-// which it vibrates fastest, in the positions of `data`. Infinite without explicit pads. `data` is one of this model.
+// Returns the longest step [s] for the explicit pads of the model, with all elements of every pad
+// touching at once: each pad on the body on which it vibrates fastest, at the positions of `data`,
+// which must be made from this model. Infinite without explicit pads.
 [[nodiscard]] double longest_step(const mjModel_* model, mjData_* data);
 
 }  // namespace slipbench

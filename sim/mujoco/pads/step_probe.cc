@@ -14,7 +14,7 @@
 namespace slipbench {
 namespace {
 
-// s. The pose is looked at with this one; far under every limit, so that nothing moves.
+// s. The step for evaluating a pose: far below every limit, so that nothing moves.
 constexpr double still = 1e-9;
 
 }  // namespace
@@ -24,7 +24,7 @@ struct StepProbe::State {
   std::vector<double> kick;
   StepProbeOptions options;
 
-  // At rest in the initial pose, one step taken: every pad is placed.
+  // Returns data at rest in the initial pose after one step: every pad is placed.
   [[nodiscard]] DataPointer placed(double step) {
     model->opt.timestep = step;
     DataPointer data;
@@ -33,7 +33,8 @@ struct StepProbe::State {
     call_mujoco([&] { mj_step(model.get(), data.get()); });
     return data;
   }
-  // The pads' tangents as their fields stand, which must have been tried in the present pose.
+  // Returns the pads' tangents for the present state of their fields, which must have been tried at
+  // the present pose.
   [[nodiscard]] PadTangents tangents(const mjData* data) const {
     PadTangents pads;
     for (int instance = 0; instance < static_cast<int>(model->nplugin); ++instance) {
