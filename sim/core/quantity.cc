@@ -194,8 +194,8 @@ double checked(const std::optional<double>& value, std::string_view text) {
   return *value;
 }
 
-// Returns the shortest text of `value` in `unit` that reads back as the same double. Empty if there
-// is none, such as in a unit in which the value is beyond the range of a double.
+// Returns the shortest text of `value` in `unit` that reads back as the same double. Empty if no
+// text does, such as in a unit in which the value is beyond the range of a double.
 std::string text_in(double value, const Unit& unit) {
   const double scaled = value / unit.factor;
   if (!std::isfinite(scaled)) return "";

@@ -368,7 +368,7 @@ void Field::map_to_cone() {
 }
 
 // Positions at which the tips read effects. A tip that has come to another face is placed under its
-// root, where keep_energy() anchors it anew.
+// root, where keep_energy() re-anchors it.
 void Field::place_tips() {
   kernel::place_tips(columns_, padded_);
   if (on_plane() || kernel::all_keep_faces(columns_, all())) return;

@@ -31,9 +31,9 @@ namespace slipbench {
 // speed linear in its register from `slowest` to `fastest`, constant `acceleration`. So the motion
 // does not depend on the caller's step.
 //
-// Drift. The fingers wander around the position that the drive holds: opening = (closed_at -
-// position) count + drift g(t), with g(t) = 1/2 sum of 8 sin(2 pi f t + p), of variance 1. It is
-// play and creep of the fingers, behind the encoder, so no count shows it.
+// Drift. The fingers wander around the position that the drive holds: opening =
+// (closed_at - position) count + drift g(t), with g(t) = 1/2 sum of 8 sin(2 pi f t + p), of
+// variance 1. It is play and creep of the fingers, behind the encoder, so no count shows it.
 //
 // Force. While they close, the fingers stop where the force on them reaches that of the force
 // register, linear from `weakest` to `strongest`, at the first update() that finds it so. Between

@@ -95,8 +95,8 @@ struct Point {
 };
 
 // White noise behind two equal low passes, as a Markov chain. With s the time over the time
-// constant and u = x'/a, (x, u) is normal with unit covariance P, and over s it becomes A (x, u) +
-// L w with A = e^-s [1+s, s; -s, 1-s] and L L^T = P - A A^T.
+// constant and u = x'/a, (x, u) is normal with unit covariance P, and over s it becomes A (x,
+// u) + L w with A = e^-s [1+s, s; -s, 1-s] and L L^T = P - A A^T.
 class Process {
  public:
   void begin(RandomStream& random) {
@@ -315,7 +315,7 @@ class Rub final : public Motion {
 
   [[nodiscard]] double radius() const { return 0.5 * (b_ + c_); }
 
-  // Returns the space between a site and the end of the skin. Throws if there is none.
+  // Returns the space between a site and the end of the skin. Throws if no space is left.
   static double room(double site, double end, const char* what) {
     if (std::abs(site) < end) return end - std::abs(site);
     throw SceneValueError("motion.site", fmt::format("with the offset leads {} along {}; allowed: less than {} on this skin",

@@ -149,7 +149,7 @@ class TreeBuilder : public YAML::EventHandler {
 };
 
 // Returns the position of the first byte that is not well-formed UTF-8 or is a control character
-// other than tab, line feed and carriage return; npos if there is none.
+// other than tab, line feed and carriage return; npos if all bytes are valid.
 std::size_t first_bad_byte(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   std::size_t i = 0;

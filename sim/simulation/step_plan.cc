@@ -21,7 +21,7 @@ std::size_t whole_ratio(double longer, double shorter) {
   return nearest >= 1.0 && std::abs(ratio - nearest) <= rounding * nearest ? static_cast<std::size_t>(nearest) : 0;
 }
 
-// Returns the longest step that divides every sampling time. If there is none within most_divisors,
+// Returns the longest step that divides every sampling time. If none of most_divisors steps does,
 // the check in plan_steps() reports the sensor that does not fit.
 double automatic_step(std::span<const double> rates, double longest) {
   const double fastest = *std::max_element(rates.begin(), rates.end());

@@ -60,7 +60,7 @@ std::array<Size, 8> sizes_of(const std::string& part) {
 // Copies a text of a library, which may lack its terminating zero.
 std::string bounded_text(const char* text) { return text == nullptr ? "" : std::string(text, strnlen(text, max_text)); }
 
-// Returns the quantity whose SI unit is `unit`. Throws std::invalid_argument if there is none.
+// Returns the quantity whose SI unit is `unit`. Throws std::invalid_argument for an unknown unit.
 Quantity quantity_in(const std::string& unit) {
   if (unit.empty()) return Quantity::none;
   const Quantity quantity = quantity_of("1 " + unit);

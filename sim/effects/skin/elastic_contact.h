@@ -7,10 +7,11 @@
 // (Polonsky and Keer, Wear 231, 1999).
 //
 // Tangential, in steps: let g be the shift of the tips if all stuck, u = C q their actual shift,
-// and L each element's friction limit. The forces q minimise q'C q/2 - q'g under |q| <= L. Then s =
-// g - u is the slip of the step: 0 where |q| < L, along q where |q| = L (Kalker, Three-Dimensional
-// Elastic Bodies in Rolling Contact, 1990, ch. 4). Projected gradients with Nesterov's momentum,
-// which restarts when it leads uphill (O'Donoghue and Candes, Found. Comput. Math. 15, 2015).
+// and L each element's friction limit. The forces q minimise q'C q/2 - q'g under |q| <= L. Then
+// s = g - u is the slip of the step: 0 where |q| < L, along q where |q| = L (Kalker,
+// Three-Dimensional Elastic Bodies in Rolling Contact, 1990, ch. 4). Projected gradients with
+// Nesterov's momentum, which restarts when it leads uphill (O'Donoghue and Candes, Found. Comput.
+// Math. 15, 2015).
 //
 // Both first guesses extrapolate the last step's increment as far as that lowers the energy: under
 // a steady drive they are right to second order.

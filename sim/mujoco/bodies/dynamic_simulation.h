@@ -58,11 +58,11 @@ namespace slipbench {
 // turns over many times its energy in a window. Fields with a rheology, a surface effect or leaning
 // columns are excluded: their stored energy is not f^2/(2k).
 //
-// A mode stepped by average_acceleration.h, x_n = A cos(theta), turns by 2 phi per step, tan phi =
-// z/2. At the longest step, z = 2, and in units of k A^2/2, it has U = cos^2 theta and T =
-// sin^2(theta - phi)/2 at a tick. Their sum is at least 0.191 = (3 - sqrt 5)/4, and T is at most
-// 0.5, 2.6 times as much. Its gain between two ticks telescopes to a difference of x_n (x_n -
-// x_n+1) k/2, which is at most sqrt 2, 7.4 times as much.
+// A mode stepped by average_acceleration.h, x_n = A cos(theta), turns by 2 phi per step, tan
+// phi = z/2. At the longest step, z = 2, and in units of k A^2/2, it has U = cos^2 theta and
+// T = sin^2(theta - phi)/2 at a tick. Their sum is at least 0.191 = (3 - sqrt 5)/4, and T is at
+// most 0.5, 2.6 times as much. Its gain between two ticks telescopes to a difference of x_n
+// (x_n - x_n+1) k/2, which is at most sqrt 2, 7.4 times as much.
 //
 // Ejection. No body may have more kinetic energy than the whole system had at the start and
 // received since from weight, motors, springs and the stage, times 1.6 as above:

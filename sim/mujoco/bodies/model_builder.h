@@ -80,8 +80,8 @@ inline constexpr double stage_mass = 1e6;  // kg, and kg m^2
 // Builds the model of a scene. Without a model file the integrator is implicitfast, contacts have
 // elliptic cones and ten noslip iterations: with fewer a box on a table creeps under a sideways
 // force (shared MUJOCO.md, section C). With implicit fields, which do not allow noslip, it is
-// discrete, and impratio 1e4 replaces noslip. `pads`: one layout per sensor. `hand`: null if there
-// is none. With one, all forces are those of pads and of the fingers' springs, explicit for MuJoCo:
+// discrete, and impratio 1e4 replaces noslip. `pads`: one layout per sensor. `hand`: null without
+// a hand. With one, all forces are those of pads and of the fingers' springs, explicit for MuJoCo:
 // the integrator is Euler without implicit damping, and MuJoCo's contacts and solver are off, which
 // halves the time of a step. The time step is the model's own, or MuJoCo's default. `handed` must
 // live as long as data is made from the model. Throws SceneValueError if the model cannot be read

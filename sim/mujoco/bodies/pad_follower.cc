@@ -32,8 +32,8 @@ PadFollower::PadFollower(const mjModel* model, const PadInstance& followed, cons
     : followed_(followed), labels_(layout), slack_(same_time * bench_step), shown_(&labels_.frame()) {
   const PadConfig& config = followed.config();
   PadLayout springs = without_dashpots(layout);
-  // Z of the pad frame points into the pad: with the pad at depth d [m] the follower is at d +
-  // ahead, with k_n ahead [N] more in each spring.
+  // Z of the pad frame points into the pad: with the pad at depth d [m] the follower is at
+  // d + ahead, with k_n ahead [N] more in each spring.
   for (Element& element : springs.elements) element.tip.z() -= ahead;
   double longest = std::numeric_limits<double>::infinity();
   for (const int geom : config.geoms) {

@@ -53,8 +53,8 @@ namespace slipbench {
 //   largest eigenvalue of (M + h D/2)^-1 (h^2 K + 2 h C) = 4
 // For one mode with a viscous time tau (c = tau k) it is h omega = sqrt(4 + (tau omega)^2) - tau
 // omega, 2 without damping. With RK4 all is explicit: with l the roots of l^2 M + l (C + D) + K,
-// the limit is the least h with |R(h l)| = 1 for one of them, R(z) = 1 + z + z^2/2 + z^3/6 +
-// z^4/24: h omega = sqrt(8) without damping, h |l| = 2.785 if it is strong.
+// the limit is the least h with |R(h l)| = 1 for one of them, R(z) = 1 + z + z^2/2 +
+// z^3/6 + z^4/24: h omega = sqrt(8) without damping, h |l| = 2.785 if it is strong.
 //
 // A stable step need not be accurate: near the limit a slide is wrong (shared MUJOCO.md, section
 // B). A step is accurate to 0.05 % with

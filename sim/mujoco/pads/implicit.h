@@ -11,9 +11,10 @@
 //      with alpha, the relative acceleration by all other forces (weight, motors, MuJoCo's
 //      contacts), taken from the last steps. It determines which elements will stick, slip and
 //      touch at the end of the step, the wrench F* there and the tangent K* (stability.h).
-//   2. Correction: MuJoCo solves the whole model, contacts included, with F(w') = F* - h K* (w' -
-//      w*). That needs h^2 K* in addition to M in its solver, which only the integrator `discrete`
-//      offers, and only in undocumented memory of mjData: the rows of its effective metric.
+//   2. Correction: MuJoCo solves the whole model, contacts included, with
+//      F(w') = F* - h K* (w' - w*). That needs h^2 K* in addition to M in its solver, which only
+//      the integrator `discrete` offers, and only in undocumented memory of mjData: the rows of its
+//      effective metric.
 // If the prediction is exact, F(w') = F* is on the cone to the last digit. If not (a contact of
 // MuJoCo that changes its force within the step), stick may exceed the cone in this one step, by h
 // K_t (w' - w*); the next step starts from the true pose.
@@ -28,9 +29,9 @@
 // - integrator="discrete", noslip_iterations="0", iterations="20" or more, solver Newton or CG,
 //   flag damper on, sleep off,
 // - for every kinematic tree with pads and every object that they touch a spatial tendon with
-//   damping > 0 from a site on a body of the tree to a site on the object's, for instance <spatial
-//   damping="1e-9"><site site="pad"/><site site="box"/></spatial>. Without one in the metric MuJoCo
-//   takes shortcuts that omit the rows. 1e-9 N s/m is negligible damping.
+//   damping > 0 from a site on a body of the tree to a site on the object's, for instance
+//   <spatial damping="1e-9"><site site="pad"/><site site="box"/></spatial>. Without one in the
+//   metric MuJoCo takes shortcuts that omit the rows. 1e-9 N s/m is negligible damping.
 // - a MuJoCo whose metric is known (effective_metric.h), as the rows are not part of its interface.
 //   implicit_self_test() verifies their effect on the actual model; there is no silent fallback.
 #pragma once

@@ -219,7 +219,7 @@ class Attributes {
     }
     return -1;
   }
-  // The same; `noun`: "site". Throws InputError if there is none.
+  // The same; `noun`: "site". Throws InputError if it does not exist.
   [[nodiscard]] int object(mjtObj type, const char* noun, const std::string& object_name, int count) const {
     if (const int id = find(type, object_name); id >= 0) return id;
     std::vector<std::string> known;
