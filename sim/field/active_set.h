@@ -1,4 +1,4 @@
-// The active set of a field: of many elements on a body few touch, and most are far from touching.
+// The active set of a field: few of the many elements on a body touch; most are far from it.
 #pragma once
 
 #include <cstddef>

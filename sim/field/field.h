@@ -114,7 +114,7 @@ class Field {
   [[nodiscard]] double travel(std::size_t i) const;
   // After approach() of both fields: moves element i, which touched this surface in the last step,
   // to `next`, where it is_inside(). It keeps its stretch and no more than its depth.
-  // `here_in_next`: this surface's frame in that of `next`. A pad with an elastic skin starts anew
+  // `here_in_next`: this surface's frame in that of `next`. A pad with an elastic skin restarts
   // there.
   void hand_over(std::size_t i, Field& next, const Pose& here_in_next);
 

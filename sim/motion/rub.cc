@@ -95,8 +95,8 @@ struct Point {
 };
 
 // White noise behind two equal low passes, as a Markov chain. With s the time over the time
-// constant and u = x'/a, (x, u) is normal with unit covariance P, and over s it becomes A (x,
-// u) + L w with A = e^-s [1+s, s; -s, 1-s] and L L^T = P - A A^T.
+// constant and u = x'/a, (x, u) is normal with unit covariance P, and over s it becomes
+// A (x, u) + L w with A = e^-s [1+s, s; -s, 1-s] and L L^T = P - A A^T.
 class Process {
  public:
   void begin(RandomStream& random) {

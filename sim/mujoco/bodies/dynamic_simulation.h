@@ -172,8 +172,8 @@ struct DynamicSimulationOptions {
 // sensor's sampling time. Implicit fields have no such limit.
 //
 // With `fidelity: mujoco_contact` the pads are articulated as well, but with the contact and the
-// options of the scene's key `contact`: any step is taken, other contacts are allowed, and results
-// are reported without these checks.
+// options of the scene's key `contact`: any step is taken, other contacts are allowed, and the
+// results are reported as they are.
 //
 // With `fidelity: articulated` the same scene has MuJoCo bodies, joints and contacts for the pads'
 // elements (articulated.h). Tips inside the touched surface at the start are pressed in and settled

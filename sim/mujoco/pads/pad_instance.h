@@ -69,10 +69,10 @@ namespace slipbench {
 //             axis in three more columns [ax, ay, az] if it is not -Z. In models that the program
 //             builds: a name by HandedLayouts, which includes units and element_truth
 //   units     [6, 6, ...]: number of elements of each unit of `elements`; default: one
-//   element_truth true: the pad's contact also has each element's values
+//   element_truth  true: the pad's contact also has each element's values
 //             (PadLayout::element_truth), for readers in C++; read: also two more channels of
 //             `elements`, depth [E] m and shear [3, E] m
-//   material, friction, effects, seed as in a scene
+//   material, friction, effects, seed  as in a scene
 //   trial     keys the random draws together with the seed; default 0
 //   damping   time tau of a dashpot tau*k parallel to each spring; default 1 ms (assumed)
 //   truth     true: the sensor's values are followed by the truth (pad_instance.h)
