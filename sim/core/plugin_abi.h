@@ -28,16 +28,17 @@ extern "C" {
 // differ if a binding to another language or a compiler's option (packing) lays them out otherwise.
 // The program refuses a library whose values differ from its own.
 struct slipbench_abi {
-  unsigned version;  // SLIPBENCH_SENSOR_ABI, SLIPBENCH_DETECTOR_ABI or SLIPBENCH_CONTROLLER_ABI
-  // sizeof(struct slipbench_parameter)
-  unsigned parameter_size;
-  unsigned channel_size;  // sizeof(struct slipbench_channel)
-  unsigned sensor_size;   // sizeof(struct slipbench_sensor)
-  unsigned source_size;   // sizeof(struct slipbench_source)
-  unsigned samples_size;  // sizeof(struct slipbench_samples)
+  // SLIPBENCH_SENSOR_ABI, SLIPBENCH_DETECTOR_ABI or SLIPBENCH_CONTROLLER_ABI
+  unsigned version;
+  unsigned parameter_size;  // sizeof(struct slipbench_parameter)
+  unsigned channel_size;    // sizeof(struct slipbench_channel)
+  unsigned sensor_size;     // sizeof(struct slipbench_sensor)
+  unsigned source_size;     // sizeof(struct slipbench_source)
+  unsigned samples_size;    // sizeof(struct slipbench_samples)
   // sizeof(struct slipbench_readout), (struct slipbench_detector) or (struct slipbench_controller)
   unsigned object_size;
-  unsigned input_size;  // of slipbench_contact, slipbench_detector_input or slipbench_control_input
+  // of slipbench_contact, slipbench_detector_input or slipbench_control_input
+  unsigned input_size;
   // of slipbench_element, slipbench_estimate or slipbench_grip_command
   unsigned result_size;
 };

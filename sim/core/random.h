@@ -34,8 +34,8 @@ class RandomStream {
   // Fills `draws` with the next draws of normal(). Restricted like bits().
   void normal(std::span<double> draws);
 
-  // Moves to the draw after the first `pairs` pairs of normal() or uniform() draws, counted from the
-  // start of the stream, which must draw nothing else.
+  // Moves to the draw after the first `pairs` pairs of normal() or uniform() draws, counted from
+  // the start of the stream, which must draw nothing else.
   void seek(std::uint64_t pairs);
 
  private:

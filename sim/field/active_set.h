@@ -84,8 +84,7 @@ class ActiveSet {
   std::vector<std::uint64_t> last_active_;  // [groups] last step in which the group was active
   // m, [groups] travel at which the group may touch, or awake
   std::vector<double> wakes_at_;
-  // m, upper bound of a tip's travel since the start
-  double travel_ = 0.0;
+  double travel_ = 0.0;       // m, upper bound of a tip's travel since the start
   double step_travel_ = 0.0;  // m, in the last step
   double next_wake_ = 0.0;    // m, travel at which the first sleeping group may touch
   Pose pose_;                 // of the last step

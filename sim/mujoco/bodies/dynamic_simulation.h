@@ -117,11 +117,10 @@ class WeightRule {
   WatchLimits limits_;
   double time_ = 0.0;  // s, since the window began
   std::size_t steps_ = 0;
-  // N s, sum of h (F - m a)
-  Eigen::Vector3d missing_ = Eigen::Vector3d::Zero();
-  double variation_ = 0.0;  // N, sum of the changes of the predicted force
-  // N, predicted force at the last tick
-  Eigen::Vector3d before_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d missing_ = Eigen::Vector3d::Zero();  // N s, sum of h (F - m a)
+  // N, sum of the changes of the predicted force
+  double variation_ = 0.0;
+  Eigen::Vector3d before_ = Eigen::Vector3d::Zero();  // N, predicted force at the last tick
 };
 
 class EnergyRule {

@@ -77,11 +77,10 @@ class HeldBodies {
  private:
   struct Body {
     int body, dof;
-    Matrix6d inertia;  // about its frame and along its axes, its spring's contribution included
-    // that contribution
-    Matrix6d spring = Matrix6d::Zero();
-    // its part from K
-    Matrix6d stiffness = Matrix6d::Zero();
+    // about its frame and along its axes, its spring's contribution included
+    Matrix6d inertia;
+    Matrix6d spring = Matrix6d::Zero();     // that contribution
+    Matrix6d stiffness = Matrix6d::Zero();  // its part from K
   };
   static Body free_body(const mjModel_* m, int body);
 
