@@ -47,9 +47,9 @@ inline constexpr const char* result_key = "slipbench_benchmark";
 //               transfer last; with `domain` and `disturbance` where the protocol has them
 //     rows      the best first: {rank (null for measures, and for controls under a disturbance),
 //               detector, kind, sensor, parameters, sha256, score: {value, low, high}, credit,
-//               false_alarms_per_minute, said, figures (eval::summary_json())};
-//               real recordings: with windows: {length_s, slipping, sticking, recall, specificity};
-//               disturbed: with specificity and judged; loops: with needless and grasps: {trials,
+//               false_alarms_per_minute, said, figures (eval::summary_json())},
+//               real recordings: with windows: {length_s, slipping, sticking, recall, specificity},
+//               disturbed: with specificity and judged, loops: with needless and grasps: {trials,
 //               dropped, not_lifted, low, high (interval of both together), force_ratio, slip_m}
 //     by        [{by, groups: [{name, trials, scores: [of each row]}]}] for each parameter that the scene's grid varies
 //   transfer    the reason if the track transfer is empty
@@ -64,8 +64,8 @@ Asked parse_asked(const Json& json, const std::string& file);
 
 // Returns the bytes of a submission.
 std::string submission_text(const Json& result);
-// Throws InputError if the text is not a submission of a protocol of this program (name and digest);
-// no trial is computed for this.
+// Throws InputError if the text is not a submission of a protocol of this program (name and digest).
+// No trial is computed for this.
 Json parse_submission(const std::string& text, const std::string& name);
 
 // Returns the first difference between a submission and the recomputed board, `machine` left out:
