@@ -107,9 +107,9 @@ Protocol slip_3() {
       {"papillarray", {"pad", "slow"}, {"pad", "fast"}, "", {4.1, 2.4}, {4.1, 2.35}, {"pad", "fast"}},
       {"piezo_skin", {"pad"}, {"skin"}, "", {none, 2.6}, {none, 2.55}, {"skin"}},
       {"nib_pad", {"pad"}, {"skin"}, "pull", {8.9, 6.4}, {8.9, 6.9}, {"nibs"}},
-      {"myrmex", {"left"}, {"skin"}, "apart", {none, 6.5}, {none, 6.4}, {"foam"}},
-      {"biotac_sp", {"pad"}, {"skin"}, "", {3.9, 2.45}, {3.9, 1.7}, {"finger"}},
-      {"magnetic_skin", {"pad"}, {"skin"}, "", {3.6, 2.55}, {3.5, 2.55}, {"magnets"}},
+      {"myrmex", {"left"}, {"skin"}, "apart", {none, none}, {none, 6.4}, {"foam"}},
+      {"biotac_sp", {"pad"}, {"skin"}, "", {3.9, 2.45}, {3.9, 2.4}, {"finger"}},
+      {"magnetic_skin", {"pad"}, {"skin"}, "", {none, 2.55}, {none, 2.65}, {"magnets"}},
       {"gel_markers", {"pad"}, {"skin"}, "", {3.5, 2.55}, {3.5, 2.35}, {"gel"}},
       {"taxels", {"pad"}, {"skin"}, "", {3.5, 2.35}, {3.5, 2.3}, {"taxels"}},
   };
