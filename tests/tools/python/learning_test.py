@@ -41,7 +41,7 @@ sweep:
 """
 # Values a frame of each recipe's input, with the published sensors.
 INPUTS = {
-    "piezo_mlp": 12, "piezo_mlp_128": 12, "piezo_tcn": 12, "piezo_fft_gru": 12, "piezo_raw_gru": 1, "piezo_slip": 31, "piezo_grasp": 5,
+    "piezo_mlp": 12, "piezo_mlp_128": 12, "piezo_tcn": 12, "piezo_fft_gru": 12, "piezo_raw_gru": 1, "piezo_slip": 200, "piezo_grasp": 5,
     "papillarray_gru": 640, "papillarray_gru5": 640, "grasp_gru": 54, "slip_gru": 153, "myrmex_net1": 4608, "myrmex_net2": 4608, "myrmex_net3": 4608,
     "nib_slip": 160, "biotac_cnn": 132, "biotac_gcn": 24, "biotac_lstm": 24, "biotac_convlstm": 132, "biotac_gru": 120, "biotac_slip": 1536,
     "biotac_grasp": 225}

@@ -15,7 +15,7 @@ constexpr std::array all{
     RecipeLine{"piezo_tcn", "The latest 29 spectra through four causal convolutions of 128, kernel 8"},
     RecipeLine{"piezo_fft_gru", "Spectra of 20 ms, one after the other, through four GRUs of 32"},
     RecipeLine{"piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32"},
-    RecipeLine{"piezo_slip", "Spectra of 20 ms, and what the signal stands at, through two GRUs at 100 Hz"},
+    RecipeLine{"piezo_slip", "The level of the signal, its changes and its spectrum in 20 ms, through two GRUs at 100 Hz"},
     RecipeLine{"piezo_grasp", "What the signal stands at and how it changes in 2 to 100 ms, through two GRUs at 100 Hz"},
     RecipeLine{"papillarray_gru", "Tangential forces of the eight outer pillars, 40 ms at a time, through a GRU"},
     RecipeLine{"papillarray_gru5", "Five such networks, whose probabilities are averaged in one graph"},

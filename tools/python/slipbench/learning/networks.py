@@ -45,6 +45,11 @@ def windows(frames: Tensor, length: int) -> Tensor:
     return frames.unfold(1, length, 1).transpose(2, 3)
 
 
+def signed_log(values: Tensor) -> Tensor:
+    """Sign times ln(1 + magnitude): as asinh, which ONNX files of PyTorch 1.13 do not have."""
+    return torch.sign(values) * torch.log(1 + values.abs())
+
+
 def dense(*widths: int) -> nn.Sequential:
     """Linear layers from width to width, each but the first input followed by ReLU."""
     layers: list[nn.Module] = []
@@ -70,7 +75,7 @@ class GruStack(nn.Module):
 
 
 class FrameGru(nn.Module):
-    """Linear layer, GRUs, linear layer: piezo_slip, piezo_grasp, nib_slip, grasp_gru, biotac_gru. No paper's.
+    """Linear layer, GRUs, linear layer: piezo_grasp, nib_slip, grasp_gru, biotac_gru. No paper's.
 
     | layer | output |
     |---|---|
@@ -160,6 +165,45 @@ class PiezoGru(nn.Module):
         """See the module."""
         hidden, state = self.memory(frames, state)
         return self.last(hidden), state
+
+
+class PiezoSlip(nn.Module):
+    """piezo_slip: the signal's level and changes with their signs, and its spectrum, through two GRUs. No paper's.
+
+    A level that rises or falls steadily would leak into all bins, so the straight line of a frame is removed before its spectrum.
+
+    | layer | output |
+    |---|---|
+    | frame of 20 ms | 200 |
+    | `signed_log` of four means of 5 ms, of their three differences | 4, 3 |
+    | log power of the bins from 50 Hz to 1.5 kHz | 30 |
+    | batch norm | 37 |
+    | linear, ReLU | 48 |
+    | GRU, twice | 48 |
+    | linear | 2 |
+    """
+
+    def __init__(self, inputs: int, classes: int, bins: int = 30, parts: int = 4) -> None:
+        super().__init__()
+        self.parts = parts
+        time = torch.arange(inputs, dtype=torch.float64)
+        line = torch.stack((torch.ones_like(time), time - time.mean()))
+        line = line / line.norm(dim=1, keepdim=True)
+        angle = 2 * torch.pi * time[:, None] * torch.arange(1, bins + 1, dtype=torch.float64) / inputs
+        waves = torch.cat((angle.cos(), angle.sin()), 1) * (2 / inputs) ** 0.5
+        self.register_buffer("waves", (waves - line.t() @ (line @ waves)).float())
+        self.norm = nn.BatchNorm1d(2 * parts - 1 + bins)
+        self.rest = FrameGru(2 * parts - 1 + bins, classes, layers=2)
+
+    def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        """See the module."""
+        levels = frames.reshape(*frames.shape[:2], self.parts, -1).mean(3)
+        changes = levels[:, :, 1:] - levels[:, :, :-1]
+        cosine, sine = torch.matmul(frames, self.get_buffer("waves")).chunk(2, 2)
+        features = torch.cat((signed_log(100 * levels), signed_log(100 * changes), torch.log(cosine**2 + sine**2 + 1e-6)), 2)
+        features = self.norm(features.flatten(0, 1)).reshape(features.shape)
+        after: tuple[Tensor, tuple[Tensor, ...]] = self.rest(features, state)
+        return after
 
 
 class PapillarrayGru(nn.Module):

@@ -85,8 +85,8 @@ def _piezo() -> list[Recipe]:
         recipe("piezo_tcn", "The latest 29 spectra through four causal convolutions of 128, kernel 8", "TCN 128, kernel 8", networks.PiezoTcn, 800, 16, 1e-3),
         recipe("piezo_fft_gru", "Spectra of 20 ms, one after the other, through four GRUs of 32", "FFT GRU 32", networks.PiezoGru, 300, 64, 4e-3),
         recipe("piezo_raw_gru", "The signal at 100 Hz through four GRUs of 32", "raw GRU 32", networks.PiezoGru, 300, 64, 4e-3, signal),
-        _slip("piezo_slip", "Spectra of 20 ms, and what the signal stands at, through two GRUs at 100 Hz",
-              frames=replace(spectra, centre=False, low=0.0, high=1500.0), network=partial(networks.FrameGru, layers=2), members=3),
+        _slip("piezo_slip", "The level of the signal, its changes and its spectrum in 20 ms, through two GRUs at 100 Hz",
+              frames=replace(signal, window=200), network=networks.PiezoSlip, scaling="common"),
         _slip("piezo_grasp", "What the signal stands at and how it changes in 2 to 100 ms, through two GRUs at 100 Hz",
               frames=replace(signal, window=100, transform="levels", spans=(20, 100, 300, 1000), floor=3.0), network=partial(networks.FrameGru, layers=2)),
     ]
