@@ -37,12 +37,13 @@ constexpr std::array<const char*, 2> of_a_file{"network", "plugin"};
 struct ShippedNetwork {
   const char *name, *path, *sensor, *threshold;
 };
-constexpr std::array<ShippedNetwork, 7> shipped_networks{
+constexpr std::array<ShippedNetwork, 8> shipped_networks{
     {{"papillarray_slip", "scenes/learn/papillarray_slip.onnx", "papillarray", ""},
      {"papillarray_slip, loops", "scenes/learn/papillarray_slip.onnx", "papillarray", "0.97"},
      {"piezo_slip", "scenes/learn/piezo_slip.onnx", "piezo_skin", ""},
      {"piezo_grasp", "scenes/learn/piezo_grasp.onnx", "piezo_skin", ""},
      {"nib_slip", "scenes/learn/nib_slip.onnx", "nib_pad", ""},
+     {"nib_grasp", "scenes/learn/nib_grasp.onnx", "nib_pad", ""},
      {"biotac_slip", "scenes/learn/biotac_slip.onnx", "biotac_sp", ""},
      {"biotac_grasp", "scenes/learn/biotac_grasp.onnx", "biotac_sp", ""}}};
 constexpr const char* no_engine = "OpenVINO, which runs a network, is missing: see slipbench doctor";
