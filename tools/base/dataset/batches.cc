@@ -27,7 +27,8 @@ namespace {
       path, name, difference);
 }
 
-// How the run that wrote `name` differs from this one; empty: not at all. Damage counts as no difference.
+// Returns how the run that wrote `name` differs from this one; empty if it does not. A damaged file
+// counts as equal.
 std::string difference_of(const std::string& name, const DatasetHeader& header) {
   try {
     check_readable(FileKind::dataset_file, name);
@@ -40,7 +41,7 @@ std::string difference_of(const std::string& name, const DatasetHeader& header) 
   }
 }
 
-// Whether a batch holds what was written. Throws InputError where that cannot be told.
+// True if a batch is undamaged. Throws InputError if the check itself fails.
 bool is_whole(const std::string& name) {
   if (::access(name.c_str(), R_OK) != 0) reject("cannot resume: cannot read {}: {}", name, std::strerror(errno));
   try {
@@ -53,7 +54,7 @@ bool is_whole(const std::string& name) {
   }
 }
 
-// Leaves a damaged batch to the user. Returns its new name.
+// Renames a damaged batch, for the user to inspect. Returns its new name.
 std::string set_aside(const std::string& name) {
   std::string damaged = name + ".damaged";
   rename_file(name, damaged);
@@ -109,7 +110,7 @@ void SweepWriter::append(const EncodedTrial& trial) {
   try {
     batch_->append(trial);
   } catch (...) {
-    batch_.reset();  // the file is gone, and takes nothing more
+    batch_.reset();  // the file was removed and accepts no further trial
     throw;
   }
 }

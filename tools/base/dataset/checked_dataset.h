@@ -1,4 +1,5 @@
-// Datasets of others, read after slipbench-reader has read them through (sim/core/process/check_readable.h).
+// Opens untrusted datasets, after slipbench-reader has read them in a process of its own
+// (sim/core/process/check_readable.h).
 #pragma once
 
 #include <functional>
@@ -8,16 +9,18 @@
 
 namespace slipbench {
 
-// A dataset whose roots and list of trials can be read; its trials may be damaged. Throws InputError as check_readable() and DatasetReader do.
+// Opens a dataset whose root attributes and list of trials are readable; its trials may be damaged.
+// Throws InputError as check_readable() and DatasetReader do.
 DatasetReader dataset_header_at(const std::string& path);
 
-// A dataset that can be read as a whole and holds what was written. Throws InputError likewise.
+// Opens a dataset that is readable as a whole and matches its digests. Throws InputError likewise.
 DatasetReader checked_dataset(const std::string& path);
 
-// Likewise one that holds a trial, and whose run came to its end. Throws InputError for another.
+// As checked_dataset(), and throws InputError if its run did not finish or it holds no trial.
 DatasetReader whole_dataset(const std::string& path);
 
-// Hands each trial to `use`. Throws InputError where a trial has its outcome alone.
+// Passes each trial to `use`, in ascending order. Throws InputError for a trial whose outcome alone
+// was recorded.
 void for_each_trial(const DatasetReader& reader, const std::function<void(const TrialRecord& record)>& use);
 
 }  // namespace slipbench

@@ -1,4 +1,4 @@
-// Whether a dataset still holds what was written.
+// Checks a dataset against the digests that were written with it.
 #pragma once
 
 #include <cstddef>
@@ -10,18 +10,20 @@
 
 namespace slipbench {
 
-// Compares what the trials hold with their own digests, and their files with content_sha256. A file of schema 1 has its arrays
-// checked only, which one line on stderr says; that of a killed run, which has no content_sha256, its trials.
+// Compares the trials with their own digests, and their files with content_sha256. In a file of
+// schema 1 only the arrays are checked, which one line on stderr states; in a file of a killed run,
+// which has no content_sha256, only the trials.
 class ContentCheck {
  public:
   // `reader` must outlive the check.
   explicit ContentCheck(const DatasetReader& reader) : reader_(&reader), digests_(reader.files().size()) {}
 
-  // Reads the next trial; they come in ascending order. Throws InputError when it does not hold what was written.
+  // Reads the next trial, in ascending order. Throws InputError if its content does not match its
+  // digest.
   void add(std::size_t trial);
-  // Call after the last trial of a file. Throws InputError when the rest of it does not hold what was written.
+  // Call after the last trial of a file. Throws InputError if the file does not match its digest.
   void finish(std::size_t file) const;
-  // The same for all files.
+  // As above, for all files.
   void finish() const;
 
  private:
@@ -29,11 +31,12 @@ class ContentCheck {
   std::vector<std::vector<std::pair<std::size_t, Digest>>> digests_;  // by file
 };
 
-// Reads all trials for that.
+// Checks all trials and files of a dataset by ContentCheck.
 void check_content(const DatasetReader& reader);
 
-// What tells a trial from others in whatever file it stands, 64 hexadecimal digits: its attribute `sha256`, or in a file of schema 1,
-// which has none, the digest of its arrays.
+// Identity of a trial, independent of the file that holds it, as 64 hexadecimal digits: its
+// attribute `sha256`, or in a file of schema 1, which has no such attribute, the digest of its
+// arrays.
 [[nodiscard]] std::string trial_identity(const DatasetReader& reader, std::size_t trial);
 
 }  // namespace slipbench

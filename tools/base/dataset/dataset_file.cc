@@ -29,7 +29,7 @@ std::string demo_name(std::size_t trial) { return fmt::format("demo_{}", trial);
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) { reject("cannot write {}: {}", path, reason); }
 
-// Little-endian type in the file for values that lie in memory as they are stored.
+// Little-endian type in the file for values that have the same layout in memory.
 hid_t file_type(ElementType type) {
   switch (type) {
     case ElementType::f64: return H5T_IEEE_F64LE;
@@ -44,7 +44,8 @@ void write_attribute(hid_t object, const std::string& name, const EncodedAttribu
   write_attribute(object, name, matrix.values, matrix.shape);
 }
 
-// Groups keep their few members and attributes in the object header, which is small and quick; no time stamps.
+// Groups keep their few members and attributes in the object header, which is small and fast. Time
+// stamps are off.
 Handle group_properties(hid_t kind) {
   Handle properties = hdf5::untimed(kind);
   check(H5Pset_link_phase_change(properties.get(), 32, 28));
@@ -57,7 +58,8 @@ Handle create_group(hid_t parent, const std::string& path) {
   return {H5Gcreate2(parent, path.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose};
 }
 
-// All groups that the arrays and attributes of a demo lie in, parents before children, without the demo itself.
+// All groups that contain the arrays and attributes of a demo, parents before children, without the
+// demo itself.
 std::set<std::string> groups_of(const EncodedTrial& trial) {
   std::set<std::string> groups;
   const auto add_parents = [&](const std::string& path) {
@@ -73,7 +75,7 @@ std::set<std::string> groups_of(const EncodedTrial& trial) {
 
 enum class Storage : std::uint8_t { whole, deflated, shuffled };
 
-// Of an array, but for the extents of its chunks.
+// Creation properties of an array, except the extents of its chunks.
 Handle array_properties(Storage storage) {
   Handle properties = hdf5::untimed(H5P_DATASET_CREATE);
   check(H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER));
@@ -106,10 +108,10 @@ void write_array(hid_t demo, const EncodedArray& array) {
   dataset.close();
 }
 
-// Names of the trials that are both in `part` and in `held`, as robomimic writes them: fixed-length strings.
+// Writes the names of the trials in both `part` and `held` as robomimic does: fixed-length strings.
 void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& part, const std::vector<std::size_t>& held) {
   std::vector<std::size_t> members;
-  if (!held.empty()) {  // `part` is that of the whole dataset, which may be hundreds of files
+  if (!held.empty()) {  // `part` covers the whole dataset, which may be hundreds of files
     std::set_intersection(std::ranges::lower_bound(part, held.front()), std::ranges::upper_bound(part, held.back()), held.begin(),
                           held.end(), std::back_inserter(members));
   }
@@ -118,7 +120,7 @@ void write_mask(hid_t group, const char* name, const std::vector<std::size_t>& p
   hdf5::write_texts(group, name, names);
 }
 
-// What the trials are split by, in ascending order of their numbers.
+// Writes the group by which each trial is split, in ascending order of trial number.
 void write_groups(hid_t file, const char* name, const std::vector<StoredTrial>& trials) {
   std::vector<std::string> groups;
   for (const StoredTrial& trial : trials) groups.push_back(trial.group);
@@ -139,7 +141,7 @@ void write_demo(hid_t list, const EncodedTrial& trial) {
   Handle demo = create_group(list, demo_name(trial.trial));
   for (const std::string& group : groups_of(trial)) create_group(demo.get(), group).close();
   for (const EncodedArray& array : trial.arrays) write_array(demo.get(), array);
-  // Attributes of one group stand together.
+  // `attributes` is sorted by group: each group is opened once.
   Handle group;
   const std::string* of = nullptr;
   for (const EncodedAttribute& attribute : trial.attributes) {
@@ -153,8 +155,9 @@ void write_demo(hid_t list, const EncodedTrial& trial) {
   demo.close();
 }
 
-// File format 1.8: every HDF5 of the last fifteen years reads it. HDF5's own lock would refuse a reader of a file that is not renamed
-// yet, and is not needed: the run has locked its folder.
+// Writes file format 1.8, which every HDF5 of the last fifteen years reads. HDF5's file lock is
+// off: it would refuse readers of a file that is not renamed yet, and the run has locked its
+// folder.
 Handle file_access() {
   Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
@@ -200,7 +203,7 @@ DatasetFile::~DatasetFile() {
   if (!finished_) remove();
 }
 
-// The space is returned now: HDF5 may have the file open for as long as the process runs.
+// Frees the disk space now: HDF5 may keep the file open until the process ends.
 void DatasetFile::remove() {
   std::error_code ignored;
   std::filesystem::resize_file(path_, 0, ignored);
@@ -212,7 +215,7 @@ void DatasetFile::write(const Action& action) {
   try {
     action();
   } catch (const std::runtime_error& error) {
-    list_.abandon();  // closing would write again what could not be written
+    list_.abandon();  // closing would repeat the writes that failed
     file_.abandon();
     remove();
     fail(path_, error.what());
@@ -272,7 +275,7 @@ void DatasetFile::close() {
 }
 
 std::uint64_t file_bytes(const EncodedTrial& trial) {
-  std::uint64_t bytes = 16384;  // groups, and the free rest of a metadata block
+  std::uint64_t bytes = 16384;  // groups, and the unused end of a metadata block
   for (const EncodedArray& array : trial.arrays) {
     bytes += 4096 + 64 * array.chunks.size();
     for (const auto& chunk : array.chunks) bytes += chunk.size();

@@ -1,4 +1,4 @@
-// One file of a dataset while it is written.
+// Writes one file of a dataset.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,11 @@
 
 namespace slipbench {
 
-// Writes one HDF5 file. All functions throw InputError "cannot write PATH: reason of the system"; the file is then removed and nothing
-// but the destructor may be called.
+// Writes one HDF5 file. All functions throw InputError "cannot write PATH: reason of the system";
+// the file is then removed, and only the destructor may be called.
 class DatasetFile {
  public:
-  // Makes the file anew. `index`: its number in the dataset.
+  // Creates the file. `index`: its number in the dataset.
   DatasetFile(std::string path, const DatasetHeader& header, std::size_t index);
   // Removes a file that was not finished.
   ~DatasetFile();
@@ -30,19 +30,20 @@ class DatasetFile {
 
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] const std::vector<StoredTrial>& trials() const { return trials_; }
-  // Upper bound of what the trials take in the file [bytes]. It depends on nothing but them, so that the undivided sweep and its merged
-  // shards are cut into the same files.
+  // Upper bound of the space of the trials in the file [bytes]. It depends on the trials alone, so
+  // that the undivided sweep and its merged shards are split into the same files.
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
-  // Closes a file that gets no further trial, so that it takes no memory until finish().
+  // Closes the file until finish() to free its memory. No trial may follow.
   void pause();
-  // Ends a batch: adds the trials' groups and the digest, closes and syncs.
+  // Finishes a batch: adds the trials' groups and the digest, closes and syncs.
   void finish_batch();
-  // Ends a file of a dataset: adds masks, what has failed and the digest, closes and syncs. `files`: of the whole dataset.
+  // Finishes a file of a dataset: adds masks, failed trials and the digest, closes and syncs.
+  // `files`: number of files of the whole dataset.
   void finish(const Masks& masks, const std::vector<FailedTrial>& failed, std::size_t files);
 
  private:
-  // Runs `action`; what it throws is a failure of this file.
+  // Runs `action` and reports its exception as a failure of this file.
   template <class Action>
   void write(const Action& action);
   void write_digest();
@@ -50,22 +51,23 @@ class DatasetFile {
   void remove();
 
   std::string path_;
-  Descriptor descriptor_;  // for syncing: opened before anything is written, it reports every failure
+  Descriptor descriptor_;  // for syncing; opened before the first write, so it reports every failure
   hdf5::Handle file_;
   hdf5::Handle list_;  // the group of the trials
   bool finished_ = false;
-  bool of_sweep_shard_;  // its masks are not final: what they are made from is kept beside them
+  bool of_sweep_shard_;  // stores the groups and the split rule: a shard's masks are not final
   std::optional<SplitRule> split_;
   std::vector<StoredTrial> trials_;
   std::uint64_t bytes_ = 0;
 };
 
-// Attribute of /mask of a sweep's shard: the shares that the scene's split gives.
+// Attribute of /mask in a shard of a sweep: the shares of the scene's split.
 inline constexpr const char* split_shares_name = "shares";
 
-// Upper bound of what a trial takes in a file [bytes].
+// Upper bound of the space of a trial in a file [bytes].
 std::uint64_t file_bytes(const EncodedTrial& trial);
-// The same of masks and attributes that a file of so many trials gets when it is finished, without the groups of a sweep's shard.
+// Upper bound [bytes] of the masks and attributes that finish() adds to a file of `trials` trials,
+// without the groups in a shard of a sweep.
 std::uint64_t closing_bytes(std::size_t trials);
 
 }  // namespace slipbench

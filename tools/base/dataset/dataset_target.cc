@@ -17,19 +17,19 @@
 namespace slipbench {
 namespace {
 
-// What stands under a name.
+// What exists under a name.
 struct Found {
   enum class Kind {
     nothing,
-    empty,  // holds nothing to lose: no byte, or zeros, as a power failure may leave
+    empty,  // nothing to lose: no bytes, or zeros, as a power failure may leave
     dataset,
-    damaged,  // HDF5 that cannot be read
+    damaged,  // unreadable HDF5
     other,
   };
   Kind kind = Kind::nothing;
   std::uint64_t shard = 0;
-  std::uint64_t shards = 0;  // 0: not noted
-  std::string dataset{};     // the same for all files of one
+  std::uint64_t shards = 0;  // 0: not recorded
+  std::string dataset{};     // the same for all files of one dataset
 };
 
 using Beginning = std::array<char, 8>;
@@ -50,7 +50,7 @@ Found found_dataset(const std::string& path) {
           fmt::format("{}\n{}\n{}", header.seed, header.command, header.scene)};
 }
 
-// A link is not followed.
+// Does not follow links.
 std::filesystem::file_type type_of(const std::string& path) {
   std::error_code error;
   return std::filesystem::symlink_status(path, error).type();
@@ -87,7 +87,7 @@ void check_dataset_target(const std::string& path, std::size_t k) {
   const auto refuse = [&](const std::string& what) {
     reject("cannot write {}: {} exists and is {}; allowed: a new name, or a dataset to replace", path, subject, what);
   };
-  // The user has named the first file, and so may give up one that cannot be read.
+  // The user named the first file, so it may be replaced even if it cannot be read.
   const bool damaged = found.kind == Found::Kind::damaged;
   if (found.kind == Found::Kind::other || (damaged && k > 0)) refuse("no dataset");
   if (!damaged && found.shard != k) refuse(fmt::format("file {} of another dataset", found.shard));

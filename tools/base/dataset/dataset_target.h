@@ -1,4 +1,5 @@
-// Which files a run may replace or remove: those of a dataset under the names that it was given, and no others.
+// Decides which files a run may replace or remove: only files of a dataset under the names that the
+// run was given.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +8,13 @@
 
 namespace slipbench {
 
-// Throws InputError when the k-th file of the dataset `path` may not be put there. What it may replace: an empty file, a dataset's k-th
-// file, and as the first, which the user has named, HDF5 that cannot be read.
+// Throws InputError if the k-th file of the dataset `path` may not be written there. It may replace
+// an empty file or the k-th file of a dataset; the first file, which the user named, may also
+// replace unreadable HDF5.
 void check_dataset_target(const std::string& path, std::size_t k = 0);
 
-// Names of the files of the finished dataset at `path` from the `first`-th on, as far as they are there and belong to it.
+// Names of the existing files of the finished dataset at `path` from the `first`-th on that belong
+// to it.
 std::vector<std::string> later_files(const std::string& path, std::size_t first);
 
 }  // namespace slipbench

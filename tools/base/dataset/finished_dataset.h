@@ -1,4 +1,4 @@
-// A dataset whose run came to its end.
+// Finds a dataset whose run finished.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ struct FinishedDataset {
   std::vector<std::string> files;
 };
 
-// The dataset at `path`, where it says `header` of itself. Empty where there is none, where its run did not come to its end, and
-// where it is damaged. Throws NotChecked (check_readable.h).
+// Returns the dataset at `path` if its header equals `header`. Empty if there is no dataset, its
+// run did not finish, or it is damaged. Throws NotChecked (check_readable.h).
 std::optional<FinishedDataset> finished_dataset(const std::string& path, const DatasetHeader& header);
 
 }  // namespace slipbench

@@ -20,10 +20,10 @@ namespace {
 
 constexpr std::array<double, 3> usual_shares{0.70, 0.15, 0.15};
 
-// `share` of `count` groups, rounded to the nearest, at least one where there is a share.
+// `share` of `count` groups, rounded to the nearest; at least one if the share is above 0.
 std::size_t part_of(std::size_t count, double share) {
   if (share == 0.0) return 0;
-  constexpr double rounding = 1e-9;  // a half is a half, whatever 0.15 is as a double
+  constexpr double rounding = 1e-9;  // halves round up although 0.15 is inexact as a double
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::floor(share * static_cast<double>(count) + 0.5 + rounding)));
 }
 
@@ -38,7 +38,7 @@ std::string rule_text(const std::optional<SplitRule>& rule, bool one_material) {
   return fmt::format("{} {}s, shuffled by the seed, {}; no {} is in two parts", shares, rule->by, rule->said_by, rule->by);
 }
 
-// The first line in which two texts differ.
+// Returns the first line in which two texts differ.
 std::string line_difference(const std::string& left, const std::string& now, const std::string& other) {
   std::istringstream left_lines(left);
   std::istringstream now_lines(now);
@@ -55,7 +55,7 @@ std::string line_difference(const std::string& left, const std::string& now, con
   }
 }
 
-// The first file that two runs have named and found different, as a clause.
+// Returns, as a clause, the first file that only one run names or whose digest differs.
 std::string file_difference(const std::map<std::string, std::string>& left, const std::map<std::string, std::string>& now,
                             const std::string& other) {
   for (const auto& [path, digest] : left) {
@@ -180,7 +180,7 @@ Masks split_trials(const std::vector<std::pair<std::size_t, std::string>>& trial
   RandomStream random(seed, 0, "mask");
   shuffle(groups, random);
   const std::array<double, 3>& shares = rule ? rule->shares : usual_shares;
-  const std::size_t spare = groups.empty() ? 0 : groups.size() - 1;  // one is left for training
+  const std::size_t spare = groups.empty() ? 0 : groups.size() - 1;  // one stays for training
   const std::size_t test = std::min(spare, part_of(groups.size(), shares[2]));
   const std::size_t valid = std::min(spare - test, part_of(groups.size(), shares[1]));
   for (std::size_t i = 0; i < groups.size(); ++i) {

@@ -28,7 +28,7 @@ hid_t memory_type(std::uint64_t) { return H5T_NATIVE_UINT64; }
 hid_t memory_type(std::uint32_t) { return H5T_NATIVE_UINT32; }
 hid_t memory_type(std::uint8_t) { return H5T_NATIVE_UINT8; }
 
-// What HDF5 finds wrong is damage.
+// Calls `read`; an error that HDF5 finds is reported as damage of the file.
 template <class Read>
 auto read_safely(const std::string& path, const Read& read) {
   hdf5::initialise();
@@ -60,7 +60,7 @@ Array<T> read_array(const Place& place) {
   return read_array<T>(place, open_object(place));
 }
 
-// An array of the extents that the trial prescribes, `object`.
+// Reads an array that must have `rows` rows of extents `tail`.
 template <class T>
 std::vector<T> read_column(const Place& place, const Handle& object, std::size_t rows, const Extents& tail) {
   Array<T> array = read_array<T>(place, object);
@@ -135,7 +135,7 @@ FileAbout read_about(const Place& place) {
   return about;
 }
 
-// Whether a group or array stands there, and those that it lies in.
+// True if a group or array exists at `place`, with all of its parent groups.
 bool exists(const Place& place) {
   for (std::size_t end = 0; end != std::string::npos;) {
     end = place.object.find('/', end + 1);
@@ -153,7 +153,7 @@ StateCounts count_states(const Place& place, const std::vector<std::uint8_t>& st
   return counts;
 }
 
-// Counts, where they are not to be had from the recording.
+// Reads the counts of a demo without recording.
 Confusion read_confusion(const Place& place, const Handle& group) {
   const Array<std::uint64_t> counts = read_numbers<std::uint64_t>(place, group, "confusion");
   Confusion confusion{};
@@ -162,19 +162,20 @@ Confusion read_confusion(const Place& place, const Handle& group) {
   return confusion;
 }
 
-// Channel extents as a sensor's array has them: the axes after the first.
+// Extents of a channel: the axes of a sensor's array after the first.
 Extents tail_of(const std::vector<std::size_t>& shape) {
   return shape.empty() ? Extents{} : Extents(shape.begin() + 1, shape.end());
 }
 
-// The outcome of a version before `detection`: slip to be judged by is what has a delay or, without one, any in the samples.
+// Settles the outcome of a version before `detection`: the trial has slip if it has a delay or,
+// without a delay, any slip in the samples.
 void settle_old_detection(TrialOutcome& outcome, const Confusion& confusion) {
   outcome.judged_slip_time = outcome.detection_time - outcome.detection_delay;
   const bool in_samples = samples_in(confusion, PadState::incipient) + samples_in(confusion, PadState::gross) > 0;
   settle_detection(outcome, in_samples || !std::isnan(outcome.judged_slip_time));
 }
 
-// A record with what the demo says of itself.
+// Returns a record with the demo's own attributes.
 TrialRecord record_of(const Place& place, std::size_t trial, DemoInfo demo) {
   TrialRecord record;
   record.trial = trial;
@@ -193,7 +194,7 @@ TrialRecord record_of(const Place& place, std::size_t trial, DemoInfo demo) {
 struct DatasetReader::State {
   DatasetHeader header;
   std::vector<std::string> files;
-  static constexpr std::size_t most_open = 64;  // a killed sweep has left thousands
+  static constexpr std::size_t most_open = 64;  // a killed sweep may leave thousands of files
   mutable std::map<std::size_t, Handle> open;   // by index into files
   std::vector<std::string> digests;
   std::vector<std::uint64_t> schemas;
@@ -202,7 +203,7 @@ struct DatasetReader::State {
   std::vector<std::size_t> trials;
   std::map<std::size_t, std::size_t> file_of;  // trial -> index into files
 
-  // Opens the file where it is not open. What another file has given of handles may be closed then.
+  // Opens the file if it is closed. Handles of other files may be closed by this call.
   [[nodiscard]] hid_t handle(std::size_t file) const {
     if (const auto found = open.find(file); found != open.end()) return found->second.get();
     if (open.size() == most_open) open.clear();
@@ -224,7 +225,8 @@ struct DatasetReader::State {
     return {handle(file), files[file], demo_path(trial)};
   }
 
-  // Reads one file's header; returns the number of files of the dataset, which a killed run has not noted.
+  // Reads one file's header; returns the number of files of the dataset, which a killed run did not
+  // record.
   std::size_t add_file(const std::string& path, bool alone = false) {
     const std::size_t index = files.size();
     if (index > 0 && !std::filesystem::exists(path))
@@ -250,13 +252,13 @@ struct DatasetReader::State {
     const Handle root = open_object(place);
     const bool has_digest = about.shards || H5Aexists(root.get(), file_sha256_name) > 0;
     digests.push_back(has_digest ? hdf5::text_of(place, root, file_sha256_name) : "");
-    // Batches do not know how many there are.
+    // Batches do not record their number.
     if (!about.shards) return index + (std::filesystem::exists(shard_path(files.front(), index + 1)) ? 2 : 1);
     complete = about.complete && (index == 0 || complete);
     return *about.shards;
   }
 
-  // The labels of an imported recording.
+  // Reads the labels of an imported recording.
   [[nodiscard]] static LabelRecord read_rule(const Place& place, std::size_t rows) {
     LabelRecord labels;
     labels.truth = false;
@@ -291,8 +293,8 @@ struct DatasetReader::State {
     return labels;
   }
 
-  // The control loop of a demo, empty where it has none. `sensors`: those of the demo. `grasp`: it is one, so the gripper has
-  // columns, and a guided arm one.
+  // Reads the control loop of a demo; empty if it has none. `sensors`: those of the demo. `grasp`:
+  // set for a grasp, which has the gripper's columns and, with a guided arm, the arm's.
   [[nodiscard]] static std::optional<ControlRecord> read_control(const Place& demo, const std::vector<SensorRecord>& sensors,
                                                                  const std::optional<GraspOutcome>& grasp) {
     const Place place = demo.below(control_group);
@@ -302,7 +304,7 @@ struct DatasetReader::State {
     const Handle group = open_object(place);
     ControlRecord control;
     control.detector = hdf5::text_of(place, group, "detector");
-    // A dataset of a version without controllers has none of theirs.
+    // Datasets of versions without controllers lack the attribute.
     if (H5Aexists(group.get(), "controller") > 0) control.controller = hdf5::text_of(place, group, "controller");
     control.sensor = hdf5::text_of(place, group, "sensor");
     control.rate = read_number<double>(place, group, "rate_hz");
@@ -468,7 +470,7 @@ Digest DatasetReader::stored_digest(std::size_t trial, const TrialRecord* read) 
   const Place demo = state_->demo(trial);
   if (schema(file_of(trial)) == 1) return stored_arrays_digest(demo);
   std::map<std::string, ArrayView> arrays;
-  std::map<const std::uint8_t*, std::size_t> shared;  // columns that the record has once and the file several times
+  std::map<const std::uint8_t*, std::size_t> shared;  // columns that the record stores once and the file several times
   for (const ArrayView& view : read == nullptr ? std::vector<ArrayView>() : arrays_of(*read)) {
     ++shared[view.bytes];
     arrays.emplace(view.path, view);

@@ -1,4 +1,4 @@
-// Reading datasets.
+// Reads datasets.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace slipbench {
 
-// What a demo says of itself, cheap to read.
+// Attributes of a demo, cheap to read.
 struct DemoInfo {
   std::size_t num_samples = 0;
   std::uint64_t seed = 0;
@@ -24,29 +24,30 @@ struct DemoInfo {
   std::string outcome;  // JSON object, see TrialOutcome
 };
 
-// What the root of one file says, whatever the other files of its dataset.
+// Root attributes of one file, independent of the other files of its dataset.
 struct FileAbout {
   DatasetHeader header;
   std::uint64_t schema = 0;             // version of the format
-  std::uint64_t shard = 0;              // which file of its dataset it is
-  std::optional<std::uint64_t> shards;  // of how many; empty where the run was killed
-  std::uint64_t trials = 0;             // that it holds
-  bool complete = false;                // whether the run came to its end
+  std::uint64_t shard = 0;              // index of the file in its dataset
+  std::optional<std::uint64_t> shards;  // number of files; empty if the run was killed
+  std::uint64_t trials = 0;             // number of trials in the file
+  bool complete = false;                // true if the run finished
   std::vector<FailedTrial> failed;
 };
 
-// Empty when the file is HDF5 and no dataset. Throws InputError when it cannot be read, also when it is an HDF5 file that holds
-// nothing at all, as a killed run may leave it.
+// Returns the root attributes of a file; empty if it is HDF5 but not a dataset. Throws InputError
+// if it cannot be read, or is an HDF5 file without any content, as a killed run may leave it.
 std::optional<FileAbout> file_about(const std::string& path);
 
-// A dataset of one or several shards, opened by the name of the first. A file that a killed or interrupted run left behind opens
-// as well: complete() says which. All functions throw InputError when the file is not what it should be, naming file and place.
-// HDF5 itself may crash on damaged bytes: a program opens files that are not its own by checked_dataset.h.
-// The HDF5 library is not thread-safe: use all readers and writers of a process from one thread.
+// A dataset of one or several shards, opened by the name of the first. Files that a killed or
+// interrupted run left behind open too; complete() is false for them. All functions throw
+// InputError, naming file and object, if the file is invalid. HDF5 itself may crash on damaged
+// bytes: open untrusted files through checked_dataset.h. The HDF5 library is not thread-safe: use
+// all readers and writers of a process from one thread.
 class DatasetReader {
  public:
   explicit DatasetReader(const std::string& path);
-  // One file alone, whichever it is of its dataset.
+  // Opens one file alone, whatever its index in its dataset.
   static DatasetReader of_file(const std::string& path);
   ~DatasetReader();
   DatasetReader(DatasetReader&&) noexcept;
@@ -55,57 +56,58 @@ class DatasetReader {
   [[nodiscard]] const DatasetHeader& header() const;
   // Names of the shards in order.
   [[nodiscard]] std::vector<std::string> files() const;
-  // The digest of each shard in order (README.md says over what); empty strings where the run was killed.
+  // Digest of each shard in order (README.md defines it); empty strings if the run was killed.
   [[nodiscard]] const std::vector<std::string>& content_sha256() const;
   // Version of the format of one shard.
   [[nodiscard]] std::uint64_t schema(std::size_t file) const;
-  // Whether the run that wrote it came to its end.
+  // True if the run that wrote the dataset finished.
   [[nodiscard]] bool complete() const;
 
   // The k of every demo_<k>, ascending.
   [[nodiscard]] const std::vector<std::size_t>& trials() const;
-  // The trials that failed, ascending: the dataset does not hold them.
+  // The trials that failed, ascending; the dataset does not contain them.
   [[nodiscard]] const std::vector<FailedTrial>& failed() const;
-  // Index into files() of the one that holds a trial.
+  // Index into files() of the file that holds a trial.
   [[nodiscard]] std::size_t file_of(std::size_t trial) const;
-  // Trials of a split: "train", "valid" or "test". Empty where the file has no masks (a killed run).
+  // Trials of a split: "train", "valid" or "test". Empty if the file has no masks (a killed run).
   [[nodiscard]] std::vector<std::size_t> mask(const std::string& split) const;
-  // The part of each trial of a dataset with masks: "train", "valid", "test", or "none" for a trial
-  // that no mask names. Empty where the file has no masks.
+  // Split of each trial of a dataset with masks: "train", "valid", "test", or "none" for a trial in
+  // no mask. Empty if the file has no masks.
   [[nodiscard]] std::map<std::size_t, std::string> split() const;
 
   [[nodiscard]] DemoInfo info(std::size_t trial) const;
-  // Both are empty where only the outcome was recorded.
+  // Both are empty if only the outcome was recorded.
   [[nodiscard]] std::vector<std::string> sensors(std::size_t trial) const;
   [[nodiscard]] std::vector<std::string> bodies(std::size_t trial) const;
-  // Throws InputError where only the outcome was recorded.
+  // Throws InputError if only the outcome was recorded.
   void check_recorded(std::size_t trial) const;
-  // Throws InputError where the recordings are imported: "FILE: WHAT needs the truth, which it does not hold (none: imported from
-  // bts3v2); allowed: ALLOWED".
+  // Throws InputError if the recordings are imported: "FILE: WHAT needs the truth, which it does
+  // not hold (none: imported from bts3v2); allowed: ALLOWED".
   void check_truth(const std::string& what, const std::string& allowed = "a dataset that slipbench has simulated") const;
 
-  // Everything of one trial. `material` is not stored a trial and stays empty. A file of a version before outcomes had
-  // `detection` gets one by today's rule (settle_detection).
+  // Reads a whole trial. `material` stays empty: it is not stored per trial. An outcome of a
+  // version without `detection` gets one by the current rule (settle_detection).
   [[nodiscard]] TrialRecord read_trial(std::size_t trial) const;
-  // What a sensor is: "papillarray".
+  // Type of a sensor: "papillarray".
   [[nodiscard]] std::string sensor_type(std::size_t trial, const std::string& sensor) const;
-  // One sensor's samples and labels.
+  // Reads one sensor's samples and labels.
   [[nodiscard]] SensorRecord read_sensor(std::size_t trial, const std::string& sensor) const;
 
-  // The digest of what the file holds of a trial, as README.md says for the schema of its file. `read`: its read_trial(), whose arrays are not read
-  // again; null: none.
+  // Digest of the stored content of a trial, as README.md defines it for the schema of its file.
+  // `read`: result of read_trial() for it, whose arrays are not read again; may be null.
   [[nodiscard]] Digest stored_digest(std::size_t trial, const TrialRecord* read = nullptr) const;
-  // What its attribute `sha256` says, 64 hexadecimal digits; empty in a file of schema 1, which has none.
+  // The trial's attribute `sha256`, 64 hexadecimal digits; empty in a file of schema 1, which lacks
+  // it.
   [[nodiscard]] std::string trial_sha256(std::size_t trial) const;
-  // What a file's content_sha256 should say, made of the digests of all of its trials in ascending order and of what it holds
-  // beside them.
+  // Expected content_sha256 of a file, computed from the digests of all of its trials in ascending
+  // order and from the rest of its content.
   [[nodiscard]] std::string stored_sha256(std::size_t file, const std::vector<std::pair<std::size_t, Digest>>& trials) const;
 
-  // One array by its path inside the demo, e.g. read<std::uint8_t>(3, "labels/pad/state"), converted to T (float, double,
-  // std::uint8_t or std::uint32_t), in C order.
+  // Reads one array by its path inside the demo, e.g. read<std::uint8_t>(3, "labels/pad/state"),
+  // converted to T (float, double, std::uint8_t or std::uint32_t), in C order.
   template <class T>
   [[nodiscard]] std::vector<T> read(std::size_t trial, const std::string& path) const;
-  // Its extents.
+  // Extents of that array.
   [[nodiscard]] std::vector<std::size_t> shape(std::size_t trial, const std::string& path) const;
 
  private:

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Regular files of a folder, by name. A folder that cannot be read counts as empty.
+// Regular files of a folder, by name. An unreadable folder counts as empty.
 std::vector<fs::path> files_in(const std::string& folder) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -41,7 +41,7 @@ bool is_damaged(const fs::path& file) { return file.extension() == ".damaged" &&
 
 bool is_unfinished(const fs::path& file) { return file.filename().string().ends_with(".h5.partial"); }
 
-// Throws unless `folder` is one that a run has made, or is empty.
+// Throws InputError unless `folder` was made by a run or is empty.
 void check_own(const std::string& target, const std::string& folder, const std::string& lock) {
   std::error_code error;
   const bool is_folder = fs::symlink_status(folder, error).type() == fs::file_type::directory;
@@ -103,7 +103,8 @@ std::vector<std::string> RunFolder::batches() const {
   for (const fs::path& file : files_in(path_)) {
     if (is_batch(file)) names.push_back(file.string());
   }
-  // By number: the name of the first is the shortest, and "batch-10000.h5" comes after "batch-9999.h5".
+  // Sorted by number: the first has the shortest name, and "batch-10000.h5" follows
+  // "batch-9999.h5".
   std::ranges::sort(names, {}, [](const std::string& name) { return std::pair(name.size(), name); });
   return names;
 }

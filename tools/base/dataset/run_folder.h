@@ -1,4 +1,4 @@
-// The folder of a run that has not come to its end.
+// Folder of an unfinished run.
 #pragma once
 
 #include <cstddef>
@@ -9,21 +9,23 @@
 
 namespace slipbench {
 
-// OUT.h5.partial/, beside the dataset OUT.h5. All that a run writes lies there until it gets its final name:
+// The folder OUT.h5.partial/ of the dataset OUT.h5. It holds everything that a run writes until the
+// file gets its final name:
 //
-// | name | what it is |
+// | name | content |
 // |---|---|
-// | lock | empty, held by the run (flock); a second run is refused |
+// | lock | empty, locked by the run (flock); a second run is refused |
 // | batch.h5, batch-0001.h5, ... | finished batches of a sweep, see batches.h |
 // | batch.h5.damaged, ... | batches that a resumed sweep could not read |
-// | *.h5.partial | a file that is being written; what a killed run has left of it is worthless |
+// | *.h5.partial | a file being written; worthless after a kill |
 class RunFolder {
  public:
-  // Makes and locks the folder, and removes what a killed run has left of unfinished files. `path`: the dataset's first file. Throws
-  // InputError where no dataset can be put at `path` (check_target), where another run holds the lock, where something else than such
-  // a folder stands under its name, and with the system's reason where it cannot be made.
+  // Creates and locks the folder, and removes unfinished files of a killed run. `path`: the
+  // dataset's first file. Throws InputError if no dataset may be written at `path` (check_target),
+  // if another run holds the lock, if something else has the folder's name, and with the system's
+  // reason if the folder cannot be created.
   explicit RunFolder(const std::string& path);
-  // As close().
+  // Calls close().
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
@@ -32,17 +34,18 @@ class RunFolder {
   [[nodiscard]] const std::string& target() const { return target_; }
   // The folder.
   [[nodiscard]] const std::string& path() const { return path_; }
-  // A name in the folder for the k-th file of the dataset while it is written.
+  // Temporary name in the folder of the k-th file of the dataset.
   [[nodiscard]] std::string unfinished_file(std::size_t k) const;
-  // The k-th batch. It is written as temporary_path() of this.
+  // Final name of the k-th batch. It is written as temporary_path() of that name.
   [[nodiscard]] std::string batch(std::size_t k) const;
   // Names of the finished batches in ascending order.
   [[nodiscard]] std::vector<std::string> batches() const;
-  // Throws InputError where there are any: finished work is not thrown away.
+  // Throws InputError if there are finished batches, so that no finished work is lost.
   void refuse_batches() const;
-  // Removes all finished batches, damaged ones, too: the dataset holds their trials.
+  // Removes all finished and damaged batches; the dataset holds their trials.
   void remove_batches() const;
-  // Ends the run: removes the folder, unless it holds batches, and lets other runs have it. Repeating it does nothing.
+  // Ends the run: removes the folder unless it holds batches, and releases the lock. Repeating it
+  // does nothing.
   void close();
 
  private:
@@ -51,11 +54,12 @@ class RunFolder {
   Descriptor lock_;
 };
 
-// The folder's name: "a/OUT.h5.partial" of "a/OUT.h5".
+// Name of the folder: "a/OUT.h5.partial" for "a/OUT.h5".
 std::string run_folder_path(const std::string& path);
 // The file that a run of `path` locks.
 std::string run_lock_path(const std::string& path);
-// The first batch that a sweep has finished of `path`. Readers open it, and all further ones with it, as a dataset without an end.
+// Name of the first finished batch of a sweep to `path`. Readers open it, with all further batches,
+// as an unfinished dataset.
 std::string first_batch_path(const std::string& path);
 
 }  // namespace slipbench

@@ -44,7 +44,7 @@ void refuse_input_as_output(const std::vector<std::string>& inputs, const std::s
 
 TrialRecord record_of(const StoredTrial& stored) { return DatasetReader::of_file(stored.file).read_trial(stored.number); }
 
-// The scene's split, which the shard's masks do not tell.
+// Reads the scene's split, which the shard's masks do not contain.
 std::optional<SplitRule> split_of(const std::string& path) {
   const hdf5::Handle file = hdf5::open_file(path);
   const hdf5::Place mask{file.get(), path, "/mask"};
@@ -174,7 +174,7 @@ Merged merge_shards(const std::vector<std::string>& paths, const std::string& ou
     reject("cannot write {}: {}; allowed: all shards of a sweep", output, fmt::join(gaps, "; "));
   }
   if (set.size() == 0) reject("cannot write {}: all trials of the sweep have failed", output);
-  // Chunks are copied as they are: nobody would notice what a disk has changed in them.
+  // Chunks are copied compressed, so this check is the only one that detects disk damage.
   for (const std::string& shard : set.paths()) check_readable(FileKind::dataset, shard);
   DatasetWriter writer(output, whole_header(set.header()));
   copy_trials(set.trials(), writer);

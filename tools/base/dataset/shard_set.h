@@ -1,4 +1,4 @@
-// Several shards of one sweep, as they lie in files.
+// Reads and merges the shards of one sweep.
 #pragma once
 
 #include <cstddef>
@@ -12,30 +12,34 @@
 
 namespace slipbench {
 
-// Shards that belong together. A shard may be given twice, and two may hold the same trial, as long as its digests are equal or its
-// numbers within the rounding of libraries of others (trial_difference.h).
+// Shards of one sweep. A shard may be given twice, and two files may hold the same trial if its
+// digests are equal or its numbers differ only by the rounding of third-party libraries
+// (trial_difference.h).
 class ShardSet {
  public:
-  // `paths`: the first files of shards; further files of them may be among them. Throws InputError for a file that is not a shard of a sweep
-  // or whose run did not come to its end, for a shard of another sweep than the first one's, with what differs (scene, seed, version,
-  // overrides, command, files, n), and where two files hold a trial on which they do not agree.
+  // `paths`: the first files of shards, and optionally their further files. Throws InputError for a
+  // file that is not a shard of a sweep or whose run did not finish; for a shard of another sweep
+  // than the first one's, stating what differs (scene, seed, version, overrides, command, files,
+  // n); and if two files disagree on a trial.
   explicit ShardSet(const std::vector<std::string>& paths);
 
-  // Of the first shard, with the scene's split.
+  // Header of the first shard, with the scene's split.
   [[nodiscard]] const DatasetHeader& header() const { return shards_.front().about.header; }
   // Names of the shards' first files, and of all files.
   [[nodiscard]] std::vector<std::string> paths() const;
   [[nodiscard]] std::vector<std::string> files() const;
-  // The different trials that the shards hold, ascending.
+  // The distinct trials of the shards, ascending.
   [[nodiscard]] std::vector<StoredTrial> trials() const;
-  // Number of different trials, and how often a further file holds one of them.
+  // Number of distinct trials, and number of further copies of them.
   [[nodiscard]] std::size_t size() const { return trials_.size(); }
   [[nodiscard]] std::size_t duplicates() const { return duplicates_; }
-  // How many of these have another digest and numbers within the rounding of libraries of others.
+  // Number of duplicates with a different digest whose numbers differ only by the rounding of
+  // third-party libraries.
   [[nodiscard]] std::size_t within_rounding() const { return within_rounding_; }
   // Trials that failed, ascending.
   [[nodiscard]] std::vector<FailedTrial> failed() const;
-  // What is missing, as clauses: "shards 3 and 7 of 8 are missing", "trial 12 is missing". Empty: the sweep is whole.
+  // Missing parts, as clauses: "shards 3 and 7 of 8 are missing", "trial 12 is missing". Empty if
+  // the sweep is complete.
   [[nodiscard]] std::vector<std::string> gaps() const;
 
  private:
@@ -56,19 +60,20 @@ class ShardSet {
   std::map<std::size_t, FailedTrial> failed_;
 };
 
-// The shards of a sweep put together.
+// Result of merge_shards().
 struct Merged {
-  std::size_t trials = 0;           // in `files`
+  std::size_t trials = 0;           // number in `files`
   std::size_t failed = 0;           // trials that no shard could simulate
-  std::size_t duplicates = 0;       // trials that several of the files hold
-  std::size_t within_rounding = 0;  // of these, with another digest and numbers within the rounding of libraries of others
+  std::size_t duplicates = 0;       // trials in several of the files
+  std::size_t within_rounding = 0;  // duplicates that differ only by the rounding of third-party libraries
   std::vector<std::string> files;
 };
 
-// Writes the dataset that the undivided sweep would have written, with its digests, from the shards `paths` (their first files; further ones
-// may be among them). Chunks are copied as they are compressed. Throws InputError, and writes nothing, where a file is not a whole shard or
-// is damaged, where one is of another sweep, where trials are missing, where two files hold a trial on which they do not agree, and where
-// `output` cannot be written.
+// Merges the shards `paths` (their first files, and optionally further ones) to the dataset that
+// the undivided sweep would have written, with its digests. Chunks are copied without
+// decompression. Throws InputError, and writes nothing, if a file is not a complete shard or is
+// damaged, if it belongs to another sweep, if trials are missing, if two files disagree on a trial,
+// and if `output` cannot be written.
 Merged merge_shards(const std::vector<std::string>& paths, const std::string& output);
 
 }  // namespace slipbench

@@ -1,4 +1,4 @@
-// Where a finished trial lies.
+// Location of a finished trial.
 #pragma once
 
 #include <cstddef>
@@ -11,9 +11,9 @@ namespace slipbench {
 // A trial of a batch or of a sweep's shard.
 struct StoredTrial {
   std::size_t number = 0;  // k of demo_<k>
-  std::string group;       // what it is split by
+  std::string group;       // the trials are split by this
   Digest digest{};         // its attribute sha256
-  std::string file;        // that holds it
+  std::string file;        // holds the trial
 };
 
 }  // namespace slipbench

@@ -75,7 +75,8 @@ ElementType element_type(const Place& place, const Handle& array) {
   place.fail("is of a type that no dataset has");
 }
 
-// Rows of a chunk of an array that is stored as the encoder does it: in chunks of whole rows, through its filters. 0: it is not.
+// Rows per chunk of an array that is stored as the encoder stores it: in chunks of whole rows, with
+// its filters; else 0.
 std::size_t chunk_rows_of(const Handle& properties, const std::vector<std::size_t>& extents, std::size_t element) {
   std::vector<H5Z_filter_t> wanted{H5Z_FILTER_DEFLATE};
   if (element > 1) wanted.insert(wanted.begin(), H5Z_FILTER_SHUFFLE);
@@ -92,7 +93,8 @@ std::size_t chunk_rows_of(const Handle& properties, const std::vector<std::size_
   return std::equal(chunk.begin() + 1, chunk.end(), extents.begin() + 1, extents.end()) ? chunk.front() : 0;
 }
 
-// The chunk that begins at a row, as it is compressed. False: it is missing or cannot be read.
+// Reads the chunk that begins at a row, still compressed. Returns false if it is missing or
+// unreadable.
 bool read_chunk(const Handle& array, std::size_t rank, std::size_t row, std::vector<std::uint8_t>& to) {
   std::vector<hsize_t> offset(rank, 0);
   offset.front() = row;
@@ -125,7 +127,8 @@ EncodedArray read_array(const Place& place, const Handle& dataset, const std::st
   return array;
 }
 
-// All of a demo from `object` on, which is open at `place`; its path inside the demo is `path`.
+// Reads a demo recursively from `object`, which is open at `place`; `path` is its path inside the
+// demo.
 void read_from(const Place& place, const Handle& object, const std::string& path, EncodedTrial& trial) {
   if (H5Iget_type(object.get()) == H5I_DATASET) {
     trial.arrays.push_back(read_array(place, object, path));

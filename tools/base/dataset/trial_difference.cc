@@ -49,7 +49,8 @@ double largest_of(const std::vector<double>& numbers) {
   return largest;
 }
 
-// Index of the first number that does not agree; empty: all do. `turn`: what a number may differ by as often as it likes, 0: nothing.
+// Index of the first number that does not agree; empty if all do. `turn`: period modulo which
+// numbers are compared; 0: not periodic.
 std::optional<std::size_t> first_difference(const std::vector<double>& one, const std::vector<double>& other, double last_place,
                                             double turn) {
   const double scale = std::max(largest_of(one), largest_of(other));

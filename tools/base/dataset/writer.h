@@ -1,4 +1,4 @@
-// Writing datasets.
+// Writes datasets.
 #pragma once
 
 #include <cstddef>
@@ -16,40 +16,42 @@ namespace slipbench {
 
 class DatasetFile;
 
-// Writes the files of a dataset, OUT.h5, OUT-0001.h5 and so on. They lie in the folder of the run (run_folder.h) until commit() renames
-// them. The content depends on the header and the trials alone. All functions throw InputError with the system's reason when the target
-// cannot be written. The HDF5 library is not thread-safe: use all readers and writers of a process from one thread.
+// Writes the files of a dataset, OUT.h5, OUT-0001.h5 and so on. They are in the folder of the run
+// (run_folder.h) until commit() renames them. The content depends on the header and the trials
+// alone. All functions throw InputError with the system's reason if the target cannot be written.
+// The HDF5 library is not thread-safe: use all readers and writers of a process from one thread.
 class DatasetWriter {
  public:
   static constexpr std::uint64_t default_shard_limit = 1'000'000'000;  // bytes
 
-  // Makes the run's folder. Refuses at once what cannot become a dataset (RunFolder, check_dataset_target), and where a sweep has left
-  // finished batches. Call it before any thread is made. `path`: the first file. `shard_limit`: a new file begins before one would have
-  // more bytes.
+  // Creates the run's folder. Throws InputError if `path` cannot become a dataset (RunFolder,
+  // check_dataset_target) or a sweep left finished batches. Call it before any thread starts.
+  // `path`: the first file. `shard_limit` [bytes]: a new file begins before one exceeds it.
   DatasetWriter(const std::string& path, DatasetHeader header, std::uint64_t shard_limit = default_shard_limit);
-  // The same in a folder that is there. `folder` must outlive the writer.
+  // As above, in an existing folder. `folder` must outlive the writer.
   DatasetWriter(const RunFolder& folder, DatasetHeader header, std::uint64_t shard_limit = default_shard_limit);
-  // Without commit(): what has been written is removed.
+  // Without commit(), removes what was written.
   ~DatasetWriter();
   DatasetWriter(const DatasetWriter&) = delete;
   DatasetWriter& operator=(const DatasetWriter&) = delete;
 
   // Adds a trial. Trials come in ascending order.
   void append(const EncodedTrial& trial);
-  // Takes a file with all trials so far as the dataset's first one. Nothing may have been added before.
+  // Adopts a file with all trials so far as the dataset's first file. No trial may have been added
+  // before.
   void adopt(std::unique_ptr<DatasetFile> file);
-  // Notes a trial that failed; each file gets all of these when it is finished.
+  // Records a trial that failed; each file stores all of them when it is finished.
   void add_failed(FailedTrial failed);
   // Number of trials added.
   [[nodiscard]] std::size_t size() const;
 
-  // Writes masks and digests, closes and syncs the files, and renames them, the first one last: once it is there, all are. Returns the
-  // final names. Files of the dataset that is replaced which this one does not have are removed. Refuses a file in the way that is not
-  // this dataset's to replace.
+  // Writes masks and digests, closes and syncs the files, and renames them, the first one last: if
+  // it exists, all do. Returns the final names. Removes files of the replaced dataset beyond the
+  // new ones. Throws InputError if another file is in the way that does not belong to this dataset.
   std::vector<std::string> commit();
 
  private:
-  std::unique_ptr<RunFolder> own_folder_;  // null: the caller's
+  std::unique_ptr<RunFolder> own_folder_;  // null: the caller owns the folder
   const RunFolder& folder_;
   DatasetHeader header_;
   std::uint64_t shard_limit_;
@@ -58,8 +60,8 @@ class DatasetWriter {
   std::size_t longest_group_ = 0;  // bytes
 };
 
-// Copies trials in the order of the list, which must be ascending, from the files that hold them. Their chunks are copied as they are
-// compressed.
+// Copies trials in the order of the list, which must be ascending, from their files. Chunks are
+// copied without decompression.
 void copy_trials(const std::vector<StoredTrial>& trials, DatasetWriter& writer);
 
 }  // namespace slipbench

@@ -1,4 +1,4 @@
-// Counts in messages.
+// Formats counts in messages.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace slipbench {
 
-// "1 file", "2 files". `what`: the singular of a word whose plural ends with s.
+// "1 file", "2 files". `what`: singular of a word whose plural ends in s.
 inline std::string counted(std::size_t count, std::string_view what) {
   return std::to_string(count) + ' ' + std::string(what) + (count == 1 ? "" : "s");
 }

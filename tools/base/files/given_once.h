@@ -1,4 +1,4 @@
-// Lists of files that a user names.
+// Checks lists of files that a user names.
 #pragma once
 
 #include <string>
@@ -7,8 +7,9 @@
 
 namespace slipbench {
 
-// Throws InputError where two of `paths` are one file, whose content would count twice. `what`: the word for a file, such as
-// "dataset". Files that do not exist are left to their readers.
+// Throws InputError if two of `paths` are the same file, whose content would count twice. `what`:
+// word for a file, such as "dataset". Files that do not exist are ignored; their readers report
+// them.
 void check_given_once(const std::vector<std::string>& paths, std::string_view what);
 
 }  // namespace slipbench

@@ -25,7 +25,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) { reject("cannot write {}: {}", path, reason); }
 
-// The first bytes of a file; empty where there is none.
+// The first 4 kB of a file; empty if it cannot be read.
 std::string first_bytes(const std::string& path) {
   std::string bytes(4096, '\0');
   std::ifstream file(path, std::ios::binary);
@@ -62,7 +62,7 @@ void check_target(const std::string& path) {
     }
     if (S_ISDIR(status.st_mode)) refuse(path, fmt::format("it is a folder; allowed: a file in it, such as {}/out", path));
     if (!S_ISREG(status.st_mode)) refuse(path, "it is no regular file");
-    // The file would be replaced, not written to, so that the system would not object; its owner meant it to stay.
+    // The system would allow replacing a read-only file, but its owner wants to keep it.
     if (::access(path.c_str(), W_OK) != 0 || (status.st_mode & 0222U) == 0) refuse(path, "it is read-only");
     return;
   }
@@ -88,7 +88,7 @@ void check_text_target(const std::string& path, const std::vector<std::string>& 
 
 void write_text_file(const std::string& path, const std::string& text) {
   const std::string temporary = temporary_path(path);
-  // A link that has come since the name was checked is not followed.
+  // O_NOFOLLOW: a link may have appeared since the name was checked.
   if (!write_synced_file(temporary.c_str(), O_TRUNC | O_NOFOLLOW, text)) refuse(path, std::strerror(errno));
   if (std::rename(temporary.c_str(), path.c_str()) == 0) return;
   const int reason = errno;
@@ -116,13 +116,14 @@ Descriptor::~Descriptor() {
 
 Descriptor lock_file(const std::string& path) {
   const auto refuse = [&](const char* reason) { throw InputError("cannot write " + path + ": " + reason); };
-  // A link that has come since the name was checked is not followed.
+  // O_NOFOLLOW: a link may have appeared since the name was checked.
   Descriptor descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (descriptor.get() < 0) refuse(std::strerror(errno));
   if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) != 0) {
     refuse(errno == EWOULDBLOCK ? "another run is writing it" : std::strerror(errno));
   }
-  // Between the two calls the run that had the lock may have given the file its final name, under which it is not this run's.
+  // Between open() and flock() the run that held the lock may have renamed the file to its final
+  // name.
   struct stat locked {
   }, named{};
   if (::fstat(descriptor.get(), &locked) != 0) refuse(std::strerror(errno));
@@ -146,7 +147,7 @@ void Sha256::update(const void* bytes, std::size_t size) { EVP_DigestUpdate(cont
 Digest Sha256::finish() {
   Digest digest{};
   EVP_DigestFinal_ex(context_, digest.data(), nullptr);
-  EVP_DigestInit_ex(context_, nullptr, nullptr);  // the same algorithm again
+  EVP_DigestInit_ex(context_, nullptr, nullptr);  // reset with the same algorithm
   return digest;
 }
 

@@ -1,4 +1,4 @@
-// Files and folders of ours: written whole, for the time being, or locked.
+// Output files and folders: written atomically, temporary, or locked.
 #pragma once
 
 #include <array>
@@ -14,36 +14,39 @@ struct evp_md_ctx_st;
 
 namespace slipbench {
 
-// A kind of text file that the program makes, told by its beginning from the files of others.
+// A kind of text file that the program writes, recognised by its first bytes.
 struct TextKind {
   std::string_view name;                                   // "report"
   std::function<bool(std::string_view beginning)> begins;  // of the file's first 4 kB
 };
 
-// Throws InputError when a file cannot be put at `path`: no file name, a folder, a special file, a symbolic link (which would be
-// replaced, not followed), a read-only file, a missing folder.
+// Throws InputError if a file cannot be written at `path`: no file name, a folder, a special file,
+// a symbolic link (which would be replaced, not followed), a read-only file, a missing folder.
 void check_target(const std::string& path);
 
-// The same for a text file made from `inputs` and written by write_text_file, and for the name that it has while it is written.
-// Refuses besides the inputs themselves, and whatever holds something and does not begin as such a file.
+// As check_target(), for a text file made from `inputs` and written by write_text_file(), and for
+// its temporary name. Also refuses the inputs themselves and any non-empty file that is not of that
+// kind.
 void check_text_target(const std::string& path, const std::vector<std::string>& inputs, const TextKind& kind);
 
-// The name of a file while it is written: OUT.h5.partial.
+// Temporary name of a file that is being written: OUT.h5.partial.
 std::string temporary_path(const std::string& path);
 
-// Throws InputError with the system's reason.
+// Renames a file. Throws InputError with the system's reason.
 void rename_file(const std::string& from, const std::string& to);
 
-// Makes names in the folder of `path` survive a power failure. Throws InputError with the system's reason.
+// Syncs the folder of `path`, so that names in it survive a power failure. Throws InputError with
+// the system's reason.
 void sync_folder_of(const std::string& path);
 
-// Writes `text` to PATH.partial, syncs it and renames it. Throws InputError when that is not possible; then nothing is left
-// behind. Call check_text_target before.
+// Writes `text` to PATH.partial, syncs it and renames it. Throws InputError on failure; then no
+// file remains. Call check_text_target() first.
 void write_text_file(const std::string& path, const std::string& text);
 
-// A folder for what a command needs only while it runs.
+// Temporary folder of a command.
 
-// Empty at first, in the system's folder for temporary files; removed with its object. Throws InputError where it cannot be made.
+// Created empty in the system's folder for temporary files; removed with this object. Throws
+// InputError if it cannot be created.
 class ScratchFolder {
  public:
   ScratchFolder();
@@ -52,16 +55,16 @@ class ScratchFolder {
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
   [[nodiscard]] const std::string& path() const { return path_; }
-  // The path of `name` in it.
+  // Path of `name` in the folder.
   [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
 
  private:
   std::string path_;
 };
 
-// Files that one run at a time writes.
+// Files that only one run at a time may write.
 
-// An open descriptor that closes itself.
+// Owns a file descriptor and closes it.
 class Descriptor {
  public:
   explicit Descriptor(int value = -1) : value_(value) {}
@@ -77,11 +80,12 @@ class Descriptor {
   int value_;
 };
 
-// Opens the file for reading and writing, makes it where there is none, and locks it against other runs for as long as the
-// descriptor lives. Throws InputError, "cannot write PATH: another run is writing it" or with the system's reason.
+// Opens the file for reading and writing, creates it if necessary, and locks it against other runs
+// for the lifetime of the descriptor. Throws InputError, "cannot write PATH: another run is writing
+// it" or with the system's reason.
 Descriptor lock_file(const std::string& path);
 
-// SHA-256, by OpenSSL.
+// SHA-256 by OpenSSL.
 
 using Digest = std::array<std::uint8_t, 32>;
 
@@ -93,14 +97,14 @@ class Sha256 {
   Sha256& operator=(const Sha256&) = delete;
 
   void update(const void* bytes, std::size_t size);
-  // The digest of all that was given; the object then begins anew.
+  // Digest of all bytes since the last finish(); the object then starts anew.
   Digest finish();
 
  private:
   evp_md_ctx_st* context_;
 };
 
-// 64 hexadecimal digits.
+// The digest as 64 hexadecimal digits.
 std::string hexadecimal(const Digest& digest);
 
 }  // namespace slipbench

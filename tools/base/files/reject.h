@@ -1,4 +1,4 @@
-// Bad input, told in one call.
+// Reports invalid input in one call.
 #pragma once
 
 #include <utility>
@@ -9,7 +9,7 @@
 
 namespace slipbench {
 
-// Throws InputError with a message that is put together as fmt::format does.
+// Throws InputError with a message formatted as by fmt::format.
 template <class... Values>
 [[noreturn]] void reject(fmt::format_string<Values...> message, Values&&... values) {
   throw InputError(fmt::format(message, std::forward<Values>(values)...));

@@ -21,7 +21,7 @@
 namespace slipbench::hdf5 {
 namespace {
 
-// Names of members, and the first of them that is a link elsewhere.
+// Names of members, and the first of them that is a soft or external link.
 struct Members {
   std::vector<std::string> names;
   std::string link;
@@ -54,7 +54,7 @@ std::uint64_t file_bytes(const Place& place) {
   return bytes;
 }
 
-// One serves all attributes: to make a type takes HDF5 as long as to write an attribute.
+// Cached for all attributes: creating a type takes HDF5 as long as writing an attribute.
 const Handle& text_type(H5T_cset_t characters = H5T_CSET_UTF8) {
   const auto make = [](H5T_cset_t of) {
     Handle type(H5Tcopy(H5T_C_S1), &H5Tclose);
@@ -74,8 +74,8 @@ void write(hid_t object, const std::string& name, hid_t type, const std::vector<
 }
 
 struct Reason {
-  std::string system;   // of the operating system
-  std::string library;  // innermost message of the library
+  std::string system;   // the operating system's message
+  std::string library;  // innermost message of the HDF5 library
 };
 
 herr_t note_reason(unsigned, const H5E_error2_t* error, void* context) {
@@ -91,7 +91,7 @@ herr_t note_reason(unsigned, const H5E_error2_t* error, void* context) {
   return 0;
 }
 
-// The number that follows `name` in a message of the library.
+// The number after `name` in a message of the library.
 std::optional<std::uint64_t> number_after(std::string_view message, std::string_view name) {
   const std::size_t start = message.find(name);
   if (start == std::string_view::npos) return std::nullopt;
@@ -101,7 +101,8 @@ std::optional<std::uint64_t> number_after(std::string_view message, std::string_
   return found ? std::optional(number) : std::nullopt;
 }
 
-// Says what a file is that H5Fopen() has refused with `message`: cut short, or one of the kinds that are often found in place of a dataset.
+// Explains why H5Fopen() refused a file with `message`: truncated, or one of the kinds often
+// mistaken for a dataset.
 std::string why_not_hdf5(const std::string& path, const std::string& message) {
   using namespace std::string_view_literals;
   constexpr std::size_t superblock = 96;  // bytes, at least
@@ -139,7 +140,8 @@ std::string why_not_hdf5(const std::string& path, const std::string& message) {
   return "is not an HDF5 file";
 }
 
-// Of the filters of a dataset, shuffle alone keeps the number of bytes. A chunk that leaves all others out must have the bytes of all of its values:
+// Checks the size of chunks without compression. Of a dataset's filters only shuffle keeps the
+// number of bytes. A chunk that skips all other filters must have the bytes of all of its values:
 // HDF5 1.10 reads beyond a shorter one.
 void check_unfiltered_chunks(const Place& place, const Handle& array) {
   const Handle properties(H5Dget_create_plist(array.get()), &H5Pclose), type(H5Dget_type(array.get()), &H5Tclose);
@@ -148,7 +150,7 @@ void check_unfiltered_chunks(const Place& place, const Handle& array) {
   const int rank = check(H5Pget_chunk(properties.get(), H5S_MAX_RANK, extents.data()));
   const hsize_t whole =
       std::accumulate(extents.begin(), extents.begin() + rank, hsize_t{H5Tget_size(type.get())}, std::multiplies<>());
-  unsigned resizing = 0;  // a bit for each filter, as in a chunk's mask of those that it leaves out
+  unsigned resizing = 0;  // one bit per filter, as in a chunk's mask of skipped filters
   for (int i = 0; i < check(H5Pget_nfilters(properties.get())); ++i) {
     std::size_t values = 0;
     const auto filter = static_cast<unsigned>(i);
@@ -157,7 +159,7 @@ void check_unfiltered_chunks(const Place& place, const Handle& array) {
   }
   const Handle space(H5Dget_space(array.get()), &H5Sclose);
   hsize_t count = 0;
-  // HDF5 1.14 finds damage of the index here.
+  // HDF5 1.14 detects damage of the index here.
   const auto fail = [&] { place.fail("cannot be read: " + last_error()); };
   if (H5Dget_num_chunks(array.get(), space.get(), &count) < 0) fail();
   for (hsize_t i = 0; i < count; ++i) {
@@ -196,7 +198,7 @@ Handle open_file(const std::string& path) {
 }
 
 void keep_little(const Handle& file) {
-  constexpr std::size_t bytes = 96 << 10;  // as they lie on the disk; decoded they take some ten times as much
+  constexpr std::size_t bytes = 96 << 10;  // size on disk; about ten times as much when decoded
   H5AC_cache_config_t config{};
   config.version = H5AC__CURR_CACHE_CONFIG_VERSION;
   check(H5Fget_mdc_config(file.get(), &config));
@@ -289,7 +291,7 @@ std::vector<std::size_t> array_extents(const Place& place, const Handle& array) 
   if (layout == H5D_CHUNKED) {
     std::vector<hsize_t> chunk(std::max<std::size_t>(1, extents.size()));
     check(H5Pget_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data()));
-    count_of(place, {chunk.begin(), chunk.end()}, size, compression);  // a chunk is unfolded as a whole
+    count_of(place, {chunk.begin(), chunk.end()}, size, compression);  // chunks are decompressed as a whole
   }
   return extents;
 }
@@ -407,7 +409,7 @@ void initialise() {
   static const bool done = [] {
     H5dont_atexit();
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    H5PLset_loading_state(0);  // a file may name a filter, which would be loaded as a library
+    H5PLset_loading_state(0);  // a file may name a filter, which HDF5 would load as a library
     return true;
   }();
   static_cast<void>(done);

@@ -1,5 +1,5 @@
-// The places of an open HDF5 file. What is read of a file goes through here: nothing leads out of it, and nothing is as large as
-// a damaged number says.
+// Checked access to the objects of an open HDF5 file. All reading goes through here, so that no
+// link leads out of the file and no damaged size allocates memory.
 #pragma once
 
 #include <cstddef>
@@ -13,22 +13,23 @@
 
 namespace slipbench::hdf5 {
 
-// The HDF5 C library with handles that close themselves and failures that throw.
+// Wraps the HDF5 C library: handles close themselves, and failures throw.
 
-// Prepares the library: no error stack on stderr, and no clean-up at exit, which would try again to write what could not be
-// written. Call before any other use; repeating it does nothing.
+// Prepares the library: no error stack on stderr, and no clean-up at exit, which would repeat
+// failed writes. Call before any other use; repeating it does nothing.
 void initialise();
 
-// The reason of the last failed call: the system's text ("No space left on device") where there is one, else the library's own.
+// Reason of the last failed call: the system's text ("No space left on device") if there is one,
+// else the library's.
 std::string last_error();
 
-// Owns an identifier of any kind.
+// Owns an HDF5 identifier of any kind.
 class Handle {
  public:
   using Close = herr_t (*)(hid_t);
 
   Handle() = default;
-  // Throws std::runtime_error with last_error() when `id` is the result of a failed call.
+  // Throws std::runtime_error with last_error() if `id` is the result of a failed call.
   Handle(hid_t id, Close close);
   ~Handle() { reset(); }
   Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
@@ -44,9 +45,9 @@ class Handle {
   [[nodiscard]] hid_t get() const { return id_; }
   explicit operator bool() const { return id_ >= 0; }
 
-  // Closes now, and throws std::runtime_error when that fails: closing a file writes.
+  // Closes now. Throws std::runtime_error if that fails, since closing a file writes.
   void close();
-  // Gives up without closing: for a file that cannot be written any more.
+  // Forgets the identifier without closing it: for a file that can no longer be written.
   void abandon() { id_ = H5I_INVALID_HID; }
 
  private:
@@ -59,14 +60,15 @@ class Handle {
   Close close_ = nullptr;
 };
 
-// Throws std::runtime_error with last_error() when `status`, the result of a call, says that it failed.
+// Returns `status`, the result of a call. Throws std::runtime_error with last_error() if the call
+// failed.
 template <class Status>
 Status check(Status status) {
   if (status < 0) throw std::runtime_error(last_error());
   return status;
 }
 
-// Deflate cannot do better: a pair of bits for 258 bytes twice over, so 1032 bytes for one.
+// Maximum compression ratio of deflate: two bits for each 258 bytes, so 1032 bytes per byte.
 inline constexpr std::uint64_t best_compression = 1032;
 
 // An object of an open file. `file_name` must outlive it.
@@ -80,41 +82,46 @@ struct Place {
   [[nodiscard]] Place below(const std::string& name) const;
 };
 
-inline constexpr std::size_t deepest = 8;  // groups below each other: a group that holds itself has no end
+inline constexpr std::size_t deepest = 8;  // maximum nesting depth; following a group that contains itself would not end
 
-// Opens a file to read. Throws InputError where it is no regular file (which might block) or no HDF5.
+// Opens a file for reading. Throws InputError if it is not a regular file (which might block) or
+// not HDF5.
 Handle open_file(const std::string& path);
 
-// Bounds what HDF5 keeps of a file's metadata in memory to what the list of its trials and one of these need: for files of which many are open.
+// Limits HDF5's metadata cache of a file to the list of trials and one trial, for files of which
+// many are open.
 void keep_little(const Handle& file);
 
-// Opens a group or array by the links of the file itself: a soft or external link on the way is refused.
+// Opens a group or array. Throws InputError if a soft or external link is on the way.
 Handle open_object(const Place& place);
 
-// Names of the members of `group`, which is open at `place`, in ascending order. Names with control characters and links that lead elsewhere are
-// refused.
+// Names of the members of `group`, which is open at `place`, in ascending order. Throws InputError
+// for names with control characters and for soft or external links.
 std::vector<std::string> members_of(const Place& place, const Handle& group);
-// The same of a group that is not open.
+// As above, for a group that is not open.
 std::vector<std::string> members_of(const Place& place);
-// Opens a member of `group` that members_of() has named, which lies at `place`: without the way there from the root, which costs ten times as much.
+// Opens a member of `group` returned by members_of(), which is at `place`. Ten times as fast as
+// open_object(), which starts at the root.
 Handle open_member(const Place& place, const Handle& group, const std::string& name);
-// The same of any member: a link that leads elsewhere is refused.
+// As above, for any member. Throws InputError for a soft or external link.
 Handle open_below(const Place& place, const Handle& group, const std::string& name);
 // Names of an object's attributes in ascending order.
 std::vector<std::string> attributes_of(const Place& place, const Handle& object);
 
-// Number of elements, refused where `element_bytes` each are more than the file can hold at that compression.
+// Number of elements. Throws InputError if `element_bytes` each are more than the file can hold at
+// that compression ratio.
 std::size_t count_of(const Place& place, const std::vector<std::size_t>& extents, std::size_t element_bytes,
                      std::uint64_t compression);
 
-// Extents of an array, once it is known that all of its values lie in the file: no external storage, no virtual dataset, no more
-// bytes than what is stored can decompress to. Throws InputError also where what is open at `place` is not an array.
+// Extents of an array, after checking that all of its values are in the file: no external storage,
+// no virtual dataset, no more bytes than its storage can decompress to. Throws InputError also if
+// the object at `place` is not an array.
 std::vector<std::size_t> array_extents(const Place& place, const Handle& array);
 
-// Reads all values of an array, converted to `type`, into `to`, which must have room for them.
+// Reads all values of an array, converted to `type`, into `to`, which must be large enough.
 void read_values(const Place& place, const Handle& array, hid_t type, void* to);
 
-// An attribute that is there; its extents are checked likewise.
+// An open attribute, whose extents are checked as by array_extents().
 struct Attribute {
   Handle handle;
   Handle type;
@@ -122,17 +129,17 @@ struct Attribute {
 };
 Attribute open_attribute(const Place& place, const Handle& object, const std::string& name);
 
-// The texts of an attribute, which has variable length.
+// Texts of an attribute, of variable length.
 std::vector<std::string> texts_of(const Place& place, const Attribute& attribute, const std::string& name);
-// The one text of an attribute.
+// The single text of an attribute.
 std::string text_of(const Place& place, const Handle& object, const std::string& name);
-// The texts of an array, which have a fixed length and are padded with zeros.
+// Texts of an array, of fixed length and padded with zeros.
 std::vector<std::string> texts_of(const Place& place, const Handle& array);
 
-// A property list of a kind of object, which then carries no time of day.
+// A property list for a kind of object, without time stamps.
 Handle untimed(hid_t kind);
 
-// Of an array of these extents; without any: of a single value.
+// Data space of an array with these extents; of a single value if there are none.
 Handle space_of(const std::vector<std::size_t>& shape);
 
 // Adds an attribute: a single value, texts of any length, or doubles [shape] in C order.
