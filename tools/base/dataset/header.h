@@ -43,8 +43,8 @@ struct DatasetHeader {
   std::string command;                            // canonical: without --jobs and -o, which do not affect the output
   std::optional<SplitRule> split = {};            // from the scene; not read back
   std::map<std::string, std::string> files = {};  // files that the scene names: path -> SHA-256, 64 hexadecimal digits
-  std::string truth = {};  // "none: imported from bts3v2"; empty: simulated, with the complete truth
-  std::optional<SweepShard> part = {};  // empty: the whole sweep
+  std::string truth = {};                         // "none: imported from bts3v2"; empty: simulated, with the complete truth
+  std::optional<SweepShard> part = {};            // empty: the whole sweep
 };
 
 // Header of the undivided sweep to which a shard belongs.

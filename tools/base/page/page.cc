@@ -19,13 +19,13 @@ namespace {
 
 constexpr std::string_view kind_mark = R"(<meta name="generator" content=")";
 
-// What stands in place of {{marker}}.
+// Text that replaces {{marker}}.
 struct Part {
   std::string_view marker;
   std::string text;
 };
 
-// `html` with its markers replaced, in one pass: no inserted text is searched again.
+// Returns `html` with its markers replaced, in one pass: inserted text is not searched again.
 std::string filled(std::string_view html, const std::vector<Part>& parts) {
   std::string page;
   while (true) {
@@ -40,25 +40,26 @@ std::string filled(std::string_view html, const std::vector<Part>& parts) {
   }
 }
 
-// What stands between the tags of the elements `style` and `script`, where a marker has lines of its own.
+// Content of the elements `style` and `script`, whose markers have lines of their own.
 std::string on_own_lines(const std::string& text) { return "\n" + text + "\n"; }
 
-// As Content-Security-Policy names an inline element: by what stands in it.
+// Hash by which Content-Security-Policy permits an inline element: that of its content.
 std::string policy_hash(const std::string& content) {
   const Digest digest = text_digest(content);
   return "'sha256-" + base64(digest) + "'";
 }
 
-// Nothing but the page's own style and script is applied or run, whatever got into the page; the empty picture of its tab is
-// data. Scripts colour marks by style attributes.
+// Only the page's own style and script are applied, whatever text is in the page; the empty icon of
+// its tab is a data: URL. Scripts colour marks by style attributes.
 std::string policy(const std::string& styles, const std::string& scripts) {
   std::string text = "default-src 'none'; style-src-elem " + policy_hash(on_own_lines(styles));
   if (!scripts.empty()) text += "; style-src-attr 'unsafe-inline'; script-src " + policy_hash(on_own_lines(scripts));
   return text + "; img-src data:; base-uri 'none'; form-action 'none'";
 }
 
-// The texts of all files whose names end in `extension`, in order, a line end after each. A script that is no library's (.min.js) has a scope of
-// its own, in which `sb` is what all of them share: `slipbench` of the page.
+// Concatenates all files whose names end in `extension`, in order, a line end after each. A script
+// that is not a library's (.min.js) gets its own scope, in which `sb` is the shared object
+// `slipbench` of the page.
 std::string joined(const std::vector<Asset>& files, std::string_view extension) {
   std::string text;
   for (const Asset& file : files) {
@@ -71,7 +72,8 @@ std::string joined(const std::vector<Asset>& files, std::string_view extension) 
   return text;
 }
 
-// `own_styles` follow the kit's. `scripts`: what the element `script` in `elements` holds, which come after the body.
+// `own_styles` follow the shared ones. `scripts`: content of the element `script` in `elements`,
+// which follow the body.
 std::string skeleton(const Page& page, const std::string& own_styles, std::string body, const std::string& scripts,
                      std::string elements) {
   const std::string styles = joined(assets(), ".css") + own_styles;
@@ -83,8 +85,8 @@ std::string skeleton(const Page& page, const std::string& own_styles, std::strin
                                                   {"scripts", std::move(elements)}});
 }
 
-// JSON as the content of a <script> element, which nothing in it can end: '<' and everything beyond ASCII is written as an
-// escape.
+// JSON as the content of a <script> element. '<' and everything beyond ASCII is escaped, so that no
+// content can end the element.
 std::string script_json(const Json& data) {
   std::string safe;
   for (const char c : data.dump(-1, ' ', true, Json::error_handler_t::replace)) {
@@ -106,7 +108,7 @@ std::string row_html(const std::vector<std::string>& cells, std::string_view tag
 
 std::string note_html(const std::string& text) { return fmt::format("<p class=\"note\">{}</p>\n", escape_html(text)); }
 
-constexpr std::uint16_t not_finite = 0x8000;  // -32768, the one code that no value uses
+constexpr std::uint16_t not_finite = 0x8000;  // -32768, the one unused code
 constexpr double finest_time = 1e-6;          // s
 constexpr double largest_code = 2147483647.0;
 
@@ -128,7 +130,7 @@ std::string_view embedded(const std::vector<Asset>& files, std::string_view name
   const auto found = std::ranges::find(files, name, &Asset::name);
   if (found == files.end()) throw std::logic_error("no embedded file " + std::string(name));
   const std::size_t pointer = found->text.find("# sourceMappingURL=");
-  // The comment that holds it is the file's last line.
+  // The comment with the pointer to the source map is the file's last line.
   return found->text.substr(0, pointer == std::string_view::npos ? pointer : found->text.rfind('\n', pointer));
 }
 
@@ -172,7 +174,7 @@ bool begins_as_object(std::string_view text, const PageKind& kind) {
   if (!text.starts_with("{\n")) return false;
   const std::string_view first = text.substr(std::min(text.find_first_not_of(' ', 2), text.size()));
   return std::ranges::any_of(kind.keys, [first](std::string_view key) {
-    return !key.empty() && first.starts_with(fmt::format("\"{}\": ", key));  // a kind with one key has an empty one beside it
+    return !key.empty() && first.starts_with(fmt::format("\"{}\": ", key));  // the second key is empty if a kind has only one
   });
 }
 
@@ -224,8 +226,9 @@ std::string list_html(const std::vector<std::string>& items) {
 }
 
 std::string base64(std::span<const std::uint8_t> bytes) {
-  constexpr std::size_t piece = std::size_t{3} << 20;      // OpenSSL counts by int; without a rest, as what follows asks for
-  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // it ends each piece with a zero
+  constexpr std::size_t piece = std::size_t{3}
+                                << 20;  // OpenSSL counts by int; a multiple of 3, so that only the last piece is padded
+  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL ends each piece with a zero
   auto* to = reinterpret_cast<unsigned char*>(text.data());
   for (; !bytes.empty(); bytes = bytes.subspan(std::min(piece, bytes.size())))
     to += EVP_EncodeBlock(to, bytes.data(), static_cast<int>(std::min(piece, bytes.size())));

@@ -12,7 +12,7 @@
 namespace slipbench::page {
 namespace {
 
-// A length or place [px] without invisible digits.
+// Formats a length or coordinate [px], rounded to 0.1 px.
 std::string px(double value) { return fmt::format("{:.10g}", std::round(10.0 * value) / 10.0); }
 
 std::string text_at(std::string_view kind, std::string_view place, std::string_view text) {
@@ -37,7 +37,7 @@ Axis linear_axis(std::span<const double> values, double step, double begin, doub
 Axis decade_axis(std::span<const double> values, double begin, double end) {
   const auto [least, most] = std::ranges::minmax(values);
   const int lowest = decade_of(least), highest = decade_of(most);
-  // A value on a power of ten keeps one decade below itself, and none above.
+  // If the lowest value is a power of ten, the axis begins one decade below it.
   const int first = power_of_ten(lowest) == least ? lowest - 1 : lowest;
   const int last = std::max(power_of_ten(highest) == most ? highest : highest + 1, first + 1);
   Axis axis{.low = power_of_ten(first), .high = power_of_ten(last), .begin = begin, .end = end, .logarithmic = true};
@@ -55,7 +55,7 @@ double round_step(double range, double times) {
 
 Axis round_axis(std::span<const double> values, double times, double begin, double end) {
   const auto [least, most] = std::ranges::minmax(values);
-  // Values that differ by rounding alone are one.
+  // Values that differ only by rounding are equal.
   const bool apart = most - least > 1e-9 * std::max(std::abs(least), std::abs(most));
   return linear_axis(values, round_step(apart ? most - least : 0.0, times), begin, end);
 }

@@ -1,4 +1,4 @@
-// SVG drawings, mark by mark.
+// Draws SVG, mark by mark.
 #pragma once
 
 #include <array>
@@ -17,25 +17,28 @@ struct Axis {
   bool logarithmic = false;        // both ends above 0
   std::vector<double> ticks = {};  // from `low` to `high`
 
-  // Where `value` stands [px].
+  // Position of `value` [px].
   [[nodiscard]] double at(double value) const;
 };
 
-// The shortest axis of whole multiples of `step` that holds all `values`; at least one step.
+// The shortest axis of whole multiples of `step` that contains all `values`; at least one step.
 Axis linear_axis(std::span<const double> values, double step, double begin, double end);
-// The shortest axis of whole decades that begins below all `values`, which are above 0, and ends at or above them; at least one decade.
+// The shortest axis of whole decades that begins below all `values` (all > 0) and ends at or above
+// them; at least one decade.
 Axis decade_axis(std::span<const double> values, double begin, double end);
 
-// 1, 2 or 5 times a power of ten, the least that goes into `range` at most `times` times.
+// Smallest 1, 2 or 5 times a power of ten that divides `range` into at most `times` parts.
 double round_step(double range, double times);
-// The shortest axis in such steps that holds all `values`.
+// The shortest axis with steps of round_step() that contains all `values`.
 Axis round_axis(std::span<const double> values, double times, double begin, double end);
 
-// Series that web/theme.css has colours for.
+// Number of series colours in web/theme.css.
 inline constexpr std::size_t series_count = 8;
 
-// A drawing of a size [px]. Places are from its upper left corner, rounded to 0.1 px. `kind`: classes of web/drawing.css: a series "s0" to "s7",
-// "mesh", "limit", the levels "level0" (bad) to "level3" (good) of a bar; of a text "name" and "small", and "middle" and "end" for what of it stands at its place.
+// A drawing of a given size [px]. Coordinates are from its upper left corner, rounded to 0.1 px.
+// `kind`: classes of web/drawing.css: a series "s0" to "s7", "mesh", "limit", the levels "level0"
+// (bad) to "level3" (good) of a bar; for a text "name" and "small", and the anchors "middle" and
+// "end".
 class Svg {
  public:
   Svg(double width, double height);
@@ -47,9 +50,9 @@ class Svg {
   void text(std::string_view kind, double x, double y, std::string_view text);
   void text_upwards(std::string_view kind, double x, double y, std::string_view text);
 
-  // As a part of a page by compose_page(). `title`: what it shows, for those who do not see it.
+  // The drawing as an element for compose_page(). `title`: description for screen readers.
   [[nodiscard]] std::string element(std::string_view title) const;
-  // As a file of its own, with its colours in it, for light and dark pages.
+  // The drawing as a file of its own with its colours, for light and dark pages.
   [[nodiscard]] std::string file(std::string_view title) const;
 
  private:
@@ -57,12 +60,12 @@ class Svg {
   std::string marks_;
 };
 
-// Where the axes of a chart lie in its drawing [px].
+// Position of a chart's axes in its drawing [px].
 struct Frame {
   double width, height, left, right, top, foot;
 };
 
-// A chart with its axes, on which nothing is drawn yet. A name may be empty.
+// An empty chart with its axes. A name may be empty.
 Svg chart(const Frame& frame, const std::string& title, const Axis& across, const std::string& across_name, const Axis& up,
           const std::string& up_name = "");
 

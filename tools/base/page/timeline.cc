@@ -21,13 +21,13 @@ namespace {
 
 constexpr std::size_t most_buckets = 400;
 constexpr double time_left = 72.0, time_right = 900.0, time_top = 30.0, time_foot = 140.0, time_width = 920.0;
-constexpr double key_place = 50.0, strip_height = 14.0;  // px below the axis; of a row of states
-// Letters that fit between two marks of the key, and along the upright axis.
+constexpr double key_place = 50.0, strip_height = 14.0;  // px: key below the axis; height of a row of states
+// Maximum number of letters between two marks of the key, and along the vertical axis.
 constexpr std::size_t most_key_letters = 15, most_upright_letters = 18;
 
-// Times of a recording along a drawing.
+// Maps times of a recording to the horizontal axis.
 struct TimeAxis {
-  Axis shown;     // of times after `origin`
+  Axis shown;     // for times after `origin`
   double origin;  // s
 
   [[nodiscard]] double at(double time) const { return shown.at(time - origin); }
@@ -49,9 +49,9 @@ struct StateLook {
 constexpr std::array<StateLook, 4> state_looks{
     {{"no_contact", "no contact"}, {"non_slip", "non-slip"}, {"incipient", "incipient slip"}, {"gross", "gross slip"}}};
 
-// The end of a text that is too long for its place is left out.
+// Truncates a text that is too long for the key.
 std::string shortened(const std::string& text) {
-  std::size_t letters = 0, end = 0;  // `end`: of the letters that are kept
+  std::size_t letters = 0, end = 0;  // `end`: end of the kept letters
   for (std::size_t at = 0; at < text.size(); ++at) {
     const bool begins = (static_cast<unsigned char>(text[at]) & 0xC0U) != 0x80U;  // the first byte of a letter in UTF-8
     if (begins && letters++ == most_key_letters - 1) end = at;
@@ -59,7 +59,7 @@ std::string shortened(const std::string& text) {
   return letters <= most_key_letters ? text : text.substr(0, end) + "…";
 }
 
-// The key: a mark and a name for each thing that is drawn, in equal distances.
+// Draws the key: a mark and a name for each drawn item, equally spaced.
 void draw_key(Svg& svg, double y, std::span<const std::pair<std::string, std::string>> kinds_and_names) {
   constexpr double distance = (time_right - time_left) / static_cast<double>(series_count);
   double x = time_left;
@@ -70,7 +70,7 @@ void draw_key(Svg& svg, double y, std::span<const std::pair<std::string, std::st
   }
 }
 
-// A chart over time with the alarms shaded from top to foot.
+// A chart over time with the alarms shaded over its full height.
 Svg time_chart(const Frame& frame, const std::string& title, const TimeAxis& across, const Axis& up, const std::string& up_name,
                const TimelineMarks& marks) {
   Svg svg = chart(frame, title, across.shown, across.name(), up, up_name);
@@ -81,12 +81,13 @@ Svg time_chart(const Frame& frame, const std::string& title, const TimeAxis& acr
   return svg;
 }
 
-// Samples from `begin` to `end`, which is not one of them.
+// Samples from `begin` to `end`, exclusive.
 struct Run {
   std::size_t begin = 0, end = 0;
 };
 
-// The samples between gaps of the recording. A gap is longer than gap_steps median steps, and wide enough to be seen.
+// The samples between gaps of the recording. A gap is longer than gap_steps median steps and wide
+// enough to be visible.
 std::vector<Run> runs_of(const TimeAxis& across, std::span<const double> times) {
   constexpr double gap_steps = 5.0, least_width = 3.0;  // px
   std::vector<double> steps;
@@ -104,7 +105,7 @@ std::vector<Run> runs_of(const TimeAxis& across, std::span<const double> times) 
   return runs;
 }
 
-// A state lasts until the next sample, the last one before a gap until its own time.
+// A state lasts until the next sample; the last one before a gap ends at its own time.
 void draw_states(Svg& svg, const TimeAxis& across, double top, const std::vector<double>& time,
                  const std::vector<PadState>& states) {
   for (const Run& run : runs_of(across, time)) {
@@ -138,8 +139,8 @@ std::string states_drawing(const std::vector<double>& time, const TimeAxis& acro
   return svg.element("States over time [s]");
 }
 
-// A line from value to value, which begins anew after missing ones and after gaps. The least and the largest value of a bucket
-// of samples are drawn, so that no peak is lost.
+// Draws a line through the values, interrupted at missing values and gaps. Draws the least and the
+// largest value of each bucket of samples, so that no peak is lost.
 void draw_values(Svg& svg, const std::string& kind, const TimeAxis& across, const Axis& up, std::span<const double> times,
                  std::span<const double> values) {
   const std::size_t bucket = std::max<std::size_t>(1, times.size() / most_buckets);
@@ -179,14 +180,15 @@ struct Signal {
   [[nodiscard]] double range() const { return most - least; }
 };
 
-// Components of a vector that each unit of a channel has, as force [units, 3]; 1 for a channel without.
+// Number of vector components of each unit of a channel, such as 3 for force [units, 3]; else 1.
 std::size_t components_of(const SensorColumn& channel) {
   const bool vectors =
       channel.shape.size() > 1 && channel.shape.front() > 1 && (channel.shape.back() == 2 || channel.shape.back() == 3);
   return vectors ? channel.shape.back() : 1;
 }
 
-// The values of a component that are finite somewhere, those that change the most first. `names`: of the channel's values.
+// The values of a component that are finite at least once, those that change the most first.
+// `names`: of the channel's values.
 std::vector<Signal> signals_of(const SensorColumn& channel, std::span<const std::string> names, std::size_t component) {
   const std::size_t width = channel.row_size();
   std::vector<Signal> signals;
@@ -209,7 +211,7 @@ std::string with_unit(const SensorColumn& channel) {
   return channel.unit.empty() || channel.unit == "1" ? channel.name : fmt::format("{} [{}]", channel.name, channel.unit);
 }
 
-// With its unit, or the unit alone where both are too long; the title has the name.
+// Name with unit, or the unit alone if both are too long; the title has the name.
 std::string upright_name(const SensorColumn& channel) {
   const std::string name = with_unit(channel);
   return name.size() <= most_upright_letters ? name : name.substr(std::min(channel.name.size() + 1, name.size()));
@@ -228,7 +230,7 @@ std::string component_drawing(const SensorRecord& sensor, const SensorColumn& ch
   std::vector<double> ends;
   for (const Signal& signal : signals) ends.insert(ends.end(), {signal.least, signal.most});
   const Axis up = round_axis(ends, 4.0, time_foot, time_top);
-  const bool keyed = signals.size() > 1;  // one value has the channel's name
+  const bool keyed = signals.size() > 1;  // a single value has the channel's name
   const Frame frame{time_width, time_foot + (keyed ? key_place + 8.0 : 42.0), time_left, time_right, time_top, time_foot};
   Svg svg = time_chart(frame, title, across, up, upright_name(channel), marks);
   std::vector<std::pair<std::string, std::string>> key;
@@ -255,7 +257,7 @@ std::string probability_drawing(const std::vector<double>& time, const TimeAxis&
   return svg.element("Probability of slip over time [s]");
 }
 
-// The values of a recording of one sample, a channel a row.
+// The values of a recording of one sample, one row per channel.
 std::string values_html(const SensorRecord& sensor) {
   TextTable table{{"channel", "values"}, {}};
   for (const SensorColumn& channel : sensor.channels)
@@ -263,7 +265,8 @@ std::string values_html(const SensorRecord& sensor) {
   return "<p class=\"note\">One sample, which has no course over time.</p>\n" + table_html(table);
 }
 
-// Files of others may hold anything.
+// Throws InputError for times and names that cannot be drawn; files from elsewhere may hold
+// anything.
 void check_drawable(const SensorRecord& sensor) {
   std::size_t values = 0;
   for (const SensorColumn& channel : sensor.channels) {
@@ -279,7 +282,7 @@ void check_drawable(const SensorRecord& sensor) {
 }  // namespace
 
 double time_origin(const std::vector<double>& time) {
-  constexpr double longest_offset = 100.0;  // durations; the digits of the times beyond it would hide what differs
+  constexpr double longest_offset = 100.0;  // in durations; a larger offset would hide the digits in which times differ
   return std::abs(time.front()) > longest_offset * (time.back() - time.front()) ? time.front() : 0.0;
 }
 

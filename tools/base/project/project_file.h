@@ -1,12 +1,13 @@
-// Files of the project that the program reads while it runs.
+// Finds files of the project that the program reads at run time.
 #pragma once
 
 #include <string>
 
 namespace slipbench {
 
-// Where a file of the project is, given from its root ("scenes/papillarray/hexapod.yaml"): below share/slipbench of the prefix
-// that the program runs from, else, for a program in its build folder, in the source tree. Throws InputError when it is in neither.
+// Path of a project file given relative to the project's root ("scenes/papillarray/hexapod.yaml"):
+// below share/slipbench of the program's install prefix, else, for a program in its build folder,
+// in the source tree. Throws InputError if it is in neither.
 std::string project_file(const std::string& path);
 
 }  // namespace slipbench

@@ -40,7 +40,7 @@ bool has_extension(const std::string& folder) {
   });
 }
 
-// As exec takes them: null at the end.
+// Null-terminated argument list for exec.
 std::vector<char*> pointers_to(std::vector<std::string>& words) {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
@@ -77,7 +77,7 @@ PythonModule::PythonModule(std::string name, std::string purpose, const std::str
 std::vector<std::string> PythonModule::words(std::string request) const {
   const char* const others = std::getenv("PYTHONPATH");
   ::setenv("PYTHONPATH", others == nullptr ? folder_.c_str() : (folder_ + ":" + others).c_str(), 1);
-  // -P: no package of the folder where the user stands. -B: no byte code is written beside the package.
+  // -P: no package of the user's current folder. -B: no byte code is written into the package.
   return {program_, "-P", "-B", "-m", name_, std::move(request)};
 }
 

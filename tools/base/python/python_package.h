@@ -1,4 +1,5 @@
-// Work of a command that is done in Python: the program becomes, or runs, `python -m MODULE REQUEST`.
+// Runs parts of a command that are written in Python: the program becomes, or starts, `python -m
+// MODULE REQUEST`.
 #pragma once
 
 #include <atomic>
@@ -9,28 +10,31 @@ namespace slipbench {
 
 // A module of the package `slipbench`.
 //
-// The Python is the one that SLIPBENCH_PYTHON names, which is set where the package itself runs the program
-// (tools/python/slipbench/__main__.py). Without that variable it is build/venv of the build that the program is in.
+// The interpreter is that of SLIPBENCH_PYTHON, which the package sets when it runs the program
+// (tools/python/slipbench/__main__.py). Without that variable it is build/venv of the program's
+// build.
 class PythonModule {
  public:
-  // `name`: "slipbench._export", a package with a file __main__.py, or "slipbench._train", a file. `purpose`: what needs
-  // it, with which errors begin ("--format parquet"). `extra`: of pip's `slipbench[EXTRA]`, what the module imports
-  // beside the package; empty: nothing.
-  // Throws InputError with what would help where the package or the module is not there.
+  // `name`: "slipbench._export", a package with a file __main__.py, or "slipbench._train", a file.
+  // `purpose`: the feature that needs it, which begins errors ("--format parquet"). `extra`: of
+  // pip's `slipbench[EXTRA]`, for the module's further imports; empty: none.
+  // Throws InputError with a remedy if the package or the module is missing.
   PythonModule(std::string name, std::string purpose, const std::string& extra);
 
-  // The command that installs what the module imports.
+  // Command that installs the module's imports.
   [[nodiscard]] const std::string& install() const { return install_; }
 
-  // Replaces this process by `python -m NAME REQUEST`. SIGINT, SIGTERM and SIGHUP are blocked until the module unblocks
-  // them (slipbench/_program.py, Interrupt), since Python takes a while to start. Throws InputError when it cannot start.
+  // Replaces this process by `python -m NAME REQUEST`. SIGINT, SIGTERM and SIGHUP are blocked until
+  // the module unblocks them (slipbench/_program.py, Interrupt), since Python takes a while to
+  // start. Throws InputError if it cannot start.
   [[noreturn]] void start(std::string request) const;
 
   // Shows the user the module's stderr, or hides it.
   enum class Errors { shown, hidden };
-  // Runs it as a child process, whose stdout is discarded, and returns its exit status, 128 + the signal where one ended
-  // it. The child is killed once `interrupt` is set, which may be null: what it writes must be worth nothing then. It has
-  // a process group of its own, so a terminal's Ctrl-C reaches this process alone. Throws InputError when it cannot start.
+  // Runs the module as a child process, whose stdout is discarded, and returns its exit status, or
+  // 128 + the signal that ended it. The child is killed once `interrupt`, which may be null, is
+  // set: its output must be worthless then. It has its own process group, so a terminal's Ctrl-C
+  // reaches this process alone. Throws InputError if it cannot start.
   [[nodiscard]] int run(std::string request, Errors errors, const std::atomic<bool>* interrupt) const;
 
  private:
@@ -39,7 +43,7 @@ class PythonModule {
 
   std::string name_, purpose_;
   std::string program_;  // interpreter
-  std::string folder_;   // above the package
+  std::string folder_;   // contains the package
   std::string install_;
 };
 

@@ -14,7 +14,7 @@ using hdf5::check;
 using hdf5::Handle;
 using hdf5::Place;
 
-// The kinds of numbers that a dataset has, as numpy writes them; empty: none of them.
+// The kinds of numbers in a dataset, as numpy writes them; empty for other types.
 std::string_view kind_of(const Handle& type) {
   struct Kind {
     hid_t type;
@@ -33,7 +33,7 @@ struct Values {
   std::vector<std::string> texts;
 };
 
-// `what`: how messages call it. `texts` and `read` get what lies there.
+// `what`: name in messages. `texts` and `read` return the stored values.
 Values values_of(const Place& place, const std::string& what, const Handle& type, std::vector<std::size_t> extents,
                  std::uint64_t compression, const std::function<std::vector<std::string>()>& texts,
                  const std::function<herr_t(void*)>& read) {
@@ -76,10 +76,11 @@ void add(ContentDigest& digest, const std::string& key, const Values& values) {
   }
 }
 
-// Calls visit(place, object, path) for `object`, a group or array that is open at `place`, and all below it; `path` is that inside the first.
+// Calls visit(place, object, path) for `object`, a group or array that is open at `place`, and all
+// objects below it; `path` is relative to `object`.
 template <class Visit>
 void visit_from(const Place& place, const Handle& object, const std::string& path, const Visit& visit) {
-  H5O_info_t info{};  // goes through its lists of chunks and members as others do who ask for all that there is to know
+  H5O_info_t info{};  // reads the lists of chunks and members too, as readers do that request all information
   if (H5Oget_info2(object.get(), &info, H5O_INFO_ALL) < 0) place.fail("is damaged: " + hdf5::last_error());
   visit(place, object, path);
   if (H5Iget_type(object.get()) != H5I_GROUP) return;
@@ -95,13 +96,14 @@ void visit_all(const Place& place, const std::string& path, const Visit& visit) 
   visit_from(place, hdf5::open_object(place), path, visit);
 }
 
-// Whether an array is of the type and extents with which it was read.
+// True if an array has the type and extents with which it was read.
 bool is_as_read(const Place& place, const Handle& array, const ArrayView& read) {
   const Handle type(H5Dget_type(array.get()), &H5Tclose);
   return kind_of(type) == numpy_name(read.type) && hdf5::array_extents(place, array) == read.shape;
 }
 
-// Adds the entries of an object: an array's values, and all attributes but `except`, which only the first object has.
+// Adds the entries of an object: an array's values, and all attributes except `except`, which only
+// the first object has.
 void add_object(ContentDigest& digest, const Place& place, const Handle& object, const std::string& path, const char* except,
                 const std::map<std::string, ArrayView>& read = {}) {
   if (H5Iget_type(object.get()) != H5I_GROUP) {

@@ -43,7 +43,7 @@ void add_attribute(ContentDigest& digest, const EncodedAttribute& attribute) {
   std::visit(Adder{digest, attribute.path + "@" + attribute.name}, attribute.value);
 }
 
-// Returns that of the values.
+// Returns the digest of the values.
 const Digest& add_array(ContentDigest& digest, const std::string& path, ElementType type, const Extents& shape,
                         const void* values, std::size_t bytes, const std::string& unit, std::string_view codes) {
   const Digest& of_values = digest.add_numbers(path, numpy_name(type), shape, values, bytes);
@@ -52,7 +52,8 @@ const Digest& add_array(ContentDigest& digest, const std::string& path, ElementT
   return of_values;
 }
 
-// The same entries that content_digest.cc finds in the file. Calls see(array, digest of its values).
+// Adds the same entries that content_digest.cc finds in the file. Calls see(array, digest of its
+// values).
 template <class See>
 Digest digest_of(const std::vector<ArrayView>& arrays, const std::vector<EncodedAttribute>& attributes, const See& see) {
   ContentDigest digest;
@@ -62,7 +63,7 @@ Digest digest_of(const std::vector<ArrayView>& arrays, const std::vector<Encoded
   return digest.finish();
 }
 
-// HDF5's shuffle filter: all first bytes of the elements, then all second bytes, and so on.
+// Applies HDF5's shuffle filter: all first bytes of the elements, then all second bytes, and so on.
 template <std::size_t Size>
 void shuffle(const std::uint8_t* in, std::size_t bytes, std::uint8_t* out) {
   const std::size_t count = bytes / Size;
@@ -97,7 +98,8 @@ struct TrialEncoder::State {
   std::vector<std::uint8_t> padded;
   std::vector<std::uint8_t> shuffled;
   std::vector<std::uint8_t> deflated;
-  // What the small arrays of the last trial became, by path: time and bodies at rest are the same in each trial.
+  // The last trial's encoded small arrays, by path: time stamps and resting bodies are equal in
+  // each trial.
   static constexpr std::size_t most_kept = chunk_bytes / 4;
   struct Kept {
     Digest digest;
@@ -105,7 +107,8 @@ struct TrialEncoder::State {
   };
   std::map<std::string, Kept> kept;
 
-  // Whether no byte of a plane tells of another one, as of mantissas under noise: deflating a sample of it gains nothing.
+  // True if the bytes of a plane are incompressible, as mantissas under noise: deflating a sample
+  // gains nothing.
   bool is_noise(const std::uint8_t* plane, std::size_t size) {
     constexpr std::size_t pieces = 4;
     constexpr std::size_t piece = 512;
@@ -115,11 +118,12 @@ struct TrialEncoder::State {
     return libdeflate_deflate_compress(compressor.get(), sample.data(), sample.size(), smaller.data(), smaller.size()) == 0;
   }
 
-  // A zlib stream. Planes of noise come first, as they are: a compressor would look for patterns in vain, and long.
+  // Returns a zlib stream. Leading planes of noise are stored uncompressed: searching them for
+  // patterns is slow and gains nothing.
   std::vector<std::uint8_t> deflate_chunk(const std::uint8_t* bytes, std::size_t size, std::size_t element) {
     const std::uint8_t* source = bytes;
     if (element > 1) {
-      shuffled.resize(std::max(shuffled.size(), size));  // what is cut off would be cleared when it is needed again
+      shuffled.resize(std::max(shuffled.size(), size));  // never shrinks, since resize() would clear the bytes again
       if (element == 8) {
         shuffle<8>(bytes, size, shuffled.data());
       } else {
@@ -200,7 +204,7 @@ EncodedTrial TrialEncoder::encode(const TrialRecord& record) {
   trial.trial = record.trial;
   trial.material = record.material;
   trial.attributes = attributes_of(record);
-  // A record that was read has its sensors in another order, and is to give the same bytes.
+  // The sensors of a record read from a file are in another order; the bytes must be equal.
   std::ranges::stable_sort(trial.attributes, {}, &EncodedAttribute::path);
   trial.digest = digest_of(arrays_of(record), trial.attributes, [&](const ArrayView& view, const Digest& digest) {
     trial.arrays.push_back(state_->encode_array(view, digest));

@@ -1,5 +1,5 @@
-// What a trial is in a dataset: its arrays and attributes, by which it is written and read, and the bytes that are stored: the costly
-// part of writing, done by worker threads.
+// Arrays and attributes of a trial in a dataset, and their encoding: the expensive part of writing,
+// which worker threads do.
 #pragma once
 
 #include <cstddef>
@@ -15,15 +15,15 @@
 
 namespace slipbench {
 
-// Which arrays and attributes a trial has in the file: the one list that the writing and the reading side share.
+// Arrays and attributes of a trial in the file: one list for both writer and reader.
 using Extents = std::vector<std::size_t>;
 
 // Attribute `frame` of a sensor's labels.
 inline constexpr const char* label_frame_text =
     "contact plane: the pad frame P turned the shortest way until its z is the surface's normal; x and y are tangential, z is normal, compression is positive; forces act on the pad; positions, heights and slip_centre are in the pad frame P itself";
 
-// Attribute `codes` of an array of labels, events or the control loop whose numbers stand for something: a JSON object, word to
-// number. Empty for the others.
+// Attribute `codes` of an array of labels, events or the control loop whose numbers are codes: a
+// JSON object, word to number. Empty for other arrays.
 inline std::string_view codes_of(std::string_view array) {
   if (array == "unit_state") return R"({"detached":0,"stick":1,"slip":2,"partial":3})";
   if (array == "events/kind") return R"({"touch":0,"slip":1,"stick":2,"detach":3,"micro":4,"part_sticks":5})";
@@ -33,8 +33,9 @@ inline std::string_view codes_of(std::string_view array) {
   return {};
 }
 
-// Calls visit(name, unit, extents after the first axis, column) for every label that has a row a sample. `units`: N. Labels without
-// truth have state_paper alone, and no event and no attribute of units.
+// Calls visit(name, unit, extents after the first axis, column) for every label with one row per
+// sample. `units`: N. Labels without truth have state_paper alone, and neither events nor
+// attributes of units.
 template <class Labels, class Visit>
 void for_each_label(Labels& labels, std::size_t units, Visit&& visit) {
   if (!labels.truth) {
@@ -55,7 +56,7 @@ void for_each_label(Labels& labels, std::size_t units, Visit&& visit) {
   visit("slip_angle", "rad", Extents{}, labels.slip_angle);
 }
 
-// The same for the columns of the events, which have a row an event.
+// As above for the columns of the events, with one row per event.
 template <class Labels, class Visit>
 void for_each_event_column(Labels& labels, Visit&& visit) {
   if (!labels.truth) return;
@@ -74,7 +75,8 @@ void for_each_timing_attribute(Timing& timing, Visit&& visit) {
   visit("time_resolution_s", timing.resolution);
 }
 
-// Calls visit(name, extents after the first axis, values) for every attribute of the labels, which have a row a unit.
+// Calls visit(name, extents after the first axis, values) for every attribute of the labels with
+// one row per unit.
 template <class Labels, class Visit>
 void for_each_unit_attribute(Labels& labels, Visit&& visit) {
   if (!labels.truth) return;
@@ -95,13 +97,14 @@ void for_each_body_column(Body& body, Visit&& visit) {
   visit("velocity", "m/s, rad/s", Extents{6}, body.velocity);
 }
 
-// The same for every array of the control loop, which has a row a sample of the sensor that it reads.
+// As above for every array of the control loop, with one row per sample of the sensor that the loop
+// reads.
 template <class Control, class Visit>
 void for_each_control_column(Control& control, Visit&& visit) {
   visit("detector_class", "1", Extents{}, control.detector_class);
 }
 
-// The same for those that only a grasp has.
+// As above for the arrays of a grasp.
 template <class Grip, class Visit>
 void for_each_grip_column(Grip& grip, Visit&& visit) {
   visit("command", "1", Extents{3}, grip.command);
@@ -109,18 +112,18 @@ void for_each_grip_column(Grip& grip, Visit&& visit) {
   visit("grip_force", "N", Extents{}, grip.grip_force);
 }
 
-// The same for what only a grasp with a guided arm has.
+// As above for the arrays of a grasp with a guided arm.
 template <class Grip, class Visit>
 void for_each_arm_column(Grip& grip, Visit&& visit) {
   visit("arm_speed", "m/s", Extents{2}, grip.arm);
 }
 
-// Whether a sensor has a group of labels: an imported recording whose set says nothing of slip has none.
+// True if a sensor has a group of labels; an imported recording without slip labels has none.
 inline bool has_labels(const LabelRecord& labels) { return labels.truth || !labels.state_paper.empty(); }
 
 inline constexpr const char* control_group = "control";
 inline std::string sensor_group(const std::string& sensor) { return "sensors/" + sensor; }
-// Where the time of a channel stands that has one of its own.
+// Path of the time stamps of a channel that has its own.
 inline std::string own_time_path(const std::string& channel) { return channel + "_t"; }
 inline std::string label_group(const std::string& sensor) { return "labels/" + sensor; }
 inline std::string body_group(const std::string& body) { return "truth/" + body; }
@@ -138,15 +141,15 @@ constexpr std::size_t size_of(ElementType type) {
   return 0;
 }
 
-// As numpy's dtype.str: "<f8".
+// Type as in numpy's dtype.str: "<f8".
 std::string_view numpy_name(ElementType type);
 
-// One dataset of a demo: little-endian values in C order, cut along the first axis into chunks of equal extent, each shuffled and
-// deflated as HDF5's filters would.
+// One dataset of a demo: little-endian values in C order, cut along the first axis into chunks of
+// equal extent, each shuffled and deflated like HDF5's filters do.
 struct EncodedArray {
   std::string path;   // inside the demo: "labels/pad/state"
   std::string unit;   // SI symbol, "1" for a pure number
-  std::string codes;  // JSON, what its numbers stand for; empty: they are quantities
+  std::string codes;  // JSON, meaning of its codes; empty: quantities
   ElementType type = ElementType::f32;
   std::vector<std::size_t> shape;
   std::size_t chunk_rows = 0;  // extent of a chunk along the first axis; 0: the array is empty
@@ -168,21 +171,22 @@ struct EncodedAttribute {
 struct EncodedTrial {
   std::size_t trial = 0;
   std::string material;
-  std::vector<EncodedArray> arrays;          // in ascending order of path
-  std::vector<EncodedAttribute> attributes;  // likewise
+  std::vector<EncodedArray> arrays;          // ascending by path
+  std::vector<EncodedAttribute> attributes;  // ascending by path
   Digest digest{};                           // of all arrays and attributes, see README.md; also the attribute `sha256`
 };
 
-// Encodes trials. One object a thread: it holds the compressor and its buffers.
+// Encodes trials. Use one object per thread: it holds the compressor and its buffers.
 class TrialEncoder {
  public:
-  static constexpr int deflate_level = 1;              // README.md has the measurements
+  static constexpr int deflate_level = 1;              // for the measurements see README.md
   static constexpr std::size_t chunk_bytes = 1 << 20;  // largest chunk before compression
 
   TrialEncoder();
   ~TrialEncoder();
 
-  // Throws std::logic_error when a column's length does not fit the number of samples: that is a bug.
+  // Throws std::logic_error if a column's length does not match the number of samples, which is a
+  // bug.
   EncodedTrial encode(const TrialRecord& record);
 
  private:
@@ -190,33 +194,36 @@ class TrialEncoder {
   std::unique_ptr<State> state_;
 };
 
-// EncodedTrial::digest of a trial, without encoding it.
+// Computes EncodedTrial::digest of a trial without encoding it.
 Digest trial_digest(const TrialRecord& record);
 
-// SHA-256 of what truly happened at a pad, 64 hexadecimal digits: forces and states of its units. Trials in which it is equal are one experiment
-// made twice, whose sensors differ in their noise at most. Empty: the recording has no truth, or nothing pressed on the pad.
+// SHA-256 of the truth at a pad, 64 hexadecimal digits: forces and states of its units. Trials with
+// equal values are one experiment made twice; their sensors differ at most in noise. Empty if the
+// recording has no truth or nothing pressed on the pad.
 std::string truth_sha256(const LabelRecord& labels);
 
-// SHA-256 over the trials' digests in order, as 64 hexadecimal digits: the content_sha256 of schema 1.
+// SHA-256 over the trials' digests in order, as 64 hexadecimal digits: the content_sha256 of schema
+// 1.
 std::string content_digest(const std::vector<Digest>& digests);
 
 // SHA-256 of the bytes of a text as 64 hexadecimal digits.
 std::string text_sha256(const std::string& text);
-// Its bytes.
+// SHA-256 of the bytes of a text.
 Digest text_digest(const std::string& text);
 
-// SHA-256 of a file's bytes as 64 hexadecimal digits, as sha256sum prints it. Throws InputError when it cannot be read.
+// SHA-256 of a file's bytes as 64 hexadecimal digits, as sha256sum prints it. Throws InputError if
+// the file is unreadable.
 std::string file_sha256(const std::string& path);
 
-// The arrays of a trial under the names that they have in a dataset.
+// Arrays of a trial under their names in a dataset.
 
-// A column of a record and where it goes. It looks into the record.
+// A view of a column of a record with its path in the dataset. The record must outlive it.
 struct ArrayView {
   std::string path;        // inside the demo: "labels/pad/state"
   std::string unit;        // SI symbol, "1" for a pure number
-  std::string_view codes;  // of JSON, what its numbers stand for; empty: they are quantities
+  std::string_view codes;  // JSON, meaning of its codes; empty: quantities
   ElementType type = ElementType::f32;
-  Extents shape;                        // a row a sample first
+  Extents shape;                        // samples first
   const std::uint8_t* bytes = nullptr;  // little-endian values in C order
 
   [[nodiscard]] std::size_t row_bytes() const {
@@ -227,11 +234,11 @@ struct ArrayView {
   [[nodiscard]] std::size_t size_bytes() const { return shape[0] * row_bytes(); }
 };
 
-// All arrays of a trial in ascending order of path. Throws std::logic_error when a column's length does not fit the number of
-// samples.
+// All arrays of a trial in ascending order of path. Throws std::logic_error if a column's length
+// does not match the number of samples.
 std::vector<ArrayView> arrays_of(const TrialRecord& record);
 
-// Attributes of a trial and of what is in it, without `sha256`.
+// Attributes of a trial and its groups, without `sha256`.
 std::vector<EncodedAttribute> attributes_of(const TrialRecord& record);
 
 }  // namespace slipbench

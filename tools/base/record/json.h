@@ -1,4 +1,4 @@
-// JSON whose keys stay in the order in which they were put in.
+// JSON with keys in insertion order.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@ namespace slipbench {
 
 using Json = nlohmann::ordered_json;
 
-// JSON has neither NaN nor infinity: null stands for them, and for what is not there.
+// null for NaN, infinity and missing values, which JSON cannot represent.
 inline Json or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 template <class Value>
 Json or_null(const std::optional<Value>& value) {

@@ -13,7 +13,7 @@
 namespace slipbench {
 namespace {
 
-// With the spacing of doubles: two stamps, each rounded as it was read and as it was scaled.
+// Resolution plus the spacing of doubles at two stamps, each rounded when read and when scaled.
 double whole_resolution(std::span<const double> times, double resolution) {
   const double largest = std::max(std::abs(times.front()), std::abs(times.back()));
   return resolution + 2.0 * std::numeric_limits<double>::epsilon() * largest;
@@ -30,7 +30,8 @@ double median_step(std::span<const double> times) {
   return 0.5 * (*middle + *std::max_element(steps.begin(), middle));
 }
 
-// The value with the fewest significant digits within [low, high], the nearest to `value` of several; `value` where 15 digits are too few.
+// The value with the fewest significant digits within [low, high], the nearest to `value` if there
+// are several; `value` if 15 digits are too few.
 double roundest(double low, double value, double high) {
   constexpr int digits_of_a_double = 15;
   const int exponent = decade_of(value);
@@ -83,7 +84,7 @@ bool evenly_spaced(std::span<const double> times, double resolution) {
   if (times.size() < 2) return true;
   const double mean = mean_step(times), uncertain = whole_resolution(times, resolution);
   if (differ(median_step(times), mean, uncertain)) return false;
-  // By how much stretches that end here are too long and too short, at most.
+  // Largest excess and largest deficit of the intervals that end here.
   double longest = 0.0, shortest = 0.0;
   for (std::size_t k = 1; k < times.size(); ++k) {
     const double excess = times[k] - times[k - 1] - mean, tolerated = rate_tolerance * mean;

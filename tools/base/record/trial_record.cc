@@ -17,7 +17,7 @@ double number_or_nan(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
 }
 
-// By Detection.
+// Indexed by Detection.
 constexpr std::array<std::string_view, 5> detection_words{"quiet", "false_alarm", "early", "seen", "missed"};
 
 Detection detection_of(const std::string& word) {
@@ -40,7 +40,7 @@ void for_each_grasp_number(Grasp&& grasp, Visit&& visit) {
   visit("reaction_time_s", grasp.reaction_time);
 }
 
-// All null.
+// All values null in JSON.
 constexpr GraspOutcome no_grasp{.max_grip_force = std::numeric_limits<double>::quiet_NaN(),
                                 .final_grip_force = std::numeric_limits<double>::quiet_NaN()};
 
@@ -124,7 +124,7 @@ TrialOutcome parse_outcome(const std::string& text) {
       outcome.grasp->dropped = dropped.get<bool>();
       if (const Json lifted = json.value("lifted", Json(nullptr)); !lifted.is_null()) outcome.grasp->lifted = lifted.get<bool>();
       for_each_grasp_number(*outcome.grasp, [&json](const std::string& key, double& value) {
-        // Datasets of versions up to 0.2.0 do not say how high a box was lifted.
+        // Datasets of versions up to 0.2.0 lack the lift height of a box.
         value = number_or_nan(key == "lift_height_m" ? json.value(key, Json(nullptr)) : json.at(key));
       });
       if (json.contains("standing")) {

@@ -11,7 +11,7 @@ namespace {
 constexpr std::array contact_states{PadState::non_slip, PadState::incipient, PadState::gross};
 constexpr std::array slip_states{PadState::incipient, PadState::gross};
 
-// The recalls of the states that occur.
+// Recalls of the states that occur.
 std::vector<double> recalls(const Confusion& confusion) {
   std::vector<double> found;
   for (const PadState truth : contact_states) {

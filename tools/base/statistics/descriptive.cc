@@ -16,7 +16,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// Probability of k or more successes in n trials with p in (0, k/n]: from k on the terms only fall.
+// Probability of k or more successes in n trials with p in (0, k/n]; the terms decrease from k on.
 double upper_tail(double k, double n, double p) {
   double term = math::exp(math::lgamma(n + 1.0) - math::lgamma(k + 1.0) - math::lgamma(n - k + 1.0) + k * math::log(p) +
                           (n - k) * math::log1p(-p));
@@ -36,12 +36,13 @@ double lower_bound(std::size_t k, std::size_t n, double outside) {
   double high = count / all;
   while (true) {
     const double middle = 0.5 * (low + high);
-    if (middle <= low || middle >= high) return middle;  // they are neighbours
+    if (middle <= low || middle >= high) return middle;  // adjacent doubles
     (upper_tail(count, all, middle) < outside ? low : high) = middle;
   }
 }
 
-// For each of `values` the share of `others` below it, equal ones counting half. `others` in ascending order.
+// For each of `values` the share of `others` below it, ties counting half. `others` in ascending
+// order.
 std::vector<double> shares_below(std::span<const double> values, const std::vector<double>& others) {
   std::vector<double> shares;
   shares.reserve(values.size());
@@ -62,13 +63,15 @@ std::vector<double> sorted(std::span<const double> values) {
   return result;
 }
 
-// What the values of a group are above or below what is expected of that many: of its positives against all negatives, and the other way.
+// Sums over a group of the deviations from the expected shares: of its positives against all
+// negatives, and vice versa.
 struct Group {
   double positives = 0.0, negatives = 0.0;
   bool has_positives = false, has_negatives = false;
 };
 
-// n/(n - 1) for the bias of a variance about its own mean; of one group nothing is known, and it adds nothing.
+// n/(n - 1), which corrects the bias of a variance about its own mean; 0 for fewer than two groups,
+// whose variance is unknown.
 double unbiased(std::size_t groups) { return groups < 2 ? 0.0 : static_cast<double>(groups) / static_cast<double>(groups - 1); }
 
 }  // namespace

@@ -28,13 +28,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Kind = ChildEnd::Kind;
 
-// How often an interrupt and the limit are looked for.
+// Polling period of the interrupt and the time limit.
 constexpr std::chrono::milliseconds between_looks{50};
 
-// The status of a child for which another part of this process has waited, or whose end nobody asks for (SIGCHLD ignored).
+// Status of a child that another part of this process waited for, or with SIGCHLD ignored.
 constexpr int no_status = -1;
 
-// What a child sends begins with one of the first three, and ends with the last.
+// A child's message begins with one of the first three marks and ends with the last.
 constexpr char result_mark = 'r', bad_input_mark = 'i', failure_mark = 'f', end_mark = '.';
 
 std::string message_of(const std::function<std::string()>& action) {
@@ -52,23 +52,24 @@ std::string message_of(const std::function<std::string()>& action) {
 [[noreturn]] void be_the_child(int channel, const std::function<std::string()>& action) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // In a group of its own a child that reads from the terminal, or sets it, would be stopped.
+  // The child is in a background process group, where reading from or configuring the terminal
+  // would stop it.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
   const pid_t self = ::getpid();
   const std::string message = message_of(action) + end_mark;
-  if (::getpid() != self) ::_exit(0);  // the action has forked, and this is the copy
-  std::fflush(nullptr);                // what a library has printed
+  if (::getpid() != self) ::_exit(0);  // the action forked; this is the copy
+  std::fflush(nullptr);                // output of libraries
   for (std::size_t sent = 0; sent < message.size();) {
     const ssize_t count = ::write(channel, message.data() + sent, message.size() - sent);
     if (count < 0 && errno != EINTR) ::_exit(1);
     if (count > 0) sent += static_cast<std::size_t>(count);
   }
-  ::_exit(0);  // nothing of the parent's is torn down or flushed twice
+  ::_exit(0);  // skips the parent's clean-up and second flush
 }
 
 void end_group(pid_t process) {
   ::kill(-process, SIGKILL);
-  ::kill(process, SIGKILL);  // it may not have made its group yet
+  ::kill(process, SIGKILL);  // the child may not have created its group yet
 }
 
 }  // namespace
@@ -101,15 +102,15 @@ void ChildProcesses::start(std::size_t index, const std::function<std::string()>
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) reject("cannot make a pipe: {}", std::strerror(errno));
   ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
-  std::fflush(nullptr);  // what waits here would be written by the child, too
+  std::fflush(nullptr);  // otherwise the child would write the pending output too
   const pid_t process = fork_();
   if (process == 0) be_the_child(ends[1], action);
   const int end =
-      process > 0 ? static_cast<int>(::syscall(SYS_pidfd_open, process, 0)) : -1;  // glibc 2.36 declares it for C alone
+      process > 0 ? static_cast<int>(::syscall(SYS_pidfd_open, process, 0)) : -1;  // glibc 2.36 declares it for C only
   const int error = errno;
   ::close(ends[1]);
   running_.push_back({index, process, end, ends[0], Clock::now(), {}});
-  // With SIGCHLD ignored a child that has ended is gone at once. What it sent is in the pipe.
+  // With SIGCHLD ignored a child disappears as soon as it ends; its message is in the pipe.
   if (end >= 0 || (process > 0 && error == ESRCH)) return;
   if (process > 0) end_group(process);
   static_cast<void>(end_of(running_.back()));
@@ -117,7 +118,7 @@ void ChildProcesses::start(std::size_t index, const std::function<std::string()>
   reject("cannot start a process: {}", std::strerror(error));
 }
 
-// Takes what the pipe holds now.
+// Reads the bytes that the pipe holds now.
 void ChildProcesses::read(Child& child) {
   std::array<char, 65536> buffer{};
   while (child.channel >= 0) {
@@ -129,13 +130,13 @@ void ChildProcesses::read(Child& child) {
   }
 }
 
-// Call it when the process has ended, or has been killed.
+// Call when the process has ended or was killed.
 ChildEnd ChildProcesses::end_of(Child& child) {
   ChildEnd end;
   end.status = no_status;
   while (child.process > 0 && ::waitpid(child.process, &end.status, 0) < 0 && errno == EINTR) continue;
   read(child);
-  if (child.channel >= 0) ::close(child.channel);  // what the action has started may hold the other end open
+  if (child.channel >= 0) ::close(child.channel);  // a process started by the action may hold the other end open
   if (child.end >= 0) ::close(child.end);
   if (child.process > 0) ::kill(-child.process, SIGKILL);
   const bool whole = child.sent.size() >= 2 && child.sent.back() == end_mark;

@@ -13,16 +13,16 @@ namespace {
 std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
 
-std::string announcement;                            // whole before the handler is set
-constexpr std::string_view clear_line = "\r\033[K";  // on a terminal a progress bar may stand in it
+std::string announcement;                            // complete before the handler is installed
+constexpr std::string_view clear_line = "\r\033[K";  // a terminal may show a progress bar
 volatile std::sig_atomic_t on_terminal = 0;
 
-// Nothing can be done where stderr cannot be written.
+// The result is ignored: nothing can be done if stderr is not writable.
 void say(std::string_view text) { [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size()); }
 
 void note_interrupt(int signal) {
   if (interrupted.exchange(true)) {
-    std::raise(signal);  // the other signal came first; this one's action is the default again
+    std::raise(signal);  // the default action is restored: this is the second signal
     return;
   }
   const int before = errno;

@@ -1,4 +1,4 @@
-// Ctrl-C that ends what runs and keeps what is finished.
+// Lets Ctrl-C stop a command and keep finished work.
 #pragma once
 
 #include <atomic>
@@ -9,9 +9,10 @@
 
 namespace slipbench {
 
-// While alive, the first SIGINT, SIGTERM or SIGHUP sets the flag and says on stderr what happens next, `notice`, and the second
-// ends the process as usual; a signal that was ignored before (a job that a script put in the background) stays ignored. A write
-// beyond the process's limit on file sizes fails instead of ending it. One at a time.
+// While alive, the first SIGINT, SIGTERM or SIGHUP sets the flag and prints `notice` on stderr, and
+// the second ends the process as usual. A signal that was ignored before (a background job of a
+// script) stays ignored. A write beyond the process's file size limit fails instead of ending the
+// process. Only one guard may exist at a time.
 class InterruptGuard {
  public:
   explicit InterruptGuard(std::string_view notice = "stopping");

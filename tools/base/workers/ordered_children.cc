@@ -24,7 +24,7 @@ void OrderedChildren::start_more() {
 }
 
 bool OrderedChildren::ready_until(Clock::time_point deadline) {
-  constexpr std::chrono::milliseconds between_looks{50};  // at an interrupt
+  constexpr std::chrono::milliseconds between_looks{50};  // polling period of the interrupt
   while (true) {
     start_more();
     if (delivered_ == count_ || interrupted() || place_of(delivered_)) return true;

@@ -1,4 +1,4 @@
-// Numbered work in child processes, whose results come back in order.
+// Runs numbered work in child processes and returns the results in order.
 #pragma once
 
 #include <atomic>
@@ -14,18 +14,19 @@
 
 namespace slipbench {
 
-// As OrderedWorkers, with a child process for each work in place of threads: each begins with the memory of this process as it is at that time, and
-// leaves nothing to the next. Only a few results wait at a time.
+// Like OrderedWorkers, with a child process per work item in place of threads: each starts with a
+// copy of this process's current memory and passes nothing to the next. Few results wait at a time.
 class OrderedChildren {
  public:
-  // Does work(0) to work(count - 1), up to `jobs` at a time. `limit`: s that one may take; `fork`: see ChildProcesses. Once `interrupt` is true, which
-  // may be null, no further work begins, and next() waits for none.
+  // Runs work(0) to work(count - 1), up to `jobs` at a time. `limit`: time limit of each [s];
+  // `fork`: see ChildProcesses. Once `interrupt`, which may be null, is true, no further work
+  // starts and next() does not wait.
   OrderedChildren(std::size_t count, std::size_t jobs, std::function<std::string(std::size_t)> work,
                   const std::atomic<bool>* interrupt, double limit = std::numeric_limits<double>::infinity(), Fork fork = {});
 
-  // Whether next() would return at once; waits for that until `deadline`.
+  // True if next() would return at once; waits for that until `deadline`.
   bool ready_until(std::chrono::steady_clock::time_point deadline);
-  // How the next one ended; empty after the last, and once interrupted.
+  // End of the next work item; empty after the last one, and once interrupted.
   std::optional<ChildEnd> next();
 
  private:

@@ -1,4 +1,4 @@
-// Worker threads whose results come back in order.
+// Runs work on threads and returns the results in order.
 #pragma once
 
 #include <atomic>
@@ -19,18 +19,19 @@
 
 namespace slipbench {
 
-// Does work 0, 1, ... count-1 on several threads and hands over the results in this order, whichever is ready first. Only a few
-// results wait at a time, so that memory does not grow with `count`.
+// Runs work 0, 1, ... count-1 on several threads and returns the results in this order. Few results
+// wait at a time, so that memory does not grow with `count`.
 template <class Result>
 class OrderedWorkers {
  public:
   using Work = std::function<Result(std::size_t)>;
 
-  // Each thread calls `make_work` once, when it begins its first work, and then its work. `interrupt` may be null; once true, no
-  // further work is begun. Throws InputError when the system does not give that many threads; then no work has begun.
+  // Each thread calls `make_work` once, before its first work item, and then the work. `interrupt`
+  // may be null; once true, no further work starts. Throws InputError if the system cannot create
+  // that many threads; then no work has started.
   OrderedWorkers(std::size_t count, std::size_t threads, std::function<Work()> make_work, const std::atomic<bool>* interrupt)
       : count_(count), make_work_(std::move(make_work)), interrupt_(interrupt), active_(threads), ready_(2 * threads + 2) {
-    const std::lock_guard lock(mutex_);  // holds the first threads back until there are all
+    const std::lock_guard lock(mutex_);  // holds the first threads back until all exist
     try {
       threads_.reserve(threads);
       while (threads_.size() < threads) threads_.emplace_back([this] { run(); });
@@ -43,7 +44,7 @@ class OrderedWorkers {
       throw;
     }
   }
-  // Waits for the work that has begun; begins no other.
+  // Waits for started work; starts no other.
   ~OrderedWorkers() {
     {
       const std::lock_guard lock(mutex_);
@@ -54,14 +55,14 @@ class OrderedWorkers {
   OrderedWorkers(const OrderedWorkers&) = delete;
   OrderedWorkers& operator=(const OrderedWorkers&) = delete;
 
-  // Whether next() would return at once; waits for that until `deadline`.
+  // True if next() would return at once; waits for that until `deadline`.
   bool ready_until(std::chrono::steady_clock::time_point deadline) {
     std::unique_lock lock(mutex_);
     return changed_.wait_until(lock, deadline, [&] { return place_of(delivered_).has_value() || active_ == 0; });
   }
 
-  // The next result; empty after the last one, or after the last that had begun before the interrupt. Rethrows what the work, or
-  // the making of it, threw; no further work is begun after that.
+  // The next result; empty after the last one, or after the last one started before the interrupt.
+  // Rethrows the exception of the work or of `make_work`; no further work starts then.
   std::optional<Result> next() {
     std::unique_lock lock(mutex_);
     std::optional<Outcome>& place = place_of(delivered_);
@@ -75,9 +76,10 @@ class OrderedWorkers {
     return std::move(outcome.result);
   }
 
-  // Lets a worker destroy the result, before its next work. Memory that the caller frees here and allocates anew for something
-  // that stays would keep the memory around it in the workers' heaps, which is many times its own: threads have heaps of their
-  // own, and each hands out again what it has freed last, whosever it was.
+  // Lets a worker destroy the result before its next work. If the caller freed it here and reused
+  // the memory for something permanent, the surrounding memory in the workers' heaps, many times as
+  // much, would stay allocated: each thread has its own heap, which hands out first what was freed
+  // last, by any thread.
   void give_back(Result result) {
     const std::lock_guard lock(mutex_);
     spent_.push_back(std::move(result));
@@ -89,7 +91,7 @@ class OrderedWorkers {
     std::exception_ptr error;
   };
 
-  // What the making and the work throw reaches the caller.
+  // Exceptions of `make_work` and of the work reach the caller.
   void run() {
     Work work;
     while (const std::optional<std::size_t> index = claim()) {
@@ -102,7 +104,7 @@ class OrderedWorkers {
       }
       {
         const std::lock_guard lock(mutex_);
-        if (outcome.error) stopped_ = true;  // all work before it has begun: none other can be the first to fail
+        if (outcome.error) stopped_ = true;  // all earlier work has started, so no other can fail first
         place_of(*index) = std::move(outcome);
       }
       changed_.notify_all();
@@ -123,7 +125,7 @@ class OrderedWorkers {
     return claimed_++;
   }
 
-  // Work runs ahead of what is delivered by no more than there are places, so that each has one of its own.
+  // Work runs ahead of delivery by no more than ready_.size(), so that each item has its own slot.
   std::optional<Outcome>& place_of(std::size_t index) { return ready_[index % ready_.size()]; }
 
   [[nodiscard]] bool ended() const { return stopped_ || claimed_ == count_ || (interrupt_ != nullptr && interrupt_->load()); }
@@ -141,7 +143,7 @@ class OrderedWorkers {
   std::vector<std::optional<Outcome>> ready_;
   std::vector<Result> spent_;
 
-  std::vector<std::jthread> threads_;  // last: joined before the rest is destroyed
+  std::vector<std::jthread> threads_;  // last: joined before the other members are destroyed
 };
 
 }  // namespace slipbench

@@ -1,7 +1,7 @@
-// What charts are made of: marks of series, axes, keys, tips.
+// Parts of charts: marks of series, axes, keys, tips.
 const el = sb.element, mark = sb.mark;
 
-// A symbol of d3: its triangle, pointing down.
+// d3's triangle, pointing down.
 const triangleDown = {
   draw(path, size) {
     const mirrored = {
@@ -10,22 +10,23 @@ const triangleDown = {
     d3.symbolTriangle.draw(mirrored, size);
   }
 };
-// A shape for each colour, so that neither is needed to tell two series apart.
+// Each colour has its own shape, so that either one identifies the series.
 const shapes = [
   d3.symbolCircle, d3.symbolSquare, d3.symbolTriangle, d3.symbolDiamond2, d3.symbolStar, triangleDown, d3.symbolCross, d3.symbolWye
 ];
-// The mark of a series; all have the area of a circle of that radius [px].
+// Mark of a series; all have the area of a circle of that radius [px].
 sb.markPath = (index, radius) => d3.symbol(shapes[index % shapes.length], Math.PI * radius ** 2)();
 sb.hue = index => 'var(--s' + index % shapes.length + ')';
 
 sb.text = (x, y, anchor, words, kind) => mark('text.' + (kind || ''), {x, y, 'text-anchor': anchor}, words);
-// What a key says: marks in a frame of px, and their name.
+// An entry of a key: marks in a frame [px], and their name.
 sb.key = (viewBox, marks, words, kind) =>
     el('span', {}, mark('svg.' + (kind || ''), {viewBox, 'aria-hidden': 'true'}, marks), words);
 
 sb.scale = (logarithmic, domain, range) => (logarithmic ? d3.scaleLog : d3.scaleLinear)(domain, range);
 
-// The ticks of a scale, about one in `needed` px. Of a logarithmic one the powers of ten, and 2 and 5 times these where they have room.
+// Ticks of a scale, about one per `needed` px. A logarithmic scale has the powers of ten, and 2 and
+// 5 times them if they fit.
 sb.ticks = (scale, needed) => {
   const [begin, end] = scale.range(), room = Math.abs(end - begin);
   if (!scale.base) return scale.ticks(Math.max(1, room / needed));
@@ -36,7 +37,8 @@ sb.ticks = (scale, needed) => {
   return powers.filter((tick, i) => i % every === 0);
 };
 
-// An axis of d3 at `transform`, in the page's font and without a line of its own. Lines of `across` px cross the plot at its ticks.
+// A d3 axis at `transform`, in the page's font and without its line. Grid lines of `across` px
+// start at its ticks.
 sb.axis = (kind, {scale, ticks, text}, transform, across = 0) => {
   const axis = kind(scale).tickValues(ticks).tickFormat(text).tickSize(-across).offset(0).tickPadding(kind === d3.axisBottom ? 8 : 5);
   const group = d3.create('svg:g').attr('class', 'axis').attr('transform', transform).call(axis);
@@ -44,8 +46,8 @@ sb.axis = (kind, {scale, ticks, text}, transform, across = 0) => {
   return group.attr('font-family', null).attr('font-size', null).node();
 };
 
-// An SVG with axes. box: {width, height, left, right, top, bottom}: its size, and what is beside the plot [px]. x, y: {title, scale,
-// ticks, text, bare: no lines}.
+// An SVG with axes. box: {width, height, left, right, top, bottom}: its size and the margins of the
+// plot [px]. x, y: {title, scale, ticks, text, bare: no grid lines}.
 sb.axes = ({width, height, left, right, top, bottom}, x, y, attributes) => {
   const end = width - right, foot = height - bottom;
   return mark(
@@ -57,7 +59,7 @@ sb.axes = ({width, height, left, right, top, bottom}, x, y, attributes) => {
       mark('text.title', {transform: 'translate(11,' + (top + foot) / 2 + ')rotate(-90)', 'text-anchor': 'middle'}, y.title));
 };
 
-// Draws when a node has got a width, and again at each other one.
+// Draws once a node has a width, and again at each change of it.
 sb.onWidth = (node, draw) => {
   let drawn = 0;
   const look = () => {
@@ -68,7 +70,7 @@ sb.onWidth = (node, draw) => {
   new ResizeObserver(() => requestAnimationFrame(look)).observe(node);
 };
 
-// Lines at the pointer, of whatever is pointed at.
+// Tooltip with the lines of the mark at the pointer.
 const tip = el('div.tip');
 document.body.append(tip);
 sb.showTip = (lines, x, y) => {
@@ -80,5 +82,5 @@ sb.showTip = (lines, x, y) => {
 sb.hideTip = () => {
   tip.style.display = 'none';
 };
-// What a mark listens to that says lines() to the pointer.
+// Event handlers of a mark whose tooltip shows lines().
 sb.tipped = lines => ({onmousemove: event => sb.showTip(lines(), event.clientX, event.clientY), onmouseout: sb.hideTip});

@@ -1,16 +1,16 @@
-// What all pages of the program share: numbers as text, nodes, choices, tables, copying.
+// Helpers of all pages: number formats, nodes, choices, tables, copying.
 
 sb.missing = '–';
-// A finite number as d3's `format` has it.
+// Formats a finite number by d3's `format`.
 const formatted = (value, format) => Number.isFinite(value) ? d3.format(format)(value) : sb.missing;
-// A number with `digits` significant digits, plain notation where that is readable.
+// A number with `digits` significant digits, in plain notation where that is readable.
 sb.significant = (value, digits) => {
   const size = Math.abs(value), plain = value === 0 || (size >= 1e-4 && size < 1e5);
   return formatted(value, plain ? '.' + digits + '~r' : '.' + (digits - 1) + 'e');
 };
 sb.fixed = (value, decimals) => formatted(value, '.' + decimals + 'f');
-// Nodes in one expression: element('p.note', {title: 'x'}, 'text', child). Text is never parsed as HTML; what is null,
-// undefined or false is left out.
+// Creates nodes in one expression: element('p.note', {title: 'x'}, 'text', child). Text is never
+// parsed as HTML; null, undefined and false are omitted.
 const made = create => (selector, attributes, ...children) => {
   const [tag, ...classes] = selector.split('.').filter(part => part);
   const node = create(tag);
@@ -25,17 +25,17 @@ const made = create => (selector, attributes, ...children) => {
   return node;
 };
 const el = sb.element = made(tag => document.createElement(tag));
-// Likewise of SVG: mark('circle.own', {r: 4}).
+// The same for SVG: mark('circle.own', {r: 4}).
 sb.mark = made(tag => document.createElementNS('http://www.w3.org/2000/svg', tag));
 sb.colour = name => getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
 
-// After the next frame has been shown; where none is, as in a tab behind others, soon.
+// Resolves after the next frame; after 200 ms if no frame is drawn, as in a background tab.
 sb.painted = () => new Promise(done => {
   requestAnimationFrame(() => setTimeout(done));
   setTimeout(done, 200);
 });
 
-// Puts a text on the clipboard and says so on the button.
+// Copies a text to the clipboard and confirms it on the button.
 sb.copy = async (button, text) => {
   const before = button.textContent;
   try {
@@ -50,12 +50,12 @@ sb.copy = async (button, text) => {
   }, 1500);
 };
 
-// A choice; options: [[value, text], ...]. change(value) is told.
+// A drop-down list; options: [[value, text], ...]; calls change(value).
 sb.select = (attributes, options, value, change) => el(
     'select', {...attributes, onchange: event => change(event.target.value)},
     options.map(([key, text]) => el('option', {value: key, selected: key === value ? '' : null}, text)));
 sb.choose = (name, ...choice) => el('label', {}, name, sb.select({}, ...choice));
-// Buttons, of which the last one clicked is pressed.
+// Buttons, of which the last one clicked stays pressed.
 sb.segments = (name, options, value, change) => {
   const press =
       key => [...node.children].forEach((button, i) => button.setAttribute('aria-pressed', String(options[i][0] === key)));
@@ -69,7 +69,7 @@ sb.segments = (name, options, value, change) => {
   return node;
 };
 
-// A section below its title; note: texts, "" for none.
+// A section with its title; note: texts, "" for none.
 sb.section = (title, note, ...content) =>
     el('section', {}, el('h2', {}, title), note.length > 0 && el('p.note', {}, note), content);
 
@@ -78,15 +78,16 @@ sb.figures = entries => el(
     'div.figures', {},
     entries.map(([name, value, note, kind]) => el('div', {}, el('div.k', {}, name), el('div.v.' + (kind || ''), {}, value),
                                                   el('div.s', {}, note || ''))));
-// Names and values: [name, value]; what has no value is left out.
+// Names and values: [name, value]; entries without a value are omitted.
 sb.facts = (kind, entries) => el(
     'dl.' + kind, {},
     entries.filter(([, value]) => value !== null && value !== undefined)
         .map(([name, value]) => el('div', {}, el('dt', {}, name), el('dd', {}, value))));
 
-// A table. columns: [{title, note, kind: 'text' stands left, 'text.long' may wrap, cell(row): what is shown, or the cell
-// itself, value(row): what its head sorts by: a number, a text, or null, which stands last}]. rowNode(row, cells): the <tr>.
-// `step`: so many rows at once, others when they are asked for. Returns {node, refresh, fill(count), order()}.
+// A sortable table. columns: [{title, note, kind: 'text' is left-aligned, 'text.long' may wrap,
+// cell(row): content or the cell itself, value(row): sort key: a number, a text, or null, which
+// sorts last}]. rowNode(row, cells): the <tr>. `step`: number of rows shown at once; the rest on
+// request. Returns {node, refresh, fill(count), order()}.
 sb.sortedTable = (columns, rows, rowNode = (row, cells) => el('tr', {}, cells), step = rows.length) => {
   let order = rows, by = null, ascending = true;
   const body = el('tbody');
