@@ -35,8 +35,9 @@ struct ChildEnd {
   // "was ended by SIGSEGV (Segmentation fault)", "ended with status 0 before its work was done",
   // "was still running after 2 s, the limit". `limit` [s].
   [[nodiscard]] std::string loss(double limit) const;
-  // Returns the action's result. Throws InputError if the action did, "SUBJECT: its process was
-  // ended by ..." for Kind::lost, both others as std::runtime_error.
+  // Returns the action's result. Throws InputError if the action did, InputError "SUBJECT: its
+  // process was ended by ..." for a lost child, and std::runtime_error for any other exception of
+  // the action.
   std::string result(const std::string& subject, double limit = std::numeric_limits<double>::infinity()) &&;
 };
 

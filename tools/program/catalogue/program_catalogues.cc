@@ -17,7 +17,8 @@
 namespace slipbench {
 namespace {
 
-// The true state of a pad in a detector's place, by the rule strict: with it a loop shows the faults of its controller alone.
+// Detector that returns the pad's true state by the rule strict, so that a loop shows the errors of
+// its controller alone.
 class Oracle final : public Detector {
  public:
   Oracle(double latency, const Simulation& simulation, std::size_t pad) : latency_(latency), simulation_(simulation), pad_(pad) {}
@@ -61,7 +62,7 @@ Registry<DetectorMaker>& registered_detectors() {
   return registry;
 }
 
-// `simulation`: null where there is none, of all but the oracle.
+// `simulation`: may be null for every type except the oracle.
 std::unique_ptr<Detector> make_any(const DetectorScene& scene, const FrameSource& source, const Simulation* simulation) {
   if (const std::optional<DetectorMaker> make = registered_detectors().find(scene.type))
     return with_flips((*make)(scene.parameters, source), scene.parameters.number("flip"), source);
@@ -80,12 +81,12 @@ struct EngineKind {
   std::unique_ptr<hd::Engine> (*create)(const hd::Model& model, const hd::Memories& memories);
 };
 
-// The core that is fastest to simulate; all unrollings decide alike.
+// Uses the core that is fastest to simulate; all unrollings give the same decisions.
 std::unique_ptr<hd::Engine> make_rtl(const hd::Model& model, const hd::Memories& memories) {
   return hd::make_rtl_engine(model, memories, {.unrolling = hd::Unrolling::smallest});
 }
 
-// All engines, one line each.
+// All engines.
 constexpr EngineKind engine_catalogue[] = {
     {"kernel", hd::make_kernel},
     {"reference", hd::make_reference},
@@ -97,7 +98,7 @@ Registry<ControllerMaker>& registered_controllers() {
   return registry;
 }
 
-// The entries of the program's own detectors and controllers, without the registered ones.
+// Entries of the program's own detectors and controllers, without registered ones.
 
 std::vector<Entry> own_detector_entries() {
   std::vector<Entry> entries;
@@ -113,7 +114,7 @@ std::vector<Entry> own_controller_entries() {
 
 using Comparison = ExpectationKind::Comparison;
 
-// Every kind's parameters: its own limit, then how many of the trials must keep it.
+// Parameters of every kind: its own limit, then the share of the trials that must keep it.
 std::vector<ParameterSpec> parameters_of(ParameterSpec limit) {
   return {
       std::move(limit),
@@ -170,7 +171,7 @@ ExpectationKind without_value(ExpectationKind kind, const char* text) {
   return kind;
 }
 
-// For expectations of a grasp alone, which the scene reader sees to.
+// For expectations of grasps only; the scene reader rejects them in other scenes.
 const GraspOutcome& grasp_of(const TrialOutcome& outcome) { return outcome.grasp.value(); }
 
 }  // namespace

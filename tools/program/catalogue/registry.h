@@ -1,4 +1,4 @@
-// What whoever embeds the program adds to a catalogue while it runs.
+// Types that an embedding application adds to a catalogue at run time.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,12 @@
 
 namespace slipbench {
 
-// Thread-safe. `Maker` makes one of them.
+// Thread-safe. `Maker` creates an object of the type.
 template <class Maker>
 class Registry {
  public:
-  // `kind` names the catalogue in errors, "detector"; `taken`: the catalogue's own entries. Throws InputError for a name that is no identifier,
-  // or one of theirs.
+  // `kind` names the catalogue in errors, such as "detector"; `taken`: the catalogue's own entries.
+  // Throws InputError if the name is not an identifier or is one of `taken`.
   void put(const std::string& kind, const Entry& about, Maker make, const std::vector<Entry>& taken) {
     if (!is_identifier(about.name))
       throw InputError(kind + " " + quote(about.name) + " is no name; allowed: letters, digits and '_', no digit first");
@@ -33,7 +33,7 @@ class Registry {
     const auto found = held_.find(name);
     return found == held_.end() ? std::nullopt : std::optional<Maker>(found->second.second);
   }
-  // In the order of their names.
+  // Sorted by name.
   [[nodiscard]] std::vector<Entry> entries() const {
     const std::scoped_lock lock(mutex_);
     std::vector<Entry> entries;

@@ -5,7 +5,7 @@
 
 namespace slipbench {
 
-// Each is defined in the folder of its sensor, that of plugin_sensor() in sensors/own.
+// Each is defined in the folder of its sensor; plugin_sensor() in sensors/own.
 SensorKind papillarray_sensor();
 SensorKind nib_pad_sensor();
 SensorKind piezo_skin_sensor();

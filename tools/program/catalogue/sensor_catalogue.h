@@ -1,4 +1,4 @@
-// Where the program's sensors are composed: the one place that names them all.
+// Composes the program's sensors: the only place that names them all.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +15,22 @@ namespace slipbench {
 
 using SensorMaker = std::function<std::unique_ptr<Sensor>(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial)>;
 
-// From now on a scene of this process may name a sensor of whoever has embedded the program; one registered under that name before is replaced.
-// Thread-safe. Throws InputError for a name that is no identifier, or that the program itself uses.
+// Registers a sensor of the embedding application, which scenes of this process may then name;
+// replaces one registered under that name before. Thread-safe. Throws InputError if the name is not
+// an identifier or belongs to the program.
 void register_sensor(const Entry& about, SensorMaker make);
-// Those that were registered, in the order of their names.
+// Registered sensors, sorted by name.
 std::vector<Entry> registered_sensor_entries();
 
-// What a scene may name of pads and of what they touch: everything but what reads the sensors.
+// Catalogues of pads and of the objects that they touch: everything except readers of the sensors.
 Catalogues pad_catalogues();
 
-// The sensor that `scene` describes. (`seed`, `trial`) key the random streams of its electronics. Throws InputError for a type
-// that the catalogue does not have, and what the sensor itself refuses.
+// Creates the sensor that `scene` describes. (`seed`, `trial`) key the random streams of its
+// electronics. Throws InputError for an unknown type, and as the sensor's constructor does.
 std::unique_ptr<Sensor> make_sensor(const SensorScene& scene, std::uint64_t seed, std::uint64_t trial);
 
-// How a sensor of this type is shown; SensorView's default for a type that the catalogue does not have, as a dataset may name.
+// Presentation of a sensor of this type; SensorView's default for an unknown type, which a dataset
+// may name.
 SensorView sensor_view(const std::string& type);
 
 }  // namespace slipbench

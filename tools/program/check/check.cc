@@ -32,7 +32,7 @@ const ExpectationKind& kind_of(const std::string& name) {
   return *found;
 }
 
-// A value in the unit in which the limit is said.
+// A value in the unit of the limit.
 std::string value_text(const ExpectationKind& kind, double value, double limit) {
   if (std::isnan(value)) return kind.absent;
   if (kind.comparison == Comparison::equal) return value == 0.0 ? "false" : "true";
@@ -55,9 +55,9 @@ std::string limit_text(const ExpectationKind& kind, double limit) {
          text;
 }
 
-// A trial that ran, or one that could not.
+// A trial, or the failure to run it.
 struct CheckedTrial : TrialSummary {
-  std::string failure;  // why it could not; empty: it ran
+  std::string failure;  // the reason of the failure; empty: it ran
 };
 
 // All trials of a sweep in order.
@@ -86,14 +86,14 @@ std::size_t kept_by(const Named& expectation, const std::vector<CheckedTrial>& t
       std::ranges::count_if(trials, [&](const CheckedTrial& trial) { return keeps(expectation, trial); }));
 }
 
-// How many of the trials must keep an expectation for its `pass` alone, at least one.
+// Number of trials that must keep an expectation by its `pass` alone, at least one.
 std::size_t share_of(const Named& expectation, std::size_t trials) {
-  constexpr double rounding = 1e-9;  // 0.95 of 20 are 19, whatever 0.95 is as a double
+  constexpr double rounding = 1e-9;  // 0.95 of 20 is 19 although 0.95 is inexact as a double
   const double share = std::ceil(expectation.parameters.number("pass") * static_cast<double>(trials) - rounding);
   return static_cast<std::size_t>(std::max(1.0, share));
 }
 
-// The same with its `reliability`.
+// Number of trials that must keep an expectation, its `reliability` included.
 std::size_t needed_of(const Named& expectation, std::size_t trials, double confidence) {
   const double reliability = expectation.parameters.number("reliability");
   const std::size_t shown = least_successes(trials, reliability, confidence);
@@ -107,7 +107,8 @@ std::size_t needed_of(const Named& expectation, std::size_t trials, double confi
   return std::max(share_of(expectation, trials), shown);
 }
 
-// The run that repeats one trial. `run` knows the trials of a scene's own sweep: their number goes there.
+// Options of the run that repeats one trial. `run` numbers trials by the scene's own sweep, so
+// their number is set there.
 SweepOptions replay_of(const CheckOptions& options, std::uint64_t seed, std::size_t trial) {
   SweepOptions run;
   run.verb = "run";
@@ -134,7 +135,8 @@ ExpectationResult result_of(const Named& expectation, const CheckOptions& option
   result.needed = needed_of(expectation, result.trials, confidence);
   result.rate = clopper_pearson(result.kept, result.trials, confidence);
 
-  // A trial that fails to run is the worst; else that which does not keep it, then that of the worst value, then the earliest.
+  // Worst first: a trial that fails to run, then one that misses the expectation, then by value,
+  // then by number.
   std::vector<const CheckedTrial*> order;
   for (const CheckedTrial& trial : trials) order.push_back(&trial);
   const auto rank = [&](const CheckedTrial* trial) {
@@ -143,7 +145,9 @@ ExpectationResult result_of(const Named& expectation, const CheckOptions& option
   std::ranges::stable_sort(order, {}, rank);
   result.worst = {order.front()->trial, observed_in(kind, *order.front())};
   result.worst_text = order.front()->failure.empty() ? value_text(kind, result.worst.value, limit) : "failed to run";
-  // Of an even number the mean of the middle two, or the worse one where they have none.
+  // Median: of an even number the mean of the middle two; the worse one for a flag, or if either
+  // has
+  // no value.
   const CheckedTrial& middle = *order[(order.size() - 1) / 2];
   const double other = observed_in(kind, *order[order.size() / 2]);
   result.median = observed_in(kind, middle);
@@ -153,8 +157,8 @@ ExpectationResult result_of(const Named& expectation, const CheckOptions& option
   return result;
 }
 
-// The trial that misses most of the expectations that failed; of those alike `worst`, else the earliest. Trials that fail to run
-// leave nothing to look at: one of them only where there is no other.
+// The trial that misses most of the failed expectations; among equals `worst`, else the earliest. A
+// trial that failed to run leaves nothing to inspect, so it is chosen only if there is no other.
 std::size_t most_telling(const std::vector<CheckedTrial>& trials, const std::vector<Named>& failed, std::size_t worst) {
   const auto missed = [&](const CheckedTrial& trial) {
     return std::ranges::count_if(failed, [&](const Named& expectation) { return !keeps(expectation, trial); });
@@ -167,14 +171,15 @@ std::size_t most_telling(const std::vector<CheckedTrial>& trials, const std::vec
       ->trial;
 }
 
-// Throws Interrupted where the sweep was: what some of the trials show says nothing.
+// Throws Interrupted if the sweep was: some of the trials prove nothing.
 SweepSummary run_whole(const SweepOptions& sweep, const Catalogues& catalogues, const ProgressCallback& progress = {}) {
   SweepSummary summary = run_sweep(sweep, catalogues, progress);
   if (summary.interrupted) throw Interrupted();
   return summary;
 }
 
-// Dataset and report of one trial. A trial that fails to run has none: its message says why.
+// Writes dataset and report of one trial. A trial that fails to run has neither; its message gives
+// the reason.
 std::vector<std::string> leave_trial(const SweepOptions& replay, const std::string& folder, const Catalogues& catalogues) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -190,8 +195,8 @@ std::vector<std::string> leave_trial(const SweepOptions& replay, const std::stri
   return files;
 }
 
-// Every trial of the control with the same draws. A path that --set fixes leaves the sweep, so an axis of controllers has one
-// value.
+// Runs every trial of the negative control with the same draws. A path fixed by --set leaves the
+// sweep, so a controller axis has one value.
 SweepSummary run_control(const SweepOptions& options, const std::string& control, const Catalogues& catalogues,
                          const ProgressCallback& progress) {
   SweepOptions sweep = options;
@@ -206,7 +211,7 @@ SceneFile load_scene(const CheckOptions& options) {
   return file;
 }
 
-// Asks for no more than so many trials can show, else refuses.
+// Throws InputError for a reliability that so many trials cannot show.
 void check_reliabilities(const TrialPlan& plan, const ExpectScene& expect) {
   try {
     for (const Named& expectation : expect.expectations)
@@ -216,10 +221,11 @@ void check_reliabilities(const TrialPlan& plan, const ExpectScene& expect) {
   }
 }
 
-// XML 1.0 has no place for control characters but these, escaped or not. Bytes beyond ASCII are left: scenes and paths are UTF-8.
+// XML 1.0 allows no other control characters, escaped or not. Bytes beyond ASCII pass: scenes and
+// paths are UTF-8.
 bool allowed_in_xml(char c) { return static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n' || c == '\r'; }
 
-// Text inside double quotes. A line end or a tab that is not escaped is read as a space.
+// Text inside double quotes. Line ends and tabs are escaped, since XML reads plain ones as spaces.
 std::string attribute(std::string_view text) {
   std::string result;
   for (const char c : page::escape_html(text)) {
@@ -232,7 +238,7 @@ std::string attribute(std::string_view text) {
   return result;
 }
 
-// A section of text as it is. What would end it is divided between two.
+// A CDATA section. An end mark inside the text is split between two sections.
 std::string cdata(std::string_view text) {
   std::string result = "<![CDATA[";
   for (const char c : text) {
@@ -341,7 +347,8 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
   if (!check.control.empty()) {
     const SweepSummary control = run_control(sweep, check.control, catalogues, progress);
     check.control_trials = control.planned;
-    // A control that does not tighten fails what is asked of its reaction; that it keeps the box shows that the scene needs none.
+    // A control that does not tighten fails expectations of its reaction; if it keeps the box, the
+    // scene needs no reaction.
     const bool about_box = std::ranges::any_of(expectations, [](const Named& asked) { return kind_of(asked.name).of_box; });
     for (std::size_t i = 0; i < expectations.size(); ++i) {
       const std::size_t kept = kept_by(expectations[i], checked_trials(control));
@@ -352,7 +359,7 @@ SceneCheck check_scene(const CheckOptions& options, const Catalogues& catalogues
   }
 
   std::vector<Named> failed;
-  std::size_t worst = 0;  // of the first that failed
+  std::size_t worst = 0;  // of the first failed expectation
   for (std::size_t i = expectations.size(); i-- > 0;) {
     if (check.expectations[i].passed()) continue;
     failed.push_back(expectations[i]);

@@ -19,10 +19,10 @@ constexpr std::string_view program_footer = R"(
 Exit status: 0 good, 1 a check failed, 2 bad input, 130 interrupted. Errors go to stderr.
 `slipbench COMMAND --help` explains a command. Start with: slipbench run scenes/papillarray/stage.yaml)";
 
-// What a footer begins with is there for the source only.
+// Footers begin with a line end, which serves only the layout of the source.
 std::string without_first_line_end(std::string_view footer) { return std::string(footer.substr(1)); }
 
-// "-o" of "-o,--output FILE.h5": what messages call an option.
+// Name of an option in messages: "-o" for "-o,--output FILE.h5".
 std::string first_name(const std::string& usage) { return usage.substr(0, usage.find_first_of(", ")); }
 
 template <class Target>
@@ -39,7 +39,7 @@ Override parse_override(const std::string& command, const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-// A scene key, then '=': what may follow the first value of --set.
+// True for a scene key followed by '=': a further value of --set.
 bool looks_like_override(const std::string& word) {
   const auto is_key_character = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.';
@@ -49,7 +49,7 @@ bool looks_like_override(const std::string& word) {
          std::all_of(word.begin(), word.begin() + static_cast<std::ptrdiff_t>(equals), is_key_character);
 }
 
-// "--set a=1 b=2 SCENE" and "--set a=1 --set b=2 SCENE" mean the same; the second form leaves no doubt where the values end.
+// Turns "--set a=1 b=2 SCENE" into "--set a=1 --set b=2 SCENE", which shows where the values end.
 std::vector<std::string> repeat_set(const std::vector<std::string>& words) {
   std::vector<std::string> result;
   bool inside = false;
@@ -155,7 +155,7 @@ Arguments& Arguments::overrides(std::vector<Override>& values, std::optional<std
 Arguments& Arguments::required() {
   if (last_->get_positional()) {
     last_->required();
-  } else {  // in its turn, so that a wrong value before it is named first
+  } else {  // read in order, so that an earlier wrong value is reported first
     readers_.emplace_back([this, option = last_] {
       if (option->empty()) reject("{}: --{} is required", name_, option->get_lnames().front());
     });
@@ -230,7 +230,7 @@ Request parse_command_line(const Commands& commands, const std::vector<std::stri
   app.add_flag("--version", request.version, "Print the version");
   Arguments program(app, nullptr, "", request.json);
   for (const auto& command : commands) program.command(*command);
-  app.require_subcommand(0, 1);  // what follows a command is its own, a command's name too
+  app.require_subcommand(0, 1);  // a command's arguments may equal the name of a command
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
   refuse_unknown_command(words, names);
@@ -244,7 +244,7 @@ Request parse_command_line(const Commands& commands, const std::vector<std::stri
     return name.empty() ? name : name + ": ";
   };
   std::vector<std::string> reversed = repeat_set(words);
-  std::ranges::reverse(reversed);  // CLI11 takes them from the back
+  std::ranges::reverse(reversed);  // CLI11 reads them from the back
   try {
     app.parse(reversed);
   } catch (const CLI::CallForHelp&) {

@@ -1,4 +1,4 @@
-// How a command declares its options.
+// Declares the options of commands.
 #pragma once
 
 #include <cstdint>
@@ -24,30 +24,31 @@ namespace slipbench {
 
 class Command;
 
-// The options of one command, and the commands below it.
+// Options of one command, and its subcommands.
 //
-// `usage` is what the help shows: "--seed N", "-o,--output FILE.h5", or a name such as "SCENE" for an argument that is known by its place.
-// `value` keeps what it holds where the option is not given. It must outlive this object. Values are read in the order of their declarations,
-// once every word has found its place. A bad value is an InputError: "run: --jobs is '0'; allowed: a whole number from 1 to 1024".
+// `usage` is shown in the help: "--seed N", "-o,--output FILE.h5", or a name such as "SCENE" for a
+// positional argument. `value` is unchanged if the option is not given; it must outlive this
+// object. Values are read in the order of declaration, after all words are assigned. A bad value
+// throws InputError: "run: --jobs is '0'; allowed: a whole number from 1 to 1024".
 class Arguments {
  public:
-  // `app`: CLI11's view of the command, or of the program where `command` is null. `parent`: the name of what the command is below; empty:
-  // the program. `json`: set by --json of any command.
+  // `app`: CLI11's view of the command, or of the program if `command` is null. `parent`: name of
+  // the parent command; empty: the program. `json`: set by --json of any command.
   Arguments(CLI::App& app, Command* command, std::string parent, bool& json);
 
-  // The command's name ("run"), its line in the list of commands, and what stands below the options in its own help; the footer's first line is
-  // empty. Declared first.
+  // Sets the command's name ("run"), its line in the list of commands, and the text below the
+  // options in its help; the footer's first line is empty. Call it before other declarations.
   void about(const std::string& name, const std::string& summary, std::string_view footer);
 
-  // Becomes true where it is given.
+  // Becomes true if given.
   Arguments& flag(const std::string& usage, bool& value, const std::string& help);
   // Any text.
   Arguments& text(const std::string& usage, std::string& value, const std::string& help);
   // Several texts: an argument takes all words, an option takes one word and splits it at commas.
   Arguments& texts(const std::string& usage, std::vector<std::string>& values, const std::string& help);
-  // An option that may be given several times, a text each.
+  // An option that may be repeated, one text each.
   Arguments& lines(const std::string& usage, std::vector<std::string>& values, const std::string& help);
-  // The name of a file or of a folder to write: not empty.
+  // Name of a file or folder to write: not empty.
   Arguments& file(const std::string& usage, std::string& value, const std::string& help);
   Arguments& folder(const std::string& usage, std::string& value, const std::string& help);
   // A whole number from `min` to `max`, into an integer or an optional one.
@@ -56,12 +57,13 @@ class Arguments {
                     std::uint64_t max = std::numeric_limits<std::uint64_t>::max()) {
     return read(usage, help, [=, this, &value](const std::string& text) { value = whole_number(usage, text, min, max); });
   }
-  // A quantity above zero, in SI or with its unit, into a double or an optional one.
+  // A positive quantity, in SI or with its unit, into a double or an optional one.
   template <class Value>
   Arguments& quantity(const std::string& usage, Value& value, const std::string& help, Quantity quantity) {
     return read(usage, help, [=, this, &value](const std::string& text) { value = positive_quantity(usage, text, quantity); });
   }
-  // One of the words of a table (detectors/hd/words.h), which must outlive this object. `help` shows them where it says {}.
+  // One of the words of a table (detectors/hd/words.h), which must outlive this object. They
+  // replace {} in `help`.
   template <class Value, class Words>
   Arguments& word(const std::string& usage, Value& value, const std::string& help, const Words& words) {
     return read(usage, with_names(help, hd::names_of(words)), [=, this, &value, &words](const std::string& text) {
@@ -70,35 +72,37 @@ class Arguments {
       value = *found;
     });
   }
-  // Anything else: `reader` is handed the text, and throws InputError for a bad one.
+  // Any other value: `reader` receives the text and throws InputError for an invalid one.
   Arguments& read(const std::string& usage, const std::string& help, std::function<void(const std::string&)> reader);
-  // `help` with the names in place of its {}, or as it is.
+  // Replaces {} in `help` by the names, if present.
   static std::string with_names(std::string help, const std::vector<std::string>& names);
 
-  // Those that several commands have: --set, whose keys `help` explains; that and --seed of a scene; --jobs from 1 to 1024.
+  // Options shared by several commands: --set, whose keys `help` explains; --set and --seed of a
+  // scene; --jobs from 1 to 1024.
   Arguments& sets(std::vector<Override>& values, const std::string& help);
   Arguments& overrides(std::vector<Override>& values, std::optional<std::uint64_t>& seed);
   template <class Value>
   Arguments& jobs(Value& value, const std::string& help = "Worker threads, 1 to 1024 (default: one a hardware thread)") {
-    // More threads than any machine has use for: each takes an address space of megabytes, so that thousands find no room.
+    // No machine can use more threads: each reserves megabytes of address space, so that thousands
+    // fail to start.
     return number("--jobs N", value, help, 1, 1024);
   }
 
-  // What was declared last must be given.
+  // Makes the last declaration mandatory.
   Arguments& required();
-  // Called when all that was declared before has been read: for rules about several options.
+  // Called after all earlier declarations are read: for rules about several options.
   void then(std::function<void()> rule) { readers_.push_back(std::move(rule)); }
 
-  // A command below this one, which must outlive this object.
+  // Adds a subcommand, which must outlive this object.
   void command(Command& command);
 
   // "run", "hd replay"; empty for the program itself.
   [[nodiscard]] const std::string& name() const { return name_; }
-  // The innermost command that the words named.
+  // The innermost command named on the command line.
   [[nodiscard]] const Arguments& chosen() const;
   // Reads the values into the command and returns it; null for the program itself.
   [[nodiscard]] Command* read_values() const;
-  // A word that had no place: an InputError with the nearest option.
+  // InputError for a word that matches no argument, with the nearest option.
   [[nodiscard]] InputError unexpected(const std::string& word) const;
 
  private:

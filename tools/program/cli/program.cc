@@ -40,14 +40,15 @@ int dispatch(const Commands& commands, const std::vector<std::string>& words) {
   return exit_good;
 }
 
-// `message` and `detail` in one line on stderr. It is called where nothing catches any more, so it must not throw.
+// Prints `message` and `detail` in one line on stderr. No caller catches exceptions, so it must not
+// throw.
 void print_error(const char* message, const char* detail = "") noexcept {
   say(stderr, fmt::format("{} {}{}\n", style_for(stderr).error("slipbench:"), printable(message, true), printable(detail, true)));
 }
 
-// A program may be started without standard streams (`>&-`). The next files that it opens would take their numbers, and what is
-// meant for a person would end in a dataset. /dev/null stands in, opened the wrong way round, so that results still cannot be
-// lost unnoticed: writing them fails.
+// Opens /dev/null for standard streams that are closed (`>&-`). Otherwise the next opened files
+// would take their numbers, and messages would end in a dataset. The streams are opened the wrong
+// way round, so that writing results to them fails rather than losing them.
 void occupy_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) != -1 || errno != EBADF) continue;
@@ -61,7 +62,7 @@ int run_to_status(const Commands& commands, const std::vector<std::string>& word
   try {
     occupy_standard_streams();
     const int status = dispatch(commands, words);
-    // A full disk behind stdout shows here, unless the output is longer than the buffer.
+    // Reports a full disk behind stdout, unless the output exceeded the buffer before.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw std::system_error(errno, std::generic_category());
     return status;
   } catch (const Interrupted& interrupted) {
@@ -74,13 +75,13 @@ int run_to_status(const Commands& commands, const std::vector<std::string>& word
     print_error("out of memory");
     return exit_bad_input;
   } catch (const std::exception& error) {
-    // What fmt throws, too.
+    // Includes exceptions of fmt.
     const auto* const system = dynamic_cast<const std::system_error*>(&error);
     if (system != nullptr && std::ferror(stdout) != 0) {
       print_error("cannot write to standard output: ", std::strerror(system->code().value()));
       return exit_bad_input;
     }
-    // Not the user's fault, but the user is the only one who can report it.
+    // A bug: the user is the only one who can report it.
     print_error("internal error, please report it: ", error.what());
     return exit_bad_input;
   }
@@ -89,11 +90,11 @@ int run_to_status(const Commands& commands, const std::vector<std::string>& word
 }  // namespace
 
 int run_program(const Commands& commands, const std::vector<std::string>& words) {
-  // Whoever waits for no end of its own (InterruptGuard) ends at once, with the status that the others have.
+  // Commands without an InterruptGuard exit at once, with the same status.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     if (std::signal(signal, [](int) { _exit(exit_interrupted); }) == SIG_IGN) std::signal(signal, SIG_IGN);
   }
-  std::signal(SIGCHLD, SIG_DFL);  // ignored by whoever started this process, it would leave no status of children
+  std::signal(SIGCHLD, SIG_DFL);  // if inherited as ignored, children would have no status
   return run_to_status(commands, words);
 }
 

@@ -35,19 +35,19 @@ double share(const ProgressState& state) {
 
 double per_second(double amount, const ProgressState& state) { return state.elapsed > 0.0 ? amount / state.elapsed : 0.0; }
 
-// Time left when the rest goes as fast as what is done.
+// Remaining time at the speed so far.
 std::string remaining_text(const ProgressState& state) {
   if (state.done == 0) return "?";
   const double left = static_cast<double>(state.total - state.done);
   return clock_text(state.elapsed * left / static_cast<double>(state.done));
 }
 
-// A finished sweep has no time left; what it took is of more use.
+// A finished sweep shows its duration in place of the remaining time.
 std::string time_text(const ProgressState& state) {
   return state.done == state.total ? clock_text(state.elapsed) : "ETA " + remaining_text(state);
 }
 
-// "3.1k x real time" and what stands after it.
+// "3.1k x real time", followed by `after`.
 std::string speed_text(const ProgressState& state, std::string_view after) {
   return state.sim_seconds ? fmt::format("{} x real time{}", short_count(per_second(*state.sim_seconds, state)), after) : "";
 }
@@ -106,7 +106,7 @@ std::string wrap_text(std::string_view text, std::size_t width, std::size_t inde
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(text.size(), line.size() + 1));
     std::size_t column = indent;
-    bool first = true;  // on its line
+    bool first = true;  // first word of the line
     result += margin;
     for (std::size_t begin = 0; begin <= line.size();) {
       const std::size_t end = std::min(line.find(' ', begin), line.size());
@@ -199,7 +199,7 @@ std::string progress_bar_text(const ProgressState& state, std::size_t width) {
   const std::string text =
       fmt::format("{:3.0f} % {}/{}  {}{} trials/s  {}", 100.0 * share(state), state.done, state.total, speed_text(state, "  "),
                   short_count(per_second(static_cast<double>(state.done), state)), time_text(state));
-  constexpr std::size_t frame = 3;  // brackets and the space after them
+  constexpr std::size_t frame = 3;  // brackets and the following space
   if (width < text.size() + frame + shortest_bar) return text.substr(0, width);
   const std::size_t length = std::min(longest_bar, width - text.size() - frame);
   const auto filled = static_cast<std::size_t>(share(state) * static_cast<double>(length));
@@ -220,14 +220,14 @@ Progress Progress::for_stream(std::FILE* stream, bool quiet) {
 }
 
 void Progress::update(std::size_t done, std::size_t total, std::optional<double> sim_seconds) {
-  if (mode_ == Mode::off || total < 2) return;  // one trial has no progress to show
+  if (mode_ == Mode::off || total < 2) return;  // a single trial shows no progress
   const double now = clock_();
   const bool finished = done == total;
   const bool due = now - last_drawn_ >= (mode_ == Mode::bar ? bar_period : line_period);
   if (!due && !finished) return;
   const ProgressState state{done, total, sim_seconds, now - start_};
   if (mode_ == Mode::bar) {
-    // One column stays free: some terminals break the line when the last one is written.
+    // One column stays free: some terminals wrap when the last column is written.
     say(stream_, "\r\033[K" + progress_bar_text(state, terminal_width(stream_) - 1) + (finished ? "\n" : ""));
     on_screen_ = !finished;
   } else {

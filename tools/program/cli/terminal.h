@@ -1,4 +1,4 @@
-// What a person at a terminal reads: colours, widths, tables, suggestions.
+// Terminal output: colours, widths, tables, suggestions.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,8 @@
 
 namespace slipbench {
 
-// Marks up text. Every function returns its text unchanged when colours are off, so that a pipe or a file gets plain text.
+// Marks up text. Every function returns its text unchanged if colours are off, so that pipes and
+// files get plain text.
 class Style {
  public:
   explicit Style(bool colour) : colour_(colour) {}
@@ -30,74 +31,78 @@ class Style {
   bool colour_;
 };
 
-// Whether a person watches `stream`: it is a terminal, and TERM is not "dumb".
+// True if `stream` is a terminal and TERM is not "dumb".
 bool is_interactive(std::FILE* stream);
 
-// Colours only where a person watches and the variable NO_COLOR is unset or empty (no-color.org).
+// Colours if is_interactive() and the variable NO_COLOR is unset or empty (no-color.org).
 Style style_for(std::FILE* stream);
 
-// Writes `text` for a person to read. Where it cannot be written (a closed or full stderr), nothing happens: the work goes on.
+// Writes `text` for the user. Errors (a closed or full stderr) are ignored, so that the work
+// continues.
 void say(std::FILE* stream, const std::string& text) noexcept;
 
-// Columns of the terminal behind `stream`, 100 where there is none.
+// Columns of the terminal behind `stream`, 100 if it is not a terminal.
 std::size_t terminal_width(std::FILE* stream);
 
-// Text broken at spaces so that no line is longer than `width`, unless one word is. Line ends of the text are kept. Every line
-// starts with `indent` spaces and ends with '\n'.
+// Breaks text at spaces so that no line is longer than `width`, except for single longer words.
+// Keeps the text's line ends. Every line starts with `indent` spaces and ends with '\n'.
 std::string wrap_text(std::string_view text, std::size_t width, std::size_t indent);
 
 // A table with right-aligned columns, the first one left-aligned.
 class Table {
  public:
   explicit Table(std::vector<std::string> head) : rows_{std::move(head)} {}
-  // Its cells may come from a file.
+  // The cells may come from an untrusted file.
   explicit Table(const page::TextTable& table);
 
   // `row` has as many cells as the head.
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
 
-  // Its lines, indented by two spaces; the head is dim.
+  // The table's lines, indented by two spaces; the head is dim.
   [[nodiscard]] std::string text(const Style& style) const;
 
  private:
   std::vector<std::vector<std::string>> rows_;
 };
 
-// What follows "unknown x 'word'" in a message: "; did you mean 'name'?" when a candidate is near, else ";".
+// End of the message "unknown x 'word'": "; did you mean 'name'?" if a candidate is near, else ";".
 std::string suggestion(const std::string& word, const std::vector<std::string>& candidates);
 
-// With --json the object alone stands on stdout: what a library of somebody else prints there goes to stderr, until stdout is taken back.
+// With --json stdout holds the object alone: output of third-party libraries goes to stderr until
+// take_stdout_back().
 void set_stdout_aside();
 void take_stdout_back();
 
-// The result of `--json`: an object on a line of stdout, which is taken back; bytes that are no UTF-8 are replaced. Returns exit_good.
+// Prints the result of `--json`, one object on a line of stdout, after take_stdout_back(); bytes
+// that are not UTF-8 are replaced. Returns exit_good.
 int print_json(const Json& result);
 
-// "written: FILE", a line a file.
+// Prints "written: FILE" for each file.
 void print_written(const std::vector<std::string>& files);
 
-// What a progress line is made of.
+// Values of a progress line.
 struct ProgressState {
   std::size_t done = 0;               // trials finished
-  std::size_t total = 0;              // trials asked for
-  std::optional<double> sim_seconds;  // s, simulated so far; empty where nothing is simulated
-  double elapsed = 0.0;               // s, passed on the clock
+  std::size_t total = 0;              // trials in all
+  std::optional<double> sim_seconds;  // s, simulated so far; empty: no simulation
+  double elapsed = 0.0;               // s, wall-clock time
 };
 
 // "1.2k", "31k", "4.0M": at most four characters for numbers below 1e9.
 std::string short_count(double value);
 
-// A span of time as a person says it: "8 s", "2:05", "1:02:05".
+// A duration as text: "8 s", "2:05", "1:02:05".
 std::string clock_text(double seconds);
 
-// "[#####-----]  50 % 100/200  3.1k x real time  24 trials/s  ETA 4 s", no longer than `width` columns: the bar gives way first.
+// "[#####-----]  50 % 100/200  3.1k x real time  24 trials/s  ETA 4 s", at most `width` columns;
+// the bar shrinks first.
 std::string progress_bar_text(const ProgressState& state, std::size_t width);
 
 // "100/200 trials (50 %), 3.1k x real time, 24 trials/s, ETA 4 s"
 std::string progress_line_text(const ProgressState& state);
 
-// As long as it lives, and that is 10 s, says on stderr, once, that the trials are still being prepared: a process that forks has no thread to wait in,
-// so it takes SIGALRM.
+// If it lives longer than 10 s, prints once on stderr that the trials are still being prepared. A
+// process that forks has no waiting thread, so it uses SIGALRM.
 class PreparationNotice {
  public:
   explicit PreparationNotice(bool quiet);
@@ -106,7 +111,8 @@ class PreparationNotice {
   PreparationNotice& operator=(const PreparationNotice&) = delete;
 };
 
-// Draws the progress of one sweep; an unfinished bar goes with the object, so that what follows, a message too, starts on an empty line. Not thread-safe: the sweep calls it from one thread at a time.
+// Draws the progress of one sweep. The destructor removes an unfinished bar, so that later output
+// starts on an empty line. Not thread-safe: the sweep calls it from one thread at a time.
 class Progress {
  public:
   enum class Mode {
@@ -123,15 +129,15 @@ class Progress {
   ~Progress() { clear(); }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  // Bar on a terminal, lines otherwise, nothing when `quiet`; the clock is the machine's monotonic one.
+  // Bar on a terminal, lines otherwise, nothing if `quiet`; uses the monotonic clock.
   static Progress for_stream(std::FILE* stream, bool quiet);
 
-  // Reports `done` of `total` trials and what has been simulated so far. Draws when the time has come, and always at the end.
-  // A sweep of one trial has no progress to show: nothing is drawn.
+  // Reports `done` of `total` trials and the simulated time so far. Draws once the period has
+  // passed, and always at the end. Draws nothing for a sweep of one trial.
   void update(std::size_t done, std::size_t total, std::optional<double> sim_seconds);
-  // Of a run of one trial: how much of it is done. Draws once it has taken `line_period`.
+  // Progress of a run of one trial, 0 to 1. Draws once the trial has taken `line_period`.
   void part(double share);
-  // Removes an unfinished bar, so that the text which follows starts on an empty line.
+  // Removes an unfinished bar, so that the following text starts on an empty line.
   void clear();
 
  private:

@@ -17,7 +17,7 @@
 namespace slipbench {
 namespace {
 
-// `text` with each @NAME@ replaced.
+// Returns `text` with each @NAME@ replaced.
 std::string filled(std::string text, const std::vector<std::pair<std::string_view, std::string>>& values) {
   for (const auto& [name, value] : values) {
     const std::string mark = fmt::format("@{}@", name);
@@ -149,7 +149,7 @@ std::string python_text(const std::string& text) {
   return quoted + "\"";
 }
 
-// What is written, in this order: a folder without the last was left by a run that was killed.
+// Written in this order: a folder without the last file was left by a killed run.
 const std::array<std::pair<const char*, std::string_view>, 5> files{{{"README.md", readme},
                                                                      {"shard.sh", shard_script},
                                                                      {"array.sbatch", array_script},
@@ -193,19 +193,20 @@ std::vector<std::string> write_cluster_folder(const ClusterOptions& options, con
   check_folder(folder);
 
   const std::string command = canonical_command(options.sweep);
-  // How it was started, where that is not the program itself: from Python, from a container.
+  // Command that started the program if it was not started directly: from Python, from a container.
   const char* const started = std::getenv("SLIPBENCH");
   const std::string program = started != nullptr ? started : std::filesystem::read_symlink("/proc/self/exe").string();
   if (started == nullptr && program.find(' ') != std::string::npos) {
     reject("cluster: the program is {}; allowed: a path without spaces, since SLIPBENCH is split at them", program);
   }
-  // Slurm reads the path of the logs by rules of its own, Snakemake braces.
+  // Slurm interprets % and other characters in log paths, Snakemake interprets braces.
   const std::string name = std::filesystem::path(options.sweep.scene_path).stem().string() + ".h5";
   if ((folder.string() + name).find_first_of("%{}\"\\\n\r\t") != std::string::npos) {
     reject("cannot write {} for {}: allowed: names without % {{ }} \" \\ and control characters", printable(folder.string()),
            printable(name));
   }
-  // Slurm's MaxArraySize is 1001 unless a cluster sets it, and an index must stay below it. With more shards a task runs several.
+  // Slurm's MaxArraySize is 1001 unless a cluster changes it, and an index must stay below it. With
+  // more shards each task runs several.
   const std::size_t tasks = std::min<std::size_t>(options.shards, 1000);
   const std::vector<std::pair<std::string_view, std::string>> values{
       {"FOLDER", shell_word(folder.string())},

@@ -1,4 +1,4 @@
-// A folder from which other machines run a sweep: scripts for Slurm and Snakemake that a person can read.
+// Writes a folder from which other machines run a sweep: readable scripts for Slurm and Snakemake.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,15 @@
 namespace slipbench {
 
 struct ClusterOptions {
-  SweepOptions sweep;        // what decides the trials' bytes, and `jobs` of each shard (0: 1)
+  SweepOptions sweep;        // the sweep, with `jobs` per shard (0: 1)
   std::string folder;        // new, or empty
-  std::size_t shards = 0;    // n
-  std::size_t throttle = 0;  // most Slurm tasks at a time; 0: all of them
+  std::size_t shards = 0;    // n of --shard k/n
+  std::size_t throttle = 0;  // maximum number of Slurm tasks at a time; 0: no limit
 };
 
-// Writes the folder and returns its files' names. The scripts start this program, in this working directory, under the names that both have now.
-// Throws InputError for a scene that cannot be swept, for more shards than it has trials, and where the folder holds something.
+// Writes the folder and returns its files' names. The scripts start this program in this working
+// directory, by their current paths. Throws InputError for an invalid sweep, for more shards than
+// trials, and if the folder is not empty.
 std::vector<std::string> write_cluster_folder(const ClusterOptions& options, const Catalogues& catalogues);
 
 }  // namespace slipbench

@@ -36,7 +36,8 @@ void add_program(std::vector<Check>& checks) {
   add("flags", info.flags);
 }
 
-// Whether the processor runs AVX2 and FMA code (x86-64-v3), the faster path of the dispatched kernels.
+// True if the processor runs AVX2 and FMA code (x86-64-v3), the faster path of the dispatched
+// kernels.
 bool has_avx2() {
 #if defined(__x86_64__)
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
@@ -99,7 +100,7 @@ void add_libraries(std::vector<Check>& checks) {
   checks.push_back(check_mujoco());
 }
 
-// One check a set of Debian packages: a set is in order when all of its packages are installed.
+// Adds one check per set of Debian packages, which passes if all of its packages are installed.
 void add_packages(std::vector<Check>& checks) {
   std::vector<std::string> names;
   for (const SetupPackage& package : setup_packages()) names.emplace_back(package.name);
@@ -180,7 +181,8 @@ void print_json(const std::vector<Check>& checks, bool good) {
   fmt::print("{}\n", Json{{"ok", good}, {"checks", std::move(list)}}.dump(2));
 }
 
-// The text after `separator` in the first line of a file that begins with `key`, without quotes; "unknown" where there is none.
+// Text after `separator` in the first line of a file that begins with `key`, without quotes;
+// "unknown" if there is no such line.
 std::string value_in_file(const char* path, std::string_view key, char separator) {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {

@@ -1,4 +1,5 @@
-// `slipbench doctor`: what is installed, in which versions, what is missing and how to get it.
+// `slipbench doctor`: lists what is installed, in which versions, what is missing and how to
+// install it.
 #pragma once
 
 #include <map>
@@ -11,30 +12,31 @@
 
 namespace slipbench {
 
-// Whether something is in order.
+// Result of a check.
 enum class CheckStatus {
   ok,
   missing,  // not there
-  wrong,    // there, but not as it has to be
+  wrong,    // present, but unusable
 };
 
-// The outcome of one look.
+// One check with its result.
 struct Check {
   std::string group;  // "program", "machine", "libraries", "set-up"
   std::string name;
   CheckStatus status = CheckStatus::ok;
-  bool required = true;     // false: only a part of the bench needs it
-  std::string found = {};   // version or description, "" where missing
-  std::string remedy = {};  // command or sentence that mends it, "" where in order
+  bool required = true;     // false: only part of the bench needs it
+  std::string found = {};   // version or description, "" if missing
+  std::string remedy = {};  // command or sentence that repairs it, "" if ok
 };
 
-// Looks at everything. Never throws for what it finds.
+// Runs all checks. Does not throw for their results.
 std::vector<Check> run_checks();
 
-// Runs the checks and prints them on stdout, as text or as one JSON object. Returns 0 when all that is required is in order, else 1.
+// Runs the checks and prints them on stdout, as text or as one JSON object. Returns 0 if all
+// required checks pass, else 1.
 int doctor_main(bool json);
 
-// Name of the processor as the kernel gives it, or "unknown".
+// Processor name as the kernel gives it, or "unknown".
 std::string cpu_name();
 
 // Name of the operating system from /etc/os-release, or "unknown".
@@ -43,21 +45,22 @@ std::string operating_system();
 // Path of a program on PATH, or "".
 std::string find_program(std::string_view name);
 
-// Versions of those of the named Debian packages that are installed. Empty where dpkg is not there.
+// Versions of the installed ones of the named Debian packages. Empty without dpkg.
 std::map<std::string, std::string, std::less<>> installed_packages(std::span<const std::string> names);
 
-// What a measured time or count depends on, to stand beside every figure that is published.
-// {"cpu", "cores", "avx2", "os", "compiler", "flags", "build_type", "version", "commit", "mujoco", "load"}: cores are hardware threads, load
-// is the mean number of running processes over the last minute (null where the system does not say), mujoco is null without MuJoCo.
+// Conditions of a measurement, to be published with every figure. {"cpu", "cores", "avx2", "os",
+// "compiler", "flags", "build_type", "version", "commit", "mujoco", "load"}: cores are hardware
+// threads, load is the mean number of running processes over the last minute (null if the system
+// does not report it), mujoco is null without MuJoCo.
 Json environment_json();
 
 struct BuildInfo {
   std::string_view version;     // "0.2.0"
-  std::string_view commit;      // git commit, "-dirty" where files were changed, "unknown" outside a checkout
+  std::string_view commit;      // git commit, "-dirty" with local changes, "unknown" outside a checkout
   std::string_view compiler;    // "GNU 12.2.0"
   std::string_view build_type;  // "Release"
   std::string_view flags;       // compiler flags of every library
-  std::string_view yaml_cpp;    // version of yaml-cpp, which has no version of its own in its headers
+  std::string_view yaml_cpp;    // yaml-cpp's headers do not state its version
 };
 
 const BuildInfo& build_info();
