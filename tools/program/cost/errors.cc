@@ -38,9 +38,9 @@ constexpr std::array<MeasureInfo, num_measures> measures{{
      "by channel of a sensor, root mean square of the difference of what is emitted at the times that both runs have, as a share of the root mean square of the reference about its mean; noise is drawn once a sample, so it is the same in both at the same output rate and otherwise counts as a difference"},
 }};
 
-constexpr double time_rounding = 1e-9;  // s, of times that are sums of decimal steps
+constexpr double time_rounding = 1e-9;  // s, for times that are sums of decimal steps
 constexpr double least_slip = 1e-6;     // m
-// Slips that begin within this share of the loading time are one event, however short they are.
+// Slips that begin within this share of the loading time are one event, however short.
 constexpr double same_event_share = 0.01;
 constexpr double least_hold = 0.1;  // s
 constexpr std::uint8_t detached_state = static_cast<std::uint8_t>(UnitState::detached);
@@ -63,8 +63,8 @@ std::vector<float> margin_of(const LabelRecord& labels, std::size_t unit) {
   return column;
 }
 
-// When the unit's slip that began at `onset` ended [s]: it was no longer a slip of the whole unit,
-// or, `in_part`, of any part of it. Infinite where it went on to the end of the trial.
+// End [s] of the unit's slip that began at `onset`: the slip is no longer one of the whole unit,
+// or, with `in_part`, of any part of it. Infinite if it lasts to the end of the trial.
 double slip_end(const LabelRecord& labels, std::size_t unit, double onset, bool in_part) {
   for (std::size_t e = 0; e < labels.event_time.size(); ++e) {
     if (labels.event_unit[e] != unit || !(labels.event_time[e] > onset)) continue;
@@ -75,8 +75,8 @@ double slip_end(const LabelRecord& labels, std::size_t unit, double onset, bool 
   return std::numeric_limits<double>::infinity();
 }
 
-// `onsets`: onset_time, or micro_onset_time (`in_part`). First slips of which one had ended before
-// the other began are two events: the one run has just missed what the other has just done.
+// `onsets`: onset_time, or micro_onset_time (`in_part`). If one of two first slips ended before the
+// other began, they are two events: one run narrowly missed what the other did.
 std::optional<MeasureError> onset_error(const std::vector<Both>& sensors, std::vector<double> LabelRecord::*onsets, bool in_part,
                                         double end) {
   MeasureValues values;
@@ -119,8 +119,8 @@ std::optional<MeasureError> slip_distance_error(const std::vector<Both>& sensors
   return values.error();
 }
 
-// Adds the root mean square of the difference of values, `width` a row, as a share of the reference's: of its own, or about the
-// mean of each.
+// Adds the root mean square of the difference, divided by that of the reference, or, with
+// `about_mean`, by the reference's about its mean. `width`: values per row.
 void add_difference(const Rows& rows, std::span<const float> run, std::span<const float> reference, std::size_t width,
                     bool about_mean, MeasureValues& values) {
   double squares = 0.0, of = 0.0;
@@ -138,7 +138,7 @@ void add_difference(const Rows& rows, std::span<const float> run, std::span<cons
   values.add_share(squares, of);
 }
 
-// Sum over the units, three numbers a sample [N].
+// Sum over the units [N], three values per sample.
 std::vector<float> pad_force(const SensorRecord& sensor) {
   const std::size_t units = sensor.labels.units();
   std::vector<float> sums;
@@ -164,7 +164,7 @@ std::optional<MeasureError> force_error(const std::vector<Both>& sensors) {
   return values.error();
 }
 
-// `states`: of the pad, or `by_unit` of each of its units; 0 is without contact.
+// `states`: of the pad, or with `by_unit` of each of its units; 0 means no contact.
 std::optional<MeasureError> state_error(const std::vector<Both>& sensors, std::vector<std::uint8_t> LabelRecord::*states,
                                         bool by_unit) {
   MeasureValues values;
@@ -239,9 +239,9 @@ std::optional<MeasureError> signal_error(const std::vector<Both>& sensors) {
   return values.error();
 }
 
-// A body that a pad holds, both as they stand in a record.
+// A body and the pad that holds it, by their names in a record.
 struct HeldPair {
-  std::size_t sensor;  // whose pad it is
+  std::size_t sensor;  // that has the pad
   std::string pad, body;
 };
 
@@ -263,7 +263,7 @@ std::vector<HeldPair> held_pairs(const Scene& scene, const TrialRecord& record) 
   return pairs;
 }
 
-// Where the body is in the pad [m], at one row of the bodies.
+// Position of the body in the pad's frame [m] at one row of the bodies.
 Eigen::Vector3d place_on_pad(const TrialRecord& record, const HeldPair& pair, std::size_t row) {
   const auto pose_of = [&](const std::string& name) {
     return std::ranges::find(record.bodies, name, &BodyRecord::name)->pose.data() + 7 * row;
@@ -276,7 +276,8 @@ Eigen::Vector3d place_on_pad(const TrialRecord& record, const HeldPair& pair, st
   return turn.conjugate() * apart;
 }
 
-// Whether at time t, by the last sample up to it, the pad of sensor `holding` touches and no unit of any sensor slips.
+// True if at time t, by the last sample up to it, the pad of sensor `holding` is in contact and no
+// unit of any sensor slips.
 bool holds_at(const TrialRecord& record, std::size_t holding, double time) {
   for (std::size_t s = 0; s < record.sensors.size(); ++s) {
     const SensorRecord& sensor = record.sensors[s];
@@ -292,14 +293,15 @@ bool holds_at(const TrialRecord& record, std::size_t holding, double time) {
   return true;
 }
 
-// First and last of the longest stretch of `rows` in which the reference holds the body; equal: there is none.
+// First and last index of the longest interval of `rows` in which the reference holds the body;
+// equal if there is none.
 std::pair<std::size_t, std::size_t> longest_hold(const TrialRecord& reference, const Rows& rows, const HeldPair& pair) {
   std::pair<std::size_t, std::size_t> longest{0, 0};
   const auto length = [&](const auto& stretch) {
     return reference.body_time[rows[stretch.second].second] - reference.body_time[rows[stretch.first].second];
   };
   const std::size_t none = rows.size();
-  std::size_t first = none;  // of the stretch at hand
+  std::size_t first = none;  // of the current interval
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!holds_at(reference, pair.sensor, reference.body_time[rows[i].second])) {
       first = none;
@@ -340,21 +342,22 @@ std::vector<Both> paired(const TrialRecord& run, const TrialRecord& reference) {
   return sensors;
 }
 
-constexpr double shortest_stride = 1e-7;  // s: two crossings of a limit that are closer are not told apart
+constexpr double shortest_stride = 1e-7;  // s: two closer crossings of a limit are not distinguished
 constexpr std::size_t most_strides = 2'000'000;
 constexpr double kept_depth = 1e-12;  // m
-constexpr int looks_between = 256;    // at the motion, between the first onset of a unit and its last
+constexpr int looks_between = 256;    // samples of the motion between a unit's first onset and its last
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
-// A function of time that changes by no more than `slope` a second.
+// A function of time whose slope is at most `slope` per second.
 struct Bounded {
   std::function<double(double)> value;
   double slope;
 };
 
-// Where the function, negative or 0 at `from`, first exceeds 0 on the way to `to`, which may be earlier; NaN: nowhere. No
-// crossing is missed, since the way on is never longer than what the bound on its slope leaves, but for a pair closer than
-// shortest_stride. `strides`: those left, 0 when there were too few.
+// Time at which the function, negative or 0 at `from`, first exceeds 0 on the way to `to`, which
+// may be earlier; NaN: never. Each stride is at most as long as the bound on the slope allows, so
+// no crossing is missed, except for a pair closer than shortest_stride. `strides`: remaining
+// number, 0 if there were too few.
 double first_above_zero(const Bounded& f, double from, double to, std::size_t& strides) {
   const double sense = to < from ? -1.0 : 1.0;
   double before = from;
@@ -377,7 +380,7 @@ double first_above_zero(const Bounded& f, double from, double to, std::size_t& s
   return strides == 0 ? never : before;
 }
 
-// One element of a pad that moves as prescribed over a plane.
+// One element of a pad in prescribed motion over a plane.
 class PrescribedElement {
  public:
   PrescribedElement(const Element& element, const Motion& motion, const Pose& world_in_surface, double mu, double speed)
@@ -385,14 +388,14 @@ class PrescribedElement {
 
   [[nodiscard]] Eigen::Vector3d tip(double t) const { return world_in_surface_ * (motion_.pad_at(t).pose * element_.tip); }
   [[nodiscard]] double depth(double t) const { return std::max(0.0, -tip(t).z()); }
-  // What the spring pulls with beyond `share` of what friction can hold, stuck at `anchor` [N].
+  // Spring force minus `share` of the friction limit [N], for an element stuck at `anchor`.
   [[nodiscard]] double excess(double t, const Eigen::Vector2d& anchor, double share) const {
     const Eigen::Vector3d place = tip(t);
     const double press = std::max(0.0, -place.z());
     return element_.k_tangential * (place.head<2>() - anchor).norm() - share * mu_ * element_.k_normal * press;
   }
 
-  // From t = 0 on. `strides` as in first_above_zero().
+  // Searches from t = 0. `strides` as in first_above_zero().
   ClosedForm::Onset first_onset(double end, std::size_t& strides) const {
     const Bounded depth_of{[this](double t) { return -tip(t).z(); }, speed_};
     for (double t = 0.0;;) {
@@ -407,7 +410,7 @@ class PrescribedElement {
       const double onset = first_above_zero(over, touch, std::isnan(out) ? end : out, strides);
       strides = std::min(strides, strides_out);
       if (!std::isnan(onset) && depth(onset) > 0.0) {
-        // Back to where half of it was used up.
+        // Back to the time at which half of the friction limit was used.
         const Bounded under_half{[&](double at) { return -excess(at, anchor, 0.5); }, slope};
         const double half = first_above_zero(under_half, onset, touch, strides);
         return {onset, std::max(least_load_time, std::isnan(half) ? onset - touch : 2.0 * (onset - half))};
@@ -417,7 +420,8 @@ class PrescribedElement {
     }
   }
 
-  // Whether from `first` to `last` it keeps its depth and moves on in nearly one direction.
+  // True if from `first` to `last` the tip keeps its depth and its direction of motion turns by
+  // less than 90 degrees.
   [[nodiscard]] bool goes_on(double first, double last) const {
     const auto velocity = [&](double t) {
       const BodyState pad = motion_.pad_at(t);
@@ -440,7 +444,7 @@ class PrescribedElement {
   double mu_, speed_;
 };
 
-// Whether the pad's elements are springs alone, whose axes look at the plane all the time.
+// True if the pad's elements are pure springs whose axes always point at the plane.
 bool has_closed_form(const PadLayout& pad, const Motion& motion, const Pose& world_in_surface, double duration) {
   return std::ranges::all_of(pad.elements, [&](const Element& element) {
     if (element.c_normal != 0.0 || element.c_tangential != 0.0) return false;
@@ -452,19 +456,19 @@ bool has_closed_form(const PadLayout& pad, const Motion& motion, const Pose& wor
   });
 }
 
-// The later of two onsets, of which NaN is the latest.
+// True if `a` is the later of two onsets; NaN is the latest.
 bool is_later(const ClosedForm::Onset& a, const ClosedForm::Onset& b) {
   return (std::isnan(a.time) && !std::isnan(b.time)) || a.time > b.time;
 }
 
-// Empty where the unit has no closed form.
+// Empty if the unit has no closed form.
 std::optional<ClosedForm::Unit> solve_unit(const std::vector<PrescribedElement>& elements, double end) {
   std::size_t strides = most_strides;
   std::vector<ClosedForm::Onset> onsets;
   for (const PrescribedElement& element : elements) onsets.push_back(element.first_onset(end, strides));
   if (strides == 0) return std::nullopt;
-  // Elements that never touch have no say in whether the whole of the unit slips; those that touch after the first onset do, from
-  // then on.
+  // Elements that never touch do not count for the slip of the whole unit; elements that touch
+  // after the first onset count from their touch on.
   ClosedForm::Unit unit;
   unit.micro = *std::ranges::min_element(onsets, [](const auto& a, const auto& b) { return is_later(b, a); });
   if (elements.size() == 1 || std::isnan(unit.micro.time)) {
@@ -503,14 +507,14 @@ std::vector<std::pair<std::size_t, std::size_t>> common_rows(std::span<const dou
 }
 
 double load_time(std::span<const double> times, std::span<const float> margin, double time) {
-  std::size_t end = 0;  // samples before `time`
+  std::size_t end = 0;  // number of samples before `time`
   while (end < times.size() && times[end] < time) ++end;
   if (end == 0) return least_load_time;
   const auto at_sample = [&](std::size_t i) { return static_cast<double>(margin[i]); };
   const std::size_t last = end - 1;
   const double half = 0.5 * (1.0 + at_sample(last));
   std::size_t k = last;
-  while (k > 0 && at_sample(k) < half) --k;  // a detached unit's NaN ends it, too
+  while (k > 0 && at_sample(k) < half) --k;  // a detached unit's NaN ends the loop too
   double load = time - times[k];
   if (k < last && at_sample(k) >= half) {
     const double share = (at_sample(k) - half) / (at_sample(k) - at_sample(k + 1));

@@ -1,5 +1,5 @@
-// How far a run is from a reference: the same trial of the same scene, simulated otherwise (another step, fidelity, solver,
-// number of elements, output rate).
+// Errors of a run against a reference: the same trial of the same scene, simulated with another
+// step, fidelity, solver, number of elements or output rate.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 
 namespace slipbench {
 
-// What a user cares for. Values index Errors.
+// Measures of error that matter to users. Values index Errors.
 enum class Measure : std::size_t {
   onset,
   micro_onset,
@@ -35,13 +35,13 @@ enum class Measure : std::size_t {
 };
 inline constexpr std::size_t num_measures = 10;
 
-// One measure as a report names and explains it.
+// Name and definition of one measure for reports.
 struct MeasureInfo {
   Measure measure;
-  std::string_view name;        // "slip_distance", as a scene's key `accuracy` and JSON have it
+  std::string_view name;        // key in a scene's `accuracy` and in JSON: "slip_distance"
   std::string_view title;       // "slipped distance"
-  std::string_view unit;        // "%" or "um/s": in which it is shown
-  double factor;                // shown = factor times MeasureError's value
+  std::string_view unit;        // displayed unit: "%" or "um/s"
+  double factor;                // displayed value = factor times MeasureError's value
   std::string_view definition;  // one sentence
 };
 
@@ -49,15 +49,16 @@ struct MeasureInfo {
 std::span<const MeasureInfo, num_measures> measure_table();
 const MeasureInfo& info_of(Measure measure);
 
-// One error. Shares are of 1 (0.01: 1 %), creep is in m/s; finite.
+// One error. Shares are fractions (0.01: 1 %), creep is in m/s; finite.
 struct MeasureError {
   double worst = 0.0;
   double median = 0.0;  // over the same units, sensors or channels
-  // Something happened in one of the two and not in the other; the figures are of all else.
+  // An event happened in only one of the two runs; the values cover everything else.
   bool different = false;
 };
 
-// By measure; empty: it does not apply, since nothing of the kind is in the reference, or no time is in both records.
+// By measure; empty if it does not apply: the reference has nothing of the kind, or the records
+// have no common time.
 using Errors = std::array<std::optional<MeasureError>, num_measures>;
 
 inline std::optional<MeasureError>& at(Errors& errors, Measure measure) { return errors[static_cast<std::size_t>(measure)]; }
@@ -65,35 +66,37 @@ inline const std::optional<MeasureError>& at(const Errors& errors, Measure measu
   return errors[static_cast<std::size_t>(measure)];
 }
 
-// Compares two full records (Recording::full) of one trial by every measure: definitions stand in measure_table(). `scene`: the
-// reference's. What goes sample by sample is compared at the times that both records have to within rounding; nothing is
-// interpolated. Measures by unit leave out a sensor that has another number of units in the two. Throws std::invalid_argument
-// when the two have not the same sensors.
+// Compares two full records (Recording::full) of one trial by every measure of measure_table().
+// `scene`: the reference's. Samples are compared at times that both records have to within
+// rounding, without interpolation. Measures by unit omit a sensor whose number of units differs.
+// Throws std::invalid_argument if the records have different sensors.
 Errors compare(const Scene& scene, const TrialResult& run, const TrialResult& reference);
 
-// The worst of two trials: by measure the larger `worst` and the larger `median`, `different` where either is. A measure that
-// applies to one of them alone is that one's.
+// Keeps the worse of two trials per measure: the larger `worst` and the larger `median`, and
+// `different` if either has it. A measure that applies to one trial only is taken from it.
 void keep_worst(Errors& errors, const Errors& other);
 
-// Rows of `a` and of `b` [s, ascending] that are at one time, to within rounding, in order.
+// Pairs of rows of `a` and `b` [s, ascending] with equal time, to within rounding, in order.
 std::vector<std::pair<std::size_t, std::size_t>> common_rows(std::span<const double> a, std::span<const double> b);
 
-// The time that a unit's friction took to be used up before `time` [s], had it been used up all along as fast as from half way
-// between 1 and the unit's margin at the last sample before `time` down to that: of a load that grows in proportion to time, how
-// long it has grown. Of a unit that touched later than half way it is the time since, and never less than least_load_time.
-// `times`: [L] s. `margin`: [L] of the unit, NaN while it is detached.
+// Time [s] in which a unit's friction limit is reached before `time` [s], extrapolated from the
+// second half: the rate between the time at which the margin was half way between 1 and its value
+// at the last sample before `time`, and that sample. For a load that grows in proportion to time it
+// is the duration of the growth. For a unit that touched after half way it is the time since the
+// touch; never less than least_load_time. `times`: [L] s. `margin`: [L] of the unit, NaN while it
+// is detached.
 double load_time(std::span<const double> times, std::span<const float> margin, double time);
 inline constexpr double least_load_time = 10e-3;  // s
 
-// Values of one measure while they are gathered: for errors.cc and closed_form.cc.
+// Collects the values of one measure; for errors.cc and closed_form.cc.
 class MeasureValues {
  public:
   void add(double value) { values_.push_back(value); }
   void add_count(std::size_t differing, std::size_t of) {
     if (of > 0) add(static_cast<double>(differing) / static_cast<double>(of));
   }
-  // A root mean square as a share of the reference's, of sums of squares over as many values. Where the reference's is 0 and the
-  // run's not, it is 1, and different.
+  // Adds a root mean square as a share of the reference's, from sums of squares over equally many
+  // values. If the reference's is 0 and the run's is not, adds 1 and sets `different`.
   void add_share(double squares, double of) {
     if (of > 0.0) {
       add(std::sqrt(squares / of));
@@ -102,7 +105,8 @@ class MeasureValues {
       different_ = true;
     }
   }
-  // Onsets of a unit [s], NaN: never, and the time that its friction took to be used up [s]; `end` of the trial [s].
+  // Adds the onsets of a unit [s], NaN: never. `load_time`: time in which its friction limit was
+  // reached [s]; `end` of the trial [s].
   void add_onsets(double in_run, double in_reference, double load_time, double end) {
     if (std::isnan(in_run) && std::isnan(in_reference)) return;
     if (std::isnan(in_run) || std::isnan(in_reference)) {
@@ -113,42 +117,45 @@ class MeasureValues {
       add(std::abs(in_run - in_reference) / load_time);
     }
   }
-  // Of a unit whose first slips in the two runs are two events, between which no time is an error.
+  // Counts a unit whose first slips in the two runs are different events, so that their time
+  // difference is not an error.
   void add_other_event() { different_ = true; }
-  // Divides all values gathered so far.
+  // Divides all values added so far.
   void divide(double by) {
     for (double& value : values_) value /= by;
   }
 
-  // Empty when nothing was added.
+  // Empty if nothing was added.
   [[nodiscard]] std::optional<MeasureError> error() const {
     if (values_.empty()) return different_ ? std::optional(MeasureError{0.0, 0.0, true}) : std::nullopt;
     return MeasureError{std::ranges::max(values_), median(values_), different_};
   }
 
  private:
-  // Of a unit that slips in one run alone: how much of its loading time before the trial's end makes that a difference. Later,
-  // its onset in the other run may well come right after the end.
+  // For a unit that slips in one run only: share of its loading time that must remain before the
+  // trial's end. If less remains, its onset in the other run may simply come after the end.
   static constexpr double end_share = 0.01;
 
   std::vector<double> values_;
   bool different_ = false;
 };
 
-// Slip onset in closed form, where there is one: a reference that no step and no code of the field has a part in.
+// Slip onset in closed form, where it exists: a reference independent of any step and of the
+// field's code.
 //
 // An element on a plane sticks where it touched until its spring pulls harder than friction holds,
 //   k_t |p(t) - p(t_touch)| = mu_s k_n d(t),
-// with the motion's own place p of its tip along the plane and depth d of its tip in it. All springs of a pad are clamped to one
-// body that moves as prescribed, so no element knows of another, and the first t that solves this is its onset exactly; mu_k has
-// no part in it. For one pillar in translation at constant speed v it is mu_s f_n/(k_t v) after the start.
-// A unit slips in part from the first onset of its elements on, and as a whole from the last one on if till then all that slipped
-// go on.
+// with the prescribed position p of its tip along the plane and depth d of its tip in it. All
+// springs of a pad are clamped to one body in prescribed motion, so the elements are independent,
+// and the first t that solves this equation is the exact onset; mu_k does not matter. For one
+// pillar in translation at constant speed v it is mu_s f_n/(k_t v) after the start.
+// A unit slips in part from the first onset of its elements, and as a whole from the last one, if
+// all elements that slipped keep slipping until then.
 struct ClosedForm {
   struct Onset {
     double time = std::numeric_limits<double>::quiet_NaN();  // s; NaN: never in the trial
     double load_time =
-        least_load_time;  // s, twice the time since half of the friction was used up, or the time since the touch; no less
+        least_load_time;  // s, twice the time since half of the friction limit was reached, or the time since the touch; at least least_load_time
   };
   struct Unit {
     Onset micro, whole;
@@ -156,15 +163,16 @@ struct ClosedForm {
   std::vector<std::vector<Unit>> units;  // [sensor][N]
 };
 
-// The onsets of one trial, resolved to rounding. Empty unless all of this holds: nothing moves by forces, the surface is a plane,
-// there are no effects, mu_s > 0, pads have no dashpots, axes look at the plane throughout, and in every unit of several elements
-// what slips goes on until all of it does (between the unit's first onset and its last, or the trial's end, each tip keeps its
-// depth, moves, and never turns by 90 degrees or more from where it moved at first).
+// The onsets of one trial, exact to rounding. Empty unless all of this holds: no body moves by
+// forces, the surface is a plane, there are no effects, mu_s > 0, pads have no dashpots, axes point
+// at the plane throughout, and in every unit of several elements each slipping element keeps
+// slipping until all do (between the unit's first onset and its last, or the trial's end, each tip
+// keeps its depth, moves, and turns by less than 90 degrees from its first direction).
 // Throws InputError as make_sensor() and make_motion() do.
 std::optional<ClosedForm> closed_form(const Scene& scene, std::uint64_t trial);
 
-// The measures onset and micro_onset of a run (Recording::outcome is enough) as compare() has them, against the closed form; no
-// other measure applies.
+// The measures onset and micro_onset of a run (Recording::outcome suffices) against the closed
+// form, defined as in the other compare(); no other measure applies.
 Errors compare(const Scene& scene, const TrialResult& run, const ClosedForm& exact);
 
 }  // namespace slipbench

@@ -19,13 +19,14 @@
 namespace slipbench::cost {
 namespace {
 
-// Shares of the budget: the two reference runs may take the first, one setting with three repeats the second.
+// Shares of the budget: at most reference_share for the two reference runs, setting_share for three
+// repeats of one setting.
 constexpr double reference_share = 0.15;
 constexpr double setting_share = 0.1;
-// The first runs of all settings may take this; what is left is for timing.
+// Share of the budget for the first runs of all settings; the rest is for timing.
 constexpr double trying_share = 0.5;
 
-// A short run is repeated until it has had this long, so that its median is worth as much as that of a long one.
+// A short run is repeated for this long, so that its median is as reliable as that of a long one.
 constexpr double turn = 0.01;  // s
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -44,17 +45,17 @@ double cpu_clock() {
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// Puts the onsets of `exact` in place of those of `errors`.
+// Replaces the onsets of `errors` by those of `exact`.
 void take_onsets(const Errors& exact, Errors& errors) {
   for (const Measure measure : {Measure::onset, Measure::micro_onset}) at(errors, measure) = at(exact, measure);
 }
 
-// Something that is run again and again: a setting, or the scene without an effect.
+// A repeated run: of a setting, or of the scene without an effect.
 struct Job {
   Scene scene;
   std::vector<double> seconds = {};  // CPU time of each timed run
   double first = 0.0;                // s, CPU time of the run that was recorded
-  double expected = 0.0;             // s on the clock, of the next
+  double expected = 0.0;             // s, wall-clock time of the next run
 };
 
 CpuTime cpu_time(const Job& job) {
@@ -82,7 +83,7 @@ class Explorer {
       try_all();
       price_all();
       time_all();
-    } catch (const Interrupted&) {  // in a run that then counts for nothing
+    } catch (const Interrupted&) {  // the interrupted run does not count
     }
     sum_up();
     mark_fronts(result_);
@@ -100,7 +101,7 @@ class Explorer {
 
   [[nodiscard]] std::vector<Override> changes_of(const Setting& setting) const {
     std::vector<Override> all = options_.overrides;
-    if (wishes_) all.push_back({"accuracy", "none"});  // its search is for one setting; here all are seen
+    if (wishes_) all.push_back({"accuracy", "none"});  // `accuracy` would search for one setting; here all are run
     all.insert(all.end(), setting.changes.begin(), setting.changes.end());
     return all;
   }
@@ -115,7 +116,7 @@ class Explorer {
     return canonical_command(sweep);
   }
 
-  // Throws InputError where the changes do not suit the scene.
+  // Throws InputError if the changes do not fit the scene.
   [[nodiscard]] Scene scene_of(const Setting& setting) const {
     SceneFile file = SceneFile::load(options_.scene_path);
     for (const Override& change : changes_of(setting)) file.apply(change);
@@ -159,7 +160,7 @@ class Explorer {
       reject("cost: --budget is {:.3g} s, and a trial of {} takes {:.2g} s; allowed: at least {:.3g} s", options_.budget,
              options_.scene_path, job.expected, std::ceil(budget_in_runs * job.expected));
     }
-    own_ = timed_run(job, Recording::full);  // the first has filled caches
+    own_ = timed_run(job, Recording::full);  // repeated: the first run filled the caches
     timed_run(job, Recording::outcome);
     row.setting.label = short_text(own_.time_step);
     result_.simulated = job.scene.duration;
@@ -209,7 +210,7 @@ class Explorer {
     return errors;
   }
 
-  // Runs a setting for the first time; empty where it does not run, which the row then says.
+  // Runs a setting for the first time; returns nothing if it fails, with the reason in the row.
   std::optional<TrialResult> try_setting(Row& row, Job& job) {
     try {
       job.scene = scene_of(row.setting);
@@ -218,8 +219,8 @@ class Explorer {
       row.status = warned(row.why) ? Status::warning : Status::refused;  // tips that settle before the first step may diverge
       return std::nullopt;
     }
-    // Time goes with the number of steps, by what the quickest of the series has shown: a stalled run is to speak for itself
-    // alone.
+    // The time is proportional to the number of steps, by the fastest run of the series, so that
+    // one stalled run does not affect the others.
     job.expected = job.scene.time_step && pace_ ? *pace_ / *job.scene.time_step : 0.0;
     if (static_cast<double>(least_repeats) * job.expected > setting_share * options_.budget) {
       row.status = Status::over_budget;
@@ -239,7 +240,7 @@ class Explorer {
 
   void try_all() {
     const double begin = since(start_);
-    std::vector<std::pair<std::size_t, TrialResult>> apart;  // rows that are compared with the last of their series
+    std::vector<std::pair<std::size_t, TrialResult>> apart;  // rows to compare with the last row of their series
     for (Setting& setting : settings_to_try(jobs_.front().scene, own_.time_step)) {
       if (interrupted()) return;
       const Series& series = series_of(setting);
@@ -307,8 +308,9 @@ class Explorer {
     price_jobs_.push_back(std::move(job));
   }
 
-  // Rounds over all jobs, each starting one further on, until no run fits into what is left of the budget. The first goes from
-  // the cheapest to the dearest, so that what a short budget leaves out is the dearest.
+  // Repeats all jobs in rounds, each starting one job later, until no run fits into the remaining
+  // budget. The first round goes from the cheapest to the most expensive, so that a short budget
+  // omits the most expensive ones.
   void time_all() {
     std::vector<Job*> jobs;
     for (std::size_t i = 0; i < jobs_.size(); ++i) {
@@ -357,12 +359,13 @@ class Explorer {
   std::uint64_t seed_ = 0;
   bool wishes_ = false;  // the scene has the key `accuracy`
   Exploration result_;
-  std::vector<Job> jobs_;        // of the rows, in their order
+  std::vector<Job> jobs_;        // of the rows, in the same order
   std::vector<Job> price_jobs_;  // of the prices
   TrialResult own_;
   TrialResult reference_;
   std::optional<ClosedForm> exact_;
-  // Of the series at hand: the least that a run has taken, on the clock, times its step [s2]; empty: none has run.
+  // For the current series: the least wall-clock time of a run times its step [s2]; empty: none has
+  // run.
   std::string series_at_hand_;
   std::optional<double> pace_;
 };

@@ -31,7 +31,7 @@ namespace slipbench {
 namespace {
 
 constexpr int schema = 1;
-constexpr std::size_t most_kept = 32;  // settings of one scene, by overrides and seed: the latest
+constexpr std::size_t most_kept = 32;  // settings of one scene, by overrides and seed; the latest are kept
 
 const TextKind kept_kind{"record of settings for a scene's accuracy", [](std::string_view beginning) {
                            return beginning.starts_with("{") &&
@@ -60,7 +60,7 @@ Json errors_as_json(const Errors& errors) {
   return json;
 }
 
-// What an entry is for: the same in, the same setting out.
+// Identity of an entry: equal inputs give equal settings.
 Json subject_of(const SceneFile& file, const Scene& scene, const std::vector<Override>& overrides, const PlannedTrials& planned) {
   return {{"version", SLIPBENCH_VERSION},
           {"scene_sha256", text_sha256(file.text())},
@@ -100,8 +100,8 @@ Json entry_of(const Json& subject, const Scene& scene, const FoundSetting& found
       "; the setting that meets the scene's wish for accuracy is kept there; allowed: a file that can be written, or no wish: --set accuracy=none runs without");
 }
 
-// Refuses where write_text_file would fail. Whether a file can be made is known for sure only once one has been: its name is as
-// long as the one that will be.
+// Throws InputError if write_text_file() would fail. Only creating a file proves that it can be
+// created; the test file's name is as long as the final one.
 void check_record(const std::string& path, const std::string& scene_path) {
   try {
     check_text_target(path, {scene_path}, kept_kind);
@@ -115,11 +115,11 @@ void check_record(const std::string& path, const std::string& scene_path) {
   ::unlink(name.c_str());
 }
 
-// The entries of the file; none where there is no file.
+// The entries of the file; empty if there is no file.
 Json read_entries(const std::string& path) {
   std::error_code error;
   const std::filesystem::file_type type = std::filesystem::status(path, error).type();
-  // Where it cannot even be looked for, writing says why.
+  // If the path cannot even be examined, writing reports the reason.
   if (type == std::filesystem::file_type::not_found || type == std::filesystem::file_type::none) return Json::array();
   if (type != std::filesystem::file_type::regular) refuse_to_keep(path + ": is no file");
   std::ifstream stream(path, std::ios::binary);
@@ -143,7 +143,8 @@ Json read_entries(const std::string& path) {
   }
 }
 
-// One line: "accuracy: time_step 0.5 ms; onset 0.12 % of 1 % against the closed form, 5 trials looked at".
+// One line: "accuracy: time_step 0.5 ms; onset 0.12 % of 1 % against the closed form, 5 trials
+// looked at".
 std::string line_of(const Json& entry) {
   std::string errors;
   for (const auto& [name, limit] : entry.at("wish").items()) {
@@ -160,12 +161,12 @@ std::string line_of(const Json& entry) {
 }
 
 constexpr std::size_t most_divisors = 1000;  // of the sampling time, tried for the longest step
-constexpr std::size_t most_common = 100;     // of the shortest sampling time, tried for one that divides all
-constexpr double most_steps = 1e8;           // of a trial, what a scene may have
+constexpr std::size_t most_common = 100;     // of the shortest sampling time, tried for a common divisor of all
+constexpr double most_steps = 1e8;           // per trial, the limit of a scene
 constexpr std::size_t most_checked = 64;     // trials in which a step must be stable
 
 constexpr double tight_tolerance = 1e-6;  // of elastic_skin, at the longest step
-constexpr std::size_t tight_cost = 2;     // as `cost` shows it for scenes/soft_skin/sphere.yaml
+constexpr std::size_t tight_cost = 2;     // as `cost` measures for scenes/soft_skin/sphere.yaml
 
 const Override no_wish{"accuracy", "none"};
 
@@ -175,7 +176,7 @@ Measure measure_named(const std::string& name) {
   return found->measure;
 }
 
-// To four digits.
+// Rounds a time to four digits.
 std::string rounded_time(const std::string& text) {
   const std::string rounded = fmt::format("{:.3e}", parse_quantity(text, Quantity::time));
   return format_quantity(parse_quantity(rounded, Quantity::time), Quantity::time);
@@ -186,7 +187,8 @@ struct Wish {
   double limit;
 };
 
-// Whether pads' springs are implicit, the whole number of steps in the scene's sampling time, and whether a soft skin is solved tightly.
+// Time step and solver: implicit or explicit pad springs, number of steps per sampling time, and
+// whether a soft skin is solved to a tight tolerance.
 struct Cut {
   bool implicit = false;
   std::size_t steps = 1;
@@ -206,12 +208,12 @@ class Search {
     has_choice_ = scene.dynamic() && !scene.grasp && scene.fidelity == "field" && skin == scene.effects.end();
     if (skin == scene.effects.end()) return;
     skin_ = static_cast<std::size_t>(skin - scene.effects.begin());
-    // A sweep's tolerance, or that of effects which it sets as a whole, is the sweep's to say.
+    // If a sweep sets the tolerance, or the effects as a whole, the tolerance is not changed here.
     const std::string ours = tolerance_path() + ".";
     if (std::ranges::any_of(drawn, [&](const auto& swept) { return ours.starts_with(swept.first + "."); })) skin_.reset();
   }
 
-  // Empty where nothing is wished for.
+  // Empty if the scene has no accuracy requirement.
   [[nodiscard]] std::optional<FoundSetting> find() {
     if (wishes_.empty()) return std::nullopt;
     try {
@@ -232,7 +234,7 @@ class Search {
       refuse_unmet(found);
     }
     find_reference(longest, found);
-    // The step next to the reference's is in, and its errors are known to be small enough.
+    // Includes the reference's neighbouring step, whose errors are known to be small enough.
     if (!try_cuts(candidates(reference_steps_), Recording::full, reference_, found)) refuse_unmet(found);
     return found;
   }
@@ -241,15 +243,16 @@ class Search {
 
   [[nodiscard]] std::string tolerance_path() const { return fmt::format("effects.{}.elastic_skin.tolerance", *skin_); }
 
-  // What the steps of a slipping skin leave undone adds up over them. Never more than the scene's own.
+  // Residuals of the steps of a slipping skin accumulate over the steps. Never larger than the
+  // scene's own tolerance.
   [[nodiscard]] double tolerance_of(const Cut& cut) const {
-    constexpr double least = 1e-10;  // that the parameter may be
+    constexpr double least = 1e-10;  // lower limit of the parameter
     const double own = wished_.trial(0).scene.effects[*skin_].parameters.number("tolerance");
     return std::min(own,
                     std::max(least, tight_tolerance * static_cast<double>(explicit_steps_) / static_cast<double>(cut.steps)));
   }
 
-  // What says the setting instead of the wish. The step reads back as the same double.
+  // Overrides that replace the accuracy requirement. The step reads back as the same double.
   [[nodiscard]] std::vector<Override> overrides_of(const Cut& cut) const {
     std::vector<Override> overrides{no_wish, {"time_step", format_quantity(step_of(cut), Quantity::time)}};
     if (cut.implicit) overrides.push_back({"field_solver", "implicit"});
@@ -273,7 +276,7 @@ class Search {
     throw InputError(wished_.where(0, path) + ": " + path + ": " + why);
   }
 
-  // The longest time that divides all that sensors with pads of their own leave between readings.
+  // Finds the longest time that divides the sampling times of all sensors with their own pads.
   void find_sampling_time() {
     std::set<double> rates;
     for (const std::size_t trial : evenly_spaced(asked_, most_checked)) {
@@ -299,7 +302,7 @@ class Search {
     refuse("accuracy", "the sensors' sampling times have no common step; allowed: rates that have one, or no wish");
   }
 
-  // Why a trial cannot begin with the setting; empty: it can.
+  // Reason why a trial cannot start with the setting; empty if it can.
   [[nodiscard]] std::optional<SceneValueError> refusal_of(const Cut& cut, std::size_t trial) const {
     try {
       check_trial(scene_of(cut, trial), trial);
@@ -309,10 +312,11 @@ class Search {
     }
   }
 
-  // The fewest steps in the sampling time that are stable in all trials looked at; 0: none are, and `last_refusal_` says why.
+  // The fewest steps per sampling time that are stable in all examined trials; 0: no number is, and
+  // `last_refusal_` has the reason.
   std::size_t fewest_steps(bool implicit) {
     std::size_t steps = 1;
-    // What is stable with a step is so with a shorter one: trials seen before are not looked at again.
+    // A shorter step is stable wherever a longer one is, so earlier trials need not be repeated.
     for (const std::size_t trial : evenly_spaced(asked_, most_checked)) {
       while (std::optional<SceneValueError> refusal = refusal_of({implicit, steps}, trial)) {
         last_refusal_ = std::move(refusal);
@@ -323,7 +327,8 @@ class Search {
     return steps;
   }
 
-  // Finds from where on settings are tried; returns the steps of the longest one of the kind that references are of.
+  // Finds the coarsest settings to try; returns the number of steps of the longest one of the kind
+  // used for references.
   std::size_t longest_step() {
     find_sampling_time();
     explicit_steps_ = fewest_steps(false);
@@ -333,7 +338,7 @@ class Search {
     return explicit_steps_ > 0 ? explicit_steps_ : implicit_steps_;
   }
 
-  // In the order in which they are tried, with steps longer than the one of so many.
+  // Settings in the order of trying, with fewer steps than `below`.
   [[nodiscard]] std::vector<Cut> candidates(std::size_t below) const {
     std::vector<Cut> cuts;
     for (const auto& [implicit, fewest] : {std::pair{false, explicit_steps_}, std::pair{true, implicit_steps_}}) {
@@ -346,7 +351,7 @@ class Search {
     return cuts;
   }
 
-  // Whether all that is wished for has a closed form in all trials.
+  // True if all required measures have a closed form in all trials.
   bool read_closed_forms() {
     const bool onsets = std::ranges::all_of(
         wishes_, [](const Wish& wish) { return wish.measure == Measure::onset || wish.measure == Measure::micro_onset; });
@@ -358,7 +363,7 @@ class Search {
     return exact_.size() == trials_.size();
   }
 
-  // Whether the errors are within `share` of the wish.
+  // True if the errors are within `share` of the requirement.
   [[nodiscard]] bool meets(const Errors& errors, double share) const {
     return std::ranges::all_of(wishes_, [&](const Wish& wish) {
       const std::optional<MeasureError>& error = at(errors, wish.measure);
@@ -376,7 +381,7 @@ class Search {
     }
   }
 
-  // `references`: what a run of each trial is compared with.
+  // `references`: reference of each trial.
   template <class Reference>
   bool try_cuts(const std::vector<Cut>& cuts, Recording recording, const std::vector<Reference>& references,
                 FoundSetting& found) {
@@ -401,7 +406,7 @@ class Search {
     return false;
   }
 
-  // Whether a scene may not be cut as finely.
+  // True if the scene would have too many steps.
   [[nodiscard]] bool too_many(std::size_t steps) const {
     return wished_.trial(0).scene.duration / sampling_time_ * static_cast<double>(steps) > most_steps;
   }
@@ -418,7 +423,7 @@ class Search {
     return results;
   }
 
-  // Halves the step until two runs are close enough.
+  // Halves the step until two successive runs are close enough.
   void find_reference(std::size_t longest, FoundSetting& found) {
     const bool implicit = explicit_steps_ == 0;
     Cut cut{implicit, 4 * longest, skin_.has_value()};
@@ -441,13 +446,13 @@ class Search {
     }
   }
 
-  // What may be wished for where an error has to be at most `share` of the wish.
+  // Text of the allowed requirement if an error must be at most `share` of it.
   static std::string allowed(const Wish& wish, const MeasureError& error, double share) {
     if (error.different && error.worst <= share * wish.limit) return "no wish";
     return fmt::format("from {} on, or no wish", error_text(wish.measure, error.worst / share));
   }
 
-  // Where even the finest runs do not agree.
+  // Reports that even the finest runs disagree.
   [[noreturn]] void refuse_unsettled(const Errors& errors, const std::string& reference) const {
     for (const Wish& wish : wishes_) {
       const MeasureError& error = at(errors, wish.measure).value();
@@ -462,7 +467,8 @@ class Search {
     throw std::logic_error("a reference that is good enough was refused");
   }
 
-  // Where no setting is right enough: says of the first wish that the finest one misses how far off that is.
+  // Reports that no setting is accurate enough, with the error of the finest one for the first
+  // requirement that it misses.
   [[noreturn]] void refuse_unmet(const FoundSetting& found) const {
     const SettingLook& last = found.looks.back();
     if (!last.failure.empty())
@@ -479,17 +485,17 @@ class Search {
     throw std::logic_error("a setting that meets the wish was refused");
   }
 
-  const TrialPlan& wished_;  // as the scene stands
-  std::size_t asked_;        // the first so many trials are to run
+  const TrialPlan& wished_;  // the scene unchanged
+  std::size_t asked_;        // number of trials to run
   std::vector<std::size_t> trials_;
   std::vector<Wish> wishes_;
   bool has_choice_ = false;          // of the solver
-  std::optional<std::size_t> skin_;  // which of the scene's effects is elastic_skin
+  std::optional<std::size_t> skin_;  // index of elastic_skin in the scene's effects
   double sampling_time_ = 0.0;
-  std::size_t explicit_steps_ = 0, implicit_steps_ = 0;  // fewest in the sampling time; 0: there is no such setting
+  std::size_t explicit_steps_ = 0, implicit_steps_ = 0;  // fewest per sampling time; 0: no such setting
   std::optional<SceneValueError> last_refusal_;
-  std::vector<ClosedForm> exact_;       // by trial looked at
-  std::vector<TrialResult> reference_;  // likewise
+  std::vector<ClosedForm> exact_;       // by examined trial
+  std::vector<TrialResult> reference_;  // by examined trial
   std::size_t reference_steps_ = 0;
 };
 
@@ -512,7 +518,7 @@ std::optional<KeptSetting> setting_for(const SweepOptions& sweep, const Catalogu
     if (entry.at("subject") == subject) return KeptSetting{overrides_of(entry.at("setting")), path, line_of(entry)};
   }
 
-  check_record(path, sweep.scene_path);  // before the work
+  check_record(path, sweep.scene_path);  // before the long search
   if (on_search) on_search();
   const FoundSetting found = find_setting(planned).value();
   Json kept = Json::array();

@@ -1,4 +1,4 @@
-// What an exploration shows: fronts, the cheapest settings, plain sentences.
+// Evaluates an exploration: fronts, the cheapest settings, plain sentences.
 
 #include <algorithm>
 #include <array>
@@ -13,9 +13,10 @@
 namespace slipbench::cost {
 namespace {
 
-// Of what sentences are made. Forces and labels follow onsets so closely that a sentence on each would say the same thrice.
+// Measures with a sentence each. Forces and labels follow onsets so closely that more would repeat
+// them.
 constexpr std::array told_measures{Measure::onset, Measure::force, Measure::label, Measure::creep};
-// In the measure's own terms: shares, and m/s of creep.
+// In the measure's own units: shares, and m/s of creep.
 constexpr std::array told_shares{1e-2, 1e-3};
 constexpr std::array told_creeps{1e-6, 1e-8};
 
@@ -33,12 +34,12 @@ std::string limit_text(const MeasureInfo& info, double limit) {
   return fmt::format("{} {}", ratio_text(info.factor * limit), info.unit);
 }
 
-// "1/380 of real time", or "2.3 times real time" of what is slower than that.
+// "1/380 of real time", or "2.3 times real time" if slower.
 std::string cost_text(double cost) {
   return cost <= 1.0 ? fmt::format("1/{} of real time", ratio_text(1.0 / cost)) : fmt::format("{:.2g} times real time", cost);
 }
 
-// The least worst error that any row of the series has; null: none is comparable.
+// The row of the series with the least worst error; null if none is comparable.
 const Row* best_of(const Exploration& exploration, Measure measure, std::string_view series) {
   const Row* best = nullptr;
   for (const Row& row : exploration.rows) {
@@ -52,12 +53,12 @@ bool has_series(const Exploration& exploration, std::string_view series) {
   return std::ranges::any_of(exploration.rows, [&](const Row& row) { return row.setting.series == series; });
 }
 
-// What became of all settings of MuJoCo's own contact.
+// Numbers of the settings of MuJoCo's own contact by their result.
 struct Tried {
   std::size_t all = 0, refused = 0, not_run = 0;
-  std::size_t failed = 0;    // they ran, and went wrong
-  std::size_t slower = 0;    // they ran, and put out less often than the scene does
-  std::size_t compared = 0;  // they ran, and could have reached an error
+  std::size_t failed = 0;    // ran and failed
+  std::size_t slower = 0;    // ran with an output rate below the scene's
+  std::size_t compared = 0;  // ran and can be compared
   std::string why = {};      // of a refusal
 };
 Tried tried_contact(const Exploration& exploration) {
@@ -97,7 +98,7 @@ std::string contact_text(const Exploration& exploration, Measure measure, double
                      cost_text(exploration.cost(*best)));
 }
 
-// Of which settings nothing could be said; empty: there are none.
+// Counts of settings without a result; empty if there are none.
 std::string left_out_text(const Tried& tried) {
   std::vector<std::string> parts;
   const auto add = [&parts](std::size_t count, std::string_view what) {
@@ -268,7 +269,7 @@ std::string verdict(const Price& price) {
   const std::string costs = price.low > 0.0 ? fmt::format("costs {:.2g} %", 100.0 * price.share) : "costs less than the scatter";
   const MeasureInfo* most = nullptr;
   double change = 0.0;
-  // Of measures in different units that counts most which is the most beyond what a fine run is known to.
+  // Measures in different units are compared by their multiple of converged_error().
   const auto weight = [](Measure measure, double error) { return error / converged_error(measure); };
   for (const MeasureInfo& info : measure_table()) {
     const std::optional<MeasureError>& error = at(price.changes, info.measure);

@@ -16,9 +16,11 @@ namespace {
 constexpr std::array coarse_factors{10.0, 4.0, 2.0};
 constexpr std::array divisors{1.0, 2.0, 5.0, 10.0, 20.0};
 
-// What a careful user of MuJoCo would set, from its defaults over what its manual recommends against creep (elliptic cones, a high impratio,
-// noslip, stiff contacts) to recipes that were found by scanning hundreds of settings on pillars like these (sim/mujoco/articulated/mujoco_contact.md).
-// In them %h is the step in s, %2h twice that, and %m a tip's mass: 10 g, and 1 g where tips weigh on what forces move.
+// Contact settings of a careful MuJoCo user: the defaults, its manual's advice against creep
+// (elliptic cones, a high impratio, noslip, stiff contacts), and recipes found by scanning hundreds
+// of settings on similar pillars (sim/mujoco/articulated/mujoco_contact.md). %h is the step in s,
+// %2h twice the step, and %m a tip's mass: 10 g, and 1 g if tips weigh on bodies that move by
+// forces.
 struct ContactChoice {
   const char* label;
   const char* contact;  // the scene's key
@@ -47,7 +49,8 @@ std::string filled(std::string text, const std::string& mark, const std::string&
   return text;
 }
 constexpr std::array contact_steps{4e-3, 2e-3, 1e-3, 5e-4, 2e-4};
-// In a grasp the springs of the fingers bear no step above 0.8 ms by the grip's defaults; stiffer fingers refuse more of these.
+// The springs of a grasp's fingers are stable up to 0.8 ms with the grip's defaults; stiffer
+// fingers refuse more of these steps.
 constexpr std::array grasp_contact_steps{5e-4, 2e-4, 1e-4, 5e-5};
 
 bool has(const SensorScene& sensor, const char* parameter) { return sensor.parameters.values().contains(parameter); }
@@ -56,17 +59,17 @@ double rate_of(const SensorScene& sensor) { return has(sensor, "rate") ? sensor.
 
 Override step(double time_step) { return {"time_step", step_text(time_step)}; }
 
-// Whole to within the rounding of decimal text.
+// True if x is a whole number to within the rounding of decimal text.
 bool whole(double x) { return x > 0.5 && std::abs(x - std::round(x)) < 1e-9 * x; }
 
-// Every sensor that samples faster than `rate` [Hz] is slowed down to it.
+// Slows every sensor that samples faster than `rate` [Hz] down to it.
 void limit_rates(const Scene& scene, double rate, std::vector<Override>& changes) {
   for (const SensorScene& sensor : scene.sensors) {
     if (rate_of(sensor) > rate) changes.push_back({"sensors." + sensor.name + ".rate", format_number(rate) + " Hz"});
   }
 }
 
-// Adds a setting of `time_step` to a series, slowing down what samples faster.
+// Adds a setting with `time_step` to a series; slows down faster sensors.
 void add_step(const Scene& scene, const std::string& series, double time_step, std::vector<Override> changes,
               const std::string& label, std::vector<Setting>& settings) {
   if (!whole(scene.duration / time_step)) return;
@@ -77,21 +80,23 @@ void add_step(const Scene& scene, const std::string& series, double time_step, s
   settings.push_back({series, label + short_text(time_step) + slowed, std::move(changes)});
 }
 
-// A sampling time [s] of the scene. Where nothing is integrated the scene's step is one, also of a sensor that reads several times a sample.
+// A sampling time [s] of the scene. If nothing is integrated it is the scene's step, also for a
+// sensor that reads several times per sample.
 double sampling_time_of(const Scene& scene, double own) {
   const double rate = fastest_rate(scene);
   return scene.dynamic() && rate > 0.0 ? 1.0 / rate : own;
 }
 
-// The step next to `wanted` [s] that goes into the sampling time, or that this goes into: the ladders of MuJoCo's contact are made for 1 kHz,
-// and a scene may have any rate.
+// The step closest to `wanted` [s] that divides the sampling time or is a multiple of it: the steps
+// for MuJoCo's contact assume 1 kHz, and a scene may have any rate.
 double fitting(double wanted, double sampling_time) {
   const double times = wanted / sampling_time;
   return times >= 1.0 ? std::round(times) * sampling_time : sampling_time / std::ceil(1.0 / times - 1e-9);
 }
 
-// Steps from ten of the scene's own down to a twentieth. Where forces move bodies, the scene's is near the longest that they bear: from four of
-// them down to an eighth, in whole parts of a sampling time.
+// Steps from ten times the scene's own down to a twentieth. If forces move bodies, the scene's step
+// is near the stability limit: from four times the step down to an eighth, in whole fractions of a
+// sampling time.
 std::vector<double> ladder(const Scene& scene, double own) {
   std::vector<double> steps;
   if (!scene.dynamic()) {
@@ -107,7 +112,7 @@ std::vector<double> ladder(const Scene& scene, double own) {
   return steps;
 }
 
-// Takes back the scene's own way of simulating, which need not suit another.
+// Resets the scene's own way of simulating, which may not suit another.
 std::vector<Override> plain(const Scene& scene, const char* name) {
   std::vector<Override> changes;
   if (scene.fidelity == "mujoco_contact") changes.push_back({"contact", "none"});
@@ -164,11 +169,11 @@ void add_contact(const Scene& scene, double own, std::vector<Setting>& settings)
   }
 }
 
-// The parameters that say of how many elements a pad is made: a sensor has one of them or none.
+// Parameters for the number of elements of a pad: a sensor has one of them or none.
 constexpr std::array count_parameters{"bristles", "elements"};
 
-// The counts to try for a parameter with so many elements now: bristles from the one of a point contact to a dense end face, of other
-// pads from two thirds to four times as many.
+// Counts to try for a parameter with the value `now`: for bristles from a point contact to a dense
+// end face, for other pads two thirds to four times as many.
 std::array<int, 4> counts_for(std::string_view parameter, int now) {
   if (parameter == "bristles") return {1, 2, 6, 48};
   return {(2 * now) / 3, now, 2 * now, 4 * now};
@@ -191,7 +196,7 @@ void add_elements(const Scene& scene, std::vector<Setting>& settings) {
   }
 }
 
-// Of a soft skin: what its solver leaves undone, and the cells of a flat grid whose extent stays.
+// Settings of a soft skin: its solver's tolerance, and the cells of a flat grid of constant extent.
 void add_skin(const Scene& scene, std::vector<Setting>& settings) {
   const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
   if (skin == scene.effects.end()) return;
@@ -204,7 +209,7 @@ void add_skin(const Scene& scene, std::vector<Setting>& settings) {
   const auto rows = sensor.parameters.integer("rows"), columns = sensor.parameters.integer("columns");
   constexpr std::int64_t most = 64;
   constexpr int halves = 2;
-  for (const int factor : {1, 2, 3, 4, 6}) {  // half a time to three times as many along each side
+  for (const int factor : {1, 2, 3, 4, 6}) {  // half to three times as many along each side
     if (rows * factor % halves != 0 || columns * factor % halves != 0 || std::max(rows, columns) * factor > most * halves)
       continue;
     const auto key = [&](const char* name) { return fmt::format("sensors.{}.{}", sensor.name, name); };

@@ -17,23 +17,23 @@
 namespace slipbench::cost {
 namespace {
 
-constexpr double real_k_normal = 7100.0, real_k_tangential = 3900.0;  // N/m, of a pillar of a PapillArray
+constexpr double real_k_normal = 7100.0, real_k_tangential = 3900.0;  // N/m, of a PapillArray pillar
 constexpr int pillars = 9;
 constexpr double g = 9.81;  // m/s2
 
-// A model and the kick that it gets.
+// A model and its initial velocity disturbance.
 struct Probed {
   std::string model;
   std::vector<double> kick;
 };
 
-// One combination to be built: stiffness is that of an element.
+// One combination to measure; stiffness per element.
 struct Parameters {
   double mass, k_normal, k_tangential, damping;
   std::string integrator;
 };
 
-// Nine flat elements, one every `pitch` [m].
+// Nine flat elements with a spacing of `pitch` [m].
 std::string pad(const std::string& name, const std::string& site, double pitch, const Parameters& p, double damping) {
   std::string rows;
   for (int i = 0; i < pillars; ++i) {
@@ -52,8 +52,9 @@ std::string model_of(const std::string& integrator, double gravity, const std::s
       integrator, -gravity, bench_plugin_name, pads, world);
 }
 
-// A free box of half widths `half` [m] whose centre of mass lies at `position`, its geom a little beside it and turned by 4 mrad about
-// `axis`, the pads' normal: nothing is symmetric, and it is in equilibrium all the same.
+// A free box of half widths `half` [m] with its centre of mass at `position`. Its geom is slightly
+// offset and turned by 4 mrad about `axis`, the pads' normal: the box is asymmetric, but still in
+// equilibrium.
 std::string box(double mass, const std::array<double, 3>& half, const std::string& position, const std::string& beside,
                 const std::string& axis) {
   const auto inertia = [&](double a, double b) { return mass * (a * a + b * b) / 3.0; };
@@ -63,18 +64,19 @@ std::string box(double mass, const std::array<double, 3>& half, const std::strin
       half[1], half[2]);
 }
 
-// Every mode of a free body gets some of it. `reach`: m, about its radius of gyration.
+// Velocity that excites every mode of a free body. `reach`: m, about its radius of gyration.
 std::vector<double> kick_of(double speed, double reach) {
   return {0.6 * speed, -0.5 * speed, 0.8 * speed, 0.7 * speed / reach, 0.4 * speed / reach, -0.6 * speed / reach};
 }
 
-// A thousand times as fast it goes 1 % of `depth` [m], which presses the elements in, and dashpots take 1 % of what presses.
+// A thousand times this speed moves the body by 1 % of `depth` [m], the compression of the
+// elements, and gives dashpots 1 % of the normal load.
 double kick_speed(double depth, double stiffness, double mass, double damping) {
   const double omega = std::sqrt(stiffness / mass);
   return 1e-5 * depth * omega / (1.0 + damping * omega);
 }
 
-// Held between two fixed pads, pressed in by 10 um. `right`: the damping of the second one [s].
+// Held between two fixed pads, compressed by 10 um. `right`: damping of the second pad [s].
 Probed held(const Parameters& p, double right) {
   const double depth = 1e-5, pitch = 0.007;
   const std::array<double, 3> half{0.015, 0.02, 0.06};
@@ -87,13 +89,13 @@ Probed held(const Parameters& p, double right) {
           kick_of(speed, 0.03)};
 }
 
-constexpr double wide_pitch = 0.02;                      // m; so wide that 5 kg do not tip over the softest pad
+constexpr double wide_pitch = 0.02;                      // m; so wide that 5 kg do not tip over on the softest pad
 constexpr std::array<double, 3> wide{0.04, 0.04, 0.02};  // m
-constexpr double low = 1e-3;                             // m, the centre of mass over the face
+constexpr double low = 1e-3;                             // m, height of the centre of mass above the face
 
 std::string lower_site() { return "<site name='lower' zaxis='0 0 -1'/>"; }
 
-// Lies on a fixed pad by its weight.
+// Rests on a fixed pad by its weight.
 Probed carried(const Parameters& p) {
   const double stiffness = pillars * p.k_normal, sag = p.mass * g / stiffness;
   const std::string world =
@@ -103,7 +105,8 @@ Probed carried(const Parameters& p) {
           kick_of(kick_speed(sag, stiffness, p.mass, p.damping), 0.03)};
 }
 
-// Between a fixed pad and the pad of a finger of 0.5 kg that slides down on a guide with a damper of 50 N s/m.
+// Between a fixed pad and the pad of a 0.5 kg finger that slides down a guide with a damper of 50 N
+// s/m.
 Probed pressed(const Parameters& p) {
   const double finger = 0.5, guide = 50.0;
   const double stiffness = pillars * p.k_normal, upper_sag = finger * g / stiffness,
@@ -155,7 +158,7 @@ StabilityCombination measure(const SetUp& set_up, const Parameters& parameters, 
           probe.measured_step()};
 }
 
-// What was done, for who reads the figures alone.
+// Description of the method, for readers of the figures alone.
 std::vector<std::string> sentences() {
   const StepProbeOptions probe;
   return {

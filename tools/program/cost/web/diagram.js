@@ -1,13 +1,14 @@
-// The work-precision diagram: what an error costs in CPU time.
+// The work-precision diagram: error against CPU time.
 const el = sb.element, mark = sb.mark, text = sb.text;
 const choice = sb.choice;
-const lane = 16;     // px, of a strip of marks
-const pad = 6;       // px, of a strip beside its lanes
+const lane = 16;     // px, height of a lane of marks
+const pad = 6;       // px, padding of a strip
 const radius = 5.5;  // px, of a mark
-const reach = 26;    // px, from which a mark is still meant
+const reach = 26;    // px, maximum pointer distance of a mark
 const cross = d3.symbol(d3.symbolTimes, 55)();
 
-// Puts marks side by side into as few lanes as hold them apart. at: px of each, ascending. Returns the lane of each.
+// Distributes marks over as few lanes as possible without overlap. at: px of each, ascending.
+// Returns the lane of each.
 function lanes(at, gap) {
   const ends = [];
   return at.map(x => {
@@ -21,7 +22,7 @@ function lanes(at, gap) {
 const timed = row => row.cost > 0;
 const byCost = (a, b) => timed(b) - timed(a) || (timed(a) ? a.cost - b.cost : 0);
 
-// The rows of the shown series, by what they are in the chosen measure, in the order of their cost.
+// The rows of the shown series by their kind in the chosen measure, in order of cost.
 function sorted() {
   const rows = choice.rows.filter(row => !choice.hidden.has(row.series)).slice().sort(byCost);
   const points = rows.filter(row => choice.placed(row));
@@ -32,8 +33,9 @@ function sorted() {
   };
 }
 
-// The strips above the diagram: what has no place in it. Only that of failures with a time has its marks above their cost; the
-// other two are filled from left to right. All together keep within `most` px.
+// Strips above the diagram for rows that cannot be drawn in it. Marks of timed failures stand above
+// their cost; the two other strips are filled from left to right. The total height is at most
+// `most` px.
 function strips(rows, x, [left, end], most) {
   const costly = rows.failures.filter(timed);
   const own = lanes(costly.map(row => x(row.cost)), 24);
@@ -55,13 +57,13 @@ function strips(rows, x, [left, end], most) {
     strip.marks = strip.rows.map(
         (row, i) => strip.gap ? {row, kind: strip.kind, x: left + 11 + i % across * pitch, y: at(Math.floor(i / across))} :
                                 {row, kind: strip.kind, x: x(row.cost), y: at(own[i] % strip.lanes)});
-    strip.tight = strip.gap && pitch < 20;  // no room for numbers
+    strip.tight = strip.gap && pitch < 20;  // no space for numbers
     top += strip.height;
   }
   return used;
 }
 
-// Where everything lies [px], and the scales.
+// Positions of all parts [px], and the scales.
 function layout(width, rows) {
   const measure = choice.measure;
   const narrow = width < 560;
@@ -79,7 +81,7 @@ function layout(width, rows) {
   box.mesh = d3.min(above.filter(strip => !strip.gap), strip => strip.top) || box.plot;
   box.foot = box.plot + height;
   const exact = lanes(rows.exact.map(row => x(row.cost)), 15);
-  // Below the marks it says what none is.
+  // Space for the note that explains exact settings.
   box.exact = rows.exact.length ? Math.min(3, Math.max(...exact) + 1) * lane + pad + 16 : 0;
   box.bottom = box.foot + box.exact;
   box.height = box.bottom + 44;
@@ -87,7 +89,7 @@ function layout(width, rows) {
   const errors = choice.rows.filter(row => choice.placed(row) && !choice.none(choice.error(row))).map(row => choice.error(row));
   const floor = measure.floor;
   const low = errors.length ? Math.min(...errors) : 1e-3;
-  // A floor far below every error would only squeeze them together.
+  // The reference's own error, if far below all errors, would only compress the axis.
   if (floor > low / 10 && !choice.none(floor)) errors.push(floor);
   const y = d3.scaleLog(sb.logDomain(errors.length ? errors : [low]), [box.foot, box.plot]);
 
@@ -142,7 +144,7 @@ function stripMarks({box, strips: above}) {
   ];
 }
 
-// Errors below the reference's own mean nothing.
+// Errors below the reference's own are not meaningful.
 function floorMarks({box, y, floor}) {
   if (!floor || floor <= y.domain()[0]) return null;
   const top = y(floor), room = box.foot - top;
@@ -152,18 +154,20 @@ function floorMarks({box, y, floor}) {
   ];
 }
 
-// The staircase under which no setting lies: from its cheapest point up, from its most exact one on.
+// The staircase below which no setting lies: from its cheapest point up, and to the right of its
+// most exact one.
 function front({box, marks}) {
   const points = marks.filter(({kind, row}) => kind === 'point' && choice.onFront(row)).sort((a, b) => a.x - b.x);
   if (!points.length || choice.statistic !== 'worst') return null;
-  // What has no error at all needs its cheapest setting alone.
+  // Among exact settings only the cheapest counts.
   const end = points.findIndex(point => point.exact) + 1;
   const steps = points.slice(0, end || points.length).map(({x, y}) => [x, y]);
   const stairs = [[steps[0][0], box.plot], ...steps, [box.end, steps.at(-1)[1]]];
   return path('front', d3.line().curve(d3.curveStepAfter)(stairs));
 }
 
-// A thin line joins the best of each series: what no other of its settings undercuts in both.
+// A thin line joins the best settings of each series, which no other of its settings beats in both
+// cost and error.
 const ways = ({marks}) => choice.series.map((series, index) => {
   const points =
       marks.filter(({kind, row}) => kind === 'point' && row.series === series.name).sort((a, b) => a.x - b.x || b.y - a.y);
@@ -183,7 +187,7 @@ const spoken = row => [choice.seriesTitle(row) + ', ' + row.settings,
                        timed(row) ? sb.duration(row.cost) + ' CPU per simulated second' : 'no time']
                           .join('; ');
 
-// Names at the points that matter, where there is room for them.
+// Labels of the important points, where space permits.
 function names({box, marks}) {
   const taken = marks.map(({x, y}) => [x - 7, y - 7, x + 7, y + 7]);
   if (box.exact) taken.push([box.left, box.bottom - 16, box.left + 150, box.bottom]);
@@ -231,7 +235,7 @@ class Diagram {
     const rows = sorted();
     this.place = layout(this.drawn, rows);
     const {box, marks} = this.place;
-    // From left to right, which is the order of the arrow keys.
+    // From left to right, the order of the arrow keys.
     this.order = marks.slice().sort((a, b) => a.x - b.x || a.y - b.y);
     this.nodes = this.order.map(markNode);
     const stripes = {id: 'floor-hatch', width: 7, height: 7, patternUnits: 'userSpaceOnUse', patternTransform: 'rotate(45)'};
@@ -253,7 +257,7 @@ class Diagram {
     if (focused) this.nodes[0]?.focus();
   }
 
-  // Pointing shows a row, a click or Enter selects it; arrow keys go on from mark to mark.
+  // Hovering shows a row, a click or Enter selects it; arrow keys move from mark to mark.
   listen(svg) {
     const nearest = event => {
       const [atX, atY] = d3.pointer(event, svg);
@@ -311,7 +315,7 @@ class Diagram {
     ].filter(text => text);
   }
 
-  // Shows which mark is selected or pointed at; the tab key reaches that one.
+  // Highlights the selected or hovered mark, and makes it the one that Tab reaches.
   mark() {
     if (!this.nodes) return;
     const rows = this.order.map(mark => mark.row);
@@ -323,7 +327,7 @@ class Diagram {
     for (const [row, node] of this.listed || []) node.classList.toggle('current', row === choice.shown);
   }
 
-  // What the measure is; what it is measured against; what is not drawn: a line each.
+  // One line each: the measure's definition, its reference, and what is not drawn.
   remark(rows) {
     const measure = choice.measure;
     const drawn = d3.sum(Object.values(rows), held => held.length);
@@ -340,7 +344,7 @@ class Diagram {
     return [title + ': ' + measure.definition + '.', parts.filter(part => part).join(' ')];
   }
 
-  // What is not in the plot and why, those of one reason together.
+  // Lists the rows outside the plot, grouped by reason.
   listAside(marks) {
     this.listed = [];
     const link = ({row, number}) => {
@@ -360,7 +364,7 @@ class Diagram {
   }
 }
 
-// Which series are drawn: the legend is a row of switches.
+// The legend, a row of switches that show or hide each series.
 function legend() {
   const used = choice.series.filter(series => choice.rows.some(row => row.series === series.name));
   const toggle = (button, name) => {
@@ -394,7 +398,7 @@ function controls() {
           'which error', [['worst', 'worst'], ['median', 'median']], choice.statistic, statistic => choice.view({statistic})));
 }
 
-// Everything about one row, beside the diagram.
+// Details of one row, beside the diagram.
 function detail() {
   const host = el('aside.row-detail');
   const draw = () => {

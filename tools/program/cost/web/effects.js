@@ -1,9 +1,9 @@
-// The price of each effect: what the scene saves without it, and what it loses.
+// The price of each effect: the CPU time saved without it, and the resulting change.
 const el = sb.element, mark = sb.mark;
 const choice = sb.choice;
 
 const priced = effect => effect.share !== null && effect.share !== undefined;
-// Too few runs have no quartiles.
+// Prices from too few runs have no quartiles.
 const spread = effect => priced(effect) && effect.low !== null && effect.high !== null;
 
 // A share of the CPU time as a bar from zero, with its interval.
@@ -23,7 +23,7 @@ const measureOf = name => choice.measures.find(measure => measure.name === name)
 const titleOf = name => measureOf(name)?.title ?? name;
 const other = (effect, name) => (effect.different || []).includes(name);
 
-// How much something changes when the effect is taken out, in the unit of the measure of that name.
+// Change of a measure without the effect, in the measure's unit.
 function changed(effect, name) {
   const change = effect.changes?.[name];
   if (other(effect, name)) return 'other';
@@ -40,14 +40,14 @@ function shareCell(effect, range) {
          spread(effect) && el('small', {}, ' ' + sb.percentText(effect.low) + ' to ' + sb.percentText(effect.high))));
 }
 
-// What follows, and why there is no price where that does not say it.
+// The verdict, and the reason for a missing price unless the verdict includes it.
 const conclusion = effect =>
     [effect.verdict, effect.why && !effect.verdict.includes(effect.why) ? effect.why : ''].filter(text => text).join(': ');
 
 sb.effectsSection = effects => {
   const ordered = effects.slice().sort((a, b) => priced(b) - priced(a) || b.share - a.share);
   const range = d3.extent([0, ...ordered.filter(priced).flatMap(effect => [effect.low, effect.high, effect.share])]);
-  // A measure that no effect changes needs no column.
+  // Measures that no effect changes get no column.
   const names = [...new Set(ordered.flatMap(effect => Object.keys(effect.changes || {})))];
   const changes = name => effect => other(effect, name) || effect.changes?.[name]?.worst > 0;
   const [moved, still] = [true, false].map(wanted => names.filter(name => ordered.some(changes(name)) === wanted));

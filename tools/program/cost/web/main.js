@@ -54,7 +54,7 @@ const page = document.getElementById('page');
 const parts = [header()];
 if (explored) {
   const drawn = sb.choice.rows.length > 0 && sb.choice.measures.length > 0;
-  // The diagram first; before it only what it cannot be read without.
+  // The diagram comes first, preceded only by what the reader must know to understand it.
   const doubtful = !data.reference.converged;
   parts.push(
       data.interrupted ? interrupted() : null, doubtful ? reference() : null, drawn ? sb.diagramSection() : null, sentences(),

@@ -1,9 +1,9 @@
-// The data of the page, and what all its parts share: marks, figures as text, what is selected.
+// Data of the page and shared helpers: marks, number formats, selection.
 const el = sb.element;
 
 sb.data = JSON.parse(document.getElementById('slipbench-data').textContent);
 
-// The mark of a series as legends and tables show it. `kind`: of choice.kind().
+// Mark of a series in legends and tables. `kind`: of choice.kind().
 sb.swatch = (index, kind) => el(
     'span.swatch', {},
     sb.mark('svg', {viewBox: '-8 -8 16 16', 'aria-hidden': 'true'}, sb.mark('path.mark.' + (kind || ''), {
@@ -12,7 +12,7 @@ sb.swatch = (index, kind) => el(
     })));
 
 const superscript = number => String(number).replace(/[-0-9]/g, c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c]);
-// A number with `digits` significant digits, powers of ten where it is small or large.
+// A number with `digits` significant digits, as a power of ten if small or large.
 sb.figure = (value, digits = 3) => {
   if (Math.abs(value) >= 1e-4 && Math.abs(value) < 1e7) return d3.format(',.' + digits + '~r')(value);
   return sb.significant(value, digits)
@@ -25,21 +25,23 @@ sb.duration = seconds => {
   const [size, unit] = units.find(([limit]) => Math.abs(seconds) >= limit) || (seconds === 0 ? units[0] : units[3]);
   return sb.figure(seconds / size) + ' ' + unit;
 };
-// How many times faster than real time a cost in CPU seconds per simulated second is.
+// Speed as a multiple of real time. `cost`: CPU seconds per simulated second.
 sb.timesReal = cost => cost > 0 ? sb.figure(1 / cost) + ' ×' : sb.missing;
 
 sb.rateText = rate => sb.figure(rate) + ' Hz';
-// Of a CPU time without a spread: from how few runs it is.
+// Number of runs, for a CPU time that has too few for quartiles.
 sb.fewRuns = cpu => cpu.low === null ? (cpu.repeats === 1 ? 'one run' : cpu.repeats === 2 ? 'two runs' : cpu.repeats + ' runs') : '';
 
-// An error below this in its measure's unit is none: rounding of numbers, which only the axis of a diagram would be longer for.
+// Errors below this, in the measure's unit, count as none: they are rounding and would only stretch
+// the axis.
 sb.negligible = 1e-6;
 
-// A measure by its name and unit, and a value of it in that unit.
+// A measure's title with its unit, and a value of it in that unit.
 sb.titled = measure => measure.title + (measure.unit ? ', ' + measure.unit : '');
 sb.measured = (measure, value) => (sb.figure(value * measure.factor, 2) + ' ' + measure.unit).trim();
 
-// Logarithmic axes: a domain that holds the values with some air, at least a decade wide; the text of a tick.
+// Logarithmic axes: a domain with some margin around the values, at least a decade wide; the text
+// of a tick.
 sb.logDomain = values => {
   const [low, high] = d3.extent(values).map(Math.log10);
   const air = Math.max(0.12, (1 - (high - low)) / 2, 0.05 * (high - low));
@@ -61,7 +63,7 @@ sb.copyButton = command => {
 };
 sb.percentText = share => sb.figure(100 * share, 2) + ' %';
 
-// What the reader has chosen. Events: 'view' when what is drawn changes, 'row' when another row is shown.
+// The user's selection. Events: 'view' if the drawn content changes, 'row' if another row is shown.
 class Choice extends EventTarget {
   constructor(data) {
     super();
@@ -87,7 +89,7 @@ class Choice extends EventTarget {
     this.dispatchEvent(new Event('row'));
   }
 
-  // The row that is shown: what is pointed at, else what is selected.
+  // The row shown: the hovered one, else the selected one.
   get shown() {
     return this.pointed || this.selected;
   }
@@ -100,12 +102,12 @@ class Choice extends EventTarget {
     return this.series.find(series => series.name === row.series)?.title ?? row.series;
   }
 
-  // Whether it is on the front of the chosen measure.
+  // True if the row is on the front of the chosen measure.
   onFront(row, measure = this.measure) {
     return (row.pareto || []).includes(measure.name);
   }
 
-  // The error of a row, null where it has none.
+  // Error of a row, null if it has none.
   error(row, measure = this.measure, statistic = this.statistic) {
     return (measure && row.errors?.[measure.name]?.[statistic]) ?? null;
   }
@@ -114,7 +116,7 @@ class Choice extends EventTarget {
     return Boolean(measure) && (row.different || []).includes(measure.name);
   }
 
-  // Left out for want of time, which says nothing about the setting.
+  // True if skipped for lack of time, which is no statement about the setting.
   notRun(row) {
     return row.status === 'over budget';
   }
@@ -127,17 +129,17 @@ class Choice extends EventTarget {
     return this.notRun(row) ? 'unrun' : this.failed(row) ? 'failure' : 'point';
   }
 
-  // How it ended, in the page's words. What was run once, for its errors, and not timed has these.
+  // Status in the page's words. Errors without a timing come from a single run.
   ending(row) {
     return !this.notRun(row) ? row.status : Object.keys(row.errors || {}).length ? 'not timed' : 'not run';
   }
 
-  // Whether it has a place in the diagram: a time and an error.
+  // True if the row can be drawn in the diagram: it has a time and an error.
   placed(row) {
     return this.kind(row) === 'point' && row.cost > 0 && this.error(row) !== null;
   }
 
-  // Whether an error is none.
+  // True if an error is negligible.
   none(error, measure = this.measure) {
     return error * measure.factor < sb.negligible;
   }
@@ -148,7 +150,8 @@ class Choice extends EventTarget {
     return error === 0 ? 'none' : error === null ? sb.missing : sb.measured(measure, error);
   }
 
-  // The cheapest row of the front whose worst error is no larger than this one's; null where that is this one or none.
+  // The cheapest row of the front whose worst error is at most this one's; null if that is this row
+  // or there is none.
   cheapestAsExact(row) {
     const worst = other => {
       const error = this.error(other, this.measure, 'worst');
@@ -160,7 +163,7 @@ class Choice extends EventTarget {
     return best && best.cost < row.cost ? best : null;
   }
 
-  // Why a row is no point of the diagram.
+  // Reason why a row is not a point of the diagram.
   reason(row) {
     const parts = row.status === 'ok' ? [] : [this.ending(row)];
     if (row.why) parts.push(row.why);

@@ -1,10 +1,10 @@
-// What each error costs: the cheapest setting of each series that keeps within it.
+// The price of each error bound: the cheapest setting of each series within it.
 const el = sb.element;
 const choice = sb.choice;
 const most = 8;  // rows
 
-// Bounds that are powers of ten in the unit of the measure, largest first: from the largest that some run exceeds to the smallest
-// that some run keeps, none below the reference's own error.
+// Bounds in powers of ten in the measure's unit, descending: from the largest that some run exceeds
+// to the smallest that some run keeps, none below the reference's own error.
 function bounds(points) {
   const measure = choice.measure;
   const [exact, errors] = [true, false].map(
@@ -12,7 +12,7 @@ function bounds(points) {
   if (!errors.length) return [];
   const [low, high] = d3.extent(errors.map(error => error * measure.factor));
   const least = Math.max(low, (measure.floor || 0) * measure.factor);
-  // One more where something keeps any.
+  // One more if some setting is exact.
   const last = Math.ceil(Math.log10(least) - 1e-9) - (exact.length ? 1 : 0);
   const first = Math.max(last, Math.floor(Math.log10(high)));
   return d3.range(first, last - 1, -1).slice(0, most).map(power => +('1e' + power));
@@ -30,7 +30,7 @@ sb.pricesTable = () => {
     const unknown = unused.filter(series => unrunOf(series));
     const wanted = bounds(points);
     const bestOf = (limit, series) => {
-      // Rounding of a figure that is shown as 1 % must not push it out of "1 %".
+      // A bound shown as 1 % must include 1 % despite rounding.
       const within = row => choice.error(row) * choice.measure.factor <= limit * (1 + 1e-9);
       return points.filter(row => row.series === series.name && within(row)).sort((a, b) => a.cost - b.cost)[0];
     };

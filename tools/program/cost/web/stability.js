@@ -1,4 +1,4 @@
-// The longest stable step, measured and predicted, over stiffness, mass and damping.
+// The longest stable step, measured and predicted, by stiffness, mass and damping.
 const el = sb.element, mark = sb.mark;
 
 const newton = value => {
@@ -22,14 +22,14 @@ const lines = combination => [
   'predicted / measured: ' + sb.significant(combination.ratio, 3)
 ];
 
-// A mark with its tip, for the pointer and for readers of screens.
+// A mark with a tooltip and a text for screen readers.
 const spot = (combination, index, x, y) => mark('path.mark.spot', {
   transform: 'translate(' + [x, y] + ')', d: sb.markPath(index, 4.5), role: 'img',
   'aria-label': lines(combination).join('; '), style: 'color:' + sb.hue(index),
   ...sb.tipped(() => lines(combination))
 });
 
-// An axis of levels: logarithmic; zero, which has no logarithm, gets a place of its own before the others.
+// A logarithmic axis; the value zero, which has no logarithm, is drawn before the others.
 function levelAxis(title, values, range) {
   const positive = values.filter(value => value > 0);
   const apart = positive.length < values.length ? Math.sign(range[1] - range[0]) * 34 : 0;
@@ -40,7 +40,7 @@ function levelAxis(title, values, range) {
   };
 }
 
-// One picture: steps over `across`, a line for each level of `by`.
+// One chart: steps over `across`, a line for each level of `by`.
 function panel(title, combinations, across, by, xLevels, steps, byLevels) {
   const box = {width: 380, height: 300, left: 52, right: 10, top: 8, bottom: 42}, foot = box.height - box.bottom;
   const x = levelAxis(across.name + ', ' + across.unit, xLevels, [box.left, box.width - box.right]);
@@ -61,7 +61,7 @@ function panel(title, combinations, across, by, xLevels, steps, byLevels) {
   return el('div', {}, el('h3', {}, title), svg);
 }
 
-// The maps, with what stands across chosen by the reader; lines and pictures take the other two.
+// The charts; the user chooses the horizontal axis, lines and charts take the two others.
 function maps(combinations) {
   const host = el('div.panels');
   const key = el('div.keys');
@@ -72,7 +72,7 @@ function maps(combinations) {
   const draw = across => {
     const [by, facet] = lineOrder[across.key].map(name => axes.find(axis => axis.key === name));
     const byLevels = levels(combinations, by.key), facets = levels(combinations, facet.key);
-    // One picture for each case, integrator and level of the third axis.
+    // One chart for each case, integrator and level of the third axis.
     const groups = d3.groups(combinations, one => JSON.stringify([one.case, one.integrator]));
     const pictures = groups.flatMap(([, values]) => facets.map(level => {
       const held = values.filter(combination => combination[facet.key] === level), {case: name, integrator} = values[0];
@@ -97,7 +97,7 @@ function maps(combinations) {
   ];
 }
 
-// How far each prediction is from what was measured; above one it would promise too much.
+// Ratio of each prediction to its measurement; above one the prediction is unsafe.
 function ratios(combinations) {
   const node = el('div.ratios');
   const seen = combinations.filter(combination => found(combination) && combination.ratio !== null);

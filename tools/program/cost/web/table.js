@@ -67,7 +67,7 @@ sb.rowsSection = () => {
   const mark = () => {
     for (const [row, node] of nodes) node.classList.toggle('current', row === choice.selected);
     const node = nodes.get(choice.selected);
-    // Scrolls the table alone: the reader looks at the diagram.
+    // Scrolls the table alone, so that the diagram stays in view.
     if (!node) return;
     const head = 40;
     if (node.offsetTop < holder.scrollTop + head) holder.scrollTop = node.offsetTop - head;
