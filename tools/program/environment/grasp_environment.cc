@@ -17,7 +17,7 @@
 namespace slipbench {
 namespace {
 
-constexpr std::size_t most_trials = 1'000'000;  // TrialPlan's
+constexpr std::size_t most_trials = 1'000'000;  // limit of TrialPlan
 constexpr std::size_t beside_sensors = 3;       // position, moving, stopped
 
 Parameters follower_parameters() {
@@ -35,7 +35,7 @@ Catalogues episode_catalogues() {
 
 }  // namespace
 
-// Stands where the scene's controller would, and keeps what every sensor has sampled last.
+// Takes the controller's place and stores the latest sample of every sensor.
 class GraspEnvironment::Observer final : public Controller, public SampleListener {
  public:
   Observer(const GripSource& source, std::vector<float>& observation) : observation_(observation) {
@@ -54,7 +54,7 @@ class GraspEnvironment::Observer final : public Controller, public SampleListene
 
  private:
   std::vector<float>& observation_;
-  std::vector<std::size_t> first_;  // value of each sensor
+  std::vector<std::size_t> first_;  // first value of each sensor
   std::size_t values_ = 0;
 };
 
@@ -267,7 +267,7 @@ void VectorEnvironment::reset(std::span<const std::uint64_t> seeds, std::span<co
 }
 
 void VectorEnvironment::step(std::span<const double> actions) {
-  // All of them before any environment goes on.
+  // All actions are checked before any environment steps.
   for (std::size_t i = 0; i < places_.size(); ++i) {
     if (!places_[i].environment->over()) GraspEnvironment::check_action(actions[i]);
   }

@@ -1,4 +1,4 @@
-// A grasp whose commands come from outside: a policy in the controller's place.
+// A grasp commanded from outside: a policy takes the controller's place.
 #pragma once
 
 #include <condition_variable>
@@ -23,68 +23,76 @@
 
 namespace slipbench {
 
-// What an action in [-1, 1] stands for, in a straight line.
+// Quantity to which an action in [-1, 1] maps linearly.
 enum class ActionKind {
-  force,  // 0 to GraspEnvironment::strongest, a target of the measured grip force, followed as the controllers do (ForceFollower)
+  force,  // 0 to GraspEnvironment::strongest: target of the measured grip force, followed as the controllers do (ForceFollower)
   position,  // 0 to max_register, the position register
 };
 
-// What a step of a policy led to.
+// Result of a step of a policy.
 struct EnvironmentStep {
   double reward = 0.0;
-  bool dropped = false;        // the box was; this ends the episode
-  bool left_behind = false;    // the arm has risen, and the box was not lifted; so does this
-  bool ended = false;          // the scene's duration is over; so does this
-  double time = 0.0;           // s, of the read, or of the end
+  bool dropped = false;        // the box was dropped, which ends the episode
+  bool left_behind = false;    // the arm rose without the box, which ends the episode
+  bool ended = false;          // the scene's duration is over, which ends the episode
+  double time = 0.0;           // s, of the read, or of the episode's end
   double grip_force = 0.0;     // N, true
-  double ideal_force = 0.0;    // N, the least that could hold the box; infinite without friction
+  double ideal_force = 0.0;    // N, least force that can hold the box; infinite without friction
   double slip_distance = 0.0;  // m, the largest of any unit of the first sensor's pad
   bool lifting = false;        // the lift has begun
 
   [[nodiscard]] bool failed() const { return dropped || left_behind; }
 };
 
-// Reward of a step: -(F/F_ideal) dt/T - 0.1/mm ds - 10 where the box was dropped in it, or the lift ended without the box. F: true grip force at its end, F_ideal: the least that
-// could hold the box, dt: its length, T: the scene's duration, ds: growth of slip_distance since the lift began. So an episode that holds the box
-// at the ideal force without slip is worth -1 at least, and one that leaves the box on the table no more than one that drops it.
-// The scene's duration limits the episode. It may end before the lift does, which other trials may not: then the last tick stands for the lift's end.
+// Reward of a step: -(F/F_ideal) dt/T - 0.1/mm ds - 10 if the box was dropped in it, or the lift
+// ended without the box. F: true grip force at its end, F_ideal: least force that can hold the box,
+// dt: its length, T: the scene's duration, ds: growth of slip_distance since the lift began. So an
+// episode that holds the box at the ideal force without slip is worth at least -1, and one that
+// leaves the box on the table no more than one that drops it.
+// The scene's duration limits the episode. Unlike other trials it may end before the lift does:
+// then the last tick counts as the lift's end.
 class GraspEnvironment {
  public:
   static constexpr double strongest = 20.0;      // N, of ActionKind::force
   static constexpr double drop_penalty = 10.0;   // 1
   static constexpr double slip_penalty = 100.0;  // 1/m
 
-  // Throws InputError for a scene that cannot be used or is no grasp, whose arm waits for commands, and, for ActionKind::force, whose first
-  // sensor tells no force.
+  // Throws InputError for an invalid scene, for a scene that is not a grasp or whose arm waits for
+  // commands, and, for ActionKind::force, if the first sensor does not measure force.
   GraspEnvironment(const SceneFile& file, ActionKind action);
 
-  // Names of what an observation holds: each channel value of every sensor ("pad.P0_FX"), as it was last sampled, then gripper.position [counts],
-  // gripper.moving, gripper.stopped, and, where the scene has a detector, slip.state (PadState).
+  // Names of the observation's values: each channel value of every sensor ("pad.P0_FX") at its last
+  // sample, then gripper.position [counts], gripper.moving, gripper.stopped, and, if the scene has
+  // a detector, slip.state (PadState).
   [[nodiscard]] const std::vector<std::string>& observation_names() const { return names_; }
-  // Unit of each value of an observation: "N", "m", "counts"; "1" for flags and codes.
+  // Unit of each value: "N", "m", "counts"; "1" for flags and codes.
   [[nodiscard]] const std::vector<std::string>& observation_units() const { return units_; }
 
-  // Begins episode number `episode` of the scene with that seed, and runs it to its first read of the gripper. Each episode of a seed is another
-  // draw; cells of the scene's grid follow each other.
+  // Starts episode number `episode` of the scene with that seed, and runs it to the first read of
+  // the gripper. Each episode of a seed is another draw; episodes cycle through the cells of the
+  // scene's grid.
   void reset(std::uint64_t seed, std::uint64_t episode);
-  // Commands, and runs on to the next read. Throws InputError for an action that is not within [-1, 1], std::logic_error without reset() or after
-  // the end.
+  // Sends the command and runs to the next read. Throws InputError for an action outside [-1, 1],
+  // std::logic_error before reset() or after the end.
   const EnvironmentStep& step(double action);
-  // Of the read at which the next action is asked for; after the end the last one. [observation_names().size()]
+  // Observation at the read that asks for the next action; after the end, the last one.
+  // [observation_names().size()]
   [[nodiscard]] std::span<const float> observation() const { return observation_; }
   [[nodiscard]] const EnvironmentStep& latest() const { return latest_; }
-  // Once the episode is over: a demo's attribute `outcome`. Empty before.
+  // After the episode: the attribute `outcome` of a demo. Empty before.
   [[nodiscard]] const std::string& outcome() const { return outcome_; }
   [[nodiscard]] bool over() const { return latest_.failed() || latest_.ended; }
-  // Where the grasp's bodies are, in the world (GraspSimulation::bodies()). Throws std::logic_error after a reset() that failed.
+  // Poses of the grasp's bodies in the world (GraspSimulation::bodies()). Throws std::logic_error
+  // after a failed reset().
   [[nodiscard]] const std::vector<NamedBody>& bodies() const;
-  // Throws InputError for an action that is not within [-1, 1].
+  // Throws InputError for an action outside [-1, 1].
   static void check_action(double action);
-  // JSON of what was drawn for the episode.
+  // JSON of the episode's draws.
   [[nodiscard]] const std::string& params() const { return params_; }
-  // What `slipbench sweep` would warn of before it runs the scene.
+  // Warnings that `slipbench sweep` would give before it runs the scene.
   [[nodiscard]] std::vector<Warning> warnings() const;
-  // Runs the episode's trial with the scene's own controller: "slipbench run ...". `scene`: the scene's path and overrides, as a shell takes them.
+  // Command that runs the episode's trial with the scene's own controller: "slipbench run ...".
+  // `scene`: the scene's path and overrides, quoted for a shell.
   [[nodiscard]] std::string episode_command(const std::string& scene) const;
 
  private:
@@ -109,12 +117,13 @@ class GraspEnvironment {
   std::string outcome_, params_;
 };
 
-// Several grasps side by side, stepped by threads.
-// Autoreset by Gymnasium's mode NEXT_STEP: the step after an episode's end ignores its action, begins the next episode of that environment's
-// seed, and is worth 0. What it gives does not depend on the number of threads. One thread at a time may use it.
+// Several grasps, stepped in parallel by threads. Autoreset by Gymnasium's mode NEXT_STEP: the step
+// after an episode's end ignores its action, starts the next episode of that environment's seed,
+// and has reward 0. The results do not depend on the number of threads. Use from one thread at a
+// time.
 class VectorEnvironment {
  public:
-  // `count` environments, `threads` of the caller's and its own. Throws as GraspEnvironment.
+  // `count` environments; `threads` includes the caller's thread. Throws as GraspEnvironment.
   VectorEnvironment(const SceneFile& file, ActionKind action, std::size_t count, std::size_t threads);
   ~VectorEnvironment();
   VectorEnvironment(const VectorEnvironment&) = delete;
@@ -122,10 +131,11 @@ class VectorEnvironment {
 
   [[nodiscard]] std::size_t size() const { return places_.size(); }
   [[nodiscard]] GraspEnvironment& environment(std::size_t i) { return *places_[i].environment; }
-  // Number of its episode.
+  // Number of the environment's episode.
   [[nodiscard]] std::uint64_t episode(std::size_t i) const { return places_[i].episode; }
 
-  // Begins episodes[i] of seeds[i] in each. Throws what any of them throws.
+  // Starts episode episodes[i] with seeds[i] in environment i. Rethrows the environments'
+  // exceptions.
   void reset(std::span<const std::uint64_t> seeds, std::span<const std::uint64_t> episodes);
   // actions: [size()]
   void step(std::span<const double> actions);
@@ -136,7 +146,8 @@ class VectorEnvironment {
     std::uint64_t seed = 0, episode = 0;
   };
 
-  // Does `work` for each place, on all threads. Throws the first thing, by place, that went wrong.
+  // Runs `work` for each place, on all threads. Rethrows the exception of the first place that
+  // failed.
   void for_each(const std::function<void(Place&, std::size_t)>& work);
   void take_places();
   void wait_for_work();
@@ -147,10 +158,10 @@ class VectorEnvironment {
   std::condition_variable changed_;
   const std::function<void(Place&, std::size_t)>* work_ = nullptr;
   std::uint64_t round_ = 0;  // of work
-  std::size_t next_ = 0;     // place that nobody has taken
-  std::size_t busy_ = 0;     // threads that have one
+  std::size_t next_ = 0;     // next place to take
+  std::size_t busy_ = 0;     // threads that are working on a place
   bool stopped_ = false;
-  std::vector<std::jthread> threads_;  // beside the caller's; last: they use all of the above
+  std::vector<std::jthread> threads_;  // besides the caller's; last: they use all members above
 };
 
 }  // namespace slipbench

@@ -32,14 +32,14 @@ Json words_of(const std::vector<PadState>& states) {
   return words;
 }
 
-// The rule of the labels that a trial has; empty: it has none.
+// The rule of a trial's labels; empty if it has none.
 std::optional<TruthRule> rule_of(const SensorRecord& sensor, TruthRule simulated) {
   if (sensor.labels.truth) return simulated;
   if (sensor.labels.state_paper.empty()) return std::nullopt;
   return TruthRule::recorded;
 }
 
-// The recording's own name of the thing that is touched; empty: none.
+// The recording's name of the touched object; empty if it has none.
 std::string recorded_object(const std::string& params) {
   const Json known = Json::parse(params, nullptr, false);
   return known.is_object() && known.contains("object") && known.at("object").is_string() ? known.at("object") : "";
@@ -79,7 +79,7 @@ Json detected_trial(const std::string& recording, const RecordedTrial& trial, Tr
   return json;
 }
 
-// Places in `trials`, the worst first.
+// Indices into `trials`, the worst first.
 Json worst_of(const Json& trials) {
   const bool labelled = std::ranges::none_of(trials, [](const Json& trial) { return trial.at("wrong_share").is_null(); });
   const char* key = labelled ? "wrong_share" : "alarms_per_minute";
@@ -92,7 +92,7 @@ Json worst_of(const Json& trials) {
   return places;
 }
 
-// As text in which all is UTF-8, whatever the file holds.
+// Result as UTF-8 text, whatever bytes the file holds.
 std::string detected(const DetectOptions& options) {
   const Catalogues catalogues = program_catalogues();
   const TruthRule simulated = learnt_labels(training_of(options.detector));

@@ -22,7 +22,7 @@ using page::Axis;
 using page::escape_html;
 using page::Svg;
 
-// A drawing and where its axes lie in it [px].
+// A drawing and the position of its axes [px].
 constexpr double left = 62.0, right = 404.0, top = 30.0, foot = 248.0;
 constexpr page::Frame frame{420.0, 300.0, left, right, top, foot};
 constexpr double ms = 1e3, mm = 1e3;
@@ -75,7 +75,7 @@ std::string calibration_drawing(const Json& result) {
   return svg.element("Calibration: share that slips against the probability said");
 }
 
-// Recall or delay against false alarms, and where the detector stands among them.
+// Recall or delay against false alarms, with the detector's own operating point.
 std::string alarms_drawing(const Json& result, const char* key, double scale, const std::string& name) {
   constexpr const char* rate = "false_alarms_per_minute";
   const Json& own = result.at("all").at("figures");
@@ -119,7 +119,7 @@ std::string histogram(const std::vector<double>& delays) {
   return svg.element(fmt::format("Histogram of the delays of the {} trials seen", delays.size()));
 }
 
-// A dot a trial that was seen, and at the upper edge one for each that was missed.
+// One dot per seen trial, and at the upper edge one per missed trial.
 std::string scatter(const Json& result, const char* key, double scale, const std::string& name, bool decades) {
   struct Dot {
     double x;
@@ -130,9 +130,9 @@ std::string scatter(const Json& result, const char* key, double scale, const std
   for (const Json& trial : result.at("trials")) {
     const std::string detection = trial.at("detection").get<std::string>();
     if (trial.at(key).is_null() || (detection != "seen" && detection != "missed")) continue;
-    if (detection == "seen" && trial.at("delay_s").is_null()) continue;  // of one sample, which has no delay
+    if (detection == "seen" && trial.at("delay_s").is_null()) continue;  // a trial of one sample has no delay
     const double x = scale * trial.at(key).get<double>();
-    if (decades && !(x > 0.0)) continue;  // a pad at rest has no place on decades; its delay is in the histogram
+    if (decades && !(x > 0.0)) continue;  // a logarithmic axis cannot show a pad at rest; its delay is in the histogram
     dots.push_back({x, std::nullopt});
     places.push_back(x);
     if (detection == "seen") delays.push_back(*(dots.back().delay = ms * trial.at("delay_s").get<double>()));
@@ -147,7 +147,7 @@ std::string scatter(const Json& result, const char* key, double scale, const std
   return svg.element("Delay [ms] against the " + name);
 }
 
-// What counts first, in words.
+// The most important figures with their names.
 constexpr std::array<std::pair<std::string_view, const char*>, 6> first_figures{
     {{"recall_of_slip", "recall of slip"},
      {"balanced_slip_accuracy", "balanced accuracy"},
@@ -260,7 +260,8 @@ page::TimelineMarks marks_of(const RecordedTrial& trial, TruthRule rule) {
   return marks;
 }
 
-// The worst trials over time. Their samples are read from the dataset again, since the result does not hold them.
+// The worst trials over time. Their samples are read from the dataset, since the result does not
+// contain them.
 std::string worst_timelines(const Json& result, const DetectorScene& detector) {
   const DatasetReader reader(result.at("dataset").get<std::string>());
   const TruthRule rule = parse_label_rule(result.at("labels").get<std::string>());

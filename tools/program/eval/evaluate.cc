@@ -28,38 +28,36 @@ namespace {
 constexpr std::size_t most_groups = 24, roc_points = 400, calibration_parts = 10, worst_of_a_kind = 4;
 constexpr std::array<const char*, 3> masks{"train", "valid", "test"};
 
-// A detector may think for as long as it likes about a dataset that holds what was written.
-
-// What is known of a trial beside its samples.
+// Properties of a trial besides its samples.
 struct Facts {
   std::string material, object, mask;
-  std::string named;                                        // the class that the recordings' own set gives the trial; empty: none
-  double speed = std::numeric_limits<double>::quiet_NaN();  // m/s, commanded, of the outermost unit
+  std::string named;                                           // class of the trial in the recordings' own set; empty: none
+  double speed = std::numeric_limits<double>::quiet_NaN();     // m/s, commanded, of the outermost unit
   double friction = std::numeric_limits<double>::quiet_NaN();  // static, mean over the units
 };
 
-// One trial with all that is reported of it.
+// One trial with its results.
 struct Judged {
   Judgement judgement;
   Facts facts;
   std::optional<bool>
-      as_in_loop;  // whether the dataset's own detector gave the same classes; empty: it read another sensor, or there is none
+      as_in_loop;  // true if the dataset's own detector gave the same classes; empty: it read another sensor, or there is no detector
   std::string loop_detector;
   std::optional<GraspOutcome> grasp;
-  std::vector<Judgement> at;       // with each of alarm_thresholds(); empty: the detector has no probability
-  std::vector<std::size_t> named;  // samples by the number of the class that a network names
+  std::vector<Judgement> at;       // for each of alarm_thresholds(); empty: no probability
+  std::vector<std::size_t> named;  // number of samples by the class that a network chooses
   Json sensor;                     // name, type, rate
   double origin = 0.0;             // s, page::time_origin()
 };
 
-// Thresholds of a probability, from where nearly all is called slip to where nearly nothing is.
+// Thresholds of a probability, from almost everything called slip to almost nothing.
 std::vector<double> alarm_thresholds() {
   std::vector<double> thresholds;
   for (double logit = -4.0; logit <= 7.0; logit += 0.5) thresholds.push_back(1.0 / (1.0 + math::exp(-logit)));
   return thresholds;
 }
 
-// What would be seen with another threshold. `said`: whose probabilities they are.
+// Result with another threshold. `said`: the detector's probabilities.
 Replayed with_threshold(const Replayed& said, const network::Alarm& alarm, double threshold) {
   Replayed other = said;
   network::AlarmGate gate(alarm);
@@ -73,7 +71,7 @@ Replayed with_threshold(const Replayed& said, const network::Alarm& alarm, doubl
   return other;
 }
 
-// Swept values that say which thing is touched.
+// Swept values that identify the touched object.
 std::string object_of(const std::string& params) {
   const Json swept = Json::parse(params, nullptr, false);
   std::string object;
@@ -87,7 +85,7 @@ std::string object_of(const std::string& params) {
   return object;
 }
 
-// Distance of the outermost unit from the pad's centre [m], which a rotation moves the fastest.
+// Distance of the outermost unit from the pad's centre [m], which rotation moves fastest.
 double reach_of(const LabelRecord& labels) {
   double reach = 0.0;
   for (std::size_t k = 0; k + 1 < labels.unit_positions.size(); k += 2) {
@@ -96,14 +94,14 @@ double reach_of(const LabelRecord& labels) {
   return reach;
 }
 
-// A number of the scene's motion; 0 where it has none of that name.
+// A parameter of the scene's motion; 0 if it has none of that name.
 double of_motion(const Scene& scene, const char* name) {
   const auto& values = scene.motion.parameters.values();
   const auto found = values.find(name);
   return found != values.end() && std::holds_alternative<double>(found->second) ? std::abs(std::get<double>(found->second)) : 0.0;
 }
 
-// `scene`: null where the trial is no simulation's.
+// `scene`: null for an imported trial.
 Facts facts_of(const Scene* scene, const TrialRecord& record, const SensorRecord& sensor) {
   Facts facts;
   facts.object = object_of(record.params);
@@ -150,26 +148,26 @@ Judged judged_trial(const DatasetReader& reader, std::size_t trial, const Option
   return result;
 }
 
-// What a trial is put with, and where that stands among the groups.
+// Group of a trial in a breakdown, with its sorting key.
 struct Group {
   double order = 0.0;
-  std::string name;  // empty: not known
+  std::string name;  // empty: unknown
 
   friend bool operator<(const Group& a, const Group& b) { return std::tie(a.order, a.name) < std::tie(b.order, b.name); }
 };
 using Key = std::function<Group(const Judged&)>;
 
-// Octave of a speed, as the range of mm/s that it holds.
+// Octave of a speed, named by its range in mm/s.
 Group octave_of(double speed) {
   if (std::isnan(speed)) return {};
   if (!(speed > 0.0)) return {0.0, "at rest"};
-  // A speed of 16 mm/s may be a few units in the last place below 16.
+  // A nominal 16 mm/s may be a few units in the last place below 16.
   constexpr double rounding = 1.0 + 1e-12;
   const double low = std::ldexp(1.0, std::ilogb(1e3 * speed * rounding));
   return {low, fmt::format("{:g} to {:g} mm/s", low, 2.0 * low)};
 }
 
-// Summaries by a key; empty where it tells nothing or too much.
+// Summaries by a key; empty if a trial has no group, or the groups are too few or too many.
 Json broken_down(const std::vector<Judged>& trials, const Key& key) {
   std::map<Group, std::vector<Judgement>> groups;
   for (const Judged& trial : trials) {
@@ -187,7 +185,8 @@ Json broken_down(const std::vector<Judged>& trials, const Key& key) {
   return json;
 }
 
-// `untouched`: the detector has learnt from no trial of the dataset. Where it has, the dataset's masks say nothing of what is new to it.
+// `untouched`: the detector was trained on no trial of the dataset. Otherwise the dataset's masks
+// do not show which trials are new to it.
 Json breakdowns(const std::vector<Judged>& trials, bool untouched) {
   Json json = Json::array();
   const auto add = [&](const char* by, const Key& key) {
@@ -227,7 +226,7 @@ void add_curves(Json& json, const std::vector<Judged>& trials) {
   }
 }
 
-// False alarms a minute, recall and delay with each threshold.
+// False alarms per minute, recall and delay for each threshold.
 Json alarms_json(const std::vector<Judged>& trials) {
   const std::vector<double> thresholds = alarm_thresholds();
   Json json = Json::array();
@@ -245,7 +244,7 @@ Json alarms_json(const std::vector<Judged>& trials) {
   return json;
 }
 
-// Frames by the set's own class of their trial and by the class that the network finds most probable.
+// Number of frames by the set's class of their trial and by the network's most probable class.
 Json classes_json(const std::vector<Judged>& trials, const std::vector<network::Class>& classes) {
   std::map<std::string, std::vector<std::size_t>> called;
   for (const Judged& trial : trials) {
@@ -272,7 +271,7 @@ Json classes_json(const std::vector<Judged>& trials, const std::vector<network::
   return json;
 }
 
-// What the dataset's own loop did, where its detector was this one.
+// Results of the dataset's own loop, if its detector was this one.
 Json loop_json(const std::vector<Judged>& trials) {
   if (std::ranges::none_of(trials, [](const Judged& trial) { return trial.as_in_loop.has_value(); })) return {};
   const bool same = std::ranges::all_of(trials, [](const Judged& trial) { return trial.as_in_loop.value_or(false); });
@@ -306,7 +305,7 @@ Json loop_json(const std::vector<Judged>& trials) {
   return json;
 }
 
-// Whether the detector is memories, and whether it is what a training made of data at all.
+// is_memories(): the detector consists of memories. is_trained(): it was trained on data.
 bool is_memories(const DetectorScene& detector) { return detector.type == "gst_hd" || detector.type == "gst_hd_rtl"; }
 bool is_trained(const DetectorScene& detector) { return detector.type == "network" || is_memories(detector); }
 
@@ -331,14 +330,15 @@ Json trial_json(const Judged& trial) {
           {"mask", trial.facts.mask}};
 }
 
-// Some of each kind: missed; early by how much; false alarms by their number; seen late.
+// Some trials of each kind: missed; early, by how much; false alarms, by their number; seen late.
 Json worst_json(const std::vector<Judged>& trials) {
   Json json = Json::array();
   const auto add = [&](Detection detection, const std::function<double(const Judgement&)>& badness, const auto& why) {
     std::vector<const Judged*> found;
     for (const Judged& trial : trials) {
       const Judgement& one = trial.judgement;
-      if (one.detection == detection && !std::isnan(badness(one))) found.push_back(&trial);  // NaN: no delay, of one sample
+      if (one.detection == detection && !std::isnan(badness(one)))
+        found.push_back(&trial);  // NaN: a trial of one sample has no delay
     }
     std::ranges::stable_sort(found, std::greater{}, [&badness](const Judged* one) { return badness(one->judgement); });
     if (found.size() > worst_of_a_kind) found.resize(worst_of_a_kind);
@@ -358,7 +358,7 @@ Json worst_json(const std::vector<Judged>& trials) {
   return json;
 }
 
-// What limits the figures: trials on which the detector was, or may have been, trained.
+// Warnings about the figures: trials on which the detector was, or may have been, trained.
 Json training_warnings(const Options& options, std::size_t learnt, std::size_t judged) {
   Json warnings = Json::array();
   if (learnt > 0) {
@@ -377,7 +377,7 @@ Json training_warnings(const Options& options, std::size_t learnt, std::size_t j
   return warnings;
 }
 
-// As text in which all is UTF-8, whatever the file holds.
+// Result as UTF-8 text, whatever bytes the file holds.
 std::string evaluated(const Options& options) {
   const DatasetReader reader = whole_dataset(options.dataset);
   for (const std::size_t trial : reader.trials()) reader.check_recorded(trial);
@@ -387,7 +387,7 @@ std::string evaluated(const Options& options) {
     reader.check_truth("eval --labels " + label_rule_name(labels), "--labels recorded, the labels of the recordings");
   const std::map<std::size_t, std::string> part_of = reader.split();
   const std::set<std::string> seen = seen_trials(options.detector, options.trained);
-  std::size_t learnt = 0;  // trials judged on which it was trained
+  std::size_t learnt = 0;  // judged trials on which it was trained
   const Catalogues catalogues = program_catalogues();
   const std::unique_ptr<network::Engine> network = network_of(options.detector);
   std::vector<Judged> trials;
@@ -452,7 +452,7 @@ std::string training_of(const DetectorScene& detector) {
     // Published memories have no description.
     if (const hd::SavedModel saved = hd::load(folder, hd::Model{}); !saved.trained.empty()) said["trained"] = saved.trained;
   } catch (const InputError&) {
-    // The detector that is made of them says what is wrong with them, and where it is named.
+    // Creating the detector from the memories reports the error and names the file.
   }
   return said.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -462,8 +462,8 @@ TruthRule learnt_labels(const std::string& trained) {
   if (!said.is_object() || !said.contains("labels")) return TruthRule::strict;
   const Json& labels = said.at("labels");
   try {
-    if (labels == "recorded") return TruthRule::strict;  // learnt from recordings, which simulated trials have no such labels as
-    // A rule of training alone, which differs from `masked` in grasps only.
+    if (labels == "recorded") return TruthRule::strict;  // simulated trials lack the labels of recordings
+    // `tightened` exists in training only and differs from `masked` in grasps only.
     if (labels == "tightened") return TruthRule::masked;
     if (labels.is_string()) return parse_label_rule(labels.get<std::string>());
   } catch (const InputError& error) {

@@ -21,7 +21,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 struct Pool {
   Summary counts;
   std::vector<double> delays, distances;
-  std::size_t before_gross_slip = 0, with_path = 0;  // trials that slip
+  std::size_t before_gross_slip = 0, with_path = 0;  // trials with slip
   double stick_alarms = 0.0, stick_time = 0.0, air_alarms = 0.0, air_time = 0.0, stuck_error = 0.0, stuck_frames = 0.0;
 
   void add(const Judgement& trial) {
@@ -57,7 +57,7 @@ constexpr std::size_t place_of(std::string_view key) {
   throw std::logic_error("no such figure");
 }
 
-// In the order of `figures`, but for the AUC, which is NaN.
+// In the order of `figures`, except the AUC, which is NaN.
 std::vector<double> figures_of(const Pool& pool) {
   const Confusion& frames = pool.counts.frames;
   const auto slipping = static_cast<double>(pool.counts.slipping);
@@ -84,7 +84,7 @@ std::vector<double> figures_of(const Pool& pool) {
   return values;
 }
 
-// The trials of each experiment.
+// Groups trials by experiment.
 std::vector<std::vector<std::size_t>> experiments_of(std::span<const Judgement> trials) {
   std::vector<std::vector<std::size_t>> experiments;
   std::map<std::string, std::size_t> known;
@@ -129,7 +129,7 @@ std::vector<PadState> latched(std::vector<PadState> states) {
   return states;
 }
 
-// Which samples stick after a slip of the same contact; from `from` [s] on a slip before it is none.
+// Marks samples that stick after a slip of the same contact; slips before `from` [s] do not count.
 std::vector<bool> stuck_again(const std::vector<PadState>& states, const std::vector<double>& time, double from) {
   std::vector<bool> masked;
   bool slipped = false, after = false;
@@ -161,7 +161,8 @@ std::vector<PadState> checked_states(const SensorRecord& sensor, const std::vect
   return states;
 }
 
-// When the arm of a grasp begins to rise [s]. A guided one does so as its controller says, to a sample of the sensor.
+// Begin of the lift of a grasp [s]. For a guided arm, from its controller's commands, to a sample
+// of the sensor.
 double lift_start(const Scene& scene, const TrialRecord& record) {
   const Parameters& motion = scene.motion.parameters;
   if (!scene.guided()) return lift_times(motion).start;
@@ -173,8 +174,9 @@ double lift_start(const Scene& scene, const TrialRecord& record) {
   return std::numeric_limits<double>::infinity();
 }
 
-// Truth::slip_distance; empty for labels that are no simulation's. It never falls: a unit that lets go, or a fresh one that touches, takes nothing
-// from the path that the object has made, and where nothing touches it stays.
+// Truth::slip_distance; empty for imported labels. It never decreases: a unit that detaches, or one
+// that starts to touch, does not change the path of the object, and without contact the path is
+// constant.
 std::vector<double> slip_distances(const LabelRecord& labels, std::size_t rows) {
   const std::size_t units = labels.units();
   if (units == 0 || labels.slip_distance.size() != rows * units) return {};
@@ -194,7 +196,7 @@ std::vector<double> slip_distances(const LabelRecord& labels, std::size_t rows) 
   return paths;
 }
 
-// Straight between the rows.
+// Linear interpolation between the rows.
 double value_at(const std::vector<double>& time, const std::vector<double>& values, double t) {
   const auto next = static_cast<std::size_t>(std::ranges::lower_bound(time, t) - time.begin());
   if (next == time.size()) return values.back();
@@ -236,7 +238,7 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
   result.trial = trial;
   result.slip_time = truth.first_slip;
   result.knows_distance = !truth.slip_distance.empty();
-  // Without a slip first_slip is NaN, and no alarm is in time.
+  // Without slip, first_slip is NaN and no alarm is in time.
   const auto in_time = [&truth, grace](double alarm) { return alarm >= truth.first_slip || alarm > truth.first_slip - grace; };
   bool seen_before = false;
   for (std::size_t row = 0; row < rows; ++row) {
@@ -258,10 +260,10 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
     const bool graced = time < truth.first_slip && in_time(time);
     if (!truth.counts(time)) continue;
     if (slips(seen) && std::isnan(result.alarm_time)) {
-      // One that was there before it counted is an alarm from the sample on from which it counts.
+      // An alarm that began before alarms count is dated at the first sample that counts.
       result.alarm_time = alarm_time(truth.time, replayed, row);
     }
-    if (!judges || rows == 1) continue;  // one sample lasts no time: its period is the nominal rate's
+    if (!judges || rows == 1) continue;  // a single sample has no duration; `period` is then that of the nominal rate
     if (state == PadState::non_slip) {
       result.stick_time += truth.period;
       result.stick_alarms += begins && !graced ? 1U : 0U;
@@ -275,18 +277,19 @@ Judgement judged(std::size_t trial, const Truth& truth, const Replayed& replayed
     result.whole_slip_distance = truth.slip_distance.back() - slipped(truth.first_slip);
   TrialOutcome outcome;
   if (!std::isnan(result.alarm_time)) {
-    // Without a slip it is a false alarm.
+    // Without slip it is a false alarm.
     (in_time(result.alarm_time) ? outcome.detection_time : outcome.false_alarm_time) = result.alarm_time;
   }
   settle_detection(outcome, !std::isnan(truth.first_slip));
   result.detection = *outcome.detection;
   if (result.detection == Detection::seen && rows > 1) {
-    // At the instant of the slip both times may differ in their last place.
+    // If both times are equal they may differ in the last digit.
     const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(truth.first_slip);
     const double delay = result.alarm_time - truth.first_slip;
     result.delay = delay <= rounding ? 0.0 : delay;
     if (result.knows_distance) {
-      result.slip_distance = std::max(0.0, slipped(result.alarm_time) - slipped(truth.first_slip));  // 0 of an alarm by grace
+      result.slip_distance =
+          std::max(0.0, slipped(result.alarm_time) - slipped(truth.first_slip));  // 0 for an alarm within the grace period
       result.before_gross_slip = result.alarm_time < truth.gross_slip;
     }
   }
@@ -421,7 +424,7 @@ Truth truth_of(const Scene* scene, const TrialRecord& record, const SensorRecord
   truth.stuck_fraction = sensor.labels.stuck_fraction;
   truth.period = 1.0 / sensor.rate;
   truth.any_slip = first_slip(sensor, rule, truth.state, truth.judged_from);
-  // A grasp that is no simulation's does not say when it was lifted: all of its samples count.
+  // The lift of an imported grasp is unknown: all of its samples count.
   if (record.outcome.grasp && scene != nullptr) {
     truth.judged_from = lift_start(*scene, record);
     if (record.outcome.grasp->dropped) truth.judged_until = record.outcome.grasp->drop_time;

@@ -14,10 +14,10 @@
 namespace slipbench::eval {
 namespace {
 
-// A dataset that is no simulation's has no scene.
+// An imported dataset has no scene.
 bool has_scene(const DatasetReader& reader) { return !reader.header().scene.empty(); }
 
-// The names of a trial's sensors in the scene's order, which a file does not keep.
+// Names of a trial's sensors in the scene's order, which the file does not keep.
 std::vector<std::string> ordered_sensors(const DatasetReader& reader, std::size_t trial) {
   std::vector<std::string> names = reader.sensors(trial);
   if (names.size() < 2 || !has_scene(reader)) return names;

@@ -21,10 +21,10 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// Sensors whose steps differ say the same instant with another last digit.
+// The same instant may differ in the last digits between sensors with different steps.
 bool is_later(double time, double now) { return time > now + 4.0 * std::numeric_limits<double>::epsilon() * std::abs(now); }
 
-// Where a feature stands among a detector's.
+// Index of a feature of a detector.
 std::optional<std::size_t> place_of(const std::vector<Feature>& features, const char* name) {
   const auto found = std::ranges::find(features, name, &Feature::name);
   if (found == features.end()) return std::nullopt;
@@ -36,7 +36,7 @@ double checked_probability(double value, double time) {
   reject("at {:.6g} s the detector's {} is {}; allowed: 0 to 1", time, probability_feature, value);
 }
 
-// Writes what is seen at each sample.
+// Records the answers at each sample.
 class Rows {
  public:
   Rows(DelayedDetector& detector, std::size_t samples)
@@ -51,7 +51,8 @@ class Rows {
   void add(const SensorFrame& frame) {
     detector_->update(frame);
     const SlipEstimate& now = detector_->seen_at(frame.time);
-    // A detector without features has the latest estimate of its loop before the first as well, which says no_contact.
+    // Fresh: the first sample that sees this estimate. The loop's initial estimate, no_contact, has
+    // no features.
     const bool fresh = now.time != last_;
     last_ = now.time;
     rows_.seen.push_back(now.state);
@@ -70,7 +71,7 @@ class Rows {
   Replayed rows_;
 };
 
-// The name of a channel's value: the title of its column, where the recording has one.
+// Name of a channel's value: the title of its column, if the recording has one.
 std::string value_name(const SensorRecord& sensor, const SensorColumn& channel, std::size_t value) {
   std::size_t before = 0;
   for (const SensorColumn& one : sensor.channels) {
@@ -82,7 +83,8 @@ std::string value_name(const SensorRecord& sensor, const SensorColumn& channel, 
                                                       : number;
 }
 
-// A missing value of a recording (`missing: nan` of its map) would count as no contact or as no slip.
+// A missing value of a recording (`missing: nan` of its map) would count as no contact or as no
+// slip.
 void check_no_missing_value(const SensorRecord& sensor) {
   for (const SensorColumn& channel : sensor.channels) {
     const auto missing = std::ranges::find_if_not(channel.values, [](float value) { return std::isfinite(value); });
@@ -105,17 +107,18 @@ void check_no_missing_value(const SensorRecord& sensor) {
   }
 }
 
-// The smallest scene that has a detector. Its sensor is not that of the dataset, with which make_detector() deals.
+// The smallest scene with a detector. Its sensor is irrelevant: make_detector() uses that of the
+// dataset.
 constexpr const char* scene_around = "slipbench: 1\nsensors: {pad: {type: papillarray}}\n";
 
-// A text as YAML, whatever stands in it.
+// Quotes any text as YAML.
 std::string yaml_word(const std::string& text) {
   std::string word = "'";
   for (const char c : text) word += c == '\'' ? std::string("''") : std::string(1, c);
   return word + "'";
 }
 
-// The detector's type, and the parameter that `text` stands for, where it is no name.
+// The detector's type, and the parameter that `text` implies if it is not a name.
 std::pair<std::string, std::vector<Override>> type_of(const std::string& text) {
   std::vector<std::string> names;
   for (const Entry& entry : detector_entries()) {

@@ -1,5 +1,6 @@
-// libslipbench_mujoco.so: what mj_loadPluginLibrary loads, in whatever MuJoCo. It needs none itself: it looks which one is loaded, and loads the
-// build for that release, which lies beside it. Where there is none it names the supported releases.
+// libslipbench_mujoco.so, for mj_loadPluginLibrary of any MuJoCo. It links to no MuJoCo: it finds
+// the one that is loaded, and loads the build for that release from its own folder. Without such a
+// build it lists the supported releases.
 #include "tools/program/plugin/loaded_mujocos.h"
 #include "tools/program/plugin/plugin_builds.h"
 

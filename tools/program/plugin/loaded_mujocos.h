@@ -1,4 +1,4 @@
-// The MuJoCo libraries of this process.
+// MuJoCo libraries loaded in this process.
 #pragma once
 
 #include <dlfcn.h>
@@ -11,7 +11,7 @@
 
 namespace slipbench {
 
-// Their files. Python's own and that of slipbench's simulations may both be.
+// Their files. Both Python's own MuJoCo and that of slipbench's simulations may be loaded.
 inline std::vector<std::string> loaded_mujocos() {
   std::vector<std::string> files;
   ::dl_iterate_phdr(
@@ -31,13 +31,14 @@ Function mujoco_function(void* mujoco, const char* name) {
   return reinterpret_cast<Function>(mujoco == nullptr ? nullptr : ::dlsym(mujoco, name));
 }
 
-// Which version it is; empty where it does not say.
+// Its version; empty if the library does not report one.
 inline std::string version_of(void* mujoco) {
   const auto version = mujoco_function<const char* (*)()>(mujoco, "mj_versionString");
   return version == nullptr ? "" : version();
 }
 
-// No mju_error: it may jump over the loader that is running a library's constructors, which would then stay locked.
+// Not mju_error(): it may jump out of the loader while it runs a library's constructors, and leave
+// the loader locked.
 inline void warn(void* mujoco, const std::string& text) {
   if (const auto warning = mujoco_function<void (*)(const char*, ...)>(mujoco, "mju_warning")) {
     warning("%s", text.c_str());

@@ -1,4 +1,5 @@
-// libslipbench_mujoco-VERSION.so: the plugin for one release of MuJoCo. This part knows no MuJoCo, so that it is compiled once for both.
+// libslipbench_mujoco-VERSION.so: the plugin for one release of MuJoCo. This part does not depend
+// on MuJoCo, so that both releases share its object file.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -16,8 +17,9 @@ namespace {
 }  // namespace
 }  // namespace slipbench
 
-// For slipbench.mujoco (tools/python), by ctypes. Each writes to `text` as many of its characters as `size` holds, with a zero at the end, and returns
-// how long it is; of an error -1, and `text` is what went wrong.
+// C interface for slipbench.mujoco (tools/python), called by ctypes. Each function writes up to
+// `size` - 1 characters of its result and a zero to `text`, and returns the length of the whole
+// result. On an error it returns -1 and `text` is the message.
 namespace {
 
 template <class Action>
@@ -40,12 +42,12 @@ int write_text(char* text, int size, const Action& action) {
 
 extern "C" {
 
-// describe_pads() of sim/mujoco/pads/register_plugin.h.
+// Returns describe_pads() of sim/mujoco/pads/register_plugin.h.
 [[gnu::visibility("default")]] int slipbench_describe_pads(const mjModel_* model, char* text, int size) {
   return write_text(text, size, [model] { return slipbench::describe_pads(model); });
 }
 
-// longest_step() there, as a number of seconds.
+// Returns longest_step() of the same file, as a number of seconds.
 [[gnu::visibility("default")]] int slipbench_longest_step(const mjModel_* model, mjData_* data, char* text, int size) {
   return write_text(text, size, [model, data] {
     const double longest = slipbench::longest_step(model, data);

@@ -1,4 +1,4 @@
-// In which releases of MuJoCo the plugin works, and which of its builds does.
+// Releases of MuJoCo that the plugin supports, and the build for each.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,8 @@
 
 namespace slipbench {
 
-// "3.3.7, 4.0.1": oldest first, the bench's own last. tools/program/plugin/CMakeLists.txt makes a build for each.
+// "3.3.7, 4.0.1": oldest first, slipbench's own last. tools/program/plugin/CMakeLists.txt creates a
+// build for each.
 inline constexpr const char* plugin_versions_text = SLIPBENCH_PLUGIN_VERSIONS;
 
 inline std::vector<std::string> plugin_versions() {
@@ -21,7 +22,7 @@ inline std::vector<std::string> plugin_versions() {
   return versions;
 }
 
-// The name of its build's file, or nothing where there is none.
+// File name of the release's build, or "" if there is none.
 inline std::string plugin_build(const std::string& version) {
   const std::vector<std::string> versions = plugin_versions();
   return std::ranges::find(versions, version) == versions.end() ? "" : "libslipbench_mujoco-" + version + ".so";

@@ -1,6 +1,7 @@
-// What the plugin's libraries hold of others beside libyaml-cpp.a: {fmt}, of which Debian has no archive, as its own src/format.cc has it; and a
-// variable of libc that libyaml-cpp.a, compiled for programs, reads without going by the table that a library needs for it. Zero means: there may
-// be several threads.
+// Third-party code that the plugin's libraries contain besides libyaml-cpp.a: {fmt}, of which
+// Debian has no static library, as in its src/format.cc; and a variable of libc that libyaml-cpp.a,
+// compiled for programs, accesses without the relocation table that a shared library needs. Its
+// value zero means that there may be several threads.
 #include <fmt/format-inl.h>
 
 extern "C" {

@@ -1,5 +1,6 @@
-// slipbench-reader KIND PATH: reads a file through. On stdout stand the names of a dataset's files, or the reason why the file is refused,
-// and then a ReaderVerdict. Damage may end the program before it writes one. check_readable.h starts it.
+// slipbench-reader KIND PATH: reads a file completely. Prints the names of a dataset's files, or
+// the reason why the file is invalid, and then a ReaderVerdict. Damage may crash the program before
+// it prints the verdict. check_readable.h starts it.
 #include <algorithm>
 #include <csignal>
 #include <cstdint>
@@ -26,7 +27,8 @@
 namespace slipbench {
 namespace {
 
-// Damage can make HDF5 run for ever: 8 s of the processor, and 2 s for each MB of a dataset's files.
+// Damage can make HDF5 loop endlessly. Limit: 8 s of processor time, plus 2 s per MB of a dataset's
+// files.
 void limit_time(const std::string& path) {
   constexpr std::uint64_t megabyte = 1'000'000;
   std::uint64_t bytes = 0;

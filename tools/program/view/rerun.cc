@@ -32,8 +32,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Starts a program in a session of its own, so that Ctrl-C ends the one that started it alone. `streams(actions)` says what its streams are.
-// Returns 0, or why it did not start, as errno has it.
+// Starts a program in its own session, so that Ctrl-C ends the calling program alone.
+// `streams(actions)` sets its streams. Returns 0, or errno of the failed start.
 template <class Streams>
 int start(std::vector<std::string> words, const Streams& streams, pid_t& child) {
   std::vector<char*> pointers;
@@ -51,12 +51,12 @@ int start(std::vector<std::string> words, const Streams& streams, pid_t& child) 
   return error;
 }
 
-// The user's Python with rerun.py, which is told of files on its stdin.
+// The user's Python with rerun.py, which receives file names on stdin.
 class Python {
  public:
   Python(const std::string& name, const std::string& save) {
-    const char* const own = std::getenv("SLIPBENCH_PYTHON");  // that of the package `slipbench`, where it started the program
-    // -P: no package of the folder where the user stands.
+    const char* const own = std::getenv("SLIPBENCH_PYTHON");  // set if the package `slipbench` started the program
+    // -P: no package of the user's current folder.
     std::vector<std::string> words{own == nullptr ? "python3" : own, "-P", "-c",
                                    std::string(page::embedded(view::assets(), "rerun.py")), name};
     if (!save.empty()) words.push_back(fs::absolute(save).string());
@@ -73,7 +73,7 @@ class Python {
       ::close(input_);
       reject("view: --rerun needs Python with rerun-sdk; cannot start {}: {}", words.front(), std::strerror(error));
     }
-    ::signal(SIGPIPE, SIG_IGN);  // Python may end before it has read
+    ::signal(SIGPIPE, SIG_IGN);  // Python may end before it has read everything
   }
   ~Python() {
     if (input_ >= 0) static_cast<void>(wait());
@@ -81,13 +81,13 @@ class Python {
   Python(const Python&) = delete;
   Python& operator=(const Python&) = delete;
 
-  // False once Python has ended.
+  // False if Python has ended.
   bool tell(const std::string& path) const {
     const std::string line = path + '\n';
     return ::write(input_, line.data(), line.size()) == static_cast<ssize_t>(line.size());
   }
 
-  // Its exit status, once it has done all.
+  // Exit status of Python after it has processed everything.
   int wait() {
     ::close(std::exchange(input_, -1));
     int status = 0;
@@ -101,7 +101,7 @@ class Python {
   int input_ = -1;
 };
 
-// Whether a run is writing the file: it has locked it.
+// True if a run is writing the file, which the run then has locked.
 bool is_being_written(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return false;
@@ -110,7 +110,8 @@ bool is_being_written(const std::string& path) {
   return locked;
 }
 
-// The trial to be shown of what a file holds now: the one that is asked for, else the first or the last; empty: it is not there.
+// The trial of a file to show: the requested one, else the first or the last; empty if the file
+// does not have it.
 std::optional<std::size_t> trial_in(const std::string& path, const std::optional<std::size_t>& asked, bool last) {
   const DatasetReader reader = dataset_header_at(path);
   const std::vector<std::size_t>& trials = reader.trials();
@@ -134,7 +135,7 @@ std::vector<std::string> openers() {
   return found;
 }
 
-// Whether it has ended well or still runs after 3 s.
+// True if the child ended with status 0 or still runs after 3 s.
 bool opened(pid_t child) {
   using namespace std::chrono_literals;
   for (const auto end = std::chrono::steady_clock::now() + 3s; std::chrono::steady_clock::now() < end;) {
@@ -157,14 +158,14 @@ RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) 
   const bool follows = is_being_written(lock);
   if (!follows && !fs::exists(path)) reject("view: {}: there is no such dataset, and no run writes it", path);
   const InterruptGuard guard("the viewer stays open");
-  const ScratchFolder folder;  // for what Python reads
+  const ScratchFolder folder;  // files for Python
   Python python(fs::path(path).filename().string(), options.save);
   RerunResult result;
   for (bool alive = true, runs = follows; alive && !InterruptGuard::flag();) {
-    // A trial that is finished after this look is seen at the next, or in the whole file.
+    // A trial finished after this check is found in the next pass, or in the complete file.
     runs = runs && is_being_written(lock);
     const std::string source = runs ? first_batch_path(path) : path;
-    if (runs && !fs::exists(source)) {  // the first batch is not finished
+    if (runs && !fs::exists(source)) {  // the first batch is unfinished
       std::this_thread::sleep_for(500ms);
       continue;
     }
@@ -178,7 +179,8 @@ RerunResult show_in_rerun(const std::string& path, const RerunOptions& options) 
         result.trials.push_back(*trial);
       }
     } catch (const InputError&) {
-      // A run that ends joins its batches and removes them, also while they are read here; the next look reads what it has made of them.
+      // A run that ends merges and removes its batches, possibly while they are read here; the next
+      // pass reads the merged file.
       if (!runs) throw;
     }
     if (!runs || (options.trial && !result.trials.empty())) break;

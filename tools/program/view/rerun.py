@@ -1,6 +1,9 @@
-"""Trials in Rerun: `python3 -c "<this file>" NAME [OUT.rrd]`, started by `slipbench view --rerun` with the user's own Python. It needs rerun-sdk and nothing
-of ours. It reads from stdin a line a trial, the path of its numpy archive (`slipbench export --format npz`), and sends it. With OUT.rrd everything
-goes there and no viewer opens. Exit status 2, with its message, where rerun-sdk is missing."""
+"""Sends trials to Rerun: `python3 -c "<this file>" NAME [OUT.rrd]`, started by `slipbench view
+--rerun` with the user's own Python.
+
+It needs rerun-sdk and no module of slipbench. Each line of stdin is the path of a trial's numpy
+archive (`slipbench export --format npz`). With OUT.rrd it writes to that file and opens no viewer.
+Without rerun-sdk it prints a message and exits with status 2."""
 
 import importlib
 import json
@@ -9,7 +12,8 @@ import sys
 
 
 def time_of(arrays, key):
-    """When the rows of an array are: its own times, or those of its group; None where it has no rows in time."""
+    """Returns the times of an array's rows: its own, or those of its group; None if its rows are
+    not samples in time."""
     for name in (f"{key}_t", f"{key.rsplit('/', 1)[0]}/t"):
         if name in arrays:
             return arrays[name]
@@ -17,7 +21,7 @@ def time_of(arrays, key):
 
 
 def send(rerun, numpy, stream, arrays, units):
-    """Sends every array that runs in time: a call an array, whatever its rows."""
+    """Sends every array with rows in time, in one call per array."""
     for key in arrays.files:
         name = key.rsplit("/", 1)[-1]
         time = time_of(arrays, key)
