@@ -24,7 +24,7 @@ const SensorColumn& electrodes_of(const TrialRecord& record, const char* finger)
   return *std::ranges::find(sensor->channels, "electrodes", &SensorColumn::name);
 }
 
-// "box_60x50x90": what does not change from grasp to grasp of the same object.
+// "box_60x50x90": constant over all grasps of the same object.
 std::string object_name(const std::string& shape, const std::vector<double>& size) {
   std::string name = shape.empty() ? "object" : shape;
   for (std::size_t k = 0; k < size.size(); ++k) name += fmt::format("{}{:.0f}", k == 0 ? '_' : 'x', 1e3 * size[k]);

@@ -16,16 +16,16 @@ namespace {
 
 constexpr double counts = 127.5;  // half the range of a register
 constexpr std::array<const char*, 6> velocity_names{"vx", "vy", "vz", "wx", "wy", "wz"};
-constexpr std::size_t linear = 3;  // components before those of the rotation
+constexpr std::size_t linear = 3;  // number of translational components, which come first
 
-// Values that stand still from one of their times to the next.
+// A signal that holds its value from one of its times to the next.
 struct Signal {
   std::span<const double> time;
   std::span<const float> values;  // [time, width]
   std::size_t width = 1;
 };
 
-// The instants of an episode.
+// Instants of an episode.
 struct Grid {
   double start = 0.0, period = 0.0;  // s
   std::size_t points = 0;
@@ -48,7 +48,8 @@ std::vector<float> resampled(const Signal& signal, const Grid& grid, std::size_t
   return values;
 }
 
-// From the first instant at which everything has been read to the last sample of the sensor that ends first.
+// From the first instant at which every signal has a value to the last sample of the sensor that
+// ends first.
 Grid grid_of(const TrialRecord& record, const std::vector<std::string>& sensors, double rate) {
   Grid grid{record.body_time.front(), 1.0 / rate, 0};
   double end = record.body_time.back();
@@ -132,7 +133,7 @@ ActionSpace action_space(const DatasetReader& reader, const std::vector<std::siz
     if (body == "pad" || std::find(sensors.begin(), sensors.end(), body) != sensors.end()) space.bodies.push_back(body);
   }
   if (space.bodies.empty()) reject("trial {}: no body carries a sensor; its motion would be the actions", first);
-  std::array<double, 2> greatest{};  // m/s, rad/s
+  std::array<double, 2> greatest{};  // m/s, rad/s; maximum over the trials
   for (const std::size_t trial : trials) {
     for (const std::string& body : space.bodies) {
       const auto velocity = reader.read<float>(trial, body_group(body) + "/velocity");

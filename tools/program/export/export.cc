@@ -39,13 +39,13 @@ bool is_of_the_tip(const ExportOptions& options) {
   return options.slip_rule == SlipRule::paper || options.slip_rule == SlipRule::has_slipped;
 }
 
-// A sensor at the rate that is asked for.
+// Reads a sensor, at the requested rate.
 SensorRecord sensor_of(const DatasetReader& reader, std::size_t trial, const std::string& name, const ExportOptions& options) {
   SensorRecord sensor = reader.read_sensor(trial, name);
   return options.rate ? at_rate(std::move(sensor), *options.rate, trial) : sensor;
 }
 
-// Names of the files that a trial becomes.
+// Names of the files written for a trial.
 using Files = std::vector<std::string>;
 
 Files export_vendor(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
@@ -98,7 +98,7 @@ Files export_slip(const DatasetReader& reader, std::size_t trial, OutputFolder& 
   return {out.write(recording.name, {"recording of 24 electrodes", &begins_as_slip_csv}, recording.text)};
 }
 
-// What the arrays of a trial do not say.
+// Metadata of a trial that its arrays do not contain.
 std::string about_trial(const DatasetReader& reader, const TrialRecord& record) {
   const DemoInfo info = reader.info(record.trial);
   Json about{
@@ -120,7 +120,7 @@ std::string about_trial(const DatasetReader& reader, const TrialRecord& record) 
   return about.dump();
 }
 
-// A file for each myrmex.
+// Writes one file per Myrmex.
 Files export_images(const DatasetReader& reader, std::size_t trial, OutputFolder& out, const ExportOptions& options) {
   Files files;
   for (const std::string& sensor : chosen_sensors(reader, trial, options.sensors)) {
@@ -165,16 +165,17 @@ std::string export_robomimic(const DatasetReader& reader, const std::vector<std:
   return path;
 }
 
-// A format, and what it can be told.
+// A format and its options.
 struct FormatKind {
   ExportFormat format;
   std::string_view name;
-  bool of_readings = false;        // needs no truth
-  bool every_rule = false;         // holds the state by every rule
-  bool to_compress = false;        // is compressed when that is asked for; the others are so always
-  std::string_view one_rate = {};  // the layout has a rate of its own, or no rows in time: how it is said; empty: neither
+  bool of_readings = false;  // needs no truth
+  bool every_rule = false;   // holds the state by every rule
+  bool to_compress = false;  // compression is optional; other formats are always compressed or never
+  std::string_view one_rate =
+      {};  // reason why --rate does not apply: the layout has its own rate, or no rows in time; empty: it applies
   Files (*of_trial)(const DatasetReader&, std::size_t, OutputFolder&,
-                    const ExportOptions&) = nullptr;  // null: not written so, or by Python
+                    const ExportOptions&) = nullptr;  // null: not written per trial, or written by Python
 };
 constexpr std::array formats{
     FormatKind{ExportFormat::csv, "csv", true, true, true, "", &export_tables},
@@ -194,7 +195,7 @@ constexpr std::array formats{
 
 const FormatKind& kind_of(ExportFormat format) { return *std::ranges::find(formats, format, &FormatKind::format); }
 
-// The names of those that have a trait.
+// Names of the formats with a trait.
 std::string names_with(bool FormatKind::*trait) {
   std::vector<std::string_view> names;
   for (const FormatKind& kind : formats) {
@@ -204,7 +205,7 @@ std::string names_with(bool FormatKind::*trait) {
 }
 std::string export_format_name(ExportFormat format) { return std::string(kind_of(format).name); }
 
-// Throws InputError where the dataset has no labels by the rule that is asked for.
+// Throws InputError if the dataset has no labels by the requested rule.
 void check_labels(const DatasetReader& reader, const ExportOptions& options) {
   if (options.slip_rule) {
     reader.check_truth(fmt::format("--labels {}", slip_rule_name(*options.slip_rule)),
@@ -215,8 +216,8 @@ void check_labels(const DatasetReader& reader, const ExportOptions& options) {
   }
 }
 
-// The trials that the options ask for, ascending, once each has a recording, and the truth where the format
-// needs it. Throws InputError otherwise, and when there are none.
+// The trials that the options ask for, ascending. Throws InputError if there are none, if one has
+// no recording, or if the format needs the truth and the dataset has none.
 std::vector<std::size_t> trials_to_export(const DatasetReader& reader, const ExportOptions& options) {
   const std::string path = reader.files().front();
   if (reader.trials().empty()) reject("{}: holds no trial", path);
@@ -263,7 +264,7 @@ Files export_trials(const std::string& dataset_path, const std::string& out_dir,
 
 bool is_gzip(std::string_view beginning) { return beginning.starts_with("\x1f\x8b"); }
 
-// What gzip holds is no other kind of file.
+// Throws InputError if a gzip file at `path` holds another kind of text.
 void check_packed(const std::string& path, const TextKind& kind) {
   std::ifstream file(path, std::ios::binary);
   std::string beginning(1 << 12, '\0');
@@ -273,13 +274,13 @@ void check_packed(const std::string& path, const TextKind& kind) {
   reject("cannot write {0}: {0} exists and is no {1}; allowed: a new name, or a {1} to replace", path, kind.name);
 }
 
-constexpr int level = 4;               // as datasets have it
-constexpr int container = 16;          // of gzip, to be added to the window's bits
+constexpr int level = 4;               // as in datasets
+constexpr int container = 16;          // for gzip, added to the window bits
 constexpr int memory = 8;              // zlib's default
-constexpr std::size_t most = 1 << 30;  // bytes that zlib is handed at once: its counters have 32 bits
+constexpr std::size_t most = 1 << 30;  // maximum number of bytes per call of zlib: its counters have 32 bits
 constexpr std::size_t beginning = 1 << 16;
 
-// zlib takes its input as a pointer to what is not const, and does not change it.
+// zlib takes its input as a non-const pointer but does not change it.
 Bytef* input_of(std::string_view bytes) { return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data())); }
 
 constexpr std::array python_formats{ExportFormat::lerobot, ExportFormat::parquet, ExportFormat::mcap, ExportFormat::rosbag2};
@@ -288,8 +289,8 @@ constexpr std::string_view card_beginning = "---\n# Written by slipbench export.
 constexpr std::string_view croissant_beginning = "{\n \"@context\": {\n  \"@language\": \"en\",";
 constexpr std::array cards{std::pair{"/README.md", card_beginning}, std::pair{"/croissant.json", croissant_beginning}};
 
-// The sensors that are exported. All trials that Python writes have the same; other formats may leave out those that
-// a trial does not have.
+// The exported sensors. Formats written by Python require the same sensors in all trials; other
+// formats may omit those that a trial lacks.
 std::vector<std::string> sensors_of(const DatasetReader& reader, const std::vector<std::size_t>& trials,
                                     const ExportOptions& options) {
   std::vector<std::string> sensors = chosen_sensors(reader, trials.front(), options.sensors);
@@ -324,8 +325,8 @@ Json request_of(const std::string& dataset_path, const std::string& out_dir, con
           {"files", Json::array()}};
 }
 
-// Becomes Python with a request, which may be longer than an argument of a process can be: the argument names a file in
-// memory, which the process keeps.
+// Replaces the process by Python with a request. The request may exceed the size of a process
+// argument, so the argument names a file in memory that the process inherits.
 [[noreturn]] void start_with(const PythonModule& module, Json request, bool json) {
   request["json"] = json;
   request["install"] = module.install();
@@ -350,7 +351,7 @@ void check_licence(const ExportOptions& options) {
            quote(options.licence));
 }
 
-// Throws InputError when the options contradict each other.
+// Throws InputError if the options contradict each other.
 void check_export_options(const ExportOptions& options) {
   const FormatKind& kind = kind_of(options.format);
   const bool pillars_only = is_pillar_log(options.format);
@@ -399,12 +400,13 @@ std::vector<std::string> export_format_names() { return hd::names_of(formats); }
 std::vector<std::string> export_dataset(const std::string& dataset_path, const std::string& out_dir, const ExportOptions& options,
                                         ExportProgress progress) {
   check_export_options(options);
-  const ExportProgress told = std::move(progress);  // so that it ends before an error is told
+  const ExportProgress told = std::move(progress);  // destroyed before an error is reported
   return export_trials(dataset_path, out_dir, options, told);
 }
 
 OutputFolder::~OutputFolder() {
-  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) ::rmdir(folder->c_str());  // which only an empty one is
+  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder)
+    ::rmdir(folder->c_str());  // fails unless the folder is empty
 }
 
 std::string OutputFolder::write(const std::string& name, const TextKind& kind, const std::string& bytes) {
@@ -417,7 +419,7 @@ std::string OutputFolder::write(const std::string& name, const TextKind& kind, c
 }
 
 std::string OutputFolder::prepare(const std::string& name) {
-  // Sensors, materials and channels give files their names, and a dataset's texts may be anybody's.
+  // Sensors, materials and channels name the files, and an untrusted dataset may hold any text.
   const std::filesystem::path parts(name);
   if (printable(name) != name || parts.is_absolute() || std::ranges::find(parts, std::filesystem::path("..")) != parts.end()) {
     reject("cannot write a file called {}; allowed: names of the dataset without control characters, that stay in {}",
@@ -476,7 +478,7 @@ std::string beginning_of_gzip(std::string_view bytes) {
   stream.avail_in = static_cast<uInt>(std::min(bytes.size(), most));
   stream.next_out = reinterpret_cast<Bytef*>(text.data());
   stream.avail_out = static_cast<uInt>(text.size());
-  inflate(&stream, Z_SYNC_FLUSH);  // what it made of the bytes tells, whole or not
+  inflate(&stream, Z_SYNC_FLUSH);  // the status does not matter: partial output suffices
   text.resize(text.size() - stream.avail_out);
   inflateEnd(&stream);
   return text;

@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::string_view first_member = "about.npy";
 
-// A zip archive in memory. Its members carry no time: the format's earliest stands for it.
+// A zip archive in memory. Its members carry the format's earliest time in place of the current
+// one.
 class ZipArchive {
  public:
   ZipArchive() : archive_(archive_write_new(), &archive_write_free) {
@@ -49,7 +50,7 @@ class ZipArchive {
     return static_cast<la_ssize_t>(size);
   }
   void check(int status) const {
-    if (status == ARCHIVE_FATAL) throw std::bad_alloc();  // nothing else can fail so: it writes to memory
+    if (status == ARCHIVE_FATAL) throw std::bad_alloc();  // the only possible failure, since it writes to memory
     if (status != ARCHIVE_OK) throw std::runtime_error(fmt::format("libarchive: {}", archive_error_string(archive_.get())));
   }
   void write(const void* data, std::size_t size) {
@@ -106,7 +107,7 @@ std::string npz(const TrialRecord& record, const std::string& about) {
 }
 
 bool begins_as_npz(std::string_view text) {
-  constexpr std::size_t name_at = 30;  // of the local file header
+  constexpr std::size_t name_at = 30;  // offset in the local file header
   return text.starts_with("PK\x03\x04") && text.size() > name_at && text.substr(name_at).starts_with(first_member);
 }
 

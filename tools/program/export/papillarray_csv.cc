@@ -14,7 +14,7 @@
 namespace slipbench {
 namespace {
 
-// The vendor's software calls a pillar in contact from this reported force on [N].
+// Reported force [N] from which the vendor's software considers a pillar in contact.
 constexpr float contact_force = 0.5F;
 
 // True tangential force from which a pillar counts as loaded [N]: the device's resolution.
@@ -22,7 +22,7 @@ constexpr double loaded_force = 0.05;
 
 enum class VendorState : int { untouched = -2, contact_lost = -1, contact = 1, loaded = 2, slipped = 3 };
 
-// Force of all pillars, and their torque about the deformed tip of the centre pillar [N, N mm].
+// Total force of all pillars, and its torque about the deformed tip of the centre pillar [N, N mm].
 std::array<double, 6> global_load(const PapillarraySamples& samples, std::size_t row) {
   const auto deformed_tip = [&](std::size_t pillar) {
     std::array<double, 3> tip = samples.tip(pillar);
@@ -68,24 +68,24 @@ void append_sensor(fmt::memory_buffer& text, const PapillarraySamples& samples, 
                    static_cast<int>(vendor_state(samples, row, p, touched_before[p])));
     touched_before[p] = touched_before[p] || samples.touching(row, p);
   }
-  fmt::format_to(out, ",-1");  // the device's own friction estimate is not simulated: none
+  fmt::format_to(out, ",-1");  // -1: none; the device's own friction estimate is not simulated
 }
 
-constexpr double training_rate = 1000.0;  // Hz, which the training code takes for granted
+constexpr double training_rate = 1000.0;  // Hz, which the training code assumes
 
-// What is slower is the rounding of float32 [m/s].
+// Slower speeds [m/s] are float32 rounding.
 constexpr double at_rest = 1e-6;
 
 // A "stop" trial of the published protocol brakes 50 to 100 ms after its start [s].
 constexpr double longest_stop = 0.1;
 
 struct Move {
-  double duration = 0.0;  // s, for how long the pad moves in the plane at more than half of its top pace
-  bool braked = false;    // whether it is slower than that at the end of the recording
+  double duration = 0.0;  // s, time for which the pad moves in the plane at more than half of its top pace
+  bool braked = false;    // true if it is slower than that at the end of the recording
 };
 
-// With the same limit for speeding up and braking the duration is the time from the start of the motion to the start of the
-// braking, whatever the limit.
+// The limit is the same for speeding up and braking, so the duration is the time from the start of
+// the motion to the start of the braking, whatever the limit.
 Move move_of(const BodyRecord& pad, const std::vector<double>& time) {
   std::vector<double> pace;  // m/s, of the centre and of a corner about it
   for (std::size_t row = 0; row < time.size(); ++row) {
@@ -100,7 +100,8 @@ Move move_of(const BodyRecord& pad, const std::vector<double>& time) {
   return move;
 }
 
-// In mm/s with all its digits and at least one decimal, without an exponent, whose "-" would cut the name: "0.5", "4.0", "1.25".
+// In mm/s with all digits and at least one decimal, without an exponent, whose "-" would split the
+// name: "0.5", "4.0", "1.25".
 std::string speed_text(double speed) {
   std::string text = fmt::format("{:.9f}", 1e3 * speed);
   while (text.ends_with('0') && !text.ends_with(".0")) text.pop_back();
@@ -111,7 +112,8 @@ std::string speed_text(double speed) {
 
 std::string millimetres(float metres) {
   const double exact = 1e3 * static_cast<double>(metres);
-  // Those of the nearest float32 in mm; as float32 lies more densely in m than in mm here and there, they may belong to a neighbour.
+  // Digits of the nearest float32 in mm. In places float32 is denser in m than in mm, so that they
+  // may read back as a neighbour.
   std::string text = fmt::format("{}", static_cast<float>(exact));
   double back = 0.0;
   std::from_chars(text.data(), text.data() + text.size(), back);
@@ -168,7 +170,7 @@ std::string training_file_name(std::size_t trial, const CommandedMotion& motion,
   const bool slides = motion.speed != 0.0;
   const Move move = move_of(pad, time);
   if (move.duration == 0.0 || (!turns && !slides)) return fmt::format("press/demo_{}-v_0.0-stop.csv", trial);
-  // The samples at both ends may each add one to the count.
+  // Each end may add one sample to the count.
   const double tolerance = time.size() < 2 ? 0.0 : 2.0 * (time[1] - time[0]);
   const char* end = move.braked && move.duration <= longest_stop + tolerance ? "stop" : "slip";
   if (slides) {

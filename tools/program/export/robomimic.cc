@@ -25,12 +25,13 @@ using hdf5::check;
 using hdf5::Handle;
 using hdf5::write_attribute;
 
-constexpr const char* mark = "exported_by";  // root attribute by which such a file is known
+constexpr const char* mark = "exported_by";  // root attribute that identifies such a file
 constexpr const char* mark_text = "slipbench robomimic";
 
 constexpr unsigned deflate_level = 4;
 
-// robomimic's number for environments of the gym kind: the nearest to a recording that no environment can continue.
+// robomimic's number for gym environments, the closest type for a recording that no environment can
+// continue.
 constexpr int gym_environment = 2;
 
 Handle make_group(hid_t parent, const std::string& name) {
@@ -38,8 +39,8 @@ Handle make_group(hid_t parent, const std::string& name) {
   return {H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), &H5Gclose};
 }
 
-// One array, the file's type that of the memory. `level`: of deflate, in one chunk; 0: as it is. `codes`: JSON, what its
-// numbers stand for; empty: they are quantities.
+// Writes one array, with the same type in file and memory. `level`: of deflate, in one chunk; 0:
+// uncompressed. `codes`: JSON, meaning of its codes; empty: quantities.
 void put(hid_t group, const std::string& name, hid_t type, const std::vector<std::size_t>& shape, const void* values,
          unsigned level, const std::string& codes = {}) {
   const bool empty = std::find(shape.begin(), shape.end(), 0) != shape.end();
@@ -63,7 +64,8 @@ void put_demo(hid_t data, const DatasetReader& reader, std::size_t trial, const 
   Handle demo = make_group(data, demo_of(trial));
   const std::size_t steps = episode.steps;
   const DemoInfo info = reader.info(trial);
-  // A count has a sign, as in robomimic's own files: it takes differences of them, which numpy before 2 makes fractions of where there is none.
+  // Signed, as in robomimic's own files: it subtracts counts, and numpy before 2 turns differences
+  // of unsigned ones into floats.
   write_attribute(demo.get(), "num_samples", static_cast<std::int64_t>(steps));
   write_attribute(demo.get(), "seed", info.seed);
   write_attribute(demo.get(), "params", info.params);
@@ -115,7 +117,7 @@ std::string environment_of(const DatasetHeader& header) {
 
 void put_all(hid_t file, const DatasetReader& reader, const std::vector<std::size_t>& trials, const RobomimicOptions& options) {
   write_attribute(file, mark, std::string(mark_text));
-  check(H5Fflush(file, H5F_SCOPE_LOCAL));  // so that what is left of a killed run is known by its beginning
+  check(H5Fflush(file, H5F_SCOPE_LOCAL));  // identifies the file even if the run is killed
   const double rate = options.rate ? *options.rate : slowest_rate(reader, trials.front(), options.sensors);
   const ActionSpace space = action_space(reader, trials);
   Handle data = make_group(file, "data");
@@ -140,7 +142,8 @@ void put_all(hid_t file, const DatasetReader& reader, const std::vector<std::siz
   put_masks(file, reader, trials);
 }
 
-// The format of 1.8, as that of a dataset. HDF5 would lock the file only after it has emptied it, so that the caller has to.
+// File format 1.8, as for datasets. HDF5 would lock the file only after truncating it, so the
+// caller locks it.
 Handle make_file(const std::string& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V18));
@@ -149,10 +152,10 @@ Handle make_file(const std::string& path) {
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), &H5Fclose};
 }
 
-// What stands under a name that holds something.
+// Content of an existing non-empty file.
 enum class Found {
   own,      // such an export
-  damaged,  // HDF5 that cannot be read, as an export that was killed leaves it
+  damaged,  // unreadable HDF5, as a killed export leaves it
   other,
 };
 
@@ -188,7 +191,7 @@ void check_robomimic_target(const std::string& path, const std::vector<std::stri
     const auto size = std::filesystem::file_size(name, none);
     if (none || size == 0) continue;
     const Found found = found_at(name);
-    // What was killed while it was written has the temporary name, and is the next run's to replace.
+    // A killed export leaves the temporary name, which the next run replaces.
     if (found == Found::own || (found == Found::damaged && name != path)) continue;
     reject("cannot write {}: {} exists and is no {}; allowed: a new name, or a {} to replace", path, name, any.name, any.name);
   }
@@ -197,7 +200,7 @@ void check_robomimic_target(const std::string& path, const std::vector<std::stri
 void write_robomimic(const DatasetReader& reader, const std::vector<std::size_t>& trials, const std::string& path,
                      const RobomimicOptions& options) {
   const std::string temporary = temporary_path(path);
-  // From here on the file is this run's, to replace and to remove.
+  // From here on this run owns the file and may replace or remove it.
   const Descriptor own = lock_file(temporary);
   Handle file;
   try {

@@ -35,11 +35,11 @@ std::vector<StateColumn> states_by(std::optional<SlipRule> rule, const LabelReco
   return columns;
 }
 
-// A channel, the names of its values and the column formed of them.
+// A channel, the names of its values and the column computed from them.
 struct NamedColumn {
   const SensorColumn* column = nullptr;
   std::span<const std::string> names;
-  std::string difference;  // first value less the second; empty: none
+  std::string difference;  // first value minus the second; empty: none
 
   [[nodiscard]] std::span<const float> row(std::size_t index) const {
     return std::span(column->values).subspan(index * names.size(), names.size());
@@ -67,7 +67,7 @@ std::vector<NamedColumn> named_columns(const SensorRecord& sensor) {
   return columns;
 }
 
-// A table of the columns that share `time`. The truth is that of the sensor's latest sample.
+// A table of the columns that share `time`. The truth is from the sensor's latest sample.
 std::string table_of(const SensorRecord& sensor, const std::vector<double>& time, std::span<const NamedColumn> columns,
                      const std::vector<StateColumn>& states) {
   fmt::memory_buffer text;

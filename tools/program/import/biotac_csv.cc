@@ -13,8 +13,8 @@
 namespace slipbench {
 namespace {
 
-constexpr double nominal_rate = 100.0;  // Hz: neither set's files have a time
-constexpr double most_counts = 4095.0;  // of the converter
+constexpr double nominal_rate = 100.0;  // Hz; the files of both sets have no time stamps
+constexpr double most_counts = 4095.0;  // maximum of the converter
 // North, east, south, west, clockwise, anticlockwise, touch.
 constexpr std::array<std::string_view, 7> dos_classes{"n", "e", "s", "w", "cw", "aw", "t"};
 constexpr const char* dos_rule = "BioTacSP-DoS: non-slip throughout a recording of class t (touch), gross throughout the others";
@@ -45,7 +45,7 @@ constexpr const char* grasp_rule =
     "bts3v2: gross where the set says that the lifted object slipped, else non-slip; the row is from before the lift";
 constexpr const char* finger_frame = "electrodes E1 to E24 of the fingertip, counts as recorded: pressed skin lowers them";
 
-// "45" of "bts3v2_palm_45.csv"; empty: the name does not say.
+// "45" for "bts3v2_palm_45.csv"; empty if the name does not state the angle.
 std::string palm_of(const SourceFile& file) {
   constexpr std::string_view mark = "palm_";
   const std::string stem = std::filesystem::path(file.path).stem().string();
@@ -82,7 +82,8 @@ void read_biotacsp_dos(const SourceFile& file, const AddRecording& add) {
   add(std::move(record), 0);
 }
 
-// Grasps with three BioTac SP (3dperceptionlab, bts3v2): a row a grasp, read before the lift.
+// Reads grasps with three BioTac SP (3dperceptionlab, bts3v2): one row per grasp, recorded before
+// the lift.
 void read_bts3v2(const SourceFile& file, const AddRecording& add) {
   const std::vector<std::string> columns = grasp_columns();
   std::vector<SensorRecord> sensors;

@@ -20,7 +20,7 @@
 namespace slipbench {
 namespace {
 
-// All formats in the order of the help, a line each.
+// All formats in the order of the help.
 constexpr std::array<ImportFormat, 4> import_catalogue{{
     {"bts3v2", "grasps with three BioTac SP, a row a grasp: object, whether it slipped, 72 electrodes before the lift", "object",
      &read_bts3v2},
@@ -37,7 +37,7 @@ bool is_bag(const std::filesystem::path& folder) {
   return std::filesystem::is_regular_file(folder / "metadata.yaml", error);
 }
 
-// Sources below a folder. A link to a folder is not followed.
+// Finds sources below a folder, without following links to folders.
 class FolderScan {
  public:
   FolderScan(std::string folder, const std::vector<std::string>& endings, bool bags)
@@ -72,7 +72,7 @@ class FolderScan {
   std::vector<std::string> found_;
 };
 
-// The folder that all of these paths are below.
+// The common parent folder of these paths.
 std::filesystem::path common_folder(const std::vector<std::filesystem::path>& folders) {
   std::filesystem::path common = folders.front();
   for (const std::filesystem::path& folder : folders) {
@@ -105,8 +105,9 @@ DatasetHeader header_of(const ImportOptions& options, const std::string& split_b
                                              : fmt::format("none: imported from {}", options.format->name)};
 }
 
-// Returns "; times in ms would give 100 Hz" for a rate that no tactile sensor has; else empty. `unit`: in which the times were
-// read [s]; 0: dates, whose unit is known. `mapped`: the user can say the unit.
+// Returns "; times in ms would give 100 Hz" for a rate that no tactile sensor has; else empty.
+// `unit`: in which the times were read [s]; 0: dates, whose unit is known. `mapped`: true if the
+// user can set the unit in a map.
 std::string unit_hint(double rate, double unit, bool mapped) {
   constexpr double slowest = 5.0;  // Hz
   struct Unit {
@@ -142,7 +143,7 @@ void RecordingWriter::warn(const std::string& path, const std::string& text) {
   summary_.warnings.push_back({path, path + ": " + text});
 }
 
-// About the time stamps of a sensor as they were read. `unit`: as that of unit_hint().
+// Warns about the time stamps of a sensor in the source. `unit`: as for unit_hint().
 void RecordingWriter::warn_of_timing(const SensorRecord& sensor, double unit, const std::string& path,
                                      const std::string& subject) {
   if (!sensor.timing) return;
@@ -159,7 +160,7 @@ void RecordingWriter::warn_of_timing(const SensorRecord& sensor, double unit, co
   }
 }
 
-// Resamples a recording and notes it in its params.
+// Resamples a recording and states it in its params.
 void RecordingWriter::resample_and_note(TrialRecord& record, const std::string& path) {
   const double rate = *options_.rate;
   const std::size_t in_gaps = resample(record, rate, path);

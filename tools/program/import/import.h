@@ -1,4 +1,4 @@
-// Recordings of real sensors as a dataset: what was read, and no truth.
+// Imports recordings of real sensors into a dataset, which has no truth.
 #pragma once
 
 #include <cstddef>
@@ -18,43 +18,45 @@ namespace slipbench {
 struct ImportFormat;
 
 struct ImportOptions {
-  std::vector<std::string> sources;      // files, and folders whose recordings are all meant
-  const ImportFormat* format = nullptr;  // of the catalogue; null: `map` describes the sources
-  std::string output;                    // HDF5 file; empty: the sources are read and checked, and nothing is written
+  std::vector<std::string> sources;      // files, and folders of which all recordings are imported
+  const ImportFormat* format = nullptr;  // entry of the catalogue; null: `map` describes the sources
+  std::string output;                    // HDF5 file; empty: the sources are only checked
   std::uint64_t seed = 1;                // of the split
-  std::string map = {};                  // description of the sources, read by Python (slipbench/_import); empty: none
-  std::optional<double> rate = {};  // Hz, at which every recording is resampled (resample.h); empty: samples stay as recorded
+  std::string map = {};                  // description of the sources for Python (slipbench/_import); empty: none
+  std::optional<double> rate = {};       // Hz, for resampling (resample.h); empty: samples as recorded
 };
 
 struct ImportSummary {
   std::size_t sources = 0;                     // files read
-  std::size_t trials = 0;                      // recordings
+  std::size_t trials = 0;                      // number of recordings
   std::size_t samples = 0;                     // of all recordings
-  std::size_t repeated_rows = 0;               // that a source repeats word for word and that were left out
-  std::map<std::string, std::size_t> objects;  // recordings of each; empty: the format names none
+  std::size_t repeated_rows = 0;               // omitted rows that repeat the previous row exactly
+  std::map<std::string, std::size_t> objects;  // number of recordings of each; empty: the format names no objects
   std::vector<std::string> files;              // written
-  // Of each recording, about its file: steps that vary by more than 1 % (steps_vary()), a rate that looks like times in another unit, and samples that
-  // were interpolated in gaps.
+  // For each recording's file: steps that vary by more than 1 % (steps_vary()), a rate that
+  // suggests times in another unit, and samples interpolated in gaps.
   std::vector<Warning> warnings;
 };
 
-// Writes recordings into a dataset, in the order in which they are added, and collects what is to be reported of them. Without options.output the
-// recordings are only checked. Nothing is left of a dataset that was not finished.
+// Writes recordings to a dataset in the order of add(), and collects the summary. Without
+// options.output it only checks the recordings. An unfinished dataset is removed.
 class RecordingWriter {
  public:
-  // `split_by`: "object" or "trial", as SplitRule::by. Throws InputError when the output cannot be written.
+  // `split_by`: "object" or "trial", as SplitRule::by. Throws InputError if the output cannot be
+  // written.
   RecordingWriter(const ImportOptions& options, const std::string& split_by);
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-  // `path`: the source, as messages name it. `repeated_rows`: rows of the source that were left out because they repeat the row before. Sets the
-  // record's number and seed, and resamples it where options.rate says so. `time_units`: of the times of each sensor as they
-  // were read [s], 0 for dates, or empty where all are seconds. Throws InputError, and Interrupted (InterruptScope).
+  // Adds a recording, with number and seed set, resampled if options.rate is set. `path`: the
+  // source in messages. `repeated_rows`: number of omitted rows that repeat the row before.
+  // `time_units`: unit of the source's times of each sensor [s], 0 for dates; empty: all in
+  // seconds. Throws InputError, and Interrupted (InterruptScope).
   void add(TrialRecord record, const std::string& path, std::size_t repeated_rows, const std::vector<double>& time_units = {});
-  // A warning about a source.
+  // Adds a warning about a source.
   void warn(const std::string& path, const std::string& text);
-  // `sources`: number of files read. Gives the dataset its name.
+  // Writes and names the dataset. `sources`: number of files read.
   ImportSummary finish(std::size_t sources);
 
  private:
@@ -64,25 +66,28 @@ class RecordingWriter {
 
   ImportOptions options_;
   ImportSummary summary_;
-  std::unique_ptr<Target> target_;  // null: nothing is written
+  std::unique_ptr<Target> target_;  // null: check only
 };
 
-// Their names on the command line, in order: "bts3v2".
+// Names on the command line, in order: "bts3v2".
 std::vector<std::string> import_format_names();
-// The catalogue's entry. Throws InputError with the nearest name.
+// Entry of the catalogue. Throws InputError with the nearest name.
 const ImportFormat& import_format(const std::string& name);
-// Its name, as above.
+// Name of the format on the command line.
 std::string format_name(const ImportFormat& format);
-// A line of help a format: its name and what it holds.
+// One line of help per format: name and content.
 std::string import_formats_text();
 
-// Hands over each recording of the sources with its file's name, in order. Throws as import_recordings().
+// Passes each recording of the sources, with its file's name, to `take` in order. Throws as
+// import_recordings().
 void for_each_recording(const std::vector<std::string>& sources, const ImportFormat& format,
                         const std::function<void(TrialRecord record, const std::string& source)>& take);
 
-// Reads the sources of a format one after the other, line by line, and writes a recording as soon as it is read. A folder's files come in the order
-// of their names. The same sources and seed give the same bytes. Throws InputError when a source is not what the format says, naming file
-// and line, and when the output cannot be written; then nothing is left behind. Throws Interrupted likewise (InterruptScope).
+// Reads the sources of a format one after the other, line by line, and writes each recording as
+// soon as it is read. Files of a folder are sorted by name. The same sources and seed give
+// identical bytes. Throws InputError, naming file and line, if a source does not match the format,
+// and if the output cannot be written; Interrupted on an interrupt (InterruptScope). No partial
+// dataset remains.
 ImportSummary import_recordings(const ImportOptions& options);
 
 }  // namespace slipbench

@@ -28,8 +28,8 @@ constexpr const char* device_frame =
     "pillars seen from above with the connector at the bottom: x up, y right, z into the sensor, so that compression is positive; "
     "forces act on the sensor, displacements are of its tips";
 
-// The header's names. The manual prints those of the second sensor's slip detection with the first one's number, so that either may stand
-// there.
+// Names of the header. The manual prints those of the second sensor's slip detection with the first
+// sensor's number, so both are accepted.
 std::vector<std::string> read_log_header(SourceTable& table) {
   if (!table.next()) table.fail("the file is empty; allowed: a header that begins with T_us");
   const std::size_t found = table.cells().size();
@@ -46,7 +46,7 @@ std::vector<std::string> read_log_header(SourceTable& table) {
   return names;
 }
 
-// One sensor of a log while it is read.
+// State of reading one sensor of a log.
 struct LoggedSensor {
   SensorRecord record;
   bool always_active = true;
@@ -60,7 +60,8 @@ struct LoggedSensor {
         record.channels[0].values.push_back(table.value(cell + 3, names[cell + 3]));
       }
     }
-    // What follows from the pillars, or is no reading of theirs, is not kept, and is a number all the same.
+    // Columns derived from the pillars, or unrelated to them, are checked to be numbers but not
+    // stored.
     for (std::size_t i = 0; i < log_load_columns; ++i) {
       const std::size_t cell = first + pillars * log_pillar_columns + i;
       static_cast<void>(table.value(cell, names[cell]));
@@ -93,7 +94,7 @@ constexpr const char* training_rule =
     "the training files' own: none, some or all of the pillars with contact have the flag slip; the centre pillar does not count in a "
     "file that lies in a folder rotation or combined";
 
-// What folder and name say: "translation/demo_3-v_4.0-slip.csv".
+// Folder and name of a training file: "translation/demo_3-v_4.0-slip.csv".
 struct TrainingName {
   std::string move;
   Json params;
@@ -174,7 +175,8 @@ void read_papillarray_csv(const SourceFile& file, const AddRecording& add) {
   add(std::move(record), repeated);
 }
 
-// The published training files of the PapillArray (RedmondLabUCD): 73 columns without a header, a file a recording.
+// Reads the published training files of the PapillArray (RedmondLabUCD): 73 columns without a
+// header, one file per recording.
 void read_training_csv(const SourceFile& file, const AddRecording& add) {
   const TrainingName name = training_name(file);
   SensorRecord sensor = make_imported_sensor("pad", "papillarray", 0.0, device_frame, {"force", "displacement"});
@@ -207,7 +209,7 @@ void read_training_csv(const SourceFile& file, const AddRecording& add) {
         sensor.channels[0].values.push_back(table.value(force, columns[force]));
       }
     }
-    // A centre pillar that touches alone does not slip.
+    // A pad of which only the centre pillar touches does not slip.
     const PadState state = touching == 0 && contact ? PadState::non_slip : UnitCounts{touching, slipping}.state();
     sensor.labels.state_paper.push_back(static_cast<std::uint8_t>(state));
   }

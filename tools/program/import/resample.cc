@@ -12,11 +12,11 @@
 namespace slipbench {
 namespace {
 
-constexpr double gap_steps = 1.5;       // median steps from which on at least one sample is missing
+constexpr double gap_steps = 1.5;       // step, in median steps, from which at least one sample is missing
 constexpr double time_rounding = 1e-9;  // of a step
-constexpr double most_instants = 1e9;   // beyond what a recording may take in memory
+constexpr double most_instants = 1e9;   // more than the memory of a recording allows
 
-// Where a new sample lies: after sample `row`, by `share` of the step to the next one.
+// Position of a new sample: after sample `row`, by `share` of the step to the next.
 struct Spot {
   std::size_t row = 0;
   double share = 0.0;
@@ -40,7 +40,7 @@ std::vector<float> interpolated(const SensorColumn& column, const std::vector<Sp
   for (const Spot& spot : spots) {
     const float* before = column.values.data() + spot.row * width;
     for (std::size_t k = 0; k < width; ++k) {
-      // A sample is its own value, whatever is missing beside it.
+      // At a sample's own time the value is exact, even if its neighbour is missing (NaN).
       const double value = spot.share == 0.0   ? before[k]
                            : spot.share == 1.0 ? before[width + k]
                                                : (1.0 - spot.share) * double{before[k]} + spot.share * double{before[width + k]};
@@ -69,7 +69,7 @@ std::vector<double> instants_of(const SensorRecord& sensor, double rate, const s
   return instants;
 }
 
-// Returns the new samples in gaps.
+// Returns the number of new samples in gaps.
 std::size_t resample_sensor(SensorRecord& sensor, double rate, const std::string& place) {
   if (sensor.time.size() < 2)
     reject("{}: holds one sample, which has no rate; allowed: recordings of two samples or more with --rate", place);

@@ -1,4 +1,4 @@
-// A recording at an even rate in place of the recorder's own instants: `slipbench import --rate`.
+// Resamples a recording to an even rate: `slipbench import --rate`.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,11 @@
 
 namespace slipbench {
 
-// Samples every sensor of a recording 1/`rate` [Hz] apart, from its first stamp to its last one: values on the straight lines between neighbouring samples, without
-// a filter; of state_paper the latest. Returns how many of the new samples lie in gaps, steps of more than 1.5 median steps. Throws InputError, which
-// begins with `place`, for a recording without a rate and for a rate above both mean and median rate by more than 1 %.
+// Samples every sensor of a recording at intervals 1/`rate` [Hz] from its first stamp to its last:
+// values by linear interpolation without a filter, state_paper by the latest sample. Returns the
+// number of new samples in gaps, which are steps of more than 1.5 median steps. Throws InputError,
+// beginning with `place`, for a recording without a rate and for a rate more than 1 % above both
+// mean and median rate.
 std::size_t resample(TrialRecord& record, double rate, const std::string& place);
 
 }  // namespace slipbench

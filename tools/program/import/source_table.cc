@@ -44,10 +44,10 @@ bool SourceTable::next() {
   if (stream_.eof() && stream_.gcount() == 0) return false;
   ++line_;
   if (stream_.fail()) fail(fmt::format("is longer than {} bytes; allowed: lines of text", longest_line));
-  std::size_t size = static_cast<std::size_t>(stream_.gcount()) - (stream_.eof() ? 0 : 1);  // getline() counts the line's end
+  std::size_t size = static_cast<std::size_t>(stream_.gcount()) - (stream_.eof() ? 0 : 1);  // getline() counts the line end
   if (size > 0 && buffer_[size - 1] == '\r') --size;
   text_ = {buffer_.data(), size};
-  constexpr std::string_view mark = "\xef\xbb\xbf";  // spreadsheets begin UTF-8 with it
+  constexpr std::string_view mark = "\xef\xbb\xbf";  // byte order mark that spreadsheets write before UTF-8
   if (line_ == 1 && text_.starts_with(mark)) text_.remove_prefix(mark.size());
   if (text_.empty() && at_end()) {
     --line_;
@@ -130,7 +130,7 @@ TrialRecord make_recording(const Json& params, const std::string& object) {
 
 bool is_plain_name(const std::string& text) {
   try {
-    static_cast<void>(nlohmann::json(text).dump());  // which refuses what is not UTF-8
+    static_cast<void>(nlohmann::json(text).dump());  // throws for invalid UTF-8
   } catch (const nlohmann::json::type_error&) {
     return false;
   }
@@ -145,7 +145,7 @@ bool is_scalar_channel(const std::string& type, const std::string& channel) {
     const std::unique_ptr<Sensor> sensor = make_sensor({"pad", type, defaults_of(entry->parameters), {}}, 0, 0);
     const auto found = std::ranges::find(sensor->channels(), channel, &Channel::name);
     return found != sensor->channels().end() && found->shape.empty();
-  } catch (const InputError&) {  // a type that is nothing by its defaults, such as a plugin without its library
+  } catch (const InputError&) {  // a type without usable defaults, such as a plugin without its library
     return false;
   }
 }
