@@ -11,7 +11,7 @@
 namespace slipbench {
 namespace {
 
-// A sensor that reads between its units must ride on a pad that tells of each element.
+// Throws std::logic_error if a sensor that reads its pad's elements gets frames without them.
 void refuse_without_elements(const std::string& sensor, const PadLayout& layout, const ContactFrame& truth) {
   const auto elements = static_cast<Eigen::Index>(layout.elements.size());
   if (!layout.element_truth || (truth.element_depth.size() == elements && truth.element_shear.rows() == elements)) return;
@@ -19,8 +19,9 @@ void refuse_without_elements(const std::string& sensor, const PadLayout& layout,
                                      elements, truth.element_depth.size()));
 }
 
-// Whether `due` has come at `time`. Ticks are multiples of a step and due a sum of a tick and a latency, so that a latency of whole ticks
-// may miss its tick by some units in the last place.
+// True if `due` has been reached at `time`. Ticks are multiples of a step and `due` is the sum of a
+// tick and a latency, so a latency of whole ticks may miss its tick by a few units in the last
+// place.
 bool has_come(double due, double time) { return due <= time + 4.0 * std::numeric_limits<double>::epsilon() * time; }
 
 }  // namespace
@@ -44,7 +45,7 @@ void ControlLoop::act_at(double time) {
   if (detector_) detector_->seen_at(time);
   if (!controller_) return;
   Gripper& gripper = box_->gripper();
-  // A step may be longer than the loop's period.
+  // A step may span several periods of the loop.
   while (gripper.read_due(time) || gripper.write_due(time)) {
     if (gripper.read_due(time) && gripper.next_read() <= gripper.next_write()) {
       read();

@@ -17,7 +17,7 @@ bool has_effect(const Scene& scene, std::string_view name) {
   return std::ranges::find(scene.effects, name, &Named::name) != scene.effects.end();
 }
 
-// Whether a type is a plugin's, or that of a program that embeds this one.
+// True if a type belongs to a plugin or to an embedding application.
 bool is_users_sensor(const SensorScene& sensor) {
   const std::vector<Entry> registered = registered_sensor_entries();
   return sensor.type == "plugin" || std::ranges::find(registered, sensor.type, &Entry::name) != registered.end();
@@ -25,7 +25,7 @@ bool is_users_sensor(const SensorScene& sensor) {
 bool is_users(const std::string& type, std::vector<Entry> Catalogues::*own) {
   if (type.empty() || type == "plugin") return !type.empty();
   static const Catalogues catalogues =
-      command_line_catalogues();  // costs as much as a short trial's set-up: made where it is asked
+      command_line_catalogues();  // created on demand: it costs as much as the set-up of a short trial
   return std::ranges::find(catalogues.*own, type, &Entry::name) == (catalogues.*own).end();
 }
 

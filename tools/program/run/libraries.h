@@ -1,4 +1,4 @@
-// Which libraries of others compute in a scene.
+// Finds the third-party libraries that compute in a scene.
 #pragma once
 
 #include <string>
@@ -7,8 +7,9 @@
 
 namespace slipbench {
 
-// "MuJoCo, FFTW": what TrialRecord::libraries holds for a trial of this scene. Empty: the project's own code alone computes, whose results have the
-// same bits on every processor. What a Python program registers counts as a user's library.
+// Value of TrialRecord::libraries for a trial of this scene: "MuJoCo, FFTW". Empty: only the
+// project's own code computes, whose results are bit-identical on every processor. Types that a
+// Python program registers count as a user's library.
 std::string libraries_of(const Scene& scene);
 
 }  // namespace slipbench

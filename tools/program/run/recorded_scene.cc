@@ -11,7 +11,7 @@
 namespace slipbench {
 namespace {
 
-// Where an object stands and how it moves is no part of what it is.
+// Keys for the pose and motion of an object, which do not identify it.
 constexpr std::array<std::string_view, 5> of_place{"angle", "free", "position", "rotation", "velocity"};
 
 struct Text {

@@ -1,4 +1,4 @@
-// The scene behind a recorded trial.
+// Reconstructs the scene of a recorded trial.
 #pragma once
 
 #include <optional>
@@ -14,22 +14,24 @@
 
 namespace slipbench {
 
-// An attribute of a dataset. Throws InputError that begins with `subject` where it is none.
+// Parses an attribute of a dataset. Throws InputError, beginning with `subject`, if it is not a
+// JSON object.
 Json json_object(const std::string& text, const std::string& subject);
-// The text of a scene with what the command line set, {path: YAML text}. `place` names it in messages. Throws InputError where this version cannot read
-// it.
+// The scene file of `scene` with the overrides of the command line, {path: YAML text}. `place`
+// names it in messages. Throws InputError if this version cannot read it.
 SceneFile recorded_file(const std::string& scene, const Json& overrides, const std::string& place);
-// The scene of a dataset, with what was set and without its sweep. Throws the same.
+// The scene of a dataset, with its overrides and without its sweep. Throws likewise.
 SceneFile recorded_file(const DatasetReader& reader);
-// The scene that a trial ran: its dataset's recorded_file(), with what was drawn. Throws the same.
+// The scene that a trial ran: its dataset's recorded_file() with the trial's draws. Throws
+// likewise.
 Scene recorded_scene(SceneFile file, const TrialRecord& record, const Catalogues& catalogues);
 
-// The scene's `split`; empty where it has none.
+// The scene's `split`; empty without one.
 std::optional<SplitRule> split_rule(const Scene& scene);
 
-// What the trial has in common with those that must be in the same part: its material, or what else the scene's `split` says. An
-// object is what the pads touch, its material and shape, wherever it stands. Throws SceneValueError where the scene splits by
-// speed and its motion has none.
+// Group of a trial for the split: its material, or the value that the scene's `split` selects. An
+// object is identified by the material and shape that the pads touch, at any pose. Throws
+// SceneValueError if the scene splits by speed and its motion has none.
 std::string split_group(const Scene& scene);
 
 }  // namespace slipbench

@@ -20,7 +20,8 @@ namespace {
 constexpr const char* pad_frame_text =
     "pad frame P: x and y in the plane of the pad, +z into the sensor, so that compression is positive; forces act on the sensor, displacements are of its tips; a pad that faces down on a horizontal surface has P parallel to the world. Labels: force and slip_velocity lie in the contact plane, P turned the shortest way until +z is the surface's normal";
 
-// With whose samples the bodies are recorded: those of the fastest sensor that has a pad of its own, of equals the first.
+// Index of the sensor whose sample times are used for the bodies: the fastest sensor with its own
+// pad, the first of equals.
 std::size_t fastest_of(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors) {
   const auto rate = [&](std::size_t pad) { return scene.sensors[pad].follows.empty() ? sensors[pad]->rate() : 0.0; };
   std::size_t fastest = 0;
@@ -30,10 +31,10 @@ std::size_t fastest_of(const Scene& scene, std::span<const std::unique_ptr<Senso
   return fastest;
 }
 
-// Rows that a channel has of `samples` samples of its sensor.
+// Number of rows of a channel for `samples` samples of its sensor.
 std::size_t rows_of(const Channel& channel, std::size_t samples) { return samples / channel.every; }
 
-// `ahead` [m]: of a follower. `scale`: of the trial's friction.
+// `ahead` [m]: offset of a follower. `scale`: of the trial's friction.
 void describe_units(const PadLayout& layout, double ahead, const FrictionScene& friction, double scale, LabelRecord& labels) {
   for (const UnitRange& unit : layout.units) {
     Eigen::Vector3d tip = Eigen::Vector3d::Zero();
@@ -53,7 +54,7 @@ void describe_units(const PadLayout& layout, double ahead, const FrictionScene& 
   labels.mu_kinetic.assign(layout.units.size(), scale * friction.kinetic_coefficient);
 }
 
-// Values in one row of a column whose extents after the first axis are `tail`.
+// Number of values in one row of a column with extents `tail` after the first axis.
 std::size_t row_size(const Extents& tail) {
   return std::accumulate(tail.begin(), tail.end(), std::size_t{1}, std::multiplies<>());
 }
@@ -72,14 +73,14 @@ double event_bytes() {
   return static_cast<double>(size);
 }
 
-// Whose samples the loop's rows go with; empty: the scene has no loop.
+// Index of the sensor whose samples determine the loop's rows; empty if the scene has no loop.
 std::optional<std::size_t> control_pad(const Scene& scene) {
   if (scene.detector) return scene.detector->sensor;
   if (scene.controller) return 0;  // the pad of a grasp
   return std::nullopt;
 }
 
-// Calls `visit` for every column of the scene's loop but its time.
+// Calls `visit` for every column of the scene's loop except its time.
 template <class Control, class Visit>
 void for_each_loop_column(const Scene& scene, Control& control, const Visit& visit) {
   for_each_control_column(control, visit);
@@ -87,7 +88,7 @@ void for_each_loop_column(const Scene& scene, Control& control, const Visit& vis
   if (scene.guided()) for_each_arm_column(control.grip, visit);
 }
 
-// Writes an Eigen array of [C,N] as row `row` of a column [L,N,C].
+// Writes an Eigen array [C,N] to row `row` of a column [L,N,C].
 template <class Derived>
 void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBase<Derived>& values) {
   Eigen::Map<Eigen::Array<float, Derived::RowsAtCompileTime, Derived::ColsAtCompileTime>>(
@@ -100,19 +101,19 @@ void write_row(std::vector<float>& column, std::size_t row, const Eigen::ArrayBa
                              format_number(time)));
 }
 
-// The earliest row of a record that is not finite.
+// Finds the earliest row of a record that is not finite.
 class FirstBadRow {
  public:
-  // A column of `time.size()` rows; `what` names it.
+  // Checks a column of `time.size()` rows; `what` names it.
   void look(std::span<const float> column, std::span<const double> time, const std::string& what) {
-    unsigned any = 0;  // not in find_if(), which looks at one value after the other
+    unsigned any = 0;  // a branch-free pass first: find_if() tests value by value
     for (const float value : column) any |= std::isfinite(value) ? 0U : 1U;
     if (any == 0) return;
     const auto bad = std::ranges::find_if(column, [](float value) { return !std::isfinite(value); });
     note(static_cast<std::size_t>(bad - column.begin()) / (column.size() / time.size()), time, what);
   }
 
-  // The margins of units, which count only while they touch.
+  // Checks the margins of units, which must be finite only in contact.
   void look_at_margins(const LabelRecord& labels, std::span<const double> time, const std::string& what) {
     const auto is_bad = [&labels](std::size_t i) {
       const unsigned touches = labels.unit_state[i] != static_cast<std::uint8_t>(UnitState::detached) ? 1U : 0U;
@@ -137,11 +138,11 @@ class FirstBadRow {
     time_ = time[row];
   }
 
-  std::string what_;  // empty: all is finite
+  std::string what_;  // empty: everything is finite
   double time_ = 0.0;
 };
 
-// The earlier of two times, of which the first may be NaN.
+// Keeps the earlier of two times, of which the first may be NaN.
 void keep_earliest(double& time, double candidate) {
   if (!(time <= candidate)) time = candidate;
 }
@@ -164,7 +165,7 @@ double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>>
   double bytes = 0.0;
   std::size_t row = 0;
   const auto add = [&row](const char*, const char*, const Extents& tail, const auto& column) { row += row_bytes(tail, column); };
-  // Counts the columns of a group: its time, and what has been added since the last one.
+  // Adds the columns of a group: its time, and the columns since the last group.
   const auto close_group = [&](std::size_t pad) {
     row += sizeof(double);
     bytes += static_cast<double>(std::exchange(row, 0)) * static_cast<double>(sampler.samples(pad));
@@ -371,7 +372,7 @@ void check_finite(const std::string& sensor, const ContactFrame& truth) {
   const auto check = [&](bool finite, const char* what) {
     if (!finite) refuse("sensors." + sensor + ": " + what, truth.time);
   };
-  // As the dataset would hold them: in single precision.
+  // In the dataset's single precision.
   check(truth.force.cast<float>().allFinite(), "force");
   check(truth.displacement.cast<float>().allFinite(), "displacement");
   check(truth.contact_force.cast<float>().allFinite(), "contact force");
@@ -406,7 +407,7 @@ void check_finite(double time, const std::vector<NamedBody>& bodies) {
 
 std::optional<HoldBodies> hold_bodies(const Scene& scene, const Simulation& simulation) {
   if (!scene.hold) return std::nullopt;
-  // Ticks of the first pad, at which bodies are looked at: one to begin with, and a later one.
+  // Ticks of the first pad at which bodies are evaluated: one initial tick and a later one.
   const std::size_t ticks = simulation.ticks(0);
   const double latest = ticks < 2 ? 0.0 : static_cast<double>(ticks - 2) * simulation.time_step(0);
   if (ticks < 2 || scene.hold->from > latest) {
@@ -440,7 +441,8 @@ void Judge::note_events(std::size_t pad, const ContactFrame& truth, bool detecte
     if (event.kind == EventKind::touch) keep_earliest(unit.touch_time, event.time);
     if (micro) keep_earliest(unit.micro_onset_time, event.time);
     if (slip) keep_earliest(unit.onset_time, event.time);
-    // By the rule strict, on a pad of a single unit when a part of it slips (contact_labels.h).
+    // By the rule strict; on a pad of a single unit, as soon as part of it slips
+    // (contact_labels.h).
     const bool begins = has_one_unit(pad) ? micro : slip;
     if (!begins || !detected) continue;
     keep_earliest(any_slip_onset_, event.time);
@@ -448,13 +450,13 @@ void Judge::note_events(std::size_t pad, const ContactFrame& truth, bool detecte
   }
 }
 
-// The event that left no touching unit sticking is the last one of the step.
+// The event after which no touching unit sticks is the last one of the step.
 void Judge::note_gross_slip(std::size_t pad, const ContactFrame& truth) {
   if (!follows(pad)) keep_earliest(outcome_.gross_slip_time, truth.events.empty() ? truth.time : truth.events.back().time);
 }
 
 void Judge::judge_detection(const Tick& tick, const ContactFrame& truth, PadState seen) {
-  // What is seen of the slip of closing fingers is neither a false alarm nor what is asked for.
+  // Slip caused by closing fingers is neither a false alarm nor a slip to be detected.
   const bool counts = std::isnan(any_slip_onset_) || truth.time >= judged_from();
   if (slips(seen) && counts && !(outcome_.grasp && outcome_.grasp->dropped)) {
     double& first = std::isnan(outcome_.judged_slip_time) ? outcome_.false_alarm_time : outcome_.detection_time;
@@ -523,12 +525,12 @@ void Judge::finish(std::span<const std::unique_ptr<Sensor>> sensors) {
     Eigen::Index column = 0;
     for (UnitOutcome& unit : result_.units[pad]) {
       unit.slip_distance = static_cast<float>(last.slip_distance(column));
-      unit.load = static_cast<float>(last.contact_force(2, column)) + 0.0F;  // a zero without the sign of a turn
+      unit.load = static_cast<float>(last.contact_force(2, column)) + 0.0F;  // + 0 removes the sign of a zero
       unit.margin = static_cast<float>(last.margin(column));
       sensor.labels.onset_time.push_back(unit.onset_time);
       sensor.labels.micro_onset_time.push_back(unit.micro_onset_time);
       if (!follows(pad)) {
-        // std::fmin passes over a NaN.
+        // std::fmin ignores NaN.
         outcome_.touch_time = std::fmin(outcome_.touch_time, unit.touch_time);
         outcome_.first_micro_slip_time = std::fmin(outcome_.first_micro_slip_time, unit.micro_onset_time);
         const double onset = has_one_unit(pad) ? unit.micro_onset_time : unit.onset_time;

@@ -102,7 +102,7 @@ ControlLoop make_loop(const Scene& scene, const Sensors& sensors, Simulation& si
   return ControlLoop(std::move(detector), scene.detector ? scene.detector->sensor : 0, std::move(controller), box, answers);
 }
 
-// After a trial that was not recorded this is all that is left to look at.
+// Checks the last tick, the only data of a trial without recording.
 void check_last_tick(const TrialRecord& record, const Sensors& sensors, const Simulation& simulation, const Sampler& sampler) {
   for (std::size_t pad = 0; pad < sensors.size(); ++pad) {
     const std::string& name = record.sensors[pad].name;
@@ -112,10 +112,12 @@ void check_last_tick(const TrialRecord& record, const Sensors& sensors, const Si
   check_finite(simulation.contact(0).time, simulation.bodies());
 }
 
-// What a step takes at the least [s]: of a pad as a field on a stage, of bodies with fields, of articulated pads.
+// Least duration of a step [s]: of a pad as a field on a stage, of bodies with fields, of
+// articulated pads.
 constexpr double field_step = 0.3e-6, body_step = 5e-6, pillar_step = 20e-6;
 
-// Steps after which an interrupt is looked for: looking costs more than the rest of this loop, and 16 steps take some ms at most.
+// Steps between checks for an interrupt: a check costs more than the rest of this loop, and 16
+// steps take at most some ms.
 constexpr std::size_t steps_between_looks = 16;
 
 std::atomic<double> share_so_far{0.0};
@@ -171,7 +173,8 @@ TrialRun::TrialRun(Scene scene, std::uint64_t trial, Recording recording, double
   loop_ = make_loop(scene_, sensors_, *simulation_, trial, controller);
 }
 
-// These two are the inner loop: a call of each is a percent of a cheap scene's instructions.
+// advance() and step() are the inner loop: a call of each costs one percent of a cheap scene's
+// instructions.
 [[gnu::always_inline]] inline std::span<const Tick> TrialRun::advance() {
   if (steps_++ % steps_between_looks == 0) {
     end_if(interrupt_);

@@ -1,5 +1,5 @@
-// A trial in steps, for whoever closes its loop from outside, and its parts: sampler, delayed detector, control loop, recorder, judge.
-// run_trial() is all of it at once.
+// Runs a trial step by step, for callers that close its loop themselves, and its parts: sampler,
+// delayed detector, control loop, recorder, judge. run_trial() runs it at once.
 #pragma once
 
 #include <atomic>
@@ -30,40 +30,42 @@
 
 namespace slipbench {
 
-// What closes the loop around a simulation: a detector that reads a sensor, a controller that reads the gripper and commands it
-// and the arm.
+// Closes the loop around a simulation: a detector reads a sensor; a controller reads the gripper
+// and commands gripper and arm.
 
-// When a pad's sensor reads the contact, and when that completes a sample. Ticks are the pad's own (simulation.h).
+// Ticks at which a pad's sensor reads the contact, and at which a sample is complete. Ticks are the
+// pad's own (simulation.h).
 struct Sampling {
   std::size_t stride = 1;  // ticks between two readings
-  std::size_t scans = 1;   // readings a sample (Sensor::scans)
+  std::size_t scans = 1;   // readings per sample (Sensor::scans)
 
   [[nodiscard]] bool reads_at(std::size_t tick) const { return tick % stride == 0; }
   [[nodiscard]] bool completes_at(std::size_t tick) const { return tick % ticks() == (scans - 1) * stride; }
-  // Ticks between two samples.
+  // Ticks between successive samples.
   [[nodiscard]] std::size_t ticks() const { return stride * scans; }
-  // Samples that are complete in a trial of so many ticks.
+  // Complete samples in a trial of `trial_ticks` ticks.
   [[nodiscard]] std::size_t samples(std::size_t trial_ticks) const { return ((trial_ticks + stride - 1) / stride) / scans; }
 };
 
-// A pad's tick as the loop may see it: without the truth.
+// A pad's tick as seen by the loop, without the truth.
 struct Tick {
   std::size_t pad = 0;
   double time = 0.0;                    // s
-  const SensorFrame* sample = nullptr;  // that the tick completes; null: none. Stays until the sensor is read again
+  const SensorFrame* sample = nullptr;  // completed by the tick; null: none. Valid until the sensor is read again
 };
 
-// Reads a trial's sensors when their time has come.
+// Reads a trial's sensors at their times.
 class Sampler {
  public:
-  // All must outlive the sampler. Throws SceneValueError when the trial ends before a sensor's first sample is complete; std::logic_error
-  // when a sensor asks for element_truth and the simulation's frames do not carry it.
+  // All arguments must outlive the sampler. Throws SceneValueError if the trial ends before a
+  // sensor's first sample is complete; std::logic_error if a sensor needs element_truth that the
+  // simulation's frames lack.
   Sampler(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Simulation& simulation);
 
-  // Whether every pad has had its ticks.
+  // True after the last tick of every pad.
   [[nodiscard]] bool finished() const { return remaining_ == 0; }
-  // Once after every step: the ticks at that instant, in the order of pads, for which every sensor that is due has been read. Stays until
-  // the next call.
+  // Call once after every step. Returns the ticks at that instant, in the order of pads, after
+  // reading every sensor that is due. Valid until the next call.
   std::span<const Tick> measure() {
     std::size_t ticks = 0;
     for (const std::size_t pad : simulation_.stepped()) {
@@ -75,20 +77,22 @@ class Sampler {
     return {ticks_.data(), ticks};
   }
 
-  // Samples of the pad's sensor in the whole trial.
+  // Number of samples of the pad's sensor in the trial.
   [[nodiscard]] std::size_t samples(std::size_t pad) const { return pads_[pad].sampling.samples(simulation_.ticks(pad)); }
-  // The latest sample of the pad's sensor, after the first; of a next one that has begun, what has been read of it too.
+  // The latest sample of the pad's sensor, valid after the first; includes partial readings of the
+  // next sample.
   [[nodiscard]] const SensorFrame& latest(std::size_t pad) const { return *pads_[pad].latest; }
 
  private:
   struct Pad {
     Sensor* sensor;
     Sampling sampling;
-    std::size_t felt_stride;              // ticks between two that the sensor reads or feels
-    std::size_t tick = 0;                 // the next one
-    const SensorFrame* latest = nullptr;  // the sensor's own
+    std::size_t felt_stride;              // ticks between reads or feels of the sensor
+    std::size_t tick = 0;                 // index of the next tick
+    const SensorFrame* latest = nullptr;  // owned by the sensor
 
-    // Whether the sensor reads or feels the next tick, and the sample that this completes; null: none.
+    // reads(): true if the sensor reads or feels the next tick. measure() returns the sample that
+    // the tick completes; null: none.
     [[nodiscard]] bool reads() const { return tick % felt_stride == 0; }
     const SensorFrame* measure(const ContactFrame& truth) {
       const bool due = reads();
@@ -106,11 +110,11 @@ class Sampler {
 
   const Simulation& simulation_;
   std::vector<Pad> pads_;
-  std::vector<Tick> ticks_;    // room for one of each pad
-  std::size_t remaining_ = 0;  // ticks to come, of all pads
+  std::vector<Tick> ticks_;    // one per pad
+  std::size_t remaining_ = 0;  // remaining ticks of all pads
 };
 
-// A detector inside a trial: an estimate is seen once its latency is over.
+// A detector within a trial: estimates become visible after their latency.
 class DelayedDetector {
  public:
   explicit DelayedDetector(std::unique_ptr<Detector> detector) : detector_(std::move(detector)) {}
@@ -119,34 +123,36 @@ class DelayedDetector {
   [[nodiscard]] SampleListener* listener() { return detector_->listener(); }
   void finish() { detector_->finish(); }
 
-  // The next frame of its sensor. Throws std::logic_error when the detector's estimate is older than its last one, or has a
-  // latency that is negative or no number.
+  // Passes the next frame of its sensor. Throws std::logic_error if the detector's estimate is
+  // older than its previous one, or its latency is negative or NaN.
   void update(const SensorFrame& frame);
 
-  // What is seen at the tick at `time` [s], after the tick's update(): the latest estimate with estimate.time + estimate.latency
-  // <= time, to the rounding of a double. no_contact before the first. Ticks come in ascending order.
+  // The estimate visible at the tick at `time` [s], after the tick's update(): the latest one with
+  // estimate.time + estimate.latency <= time, to the rounding of a double. no_contact before the
+  // first. Ticks come in ascending order.
   const SlipEstimate& seen_at(double time);
-  // What was seen at the tick last asked for.
+  // The estimate of the latest seen_at().
   [[nodiscard]] const SlipEstimate& seen() const { return seen_; }
 
  private:
   std::unique_ptr<Detector> detector_;
-  std::deque<SlipEstimate> under_way_;  // in order of time
+  std::deque<SlipEstimate> under_way_;  // not visible yet, in order of time
   SlipEstimate seen_;
 };
 
-// Every part may be absent, and then costs nothing.
+// Control loop of a trial. Each part may be absent and then costs nothing.
 class ControlLoop {
  public:
-  // `detector` reads the sensor of `pad`; empty: the estimate is that of no contact. `box`: the grasp's, which must outlive the
-  // loop; null: the scene is none. `controller`, of a grasp alone; null: nothing is read or written, and the fingers stay where
-  // they begin. `answers`: which of the controller's tightenings count.
+  // `detector` reads the sensor of `pad`; empty: the estimate is no contact. `box`: the grasp's,
+  // which must outlive the loop; null: the scene is not a grasp. `controller`, for grasps only;
+  // null: the gripper is neither read nor written, and the fingers keep their initial position.
+  // `answers`: the closing commands of the controller that count as answers.
   explicit ControlLoop(std::optional<DelayedDetector> detector = {}, std::size_t pad = 0,
                        std::unique_ptr<Controller> controller = nullptr, HeldBox* box = nullptr,
                        Answers answers = Answers::by_own_rule);
 
-  // Hands the samples that are complete to who listens to all sensors, then to the detector; the controller gets those of the
-  // first pad, whose values must stay until the next.
+  // Passes complete samples to listeners of all sensors, then to the detector; the controller gets
+  // those of the first pad, whose values must stay valid until the next.
   void update(std::span<const Tick> ticks) {
     if (!closed()) return;
     for (SampleListener* const listener : listeners_) {
@@ -161,9 +167,10 @@ class ControlLoop {
     }
   }
 
-  // Once every instant, after update(): at a tick of the first pad in a grasp, else of the detector's, does what is due. At a
-  // read of the gripper the controller is asked, with the latest frame and estimate of that tick; its command goes with the next
-  // write, to a guided arm at the same instant. Throws what the controller and the gripper refuse.
+  // Call once per instant, after update(). At a tick of the first pad in a grasp, else of the
+  // detector's pad, performs what is due. At a read of the gripper it calls the controller with the
+  // latest frame and estimate of that tick; the command is sent with the next write, or to a guided
+  // arm at the same instant. Throws as the controller and the gripper do.
   void act(std::span<const Tick> ticks) {
     if (!closed()) return;
     for (const Tick& tick : ticks) {
@@ -171,41 +178,41 @@ class ControlLoop {
     }
   }
 
-  // In place of act() where what the controller would say comes from outside: false where a read of the gripper asks for it; then, after
-  // command(), the same call goes on. True when all that is due is done.
+  // Replaces act() if commands come from outside: returns false at a read of the gripper that needs
+  // a command; after command(), the same call continues. Returns true when everything due is done.
   bool act_or_wait(std::span<const Tick> ticks);
-  // What a controller would be handed at that read.
+  // Input of the controller at that read.
   [[nodiscard]] const ControlInput& awaiting() const { return input_; }
   void command(const GripCommand& command) { command_ = command; }
 
-  // Once after the trial. Throws what the detector and the controller throw as they end.
+  // Call once after the trial. Throws as the detector's and the controller's finish() do.
   void finish();
 
   // The pad whose sensor the detector, else the controller reads.
   [[nodiscard]] std::size_t pad() const { return pad_; }
   [[nodiscard]] bool has_detector() const { return detector_.has_value(); }
-  // The detector's class at the tick last acted at.
+  // The detector's class at the latest tick of act().
   [[nodiscard]] PadState seen() const { return detector_ ? detector_->seen().state : PadState::no_contact; }
-  // Registers as written last; before the first write the position at which the fingers stand.
+  // Registers written last; before the first write the initial position of the fingers.
   [[nodiscard]] const GripCommand& written() const { return written_; }
-  // The arm's latest command; at rest before the first, and where the arm's motion is prescribed.
+  // The arm's latest command; at rest before the first, and if the arm's motion is prescribed.
   [[nodiscard]] const ArmCommand& arm_command() const { return arm_command_; }
-  // Counts, of the latest read; before the first where the fingers stand.
+  // Counts, of the latest read; before the first, the initial position of the fingers.
   [[nodiscard]] int measured_position() const { return input_.gripper.position; }
-  // The latest write that closes the fingers further than they were measured and commanded before,
-  // and that may answer a slip.
+  // The latest write that closes the fingers further than measured and commanded before, and that
+  // may answer a slip.
   struct Tightening {
-    double read_time = std::numeric_limits<double>::quiet_NaN();  // s, of the read from which it follows; NaN: there was none yet
-    double start_time = std::numeric_limits<double>::quiet_NaN();  // s, when it begins to act
+    double read_time = std::numeric_limits<double>::quiet_NaN();   // s, of the read that led to it; NaN: no such write yet
+    double start_time = std::numeric_limits<double>::quiet_NaN();  // s, at which it takes effect
   };
   [[nodiscard]] const Tightening& tightening() const { return tightening_; }
 
  private:
   [[nodiscard]] bool closed() const { return detector_.has_value() || controller_ != nullptr; }
   void act_at(double time);
-  // Reads the gripper at the read that is due.
+  // Reads the gripper if a read is due.
   void read();
-  // Writes the command with the write that is due.
+  // Writes the command if a write is due.
   void write();
   void command_arm(double time, const ArmCommand& command);
 
@@ -220,32 +227,36 @@ class ControlLoop {
   GripCommand command_, written_;
   ArmCommand arm_command_;
   Tightening tightening_;
-  std::size_t acted_ = 0;  // ticks of this instant that act_or_wait() has done
+  std::size_t acted_ = 0;  // ticks of this instant that act_or_wait() has completed
 };
 
-// Writes a trial's columns. It listens and never speaks: nothing it does can reach the run.
+// Records a trial's columns. It only observes and cannot affect the run.
 
-// Bytes that the columns of a trial's whole record take in memory. Its events, whose number the trial decides, come on top.
+// Memory of the columns of a trial's full record [bytes], without its events, whose number depends
+// on the trial.
 double record_bytes(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Simulation& simulation,
                     const Sampler& sampler);
 
-// A trial is recorded in memory before it is written. Throws SceneValueError when `bytes` are more than `max_bytes`.
+// Throws SceneValueError if `bytes` exceed `max_bytes`: a trial is recorded in memory before it is
+// written.
 void check_record_size(const Scene& scene, double bytes, double max_bytes);
 
-// A record without columns: what is known of the trial before its first step.
+// A record without columns, with all that is known before the first step.
 TrialRecord new_record(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Simulation& simulation,
                        std::uint64_t trial);
 
-// Columns are allocated whole before the run; a sample is written in place. Bodies are recorded with the samples of the fastest sensor that
-// follows no other one's pad.
+// Allocates all columns before the run and writes samples in place. Bodies are recorded at the
+// samples of the fastest sensor with its own pad.
 class Recorder {
  public:
-  // Columns go into `record`, which must be that of new_record(). `box`: the grasp's; null: the scene is none. All must outlive the
-  // recorder. Throws SceneValueError when the record would take more than `max_bytes`.
+  // Writes columns to `record`, which must come from new_record(). `box`: the grasp's; null: the
+  // scene is not a grasp. All arguments must outlive the recorder. Throws SceneValueError if the
+  // record would exceed `max_bytes`.
   Recorder(const Scene& scene, std::span<const std::unique_ptr<Sensor>> sensors, const Simulation& simulation, const HeldBox* box,
            const Sampler& sampler, double max_bytes, TrialRecord& record);
 
-  // Once every instant, after the loop has acted: the ticks at it. Throws SceneValueError when the events outgrow `max_bytes`.
+  // Call once per instant, after the loop has acted, with its ticks. Throws SceneValueError if the
+  // events exceed `max_bytes`.
   void record(std::span<const Tick> ticks, const ControlLoop& loop);
 
  private:
@@ -260,23 +271,23 @@ class Recorder {
   const Simulation& simulation_;
   const HeldBox* box_;
   double max_bytes_;
-  double bytes_;                   // that the record takes so far
-  std::size_t body_pad_;           // with whose samples bodies are recorded
+  double bytes_;                   // size of the record so far
+  std::size_t body_pad_;           // pad whose samples determine the bodies' times
   std::vector<std::size_t> rows_;  // samples written so far, by pad
   TrialRecord& record_;
 };
 
-// Whether a trial stayed within what a double, and the float of a dataset, can hold.
-// Each throws InputError that names what is not finite and when. A margin must be finite while its unit touches; directions and
-// centres of slip may be undefined at any time.
+// Checks that a trial's values are finite as doubles and as a dataset's floats. Each function
+// throws InputError that names the value and its time. A margin must be finite in contact;
+// directions and centres of slip may be undefined at any time.
 
-// Every column of a whole record: the earliest row that is not finite.
+// Checks every column of a full record and reports the earliest row that is not finite.
 void check_finite(const TrialRecord& record);
-// One tick of the pad of the sensor called `sensor`.
+// Checks one tick of the pad of sensor `sensor`.
 void check_finite(const std::string& sensor, const ContactFrame& truth);
-// One sample of it.
+// Checks one of its samples.
 void check_finite(const std::string& sensor, const std::vector<Channel>& channels, const SensorFrame& frame);
-// The bodies at `time` [s].
+// Checks the bodies at `time` [s].
 void check_finite(double time, const std::vector<NamedBody>& bodies);
 
 // The bodies of a scene's `hold`, as indices into Simulation::bodies().
@@ -284,18 +295,20 @@ struct HoldBodies {
   std::size_t body, against;
 };
 
-// Empty where the scene has no `hold`. Throws SceneValueError at hold.body and hold.against for a name that no body has, which a dataset
-// would record, and at hold.from where fewer than two ticks are left from then on.
+// Empty if the scene has no `hold`. Throws SceneValueError at hold.body and hold.against for an
+// unknown body name, and at hold.from if fewer than two ticks remain from then on.
 std::optional<HoldBodies> hold_bodies(const Scene& scene, const Simulation& simulation);
 
-// A sensor that follows another one's pad has figures of its units, and none in the outcome.
+// Computes the outcome of a trial. A sensor that follows another's pad has unit outcomes but does
+// not count in the trial's outcome.
 class Judge {
  public:
-  // Figures go into `result`: outcome, units, state counts, confusion and onset times; its record must be that of new_record().
-  // `box`: the grasp's; null: the scene is none. All must outlive the judge.
+  // Writes outcome, units, state counts, confusion and onset times to `result`, whose record must
+  // come from new_record(). `box`: the grasp's; null: the scene is not a grasp. All arguments must
+  // outlive the judge.
   Judge(const Scene& scene, const Simulation& simulation, const HeldBox* box, TrialResult& result);
 
-  // Once every instant, after the loop has acted: the ticks at it.
+  // Call once per instant, after the loop has acted, with its ticks.
   void observe(std::span<const Tick> ticks, const ControlLoop& loop) {
     for (const Tick& tick : ticks) {
       const ContactFrame& truth = simulation_.contact_part(tick.pad, FramePart::states);
@@ -307,13 +320,13 @@ class Judge {
       if (detected) judge_detection(tick, truth, loop.seen());
     }
   }
-  // At the trial's end: what only the last tick tells.
+  // Call at the trial's end; evaluates the last tick.
   void finish(std::span<const std::unique_ptr<Sensor>> sensors);
 
  private:
   [[nodiscard]] bool follows(std::size_t pad) const { return !scene_.sensors[pad].follows.empty(); }
   [[nodiscard]] bool has_one_unit(std::size_t pad) const { return result_.units[pad].size() == 1; }
-  // s, from when on slip is what the loop is judged by.
+  // s, from which slip counts for the loop.
   [[nodiscard]] double judged_from() const {
     return box_ != nullptr ? box_->lift_start() : -std::numeric_limits<double>::infinity();
   }
@@ -327,26 +340,28 @@ class Judge {
   void watch(const ContactFrame& truth, const ControlLoop& loop);
   void judge_grasp(const ContactFrame& truth, const ControlLoop::Tightening& tightening);
   void judge_turn();
-  // The origin of the body of `hold` in the frame of what holds it [m]: a hand that turns with what it holds does not move it.
+  // Position of the body of `hold` in the frame of its holder [m], so that a turning hand does not
+  // move it.
   [[nodiscard]] Eigen::Vector3d held_at() const;
 
   const Scene& scene_;
   const Simulation& simulation_;
   const HeldBox* box_;
   std::optional<HoldBodies> hold_;
-  bool watches_;                              // whether bodies are looked at in each tick
-  std::optional<Eigen::Vector3d> held_from_;  // m, held_at() at the first tick of which `hold` asks
+  bool watches_;                              // bodies are evaluated at each tick
+  std::optional<Eigen::Vector3d> held_from_;  // m, held_at() at the first tick from hold.from on
   TrialResult& result_;
   TrialOutcome& outcome_;
   double slip_tick_ =
-      std::numeric_limits<double>::quiet_NaN();  // s, first tick of a grasp's lift at which a unit of its pad slips
+      std::numeric_limits<double>::quiet_NaN();  // s, first tick of a grasp's lift with a slipping unit of its pad
   double any_slip_onset_ = std::numeric_limits<
       double>::quiet_NaN();  // s, when a first unit of the detector's pad slips as a whole, also before a lift
 };
 
 class TrialRun {
  public:
-  // As run_trial(). `controller`, of a grasp alone: makes the one that stands in the place of the scene's.
+  // Arguments as for run_trial(). `controller`, for grasps only: creates a replacement of the
+  // scene's controller.
   using ControllerInPlace = std::function<std::unique_ptr<Controller>(const GripSource& source)>;
   TrialRun(Scene scene, std::uint64_t trial, Recording recording, double max_bytes, const std::atomic<bool>* interrupt,
            const ControllerInPlace& controller = {});
@@ -355,27 +370,29 @@ class TrialRun {
   TrialRun& operator=(const TrialRun&) = delete;
 
   [[nodiscard]] bool finished() const { return sampler_.finished(); }
-  // Goes to the next instant at which a pad has a tick, lets the loop act and records. Returns the ticks at that instant, in the order of
-  // pads, which stay until the next call. Throws as run_trial().
+  // Advances to the next instant at which a pad has a tick, lets the loop act and records. Returns
+  // the ticks at that instant, in the order of pads, valid until the next call. Throws as
+  // run_trial().
   std::span<const Tick> step();
-  // All of it. Throws as run_trial().
+  // Runs the whole trial. Throws as run_trial().
   void run() {
     while (!finished()) step();
   }
-  // For a grasp whose commands come from outside: to the next instant at which a pad has a tick; true where loop().awaiting() asks for a command
-  // at that instant. Then loop().command() is to be called, and this again, which goes on at the same instant. Throws as run_trial().
+  // For a grasp commanded from outside: advances to the next instant at which a pad has a tick.
+  // Returns true if loop().awaiting() needs a command at that instant: then call loop().command()
+  // and this function again, which continues at the same instant. Throws as run_trial().
   bool step_or_wait();
-  // Once, at the end, or before it where nobody wants the rest.
+  // Call once, at the end or earlier to skip the rest.
   TrialResult finish();
 
   [[nodiscard]] ControlLoop& loop() { return loop_; }
   [[nodiscard]] const Simulation& simulation() const { return *simulation_; }
-  [[nodiscard]] HeldBox* box() { return simulation_->held_box(); }  // null: the scene is no grasp
+  [[nodiscard]] HeldBox* box() { return simulation_->held_box(); }  // null: not a grasp
   [[nodiscard]] std::span<const std::unique_ptr<Sensor>> sensors() const { return sensors_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
  private:
-  // To the next instant; what is at it is handed to the loop.
+  // Advances to the next instant and passes its ticks to the loop.
   std::span<const Tick> advance();
   void observe(std::span<const Tick> ticks);
 
@@ -389,7 +406,7 @@ class TrialRun {
   ControlLoop loop_;
   const std::atomic<bool>* interrupt_;
   std::size_t steps_ = 0;
-  std::span<const Tick> ticks_;  // at which a command is waited for
+  std::span<const Tick> ticks_;  // ticks that wait for a command
   bool waits_ = false;
 };
 

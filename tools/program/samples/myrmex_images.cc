@@ -17,7 +17,7 @@ namespace {
 
 using myrmex::full_scale;
 
-// Of a turn by 30 degrees times `turn`; exact where it is a quarter turn.
+// Sine and cosine of `turn` times 30 degrees; exact for quarter turns.
 std::pair<double, double> sine_cosine(std::size_t turn) {
   constexpr double half = 0.5, most = 0.5 * std::numbers::sqrt3;
   constexpr std::array<double, rotations> sines{0.0, half, most, 1.0, most, half, 0.0, -half, -most, -1.0, -most, -half};
@@ -53,7 +53,7 @@ std::string myrmex_csv(const SensorRecord& sensor) {
 
 bool begins_as_myrmex_csv(std::string_view text) {
   std::string_view line = text.substr(0, text.find('\n'));
-  // A single number is what any file may begin with.
+  // A single number is no evidence: any file may begin with one.
   if (line.find(',') == std::string_view::npos) return false;
   while (!line.empty()) {
     const std::string_view number = line.substr(0, line.find(','));
@@ -76,7 +76,7 @@ void turn_image(std::span<const float> image, std::size_t rows, std::size_t colu
   const auto clamped = [](double place, std::size_t count) { return std::clamp(place, 0.0, static_cast<double>(count - 1)); };
   for (std::size_t r = 0; r < cropped; ++r) {
     for (std::size_t c = 0; c < cropped; ++c) {
-      // X to the right, Y up; what is seen here was, before the turn, at the place turned back.
+      // X to the right, Y up. The value comes from the position before the turn.
       const double x = static_cast<double>(c) - middle, y = middle - static_cast<double>(r);
       const double column = clamped(middle_column + cosine * x + sine * y, columns);
       const double row = clamped(middle_row - (cosine * y - sine * x), rows);

@@ -1,4 +1,4 @@
-// Images of a Myrmex array as its public tools and its paper's training read them.
+// Images of a Myrmex array in the layouts of its public tools and of its paper's training.
 #pragma once
 
 #include <cstddef>
@@ -10,24 +10,29 @@
 
 namespace slipbench {
 
-// A line an image, without a header: its counts, 0 to 4095, rounded, column by column, so that what reads it row by row (the public tools) sees
-// the image transposed, as the hardware sends it. Throws InputError when the sensor is no myrmex or a value is no count.
+// One line per image, without a header: counts from 0 to 4095, rounded, column by column. A reader
+// that expects rows (the public tools) thus sees the image transposed, as the hardware sends it.
+// Throws InputError if the sensor is not a myrmex or a value is not a count.
 std::string myrmex_csv(const SensorRecord& sensor);
-// Whether a file that begins so is one: a first line of at least two whole numbers up to 4095 and nothing else. That of an array of a single taxel
-// is told from no other file, and so is not written over.
+// True if a file that begins with `text` is such a file: the first line holds at least two whole
+// numbers up to 4095 and nothing else. A file of a single taxel cannot be distinguished from other
+// files, and so is not overwritten.
 bool begins_as_myrmex_csv(std::string_view text);
 
-// The paper's augmentation (section 4): the image turned by 0 to 330 degrees in steps of 30, its innermost 12 x 12 taxels.
+// The paper's augmentation (section 4): the image turned by 0 to 330 degrees in steps of 30, its
+// innermost 12 x 12 taxels.
 inline constexpr std::size_t rotations = 12;
 inline constexpr std::size_t cropped = 12;
-// One image of `rows` x `columns` taxels, at least 12 x 12, turned anticlockwise by `turn` * 30 degrees about its middle and cropped: [12 x 12].
-// Bilinear; what lies beyond the outermost taxels has their counts (of 16 x 16 that is up to 0.013 taxels, at 30 degrees off an axis). Turns by
-// 90 degrees are exact.
+// Turns one image of `rows` x `columns` taxels, at least 12 x 12, anticlockwise by `turn` * 30
+// degrees about its middle and crops it to [12 x 12]. Bilinear interpolation; points beyond the
+// outermost taxels take their counts (for 16 x 16 up to 0.013 taxels, at 30 degrees off an axis).
+// Turns by 90 degrees are exact.
 void turn_image(std::span<const float> image, std::size_t rows, std::size_t columns, std::size_t turn,
                 std::span<float, cropped * cropped> out);
 
-// The trial with `taxels` [T,12,12,12] (sample, turn, row, column) in the place of the images of every myrmex that is large enough, without the
-// names of their values. Throws InputError when it has none.
+// Returns the trial with `taxels` [T,12,12,12] (sample, turn, row, column) in place of the images
+// of every myrmex that is large enough, without value names. Throws InputError if there is no such
+// sensor.
 TrialRecord turned_images(TrialRecord record);
 
 }  // namespace slipbench

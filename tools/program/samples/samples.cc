@@ -20,7 +20,7 @@
 namespace slipbench {
 namespace {
 
-// The latest rows of a column that has one at each of `times`.
+// For each of `instants`, the latest row of a column with rows at `times`.
 template <class T>
 std::vector<T> rows_at(const std::vector<T>& values, const std::vector<double>& times, const std::vector<double>& instants) {
   const std::size_t width = times.empty() ? 0 : values.size() / times.size();
@@ -37,7 +37,7 @@ constexpr std::array rules{hd::Word<SlipRule>{"strict", SlipRule::strict}, hd::W
                            hd::Word<SlipRule>{"paper", SlipRule::paper},
                            hd::Word<SlipRule>{"has_slipped", SlipRule::has_slipped}};
 
-// Samples from one row of a channel to the next.
+// Number of samples per row of a channel.
 std::size_t samples_a_row(const SensorColumn& column, const SensorRecord& sensor) {
   if (!column.time || column.time->size() == sensor.time.size()) return 1;
   if (column.time->size() < 2) return sensor.time.size();
@@ -45,7 +45,7 @@ std::size_t samples_a_row(const SensorColumn& column, const SensorRecord& sensor
   return static_cast<std::size_t>(std::clamp(every, 1.0, static_cast<double>(sensor.time.size())));
 }
 
-// The scene as it was run, but for what was swept.
+// The scene that was run, without the swept values.
 SceneFile scene_of(const DatasetReader& reader) {
   const std::string file = reader.files().front();
   SceneFile scene = recorded_file(reader.header().scene, json_object(reader.header().overrides, file + ": attribute overrides"),
@@ -63,7 +63,7 @@ const Entry& motion_of(const YamlNode& root, const std::string& file) {
   reject("{}: attribute scene has the motion '{}', which this program does not know", file, name);
 }
 
-// What one trial was told: swept values before written ones.
+// Commanded values of one trial: swept values take precedence over written ones.
 class Commanded {
  public:
   Commanded(const DatasetReader& reader, std::size_t trial)
@@ -71,7 +71,7 @@ class Commanded {
         swept_(json_object(reader.info(trial).params, fmt::format("{}: trial {}: attribute params", file_, trial))),
         scene_(scene_of(reader)) {}
 
-  // Empty where the motion has no such number.
+  // Empty if the motion has no such number.
   [[nodiscard]] std::optional<double> number(const std::string& name) const {
     const Entry& motion = motion_of(scene_.root(), file_);
     const auto spec = std::ranges::find(motion.parameters, name, &ParameterSpec::name);

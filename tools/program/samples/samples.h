@@ -1,4 +1,4 @@
-// What the formats share that hold any sensor.
+// Access to recorded samples, shared by the export formats.
 #pragma once
 
 #include <array>
@@ -16,49 +16,53 @@
 
 namespace slipbench {
 
-// Names of a trial's sensors, or only those asked for, in the trial's order. Throws InputError when the trial has no recording or no sensor of such a
-// name.
+// Names of a trial's sensors, or only the requested ones, in the trial's order. Throws InputError
+// if the trial has no recording or no sensor of such a name.
 std::vector<std::string> chosen_sensors(const DatasetReader& reader, std::size_t trial, const std::vector<std::string>& asked);
 
-// Times closer than this are the same [s]: k/rate and its like are rounded.
+// Times closer than this [s] are equal, since k/rate and the like are rounded.
 inline constexpr double time_rounding = 1e-9;
 
-// The row of the latest of ascending `times` [s] at or before `time`; empty: there is none.
+// Index of the latest of ascending `times` [s] at or before `time`; empty if there is none.
 std::optional<std::size_t> latest_row(std::span<const double> times, double time);
 
-// A sensor's readings and labels at instants 1/`rate` apart [Hz], from the first at which all its channels have been read once to
-// its last sample. Of each the latest at or before the instant, neither filtered nor interpolated; no channel has a time of its own
-// then. Events keep their times. Throws InputError, which names the trial, for a rate above the sensor's and where fewer than two
-// rows would be left.
+// A sensor's readings and labels at instants 1/`rate` apart [Hz], from the first at which all its
+// channels have a value to its last sample. Each value is the latest at or before the instant,
+// neither filtered nor interpolated, and no channel keeps its own time stamps. Events keep their
+// times. Throws InputError, naming the trial, for a rate above the sensor's and if fewer than two
+// rows would remain.
 SensorRecord at_rate(SensorRecord sensor, double rate, std::size_t trial);
 
-// When a pillar of a PapillArray counts as slipping.
+// Rule by which a pillar of a PapillArray slips.
 enum class SlipRule {
   strict,       // all of it slips
   micro,        // a part of it slips
-  paper,        // its tip slides faster than `label_speed`, as a camera would see it
-  has_slipped,  // from the first such sample on until it loses contact: "no pillar has slipped", as the paper words its classes
+  paper,        // its tip slides faster than `label_speed`, as seen by a camera
+  has_slipped,  // from the first such sample until it loses contact: "no pillar has slipped" in the paper's class definitions
 };
 
 inline constexpr double default_label_speed = 1e-4;  // m/s
 
-// The rules' names on the command line: "strict". The parser throws InputError with the nearest name.
+// Names of the rules on the command line: "strict". The parser throws InputError with the nearest
+// name.
 SlipRule parse_slip_rule(const std::string& name);
 std::vector<std::string> slip_rule_names();
 std::string slip_rule_name(SlipRule rule);
 
-// A recorded sensor's samples, one after the other, as it measured them.
+// A recorded sensor's samples in order, as measured.
 class RecordedSamples {
  public:
-  // `sensor` outlives it. Throws InputError for a channel that has not as many values as its rows and shape say.
+  // `sensor` must outlive this object. Throws InputError for a channel whose number of values does
+  // not match its rows and shape.
   explicit RecordedSamples(const SensorRecord& sensor);
 
   [[nodiscard]] SensorSource source() const { return {sensor_->name, sensor_->type, sensor_->rate, channels_}; }
   [[nodiscard]] const std::vector<Channel>& channels() const { return channels_; }
   [[nodiscard]] bool ended() const { return next_ == sensor_->time.size(); }
-  [[nodiscard]] double time() const { return sensor_->time[next_]; }  // s, of the next one
+  [[nodiscard]] double time() const { return sensor_->time[next_]; }  // s, of the next sample
 
-  // The next one. Of a slower channel the latest row that is complete, before its first one that first one.
+  // Returns the next sample. A slower channel holds its latest complete row, or its first row
+  // before that.
   SensorFrame take();
 
  private:
@@ -68,9 +72,10 @@ class RecordedSamples {
   std::size_t next_ = 0;
 };
 
-// How a trial's pad was told to move.
+// Commanded motion of a trial's pad.
 
-// A corner pillar's distance from the centre [m]: where a PapillArray's rotation is given as a speed.
+// Distance of a corner pillar from the centre [m], where a PapillArray's rotation is given as a
+// speed.
 inline constexpr double corner_radius = 9.9e-3;
 
 struct CommandedMotion {
@@ -79,24 +84,26 @@ struct CommandedMotion {
   double compression = 0.0;  // m, motion.compression
 };
 
-// Takes the values from what was swept, else from the overrides and the scene that the dataset carries, else the motion's defaults.
-// Throws InputError when the scene cannot be read or its motion has no such values.
+// Values from the sweep, else from the overrides and the scene in the dataset, else the motion's
+// defaults. Throws InputError if the scene is unreadable or its motion lacks these values.
 CommandedMotion commanded_motion(const DatasetReader& reader, std::size_t trial);
 
-// One number of the motion, taken from there; empty: this kind of motion has none of that name. Throws InputError as commanded_motion().
+// One number of the motion from the same sources; empty if this kind of motion has none of that
+// name. Throws InputError as commanded_motion().
 std::optional<double> commanded_number(const DatasetReader& reader, std::size_t trial, const std::string& name);
 
-// A word of the scene, such as that at "surface.material", as it was swept or written; "" where it is neither. Throws InputError where the scene
-// cannot be read.
+// A word of the scene, such as that at "surface.material", as swept or written; "" if neither.
+// Throws InputError if the scene is unreadable.
 std::string commanded_word(const DatasetReader& reader, std::size_t trial, const std::string& path);
 
 inline constexpr std::size_t pillars = 9;
 inline constexpr std::size_t middle_pillar = 4;
 
-// The columns of the vendor's log of so many sensors, in its manual's order: T_us, S0_P0_DX, ...
+// Columns of the vendor's log of `sensors` sensors, in its manual's order: T_us, S0_P0_DX, ...
 std::vector<std::string> vendor_log_columns(std::size_t sensors);
 
-// Those of a file of bts3v2, a row a grasp with three BioTac SP: object, slipped, ff_biotac_1, ...
+// Columns of a bts3v2 file, which has one row per grasp with three BioTac SP: object, slipped,
+// ff_biotac_1, ...
 inline constexpr std::array<const char*, 3> grasp_fingers{"ff", "mf", "th"};
 inline constexpr std::size_t finger_electrodes = 24;
 std::vector<std::string> grasp_columns();
@@ -104,7 +111,8 @@ std::vector<std::string> grasp_columns();
 // One PapillArray's samples: force and displacement of every pillar, and the truth.
 class PapillarraySamples {
  public:
-  // `label_speed` [m/s]: for the rules that have one. Throws InputError when the sensor is no PapillArray with nine pillars.
+  // `label_speed` [m/s]: for the rules that need it. Throws InputError if the sensor is not a
+  // PapillArray with nine pillars.
   PapillarraySamples(const SensorRecord& record, SlipRule rule, double label_speed);
 
   [[nodiscard]] std::size_t size() const { return record_->time.size(); }
@@ -116,10 +124,10 @@ class PapillarraySamples {
     return triple(*displacement_, row, pillar);
   }
   [[nodiscard]] bool touching(std::size_t row, std::size_t pillar) const { return state(row, pillar) != UnitState::detached; }
-  // By the rule asked for.
+  // True by the chosen rule.
   [[nodiscard]] bool slipping(std::size_t row, std::size_t pillar) const;
-  // Of the pillars in contact none, some or all slip by that rule. `turning`: the motion turns the pad, and the centre pillar, which
-  // stays where it is, is left out.
+  // State of the pad: none, some or all of the touching pillars slip by that rule. `turning`: true
+  // if the motion turns the pad; then the centre pillar, which stays in place, is ignored.
   [[nodiscard]] PadState pad_state(std::size_t row, bool turning) const;
   // True tangential force [N].
   [[nodiscard]] double tangential_force(std::size_t row, std::size_t pillar) const;
@@ -130,7 +138,7 @@ class PapillarraySamples {
   [[nodiscard]] UnitState state(std::size_t row, std::size_t pillar) const {
     return static_cast<UnitState>(record_->labels.unit_state[row * pillars + pillar]);
   }
-  // Whether the tip of a touching pillar slides faster than the threshold in this sample.
+  // True if the tip of a touching pillar slides faster than the threshold in this sample.
   [[nodiscard]] bool fast(std::size_t row, std::size_t pillar) const;
   static std::array<float, 3> triple(const std::vector<float>& values, std::size_t row, std::size_t pillar) {
     const float* first = values.data() + (row * pillars + pillar) * 3;
@@ -142,7 +150,7 @@ class PapillarraySamples {
   const std::vector<float>* displacement_ = nullptr;
   SlipRule rule_;
   double label_speed_;
-  std::vector<std::uint8_t> has_slipped_;  // [T,9] 1: fast now or before, and in contact since then; empty for other rules
+  std::vector<std::uint8_t> has_slipped_;  // [T,9] 1: fast now or earlier, and in contact since; empty for other rules
 };
 
 // Names of the PapillArrays among a trial's sensors.

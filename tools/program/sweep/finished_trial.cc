@@ -26,7 +26,7 @@ EncodedArray array_of(json& value) {
   return array;
 }
 
-// The value stands behind the number of its type in the variant.
+// The value follows the index of its type in the variant.
 json of_attribute(const EncodedAttribute& attribute) {
   json value = std::visit(
       [](const auto& held) -> json {

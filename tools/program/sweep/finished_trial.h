@@ -1,4 +1,4 @@
-// A trial of a sweep as a worker hands it over.
+// Result of a trial that a worker process returns.
 #pragma once
 
 #include <optional>
@@ -13,15 +13,15 @@ namespace slipbench {
 struct FinishedTrial {
   TrialSummary summary;
   double duration = 0.0;                // s, simulated
-  double computed = 0.0;                // s, on the clock
+  double computed = 0.0;                // s, wall-clock time
   double time_step = 0.0;               // s
   std::optional<EncodedTrial> encoded;  // empty: no dataset is written
-  std::string failure = {};             // why the trial failed; empty: it did not
+  std::string failure = {};             // reason of a failure; empty: success
 };
 
-// The trial as MessagePack, for its way out of the process that has simulated it.
+// Serialises the trial as MessagePack, for the transfer from the process that simulated it.
 std::string to_message(const FinishedTrial& trial);
-// The inverse. Throws std::runtime_error where `message` does not hold a trial.
+// Inverse of to_message(). Throws std::runtime_error if `message` is invalid.
 FinishedTrial from_message(std::string_view message);
 
 }  // namespace slipbench

@@ -34,16 +34,18 @@
 namespace slipbench {
 namespace {
 
-// What is kept of a trial; without a dataset nothing has to be.
+// Recorded part of a trial; without a dataset, the outcome.
 Recording recording_of(const SweepOptions& options) { return options.output.empty() ? Recording::outcome : options.recording; }
 
-// Whether a value given for `path` replaces all that was given for `earlier`. Below `sweep` the rest of a path is one key.
+// True if a value for `path` replaces an earlier value for `earlier`. Below `sweep` the rest of a
+// path is one key.
 bool replaces(const std::string& path, const std::string& earlier) {
   return earlier == path || (earlier.starts_with(path + '.') && !path.starts_with("sweep."));
 }
 
-// The overrides that count, in an order in which they can be applied again. An object has each key once, so a repeated path
-// stands where it was given last; what it replaces must go with its first value, since it may be below it.
+// The effective overrides, in an order in which they can be applied again. A JSON object has each
+// key once, so a repeated path is kept at its last position, and earlier values at or below that
+// path are removed.
 std::string overrides_json(const std::vector<Override>& overrides) {
   std::vector<Override> kept;
   for (const Override& change : overrides) {
@@ -77,7 +79,7 @@ TrialSummary summary_of(TrialResult& result) {
   return summary;
 }
 
-// How the trials are run and kept.
+// Parameters for running and recording the trials.
 struct WorkPlan {
   const TrialPlan& trials;
   std::uint64_t seed = 0;
@@ -100,17 +102,17 @@ FinishedTrial run_one(const WorkPlan& plan, std::size_t index, TrialEncoder* enc
   return finished;
 }
 
-// Grid cells beyond this many are checked when they run.
+// Further grid cells are checked only when they run.
 constexpr std::size_t max_checked_cells = 10'000;
 
-// Worker threads, and what the record of each may take.
+// Number of worker threads, and memory limit of each one's record.
 struct Workforce {
   std::size_t threads = 1;
   double max_bytes = max_record_bytes;
 };
 
-// As many threads as `options` ask for. Where they ask for none, one a hardware thread, but no more than have room for twice a
-// record of `bytes` (0: nothing is recorded) each: its events come on top.
+// As many threads as `options` ask for. By default one per hardware thread, but only as many as
+// have memory for twice a record of `bytes` each (0: nothing is recorded), to allow for events.
 Workforce workforce_for(const SweepOptions& options, std::size_t trials, double bytes) {
   double threads = static_cast<double>(std::max(1U, std::thread::hardware_concurrency()));
   if (options.jobs != 0) {
@@ -122,8 +124,8 @@ Workforce workforce_for(const SweepOptions& options, std::size_t trials, double 
   return {static_cast<std::size_t>(threads), max_record_bytes / threads};
 }
 
-// The trials that are looked at before a run of `trials`: the first of every grid cell, or the only one. Of a shard the first of
-// the cells that it has trials of, since the others are those of other machines.
+// The trials to check before a run of `trials`: the first of every grid cell, or the only one. For
+// a shard, the first of each cell in which it has trials; other machines check the others.
 std::vector<std::size_t> checked_trials(const TrialPlan& plan, const SweepOptions& options,
                                         const std::vector<std::size_t>& trials) {
   if (options.only) return {*options.only};
@@ -140,10 +142,10 @@ std::vector<std::size_t> checked_trials(const TrialPlan& plan, const SweepOption
   return checked;
 }
 
-// What is found of a trial before anything runs.
+// Properties of a trial known before the run.
 struct CheckedTrial {
-  double bytes = 0.0;              // of its record
-  std::vector<std::string> files;  // that it names
+  double bytes = 0.0;              // size of its record
+  std::vector<std::string> files;  // files that it names
 };
 
 CheckedTrial check_one(const TrialPlan& plan, std::size_t index, std::size_t asked, const Catalogues& catalogues) {
@@ -158,8 +160,9 @@ CheckedTrial check_one(const TrialPlan& plan, std::size_t index, std::size_t ask
   }
 }
 
-// Builds checked_trials(), so that a scene that contradicts itself, or whose records would not fit into memory, is refused before anything is
-// written. Adds the files that they name to `files`. `asked`: trials of the whole sweep.
+// Builds checked_trials(), so that a contradictory scene, or one whose records exceed the memory,
+// is rejected before anything is written. Adds the files that they name to `files`. `asked`: trials
+// of the whole sweep.
 Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const std::vector<std::size_t>& trials,
                       std::size_t asked, const Catalogues& catalogues, std::set<std::string>& files) {
   const std::vector<std::size_t> numbers = checked_trials(plan, options, trials);
@@ -190,7 +193,8 @@ Workforce check_cells(const TrialPlan& plan, const SweepOptions& options, const 
   return workforce;
 }
 
-// As run_one; what went wrong is told with the trial's number, and with the line of the scene where one is to blame.
+// As run_one(), with the trial's number in errors, and the scene's line if a scene value is the
+// cause.
 FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder* encoder) {
   try {
     return run_one(plan, index, encoder);
@@ -209,7 +213,7 @@ FinishedTrial run_numbered(const WorkPlan& plan, std::size_t index, TrialEncoder
   }
 }
 
-// By the trial's number.
+// Simulates the trial of a given number.
 using Simulate = std::function<FinishedTrial(std::size_t)>;
 
 Simulate simulation(const WorkPlan& plan, const SweepOptions& options) {
@@ -223,7 +227,7 @@ Simulate simulation(const WorkPlan& plan, const SweepOptions& options) {
   };
 }
 
-// Simulates trials and hands them over in their order.
+// Simulates trials and returns them in order.
 class TrialWorkers {
  public:
   TrialWorkers() = default;
@@ -231,11 +235,11 @@ class TrialWorkers {
   TrialWorkers(const TrialWorkers&) = delete;
   TrialWorkers& operator=(const TrialWorkers&) = delete;
 
-  // Whether next() would return at once; waits for that until `deadline`.
+  // True if next() would return at once; waits for that until `deadline`.
   virtual bool ready_until(std::chrono::steady_clock::time_point deadline) = 0;
-  // Empty after the last, and once interrupted.
+  // Empty after the last trial, and once interrupted.
   virtual std::optional<FinishedTrial> next() = 0;
-  // Takes a trial that is no longer needed.
+  // Takes back a trial that is no longer needed.
   virtual void give_back(FinishedTrial trial) = 0;
 };
 
@@ -249,7 +253,7 @@ class WorkerThreads final : public TrialWorkers {
             [this, plan, &options, &files]() -> OrderedWorkers<FinishedTrial>::Work {
               return [this, &files, simulate = simulation(plan, options)](std::size_t index) {
                 FinishedTrial finished = simulate(trials_[index]);
-                files.check();  // whether it read the same files as all others
+                files.check();  // the trial must have read the same files as all others
                 return finished;
               };
             },
@@ -264,7 +268,7 @@ class WorkerThreads final : public TrialWorkers {
   OrderedWorkers<FinishedTrial> workers_;
 };
 
-// A child process for each trial, whose end fails that trial alone.
+// One child process per trial, so that a crash fails only that trial.
 class WorkerProcesses final : public TrialWorkers {
  public:
   WorkerProcesses(std::vector<std::size_t> trials, std::size_t jobs, const WorkPlan& plan, const SweepOptions& options,
@@ -293,7 +297,7 @@ class WorkerProcesses final : public TrialWorkers {
     if (end.kind != ChildEnd::Kind::result) return failed_trial(trial, fmt::format("trial {}: {}", trial, end.text));
     try {
       return from_message(end.text);
-    } catch (const std::exception&) {  // code of others may write to any descriptor
+    } catch (const std::exception&) {  // user code may write to any descriptor
       return failed_trial(trial, fmt::format("trial {}: its worker process returned an invalid result", trial));
     }
   }
@@ -311,7 +315,7 @@ std::unique_ptr<TrialWorkers> make_workers(std::vector<std::size_t> trials, std:
   return std::make_unique<WorkerThreads>(std::move(trials), jobs, plan, options, files);
 }
 
-// The command that runs one trial of a sweep again.
+// Command that repeats one trial of a sweep.
 std::string repeating_command(const SweepOptions& options, std::uint64_t seed, std::size_t trial) {
   SweepOptions run = options;
   run.verb = "run";
@@ -319,24 +323,26 @@ std::string repeating_command(const SweepOptions& options, std::uint64_t seed, s
   run.seed = seed;
   run.only = trial;
   run.shard.reset();
-  // `run` knows the trials of the scene's own sweep: their number goes there.
+  // `run` numbers trials by the scene's own sweep, so their number is set there.
   if (options.trials > 0) run.overrides.push_back({"sweep.trials", std::to_string(std::exchange(run.trials, 0))});
   return canonical_command(run);
 }
 
-// Keeps the finished trials of a run that failed, and says where; empty when there are none.
+// Keeps the finished trials of a failed run and returns a message with their folder; empty if there
+// are none.
 std::string keep_finished(SweepWriter& writer, std::size_t planned) {
   try {
     writer.keep();
   } catch (const InputError&) {
-    // The disk may still be full. Batches that were finished before are there.
+    // The disk may still be full. Batches finished earlier exist.
   }
   if (writer.finished() == 0) return "";
   return fmt::format("; {} holds {} of {} trials, with which the same command with --resume goes on", writer.folder(),
                      writer.finished(), planned);
 }
 
-// What the sweep tells of a trial that an earlier run has finished. What became of each unit is not in a dataset.
+// Summary of a trial that an earlier run finished. A dataset does not contain the outcome of each
+// unit.
 std::string summary_of_stored(const TrialRecord& record) {
   TrialResult result;
   result.record = record;
@@ -347,7 +353,7 @@ std::string summary_of_stored(const TrialRecord& record) {
   return to_message(finished);
 }
 
-// The scene's sweep, its cells repeated until there are at least options.limit trials.
+// The scene's sweep, with repeated cells until there are at least options.limit trials.
 TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed) {
   TrialPlan plan(file, catalogues, options.trials, seed);
   if (plan.size() >= options.limit) return plan;
@@ -355,7 +361,7 @@ TrialPlan long_enough_plan(const SceneFile& file, const Catalogues& catalogues, 
   return {file, catalogues, (options.limit + cells - 1) / cells, seed};
 }
 
-// The numbers of those that run.
+// Numbers of the trials to run.
 std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const SweepOptions& options, std::uint64_t seed) {
   if (options.shard) {
     const auto chosen = [&] {
@@ -369,17 +375,17 @@ std::vector<std::size_t> chosen_trials(const PlannedTrials& planned, const Sweep
   return all;
 }
 
-// A sweep on its way: its trials, where they go, and what has come of them so far.
+// A running sweep: its trials, their destination, and the results so far.
 class RunningSweep {
  public:
   RunningSweep(const ReadSweep& read, const SweepOptions& options, const ProgressCallback& progress);
 
-  // Refuses what cannot run, before anything is written.
+  // Throws InputError for anything that cannot run, before anything is written.
   void check(const Catalogues& catalogues);
-  // Makes the folder for what is finished, and finds there what an earlier run has left. False: that run had come to its end, and nothing
-  // is left to do.
+  // Creates the folder for finished work and reads what an earlier run left there. Returns false if
+  // that run was complete, so that nothing is left to do.
   bool open();
-  // Runs the trials that are missing and finishes the dataset; of a run that fails what is finished is kept.
+  // Runs the missing trials and finishes the dataset; a failed run keeps its finished trials.
   void run();
 
   SweepSummary take_summary() { return std::move(summary_); }
@@ -399,14 +405,14 @@ class RunningSweep {
   const SweepOptions& options_;
   const ProgressCallback& progress_;
   const TrialPlan& plan_;
-  std::vector<std::size_t> trials_;  // numbers of those that run
+  std::vector<std::size_t> trials_;  // numbers of the trials to run
   Workforce workforce_;
-  std::optional<HeldFiles> files_;  // that the trials name
+  std::optional<HeldFiles> files_;  // files that the trials name
   DatasetHeader header_;
-  std::unique_ptr<SweepWriter> writer_;         // null: nothing is written
-  std::map<std::size_t, std::string> resumed_;  // each trial that an earlier run has finished, as a message (finished_trial.h)
+  std::unique_ptr<SweepWriter> writer_;         // null: no output
+  std::map<std::size_t, std::string> resumed_;  // trials that an earlier run finished, as messages (finished_trial.h)
   SweepSummary summary_;
-  std::size_t reported_ = 0;  // trials done, of the last report
+  std::size_t reported_ = 0;  // number of finished trials at the last report
 };
 
 RunningSweep::RunningSweep(const ReadSweep& read, const SweepOptions& options, const ProgressCallback& progress)
@@ -447,7 +453,7 @@ bool RunningSweep::open() {
     return true;
   }
   if (std::optional<FinishedDataset> whole = finished_dataset(options_.output, header_)) {
-    writer_->drop_batches();  // of a run that was killed when its dataset was finished
+    writer_->drop_batches();  // left by a run that was killed after finishing its dataset
     summary_.was_complete = true;
     summary_.resumed = whole->trials;
     summary_.failed = std::move(whole->failed);
@@ -467,7 +473,7 @@ void RunningSweep::run() {
   try {
     try {
       run_trials();
-    } catch (const Interrupted&) {  // in the first of the trials that were running: those before it are in
+    } catch (const Interrupted&) {  // in the first running trial; earlier trials are complete
     }
     finish();
   } catch (const std::exception& error) {
@@ -480,7 +486,7 @@ void RunningSweep::run() {
 }
 
 void RunningSweep::run_trials() {
-  summary_.trials.reserve(summary_.planned);  // growing, it would leave holes of as much again in the heap
+  summary_.trials.reserve(summary_.planned);  // avoids reallocations, which would fragment the heap
   std::vector<std::size_t> missing;
   std::ranges::copy_if(trials_, std::back_inserter(missing), [&](std::size_t trial) { return !resumed_.contains(trial); });
   const std::unique_ptr<TrialWorkers> workers = make_workers(missing, workforce_.threads, work(), options_, *files_);
@@ -526,13 +532,14 @@ void RunningSweep::add_summary(TrialSummary& summary) {
   if (!options_.keep_units && summary_.planned > 1) {
     for (SensorSummary& sensor : summary.sensors) sensor.units.clear();
   }
-  // A copy: what a worker has allocated would keep the memory around it, which is ten times its own.
+  // A copy: memory allocated by a worker would keep the memory around it, ten times as much,
+  // allocated.
   summary_.trials.push_back(std::as_const(summary));
 }
 
 void RunningSweep::finish() {
   summary_.interrupted = summary_.trials.size() + summary_.failed.size() < summary_.planned;
-  // A shard tells of its failed trials even where it has no others: merging counts them.
+  // A shard reports failed trials even if it has no others: merging counts them.
   const bool whole = !summary_.interrupted && (!summary_.trials.empty() || summary_.shard);
   if (writer_) summary_.files = whole ? writer_->commit() : writer_->keep();
   if (writer_) summary_.kept = whole ? summary_.trials.size() : writer_->finished();
@@ -563,7 +570,7 @@ std::string params_json(const std::vector<std::pair<std::string, std::string>>& 
   std::string text = "{";
   for (const auto& [path, value] : drawn) {
     if (text.size() > 1) text += ", ";
-    text += Json(path).dump() + ": " + value;  // values come as JSON already
+    text += Json(path).dump() + ": " + value;  // values are JSON already
   }
   return text + "}";
 }

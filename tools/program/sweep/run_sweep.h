@@ -1,4 +1,4 @@
-// All trials of a scene: expanded, run by worker threads, written in order.
+// Runs all trials of a scene: expands the sweep, runs worker threads, writes the trials in order.
 #pragma once
 
 #include <atomic>
@@ -21,12 +21,12 @@
 
 namespace slipbench {
 
-// Told from the calling thread after each trial, in order.
+// Reported on the calling thread after each trial, in order.
 struct SweepProgress {
-  std::size_t done = 0;  // trials that failed or are finished; a kill loses those of the batch that is being written (batches.h)
+  std::size_t done = 0;  // finished or failed trials; a kill loses those of the current batch (batches.h)
   std::size_t total = 0;
-  double simulated = 0.0;  // s, of the trials done
-  double share = 0.0;      // of a run of one trial, told while it runs: what of it is simulated
+  double simulated = 0.0;  // s, simulated time of those trials
+  double share = 0.0;      // simulated share of a run of one trial, reported while it runs
 };
 using ProgressCallback = std::function<void(const SweepProgress&)>;
 
@@ -39,111 +39,114 @@ struct SensorSummary {
 
 struct DetectorSummary {
   std::string type;    // "force_ratio"
-  std::string sensor;  // the scene's name of the one it reads
+  std::string sensor;  // name in the scene of the sensor that it reads
   Confusion confusion{};
 };
 
 struct TrialSummary {
   std::size_t trial = 0;
-  std::string params;  // JSON object of what was swept
+  std::string params;  // JSON object of the swept values
   TrialOutcome outcome;
   std::vector<SensorSummary> sensors;
-  std::optional<DetectorSummary> detector;  // empty: the scene has none
-  std::string controller = {};              // "step_on_slip"; empty: the scene has none
-  bool resumed = false;  // read from the dataset that the run went on with, which does not hold what became of units
+  std::optional<DetectorSummary> detector;  // empty: no detector
+  std::string controller = {};              // "step_on_slip"; empty: no controller
+  bool resumed = false;                     // read from the resumed dataset, which lacks the outcomes of units
 };
 
-// Whether each trial runs in a child process, for code of others that may end its process or never return: that fails the trial alone.
+// Runs each trial in a child process, for user code that may end its process or never return: only
+// that trial fails.
 struct Isolation {
   bool on = false;
-  double limit = std::numeric_limits<double>::infinity();  // s that a trial may take
+  double limit = std::numeric_limits<double>::infinity();  // time limit of a trial [s]
   Fork fork = {};                                          // see ChildProcesses
 };
 
 struct SweepOptions {
-  std::string verb = "sweep";  // the command's own name, for the dataset's attribute `command`
+  std::string verb = "sweep";  // name of the command, for the dataset's attribute `command`
   std::string scene_path;
   std::vector<Override> overrides;
-  std::optional<std::uint64_t> seed;  // empty: the scene's
-  std::size_t trials = 0;             // repetitions of each cell of the grid; 0: the scene's
-  std::size_t limit = 0;              // run no more than the first so many trials, repeating cells as often as that needs; 0: all
-  std::optional<std::size_t> only = {};  // run no other than this one of those trials; empty: all
-  std::optional<SweepShard> shard =
-      {};                  // run no other than the trials of this part of the sweep, whose `trials` are not looked at; empty: all
-  bool resume = false;     // go on with what a run of the same that did not come to its end has left of `output`
-  bool keep_units = true;  // in the summary of every trial of several: some 100 B a unit
-  std::size_t jobs = 0;    // worker threads; 0: as many as the machine has, or as their records have room for
+  std::optional<std::uint64_t> seed;     // empty: the scene's
+  std::size_t trials = 0;                // repetitions of each grid cell; 0: the scene's
+  std::size_t limit = 0;                 // maximum number of trials, repeating cells as needed; 0: all
+  std::optional<std::size_t> only = {};  // run only this one of those trials; empty: all
+  std::optional<SweepShard> shard = {};  // run only the trials of this part of the sweep; its `trials` is ignored; empty: all
+  bool resume = false;                   // continue with what an interrupted run of the same sweep left of `output`
+  bool keep_units = true;                // in the summary of every trial of several: some 100 B per unit
+  std::size_t jobs = 0;                  // worker threads; 0: one per hardware thread, as far as memory allows
   Isolation isolation = {};
-  std::string output;                     // dataset; empty: nothing is written
-  Recording recording = Recording::full;  // what the dataset holds of a trial: its outcome alone takes some kB
+  std::string output;                                              // dataset; empty: no output
+  Recording recording = Recording::full;                           // recorded part of a trial; its outcome alone takes some kB
   std::uint64_t shard_limit = DatasetWriter::default_shard_limit;  // bytes
-  const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials end and count for nothing
-  std::function<void()> on_start;  // called once the scene is checked, before anything is written; may be empty
+  const std::atomic<bool>* interrupt = nullptr;                    // once true, running trials end and do not count
+  std::function<void()> on_start;  // called after the scene is checked, before anything is written; may be empty
   std::function<void(const TrialSummary&)> on_trial = {};  // called with each finished trial, in order; may be empty
 };
 
 struct SweepSummary {
   std::uint64_t seed = 0;
-  std::string command;               // canonical
-  Scene scene;                       // of the first trial that runs
-  std::size_t available = 0;         // trials that the scene's sweep has
-  std::size_t planned = 0;           // trials asked for; of a shard its own
-  std::optional<SweepShard> shard;   // empty: the run is no part of another
-  std::vector<TrialSummary> trials;  // finished, in order
-  std::vector<FailedTrial> failed;   // the others, in order
-  std::size_t resumed = 0;           // of the finished, those that an earlier run has simulated
-  std::vector<std::string> damaged;  // batches that an earlier run had left damaged: their trials were simulated again
-  bool was_complete = false;         // there was nothing to resume: the dataset is there, and whole; `trials` is empty
-  std::size_t kept = 0;              // trials in `files`
-  double simulated = 0.0;            // s, of the trials that this run has simulated
-  double computed = 0.0;             // s, what their simulation took on the clock, summed over the workers
-  double shortest_step = 0.0, longest_step = 0.0;  // s, of these trials; 0 where there is none
+  std::string command;                             // canonical
+  Scene scene;                                     // of the first trial to run
+  std::size_t available = 0;                       // trials in the scene's sweep
+  std::size_t planned = 0;                         // requested trials; of a shard, its own
+  std::optional<SweepShard> shard;                 // empty: not a shard
+  std::vector<TrialSummary> trials;                // finished, in order
+  std::vector<FailedTrial> failed;                 // in order
+  std::size_t resumed = 0;                         // finished trials that an earlier run simulated
+  std::vector<std::string> damaged;                // damaged batches of an earlier run, whose trials were simulated again
+  bool was_complete = false;                       // nothing to resume: the dataset exists and is complete; `trials` is empty
+  std::size_t kept = 0;                            // trials in `files`
+  double simulated = 0.0;                          // s, of the trials that this run simulated
+  double computed = 0.0;                           // s, wall-clock time of their simulation, summed over the workers
+  double shortest_step = 0.0, longest_step = 0.0;  // s, of these trials; 0 if there are none
   bool interrupted = false;
-  std::vector<std::string> files;  // written; the batches when interrupted
+  std::vector<std::string> files;  // written files; the batches if interrupted
 };
 
-// The trials that a command chooses from.
+// The trials from which a command selects.
 struct PlannedTrials {
-  TrialPlan plan;         // the scene's sweep, its cells repeated until there are at least options.limit
-  std::size_t asked = 0;  // the first so many of them are asked for; options.only is one of these
+  TrialPlan plan;         // the scene's sweep, with repeated cells until there are at least options.limit trials
+  std::size_t asked = 0;  // number of requested trials, the first of the plan; options.only is one of them
 };
 
-// `file`: with options.overrides; `catalogues` must outlive what comes back; `seed`: the dataset's. Throws InputError as
-// TrialPlan does, and when options.only is none of the trials asked for.
+// `file`: with options.overrides; `catalogues` must outlive the result; `seed`: the dataset's.
+// Throws InputError as TrialPlan does, and if options.only is not a requested trial.
 PlannedTrials plan_trials(const SceneFile& file, const Catalogues& catalogues, const SweepOptions& options, std::uint64_t seed);
 
-// A sweep whose scene has been read and checked, once for all who look at it before and while it runs.
+// A sweep whose scene was read and checked, once for all uses before and during the run.
 struct ReadSweep {
   SceneFile file;  // with the overrides
   std::uint64_t seed = 0;
   PlannedTrials planned;
 };
 
-// `catalogues` must outlive what comes back. Throws InputError as plan_trials() does, and where the scene cannot be read.
+// `catalogues` must outlive the result. Throws InputError as plan_trials() does, and if the scene
+// is unreadable.
 ReadSweep read_sweep(const SweepOptions& options, const Catalogues& catalogues);
 
-// Runs action() where trials run: here, or where they are isolated in a child process. For what builds `trials` of them before the first one runs, and
-// so may run code of others. Throws what it throws, and InputError where its process is lost.
+// Runs action() where trials run: in this process, or, if isolated, in a child process. For actions
+// that build `trials` trials before the first one runs, and so may run user code. Throws the
+// action's exceptions, and InputError if its process crashes.
 std::string run_before_trials(const SweepOptions& options, std::size_t trials, const std::function<std::string()>& action);
 
-// Takes away what a record does not hold where the outcome alone is kept: its empty columns.
+// Removes the empty columns of a record with the outcome alone.
 void keep_outcome(TrialRecord& record);
 
-// TrialPlan::Trial::drawn as a demo's attribute `params`.
+// TrialPlan::Trial::drawn in the form of a demo's attribute `params`.
 std::string params_json(const std::vector<std::pair<std::string, std::string>>& drawn);
 
-// What decides the bytes of a dataset, as a shell would be given it: no --jobs, no -o.
+// The shell command that determines the bytes of a dataset: without --jobs and -o.
 std::string canonical_command(const SweepOptions& options);
 
-// A word as a shell has to be given it.
+// A word quoted for a shell.
 std::string shell_word(const std::string& word);
 
-// Runs the sweep. A trial that fails is noted, in the summary and in the dataset, and the others run. Throws InputError for a
-// scene or a target that cannot be used, and when options.only is none of its trials. What is finished when the target fails is
-// kept in the folder OUT.h5.partial, which the message names. A scene that wishes for accuracy is a std::logic_error: its setting is
-// found before (tools/program/cost). What is written does not depend on `jobs`.
+// Runs the sweep. A failed trial is recorded, in the summary and in the dataset, and the others
+// run. Throws InputError for an invalid scene or target, and if options.only is not one of its
+// trials. If the target fails, finished work is kept in the folder OUT.h5.partial, which the
+// message names. A scene with an accuracy requirement is a std::logic_error: its setting must be
+// found before (tools/program/cost). The output does not depend on `jobs`.
 SweepSummary run_sweep(const SweepOptions& options, const Catalogues& catalogues, const ProgressCallback& progress = {});
-// The same; `read`: read_sweep(options, catalogues).
+// As above; `read`: read_sweep(options, catalogues).
 SweepSummary run_sweep(const ReadSweep& read, const SweepOptions& options, const Catalogues& catalogues,
                        const ProgressCallback& progress = {});
 

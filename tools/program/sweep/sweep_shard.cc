@@ -18,15 +18,16 @@ namespace {
 
 constexpr std::size_t most_estimated = 10'000;  // cells
 
-// Whether a swept value can change what a trial costs.
+// True if a swept value can change the cost of a trial.
 bool costs(std::string_view path) {
   const std::string_view section = path.substr(0, path.find('.'));
   return section == "duration" || section == "time_step" || section == "fidelity" || section == "sensors";
 }
 
-// Ticks times elements, by fidelity: an articulated element takes some hundred times as long as one of a field.
+// Ticks times elements, after the kind of fidelity: an articulated element takes some hundred times
+// as long as one of a field.
 std::pair<bool, double> cost_of(const Scene& scene, std::size_t trial) {
-  constexpr double usual_step = 1e-3;  // s, where the scene leaves the step to the program
+  constexpr double usual_step = 1e-3;  // s, assumed if the scene sets no step
   std::size_t elements = 0;
   for (const SensorScene& sensor : scene.sensors) elements += make_sensor(sensor, scene.seed, trial)->layout().elements.size();
   return {scene.fidelity != "field", scene.duration / scene.time_step.value_or(usual_step) * static_cast<double>(elements)};
@@ -86,7 +87,7 @@ HeldFiles::Stamp HeldFiles::stamp_of(const std::string& path) {
 
 HeldFiles::HeldFiles(const std::set<std::string>& paths) {
   const auto hold = [this](const std::string& path) {
-    stamps_[path] = stamp_of(path);  // before it is read: what changes meanwhile is looked into again
+    stamps_[path] = stamp_of(path);  // before reading: later changes are detected
     digests_[path] = file_sha256(path);
   };
   for (const std::string& path : paths) {
@@ -103,7 +104,7 @@ HeldFiles::HeldFiles(const std::set<std::string>& paths) {
 void HeldFiles::check() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (auto& [path, stamp] : stamps_) {
-    const Stamp now = stamp_of(path);  // before it is read
+    const Stamp now = stamp_of(path);  // before reading
     if (now == stamp) continue;
     std::error_code gone;
     if (std::filesystem::exists(path, gone) && file_sha256(path) == digests_.at(path)) {

@@ -29,7 +29,7 @@
 namespace slipbench {
 namespace {
 
-// One number of every unit; nlohmann writes NaN as null.
+// One value of every unit; nlohmann writes NaN as null.
 template <class Number>
 Json column(const std::vector<UnitOutcome>& units, Number UnitOutcome::*member) {
   Json list = Json::array();
@@ -50,19 +50,19 @@ void add_trial(DetectorScore& score, const TrialOutcome& outcome, const Confusio
   ++score.slipping;
 }
 
-constexpr std::size_t most_read = 64;     // trials whose values are looked at
-constexpr std::size_t most_split = 1024;  // trials whose groups are looked at
-constexpr std::size_t most_built = 3;     // trials that are built to see how long their steps are
-constexpr double longest_trial = 600.0;   // s, on the clock
+constexpr std::size_t most_read = 64;     // trials whose values are read
+constexpr std::size_t most_split = 1024;  // trials whose groups are computed
+constexpr std::size_t most_built = 3;     // trials that are built to find their steps
+constexpr double longest_trial = 600.0;   // s, wall-clock time
 
 constexpr double usual_speed = 1.0;  // m/s
-// In SI. A value within is no surprise.
+// Usual range in SI; values within it cause no warning.
 struct Usual {
   Quantity quantity;
   double least, most;
 };
 constexpr std::array<Usual, 2> usual{{{Quantity::mass, 1e-6, 1e3}, {Quantity::length, 1e-6, 10.0}}};
-// Sensors and effects have lengths of all sizes.
+// Only these keys: sensors and effects have lengths of all sizes.
 constexpr std::array<std::string_view, 5> bodily{"bodies.", "box.", "grip.", "motion.", "surface."};
 
 class Collector {
@@ -96,7 +96,7 @@ class Collector {
     std::size_t last;
   };
   const TrialPlan& plan_;
-  std::size_t trials_;  // looked at
+  std::size_t trials_;  // examined trials
   std::vector<Found> found_;
 };
 
@@ -121,7 +121,7 @@ void look_at_values(const Trace& values, std::size_t trial, Collector& found) {
   }
 }
 
-// A number of the motion; empty where it has none of that name.
+// A number of the motion; empty if it has none of that name.
 std::optional<double> of_motion(const Scene& scene, const std::string& name) {
   const auto& values = scene.motion.parameters.values();
   const auto found = values.find(name);
@@ -156,14 +156,15 @@ void look_at_motion(const Scene& scene, std::size_t trial, Collector& found) {
   }
 }
 
-// One of a texture's two waves, whose length is the parameter `name`. Taken with the pad's axes along the surface's, or square to them, as a pad on a
+// Checks one of a texture's two waves, whose length is the parameter `name`. Assumes the pad's axes
+// parallel or perpendicular to the surface's, as on a stage.
 // stage stands.
 void look_at_wave(const Scene& scene, std::size_t trial, const Parameters& texture, const std::string& name, Collector& found) {
-  constexpr double lost = 0.1;  // share of a wave below which harmonics stand out in what is read
+  constexpr double lost = 0.1;  // share of a wave below which harmonics dominate the reading
   const double wavelength = texture.number(name), angle = texture.number("angle");
   const Eigen::Vector2d k = 2.0 * std::numbers::pi / wavelength * Eigen::Vector2d(math::cos(angle), math::sin(angle));
   for (const SensorScene& sensor : scene.sensors) {
-    if (sensor.friction || !sensor.follows.empty()) continue;  // no effects, or the points of another
+    if (sensor.friction || !sensor.follows.empty()) continue;  // no effects, or the points of another sensor
     const std::unique_ptr<Sensor> made = make_sensor(sensor, scene.seed, trial);
     const PadLayout& layout = made->layout();
     for (const UnitRange& unit : layout.units) {
@@ -212,7 +213,7 @@ void look_at_material(const Trace& values, const TrialPlan& plan, std::size_t tr
                         plan.where(trial, "friction.static")));
 }
 
-// Ten minutes or more, to two digits.
+// A duration of ten minutes or more, to two digits.
 std::string long_time_text(double seconds) {
   if (seconds < 7200.0) return fmt::format("{:.0f} min", seconds / 60.0);
   return seconds < 172800.0 ? fmt::format("{:.0f} h", seconds / 3600.0) : fmt::format("{:.2g} days", seconds / 86400.0);
@@ -307,7 +308,7 @@ std::vector<Warning> scene_warnings(const ReadSweep& read, const SweepOptions& s
     for (const Json& one : Json::parse(run_before_trials(sweep, std::min(numbers.size(), most_read), look)))
       warnings.push_back({one.at("about"), one.at("text")});
   } catch (const InputError&) {
-    // Running it says why.
+    // Running the trial reports the reason.
   }
   if (!sweep.output.empty()) std::ranges::move(split_warnings(planned.plan, numbers), std::back_inserter(warnings));
   return warnings;

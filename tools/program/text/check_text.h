@@ -1,4 +1,4 @@
-// Text that `check` prints.
+// Text output of `check`.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace slipbench {
 
-// A table with a row an expectation, how the detectors did, and for each expectation that failed why it did and the command that repeats its worst trial.
+// A table with one row per expectation, the detectors' scores, and for each failed expectation the
+// reason and the command that repeats its worst trial.
 std::string check_text(const SceneCheck& check, const Style& style);
 
 }  // namespace slipbench

@@ -110,7 +110,7 @@ CatalogueItem material_item(const Material& material) {
   return {materials, std::move(entry), material};
 }
 
-// Those of `kind`, each name once.
+// The items of `kind`, each name once.
 std::vector<CatalogueItem> items_of(const std::vector<CatalogueItem>& items, const CatalogueKind& kind) {
   std::vector<CatalogueItem> found;
   for (const CatalogueItem& item : items) {
@@ -123,14 +123,14 @@ std::vector<CatalogueItem> items_of(const std::vector<CatalogueItem>& items, con
 std::vector<std::string> kind_names() {
   std::vector<std::string> names;
   for (const CatalogueKind& kind : kinds) names.emplace_back(kind.plural);
-  names.emplace_back("recipes");  // which is no catalogue of scenes
+  names.emplace_back("recipes");  // recipes are not a catalogue of scenes
   return names;
 }
 
-// A name, and what is to say of it beside it from `column` + 4 on.
+// A name with its summary, wrapped from column `column` + 4 on.
 std::string named_line(const std::string& name, const std::string& summary, std::size_t column, std::size_t width) {
   std::string lines = wrap_text(summary, width, column + 4);
-  // The name takes the place of the first line's margin.
+  // The name replaces the margin of the first line.
   return lines.replace(0, column + 4, fmt::format("  {}{}  ", name, std::string(column - name.size(), ' ')));
 }
 
@@ -141,7 +141,7 @@ std::string percent(double value) { return std::isnan(value) ? "-" : fmt::format
 std::string percent(const MeanSd& value) { return fmt::format("{} +- {}", percent(value.mean), percent(value.sd)); }
 std::string milliseconds(double value) { return std::isnan(value) ? "-" : fmt::format("{:.1f}", 1e3 * value); }
 
-// Accuracy comes last: it goes by what is common.
+// Accuracy comes last: frequent classes dominate it.
 struct Figure {
   const char* name;
   double (*of)(const Confusion&);
@@ -261,8 +261,8 @@ std::string scene_example(const CatalogueItem& item, const Catalogues& catalogue
     return entry.name == "scatter" ? "grip: {}\n" + key : key;
   }
   if (item.kind.plural == contact.plural) {
-    // Most materials have two coefficients of friction, and MuJoCo's contact knows one. By its defaults, tips of 0.1 g are thrown
-    // about at a step of 1 ms; these hold.
+    // Most materials have two coefficients of friction, but MuJoCo's contact has one. With its
+    // defaults, tips of 0.1 g bounce at a step of 1 ms; these values are stable.
     return fmt::format(
         "fidelity: mujoco_contact\nfriction: {{static: 0.5, kinetic: 0.5}}\n{}:\n  integrator: discrete\n  cone: elliptic\n"
         "  impratio: 10\n  solref: [0.002, 1]\n  solimp: [0.99, 0.999, 0.001]\n  tip_mass: 10 g\n",
@@ -284,7 +284,7 @@ std::string describe_text(const CatalogueItem& item, const Catalogues& catalogue
     text += fmt::format("\n{}\n", style.bold("Friction against the pad's silicone"));
     text += fmt::format("  mu_static  {}\n  mu_kinetic {}\n", item.material->mu_static, item.material->mu_kinetic);
   }
-  // A law is a set of equations: its line breaks are its own.
+  // A law is a set of equations: its line breaks are kept.
   if (!entry.law.empty()) text += fmt::format("\n{}\n", style.bold("Law")) + wrap_text(entry.law, width, 2);
   if (!entry.source.empty()) text += fmt::format("\n{}\n", style.bold("Source")) + wrap_text(entry.source, width, 2);
   if (!entry.parameters.empty()) {
@@ -292,7 +292,7 @@ std::string describe_text(const CatalogueItem& item, const Catalogues& catalogue
     for (const ParameterSpec& spec : entry.parameters) text += parameter_text(spec, style, width);
   }
   text += fmt::format("\n{} ({})\n", style.bold("In a scene"), item.kind.use);
-  // Not wrapped: it is there to be copied.
+  // Not wrapped, for copying.
   text += wrap_text(scene_example(item, catalogues), std::string::npos, 2);
   return text;
 }

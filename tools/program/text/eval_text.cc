@@ -38,10 +38,10 @@ using cost::Exploration;
 using cost::Price;
 using cost::Row;
 
-// Those of a line: what a terminal has room for. The page and --json have all.
+// Measures in a terminal line, for lack of space. The page and --json have all.
 constexpr std::array shown{Measure::onset, Measure::force, Measure::label, Measure::creep, Measure::outcome, Measure::detector};
 
-// Settings that are named of those that one reason has kept from running.
+// Number of settings listed per reason for not running.
 constexpr std::size_t most_named = 3;
 
 std::vector<Measure> measures_of(const Exploration& exploration) {
@@ -98,7 +98,7 @@ std::string settings_text(const Exploration& exploration, const Style& style) {
   return table.text(style);
 }
 
-// Each reason once, with the first few that did not run for it.
+// Each reason once, with the first few settings that it affects.
 std::string failures_text(const Exploration& exploration, std::size_t width) {
   std::vector<std::pair<std::string, std::vector<std::string>>> reasons;
   for (const Row& row : exploration.rows) {

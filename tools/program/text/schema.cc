@@ -35,7 +35,8 @@ constexpr std::array quantity_names{
     "number",    "length", "time", "speed",     "acceleration", "angle",   "angular_speed", "angular_acceleration",
     "frequency", "force",  "mass", "stiffness", "damping",      "pressure"};
 
-// Pattern for the sign of a text such as "4 mm". A pattern cannot check bounds other than 0 in a text with a unit.
+// Pattern for the sign of a text such as "4 mm". A pattern cannot check other bounds in a text with
+// a unit.
 enum class Sign { any, non_negative, positive };
 
 Sign sign_of(const Range& range) {
@@ -45,7 +46,7 @@ Sign sign_of(const Range& range) {
 
 Json reference(const std::string& definition) { return {{"$ref", "#/$defs/" + definition}}; }
 
-// YAML reads the texts true and false as booleans.
+// YAML reads the texts true and false as booleans, so both forms are allowed.
 template <class Texts>
 Json any_of_texts(const Texts& texts) {
   Json list = Json::array();
@@ -74,7 +75,7 @@ Json described(Json schema, const std::string& text) {
   return result;
 }
 
-// The spellings of a unit, as a regular expression.
+// The spellings of a unit as a regular expression.
 std::string unit_pattern(std::string_view symbol) {
   if (symbol == "N s/m") return "N ?s/m";
   std::string pattern(symbol);
@@ -96,7 +97,7 @@ std::vector<std::string> unit_patterns(Quantity quantity) {
   return patterns;
 }
 
-// A default as JSON, as an editor puts it into a scene.
+// A default as JSON, as an editor inserts it into a scene.
 Json default_json(const ParameterSpec& spec, const std::string& text) {
   if (spec.type == ParameterType::flag) return text == "true";
   if (spec.type != ParameterType::integer && (spec.type != ParameterType::number || spec.quantity != Quantity::none)) return text;
@@ -142,7 +143,7 @@ class SceneSchema {
   }
 
  private:
-  // Defines a schema once; returns a reference to it.
+  // Defines a schema once and returns a reference to it.
   Json define(const std::string& name, Json schema) {
     defs_[name] = std::move(schema);
     return reference(name);
@@ -155,7 +156,8 @@ class SceneSchema {
     return {{"anyOf", {{{"type", "number"}}, {{"type", "string"}, {"pattern", quantity_pattern(units, Sign::any)}}}}};
   }
 
-  // Texts that are a quantity: with a unit, or a number that YAML 1.1 reads as text, such as 1e-3.
+  // Schema of texts for a quantity: with a unit, or a number that YAML 1.1 reads as text, such as
+  // 1e-3.
   Json quantity_text(Quantity quantity, Sign sign) {
     const char* const prefix = sign == Sign::positive ? "positive_" : sign == Sign::non_negative ? "non_negative_" : "";
     const std::string name = prefix + std::string(quantity_names.at(static_cast<std::size_t>(quantity)));
@@ -212,7 +214,7 @@ class SceneSchema {
     throw std::logic_error("no such parameter type");
   }
 
-  // With its sentence, what is allowed, and its default.
+  // A parameter with its description, allowed values and default.
   Json parameter(const ParameterSpec& spec) {
     Json schema =
         described(value(spec), fmt::format("{}{}Allowed: {}.", spec.doc, spec.doc.empty() ? "" : " ", allowed_text(spec)));
@@ -220,7 +222,7 @@ class SceneSchema {
     return schema;
   }
 
-  // One of the scene's own values, whose sentence the root has.
+  // A value of the scene itself, which the root describes.
   Json plain(const ParameterSpec& spec) {
     Json schema = value(spec);
     schema["default"] = default_of_parameter(spec);
@@ -240,7 +242,7 @@ class SceneSchema {
     return described(closed_object(std::move(properties)), entry.summary);
   }
 
-  // A map whose `selector` names one of `entries`. Defines each as SECTION_NAME.
+  // A map in which `selector` names one of `entries`. Defines each as SECTION_NAME.
   Json chosen(const std::string& section, const std::string& selector, const std::vector<Entry>& entries, const Json& other_keys,
               std::vector<std::string> others = {}) {
     std::vector<std::string> names;
@@ -275,7 +277,7 @@ class SceneSchema {
     return {{"type", "array"}, {"uniqueItems", true}, {"items", {{"anyOf", {any_of_texts(names), std::move(map)}}}}};
   }
 
-  // The parameters of an entry of a list. Sensors that have the same part share its definition.
+  // The parameters of an entry of a list. Sensors with the same part share its definition.
   Json part(const Entry& entry, const std::string& section) {
     Json schema = entry_object(entry, Json::object());
     std::string name = section + "_" + entry.name;
@@ -343,7 +345,7 @@ class SceneSchema {
          {"scale", parameter(scale_spec)}});
   }
 
-  // The material's are the defaults.
+  // A coefficient of friction; the material's value is the default.
   static ParameterSpec coefficient(std::string name, std::string doc) {
     ParameterSpec spec = coefficient_spec;
     spec.name = std::move(name);
@@ -427,11 +429,12 @@ class SceneSchema {
     values["split"] = entry_object(split_entry, Json::object());
     values["surface"] = surface();
     values["time_step"] = {{"anyOf", {{{"const", "auto"}}, value(time_step_spec)}}, {"default", "auto"}};
-    values["sweep"] = sweep();  // last: it refers to the definitions of the others
+    values["sweep"] = sweep();  // last: it refers to the other definitions
     return values;
   }
 
-  // Rules between keys. A sweep can add keys to the scene, so some rules do not apply to scenes with a sweep.
+  // Rules between keys. A sweep can add keys to the scene, so some rules do not apply to scenes
+  // with a sweep.
   Json root_rules() {
     const Json motions = any_of_texts(arm_motions_);
     const Json arm{{"properties", {{"kind", motions}}}, {"allOf", {without("kind", reference("motion_lift"))}}};
@@ -484,7 +487,7 @@ class SceneSchema {
         {"type", "object"}, {"properties", {{"draw", any_of_texts(names)}}}, {"required", {"draw"}}, {"allOf", std::move(rules)}};
   }
 
-  // An axis of values that fit `item`, or a draw.
+  // A list of values that fit `item`, or a draw.
   static Json swept_value(const Json& item) {
     const Json values{{"type", "array"}, {"minItems", 1}, {"items", item}};
     return {{"anyOf", {values, {{"allOf", {reference("draw"), {{"properties", {{"values", {{"items", item}}}}}}}}}}}};
@@ -502,7 +505,8 @@ class SceneSchema {
     for (const std::string& key : keys) properties[key] = reference("axis");
     for (const auto& spec : {duration_spec, fidelity_spec, field_solver_spec, gravity_spec, integrator_spec})
       properties[spec.name] = swept_value(value(spec));
-    // The parameters of sections whose maps are closed; the values fit one of the entries that have the parameter.
+    // The parameters of sections with closed maps; the values fit one of the entries with that
+    // parameter.
     std::map<std::string, Json> schemas;
     const auto add = [&](const std::string& section, const std::string& key, const std::string& definition) {
       Json& any = schemas[section + "." + key];

@@ -1,4 +1,4 @@
-// The JSON Schema of scenes, for editors and for programs that write scenes.
+// The JSON Schema of scenes, for editors and for programs that generate scenes.
 #pragma once
 
 #include "sim/scene/catalogues.h"
@@ -6,10 +6,10 @@
 
 namespace slipbench {
 
-// The JSON Schema (draft 2020-12) of scenes that draw from `catalogues`, made from the declarations that the scene parser
-// reads. It describes a scene as written, before its sweep: what only a whole scene can tell, such as a kinetic
-// coefficient above the static one, is left to `slipbench check`. Throws std::logic_error where a key of the scene has
-// no schema.
+// The JSON Schema (draft 2020-12) of scenes with `catalogues`, generated from the declarations that
+// the scene parser reads. It describes a scene as written, before its sweep; conditions on the
+// whole scene, such as a kinetic coefficient that must not exceed the static one, are left to
+// `slipbench check`. Throws std::logic_error if a key of the scene has no schema.
 Json scene_schema(const Catalogues& catalogues);
 
 }  // namespace slipbench

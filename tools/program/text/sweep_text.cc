@@ -23,31 +23,31 @@
 namespace slipbench {
 namespace {
 
-constexpr std::size_t units_in_full = 40;             // of a sensor with more, those that touch alone have a row
-constexpr double degrees = 180.0 / std::numbers::pi;  // of one radian
+constexpr std::size_t units_in_full = 40;             // a sensor with more shows only touching units
+constexpr double degrees = 180.0 / std::numbers::pi;  // per radian
 constexpr std::array<const char*, 4> state_names{"none", "non-slip", "incipient", "gross"};
 
-// "P0" where the sensor names its units so ("P0_FX"), else the unit's number.
+// "P0" if the sensor names its units like this ("P0_FX"), else the unit's number.
 std::string unit_name(const Sensor& sensor, std::size_t unit) {
   const Channel& first = sensor.channels().front();
   const std::size_t units = sensor.layout().units.size();
   if (first.shape.front() == units) {
     const std::string& name = first.channel_names.at(unit * (first.size() / units));
-    const bool own = name.starts_with(first.name + '_');  // "force_3_0" of a sensor of one's own
+    const bool own = name.starts_with(first.name + '_');  // "force_3_0" of a custom sensor
     if (const std::size_t end = name.find('_'); end != std::string::npos && !own) return name.substr(0, end);
   }
   return std::to_string(unit);
 }
 
-// "1", ... in the order in which the units slipped; "-" for one that never did.
+// Rank "1", ... in the order of the units' slip; "-" without slip.
 std::string rank_text(const std::vector<UnitOutcome>& units, double onset) {
-  constexpr double tie = 1e-9;  // s, the same instant but for rounding
+  constexpr double tie = 1e-9;  // s, equal except for rounding
   if (std::isnan(onset)) return "-";
   return std::to_string(
       1 + std::count_if(units.begin(), units.end(), [&](const UnitOutcome& unit) { return unit.onset_time < onset - tie; }));
 }
 
-// A slipping unit's margin is zero but for rounding: no minus sign before it.
+// A slipping unit's margin is zero except for rounding: without a minus sign.
 std::string margin_text(float margin) {
   if (std::isnan(margin)) return "-";
   return fmt::format("{:.3f}", std::abs(margin) < 5e-4F ? 0.0F : margin);
@@ -79,7 +79,7 @@ std::string sensor_text(const SensorSummary& sensor, const SensorAbout& about, c
   return title + (left_out == units ? "" : table.text(style)) + others + class_text(sensor.state_count, sensor.state_micro_count);
 }
 
-// A value as a person reads it: four digits in the most readable unit.
+// A value for display: four digits in the most readable unit.
 std::string short_quantity(double value, Quantity quantity) {
   const std::string exact = format_quantity(value, quantity);
   const std::size_t space = exact.find(' ');
@@ -102,7 +102,7 @@ std::string motion_values(const Scene& scene, const Catalogues& catalogues) {
   return text;
 }
 
-// How long the incipient phase warned of the gross slip.
+// Time from the first micro-slip to gross slip.
 std::string gross_text(const TrialOutcome& outcome, const Style& style) {
   if (std::isnan(outcome.first_micro_slip_time)) return "  nothing slips\n";
   if (std::isnan(outcome.gross_slip_time)) {
@@ -112,7 +112,7 @@ std::string gross_text(const TrialOutcome& outcome, const Style& style) {
                      onset_text(outcome.gross_slip_time), 1e3 * (outcome.gross_slip_time - outcome.first_micro_slip_time));
 }
 
-// A row of the sweep's table: how many trials came to this, and when.
+// A row of the sweep's table: number of trials that reached this stage, and the times.
 std::vector<std::string> stage_row(const std::string& name, const std::vector<TrialSummary>& trials, double TrialOutcome::*time) {
   std::vector<double> times;
   for (const TrialSummary& trial : trials) {
@@ -129,10 +129,10 @@ std::string milliseconds_text(double time) { return std::isnan(time) ? "-" : fmt
 
 std::string count_of_text(std::size_t count, std::size_t of) { return of == 0 ? "-" : fmt::format("{} of {}", count, of); }
 
-// What stands before its figures: "force_ratio", "oracle (truth)".
+// Title of a detector's figures: "force_ratio", "oracle (truth)".
 std::string detector_title(const std::string& type) { return type == oracle_type ? fmt::format("oracle ({})", type) : type; }
 
-// How one trial's grasp ended.
+// Outcome of one trial's grasp.
 std::string grasp_text(const GraspOutcome& grasp, const Style& style) {
   std::string text = grasp.dropped        ? fmt::format("  {} at {}", style.bold("dropped"), onset_text(grasp.drop_time))
                      : grasp.not_lifted() ? fmt::format("  {}: the box stays on the table", style.bold("not lifted"))
@@ -154,7 +154,7 @@ std::string hold_text(const HoldOutcome& hold, const Style& style) {
                      onset_text(hold.from));
 }
 
-// Of the trials whose scene has `hold`; empty where none has.
+// Outcomes of the trials whose scene has `hold`; empty if there are none.
 std::string holds_text(const std::vector<TrialSummary>& trials, const Style& style) {
   std::size_t held = 0, all = 0;
   for (const TrialSummary& trial : trials) {
@@ -168,7 +168,8 @@ std::string holds_text(const std::vector<TrialSummary>& trials, const Style& sty
                      100.0 * share.high);
 }
 
-// "force_ratio (ratio 0.3)": a detector or controller with its swept parameters. `key`: where these stand in the scene.
+// A detector or controller with its swept parameters: "force_ratio (ratio 0.3)". `key`: their path
+// in the scene.
 std::string with_parameters(const std::string& type, const std::string& key, const Json& params) {
   std::string values;
   for (const auto& [path, value] : params.items()) {
@@ -181,14 +182,14 @@ std::string with_parameters(const std::string& type, const std::string& key, con
   return values.empty() ? detector_title(type) : fmt::format("{} ({})", detector_title(type), values);
 }
 
-// What decides the row of a grasp.
+// Name of the grasp's row; trials with equal names share a row.
 std::string grasp_name(const TrialSummary& trial, bool parameters) {
   const auto params = parameters ? Json::parse(trial.params) : Json::object();
   return fmt::format("{}, {}", trial.detector ? with_parameters(trial.detector->type, "detector", params) : "no detector",
                      trial.controller.empty() ? "no controller" : with_parameters(trial.controller, "controller", params));
 }
 
-// The trials that are grasps by their rows' names, in order of each name's first trial.
+// The grasps by row name, in order of each name's first trial.
 using NamedGrasps = std::vector<std::pair<std::string, std::vector<const TrialSummary*>>>;
 
 NamedGrasps named_grasps(const std::vector<TrialSummary>& trials, bool parameters) {
@@ -202,7 +203,7 @@ NamedGrasps named_grasps(const std::vector<TrialSummary>& trials, bool parameter
   return groups;
 }
 
-// Of the values that are there; NaN: none is.
+// Median of the values that are not NaN; NaN if there are none.
 template <class Value>
 double median_of(const std::vector<const TrialSummary*>& trials, const Value& value) {
   std::vector<double> values;
@@ -230,7 +231,7 @@ std::string grasps_text(const std::vector<GraspRow>& rows, const Style& style) {
   return fmt::format("{}: medians; slip and turn of the held\n", style.heading("grasps")) + table.text(style);
 }
 
-// Names the trial's sensors that had values beyond their range.
+// Lists the trial's sensors that had values beyond their range.
 std::string saturation_text(const TrialSummary& trial, const Style& style) {
   std::string text;
   for (const SensorSummary& sensor : trial.sensors) {
@@ -243,7 +244,7 @@ std::string saturation_text(const TrialSummary& trial, const Style& style) {
   return text;
 }
 
-// The same of a sweep.
+// As above, for a sweep.
 std::string saturations_text(const std::vector<TrialSummary>& trials, const Style& style) {
   std::map<std::string, std::pair<std::size_t, std::uint64_t>> by_sensor;
   for (const TrialSummary& trial : trials) {
@@ -260,7 +261,7 @@ std::string saturations_text(const std::vector<TrialSummary>& trials, const Styl
   return text;
 }
 
-// What one trial's detector did about the slip.
+// Result of one trial's detector.
 std::string detection_text(const TrialOutcome& outcome) {
   switch (outcome.detection.value()) {
     case Detection::quiet: return "no slip to see, and no alarm";
@@ -317,7 +318,7 @@ std::string scene_text(const Scene& scene, const Catalogues& catalogues, const S
     for (const BodyScene& body : scene.bodies) bodies += (bodies.empty() ? "" : ", ") + body.name;
     text += wrap_text("bodies:  " + bodies, width, 2);
   }
-  // Where every sensor is at a site of the model there is no stage.
+  // If every sensor is at a site of the model, there is no stage.
   const bool on_stage = !scene.dynamic() || std::ranges::any_of(scene.sensors, [](const SensorScene& sensor) {
     return sensor.site.empty() && sensor.follows.empty();
   });
@@ -457,7 +458,7 @@ Json grasp_json(const std::vector<GraspRow>& rows) {
 }
 
 std::string speed_text(const SweepSummary& summary, double elapsed) {
-  constexpr double shortest = 1e-9;  // s, keeps the rates finite
+  constexpr double shortest = 1e-9;  // s, avoids infinite rates
   const double seconds = std::max(elapsed, shortest);
   std::string text = fmt::format("{:g} s simulated in {:.3g} s: {} x real time", summary.simulated, elapsed,
                                  short_count(summary.simulated / seconds));

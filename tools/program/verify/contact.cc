@@ -18,11 +18,11 @@
 namespace slipbench::verify {
 namespace {
 
-// Poses are float32, and a pad between two steps of the simulation is recorded on the straight way between them [m].
+// m: poses are float32, and a pad between two simulation steps is recorded by linear interpolation.
 constexpr double slack = 1e-5;
-constexpr double of_force = 1e-5;  // of the normal force: a float32
+constexpr double of_force = 1e-5;  // of the normal force: float32
 
-// Effects by which f_n is not k_n times the depth in the body's shape.
+// Effects with which f_n is not k_n times the depth in the body's shape.
 constexpr std::array springs_changed_by{"viscoelastic", "lean", "elastic_skin", "inertia", "asperities", "roughness", "texture"};
 
 struct TouchedBody {
@@ -30,7 +30,7 @@ struct TouchedBody {
   const BodyRecord* motion;
 };
 
-// Of a shape of the catalogue of bodies; nothing for one that it does not have.
+// Surface of a shape of the catalogue of bodies; empty for other shapes.
 std::optional<Surface> surface_of(const Named& shape) {
   const Parameters& p = shape.parameters;
   if (shape.name == "box") return Box{0.5 * Eigen::Vector3d::Map(p.vector("size").data())};
@@ -48,7 +48,7 @@ Pose pose_in(const BodyRecord& body, std::size_t row) {
   return {turn.normalized().toRotationMatrix(), {p[0], p[1], p[2]}};
 }
 
-// Why the check cannot be made; empty: it can.
+// Reason why the check is not possible; empty if it is.
 std::string reason_against(const Scene& scene, const SensorScene& sensor, const SensorRecord& record, const TrialRecord& trial) {
   if (!scene.dynamic()) return "scenes without bodies: the run itself refuses a pad that comes through the stage's surface";
   if (scene.fidelity != "field") return fmt::format("fidelity {}", scene.fidelity);

@@ -18,7 +18,7 @@ namespace {
 
 struct About {
   const char* name;
-  const char* of;  // what is counted
+  const char* of;  // counted items
 };
 constexpr std::array<About, 7> about{{{"digests", "trials"},
                                       {"order", "trials"},
@@ -28,7 +28,7 @@ constexpr std::array<About, 7> about{{{"digests", "trials"},
                                       {"cone", "samples of units"},
                                       {"contact", "samples of units"}}};
 
-// An event at the instant of a sample may stand on either side of it [s].
+// s; an event at the instant of a sample may count before or after it.
 constexpr double same_instant = 1e-9;
 constexpr double of_a_sample = 1e-6;
 
@@ -45,12 +45,13 @@ void check_rising(const std::vector<double>& times, std::optional<double> rate, 
   }
 }
 
-// Values of a column, of which row i may be NaN where `nan(i)`, and is NaN there where `always`.
+// Checks the values of a column: finite, except that row i may be NaN if `nan(i)`, and must be NaN
+// then if `always`.
 template <class T, class Nan>
 void check_finite(const std::vector<T>& values, std::size_t rows, const Where& where, Verification& verification, const Nan& nan,
                   bool always = false) {
   verification.count(Check::values, values.size());
-  bool finite = true;  // without a branch: nearly always
+  bool finite = true;  // without a branch, since nearly all values are finite
   for (const T value : values) finite = finite & (std::abs(value) <= std::numeric_limits<T>::max());
   if (finite && !always) return;
   const std::size_t width = rows == 0 ? 1 : std::max<std::size_t>(1, values.size() / rows);
@@ -68,7 +69,7 @@ constexpr auto never = [](std::size_t) { return false; };
 constexpr std::array<UnitState, 6> state_after{UnitState::stick,    UnitState::slip,    UnitState::stick,
                                                UnitState::detached, UnitState::partial, UnitState::partial};
 
-// The first time of each unit of events whose kind `counts`.
+// For each unit the first time of an event whose kind `counts`.
 template <class Counts>
 std::vector<double> first_times(const LabelRecord& labels, const Counts& counts) {
   std::vector<double> first(labels.units(), std::numeric_limits<double>::quiet_NaN());
@@ -128,13 +129,13 @@ class EventCheck {
     }
   }
 
-  // The state of each sample is that after the last event before it.
+  // The state of each sample must be that after the last event before it.
   void check_unit(std::size_t unit) {
     std::vector<std::size_t> events;
     for (std::size_t e = 0; e < labels_.event_time.size(); ++e) {
       if (labels_.event_unit[e] == unit) events.push_back(e);
     }
-    std::size_t before = 0, until = 0;  // events surely before the sample, and those that may be
+    std::size_t before = 0, until = 0;  // events certainly before the sample, and those possibly before it
     for (std::size_t row = 0; row < time_.size(); ++row) {
       while (before < events.size() && labels_.event_time[events[before]] <= time_[row] - same_instant) ++before;
       while (until < events.size() && labels_.event_time[events[until]] <= time_[row] + same_instant) ++until;
@@ -161,7 +162,7 @@ class EventCheck {
       };
       const std::size_t touching = at_least(UnitState::stick), micro = at_least(UnitState::slip);
       const auto whole = static_cast<std::size_t>(std::ranges::count(states, static_cast<std::uint8_t>(UnitState::slip)));
-      // A pad of a single unit has none that could be told apart: strict is micro there.
+      // For a pad of a single unit the rules strict and micro are the same.
       const auto expected = static_cast<std::uint8_t>(pad_state(touching, micro));
       if (units > 1 && labels_.state[row] != static_cast<std::uint8_t>(pad_state(touching, whole)))
         fail("state", row,
@@ -181,10 +182,9 @@ class EventCheck {
   Verification& verification_;
 };
 
-// The slip's translation is the mean velocity of the units that slip, whole or in part
-// (sim/field/unit_rules.h). Where that is no motion beside the fastest of them, as at the rim of a
-// dome that is pressed straight and spreads to all sides, it has no direction. Velocities are
-// float32.
+// The slip's translation is the mean velocity of the units that slip, as a whole or in part
+// (sim/field/unit_rules.h). If it is negligible against the fastest unit, as at the rim of a dome
+// that is pressed straight and spreads to all sides, it has no direction. Velocities are float32.
 constexpr double no_motion = 1e-6, rounding_of_velocity = 2e-7;
 
 void check_slip_direction(const LabelRecord& labels, const Where& where, Verification& verification) {
@@ -228,7 +228,7 @@ void check_label_values(const SensorRecord& sensor, std::size_t trial, Verificat
   check_finite(
       labels.stuck_fraction, rows, at("stuck_fraction"), verification, [&](std::size_t row) { return !touches(row); }, true);
   check_slip_direction(labels, at("slip_direction"), verification);
-  // Its NaN says besides that the slip does not turn.
+  // NaN here also means that the slip does not rotate.
   check_finite(labels.slip_centre, rows, at("slip_centre"), verification, [](std::size_t) { return true; });
   for (const auto& [name, values] : {std::pair{"unit_positions", &labels.unit_positions},
                                      {"unit_heights", &labels.unit_heights},
@@ -244,12 +244,12 @@ void check_label_values(const SensorRecord& sensor, std::size_t trial, Verificat
   }
 }
 
-// Labels are float32, so that both sides of the law are rounded at 6e-8 of the force.
+// Labels are float32, so both sides of the law are rounded at 6e-8 of the force.
 constexpr double relative = 1e-6;
 constexpr double least_force = 1e-9;  // N
 constexpr double of_margin = 1e-5;
 
-// Whether the elements of a pad look in several directions, as those of a fingertip do.
+// True if the elements of a pad point in several directions, as those of a fingertip do.
 bool is_curved(const PadLayout& layout) {
   return std::ranges::any_of(layout.elements,
                              [&](const Element& element) { return element.axis != layout.elements.front().axis; });
@@ -309,7 +309,7 @@ Json Verification::json() const {
 
 void check_times(const TrialRecord& record, Verification& verification) {
   for (const SensorRecord& sensor : record.sensors) {
-    // What was recorded elsewhere has the steps that were recorded.
+    // Imported recordings keep their recorded steps.
     const auto rate = sensor.labels.truth ? std::optional(sensor.rate) : std::nullopt;
     check_rising(sensor.time, rate, {record.trial, sensor_group(sensor.name) + "/t"}, verification);
     for (const SensorColumn& channel : sensor.channels) {
@@ -324,7 +324,7 @@ void check_times(const TrialRecord& record, Verification& verification) {
 
 void check_values(const TrialRecord& record, Verification& verification) {
   for (const SensorRecord& sensor : record.sensors) {
-    // A recording that was imported with `missing: nan` has NaN for values that its source lacks.
+    // A recording imported with `missing: nan` has NaN for values that its source lacks.
     const auto missing = [recorded = !sensor.labels.truth](std::size_t) { return recorded; };
     for (const SensorColumn& channel : sensor.channels) {
       const std::size_t rows = channel.time ? channel.time->size() : sensor.time.size();

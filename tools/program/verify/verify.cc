@@ -31,7 +31,7 @@ using verify::Verification;
 
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-// s that one process may take: damage can make HDF5 run for ever.
+// Time limit of one process [s]: damage can make HDF5 loop endlessly.
 double longest_part(const DatasetReader& reader) {
   double megabytes = 0.0;
   for (const std::string& file : reader.files()) megabytes += 1e-6 * static_cast<double>(std::filesystem::file_size(file));
@@ -43,7 +43,7 @@ class DatasetCheck {
   explicit DatasetCheck(const std::string& path)
       : reader_(dataset_header_at(path)), catalogues_(program_catalogues()), digests_(reader_.files().size()) {}
 
-  // By a process for each hardware thread, which damage may end.
+  // Uses one process per hardware thread; damage may crash it.
   Json run(const std::string& path) {
     check_order();
     const std::size_t parts = std::max(1U, std::thread::hardware_concurrency());
@@ -72,7 +72,7 @@ class DatasetCheck {
   }
 
  private:
-  // Part `part` of `parts` of the trials: what is found, and their digests.
+  // Part `part` of `parts` of the trials: its results and digests.
   std::string check_part(std::size_t part, std::size_t parts) {
     verification_ = {};
     const std::vector<std::size_t>& trials = reader_.trials();
@@ -88,7 +88,7 @@ class DatasetCheck {
     return dumped(found);
   }
 
-  // What reading refuses does not hold.
+  // Records a read error as a failure of the check.
   template <class Action>
   void hold(Check check, std::optional<std::size_t> trial, const Action& action) {
     try {
@@ -98,7 +98,7 @@ class DatasetCheck {
     }
   }
 
-  // `record`: what has been read of the trial; null: it could not be.
+  // `record`: the trial as read; null: unreadable.
   std::optional<Digest> check_digest(std::size_t trial, const TrialRecord* record) {
     std::optional<Digest> found;
     hold(Check::digests, trial, [&] {
@@ -217,7 +217,7 @@ class DatasetCheck {
     });
   }
 
-  // A sensor's labels have its times, and num_samples is the bodies' count.
+  // A sensor's labels must have its times, and num_samples must be the bodies' count.
   void check_samples(std::size_t trial, const TrialRecord& record) {
     for (const SensorRecord& sensor : record.sensors) {
       if (!has_labels(sensor.labels)) continue;
@@ -231,7 +231,7 @@ class DatasetCheck {
     }
   }
 
-  // Coulomb's law, and contact with one surface.
+  // Checks Coulomb's law, and contact with one surface.
   void check_laws(const TrialRecord& record) {
     std::optional<Scene> scene;
     try {
@@ -256,12 +256,12 @@ class DatasetCheck {
 
   DatasetReader reader_;
   Catalogues catalogues_;
-  std::optional<SceneFile> scene_;                                    // with what was set
+  std::optional<SceneFile> scene_;                                    // with the overrides
   std::vector<std::vector<std::pair<std::size_t, Digest>>> digests_;  // by file
   Verification verification_;
 };
 
-// Which file of its dataset it is.
+// Index of the file in its dataset.
 std::uint64_t shard_of(const std::string& path) {
   check_readable(FileKind::dataset_file, path);
   const std::optional<FileAbout> about = file_about(path);
@@ -269,7 +269,7 @@ std::uint64_t shard_of(const std::string& path) {
   return about->shard;
 }
 
-// Several shards against each other.
+// Compares several shards.
 Json shards_result(const std::vector<std::string>& paths) {
   Json result{{"shards", paths.size()}, {"trials", nullptr}, {"duplicates", nullptr}, {"within_rounding", nullptr}};
   std::vector<std::string> failures;
@@ -284,14 +284,14 @@ Json shards_result(const std::vector<std::string>& paths) {
   }
   result["holds"] = failures.empty();
   result["failures"] = failures;
-  return Json::parse(dumped(result));  // whatever the files hold, this is UTF-8
+  return Json::parse(dumped(result));  // valid UTF-8, whatever the files hold
 }
 
 }  // namespace
 
 Verified verify_datasets(const std::vector<std::string>& paths) {
   Verified verified;
-  std::set<std::string> seen;  // files of datasets that are verified
+  std::set<std::string> seen;  // files of verified datasets
   std::vector<std::string> further;
   std::vector<std::string> shards;
   const auto run = [&](const std::string& path, const auto& action) {

@@ -1,4 +1,5 @@
-// Whether a dataset is what it says: digests, order, times, values, events, Coulomb's law, one surface under each element.
+// Verifies a dataset: digests, order, times, values, events, Coulomb's law, one surface under each
+// element.
 #pragma once
 
 #include <array>
@@ -14,51 +15,55 @@
 namespace slipbench {
 
 struct Verified {
-  // One object a dataset: {"file", "files", "schema", "complete", "trials", "holds", "checks", "failures"} as Verification::json()
-  // has them, {"file", "error"} where it cannot be read, {"file", "part_of"} for a further file of a dataset that was named too.
+  // One object per dataset: {"file", "files", "schema", "complete", "trials", "holds", "checks",
+  // "failures"} as in Verification::json(), {"file", "error"} if it is unreadable, {"file",
+  // "part_of"} for a further file of a dataset that was also named.
   Json datasets = Json::array();
-  // Where several of them are shards of a sweep: {"shards", "trials", "duplicates", "holds", "failures": [text]}: whether they are of one sweep,
-  // whole, and hold no trial twice with different digests; else null.
+  // If several datasets are shards of a sweep: {"shards", "trials", "duplicates", "holds",
+  // "failures": [text]}. It holds if they belong to one sweep, are complete, and contain no trial
+  // twice with different digests. Otherwise null.
   Json sweep = nullptr;
   bool holds = true;
   bool readable = true;
 };
 
-// `paths`: datasets by their first files; further files of them may stand among them. Throws
-// nothing for a file that cannot be read: the others are verified all the same.
+// `paths`: datasets by their first files, and optionally further files of them. Does not throw for
+// an unreadable file: the others are verified.
 Verified verify_datasets(const std::vector<std::string>& paths);
 
 }  // namespace slipbench
 
-// What was checked of a dataset, and what does not hold.
+// Checks of a dataset and their failures.
 
 namespace slipbench::verify {
 
 enum class Check : std::size_t { digests, order, times, values, events, cone, contact };
 
-// Where something does not hold.
+// Location of a failure.
 struct Where {
   std::optional<std::size_t> trial = {};
-  std::string array = {};                  // inside the trial: "labels/pad/margin"
+  std::string array = {};                  // path in the trial: "labels/pad/margin"
   std::optional<std::size_t> sample = {};  // row of the array
 };
 
 class Verification {
  public:
-  // Of each check so many failures are listed, the others counted.
+  // Number of failures listed per check; the others are counted.
   static constexpr std::size_t listed = 5;
 
-  // `count` more of what the check looks at: trials for digests and order, values or samples of units for the others.
+  // Adds to the number of checked items: trials for digests and order, values or samples of units
+  // for the others.
   void count(Check check, std::size_t count) { of(check).checked += count; }
-  // What was left out, and why. Said once.
+  // Records an omitted part with the reason, once.
   void leave_out(Check check, const std::string& why);
   void fail(Check check, const Where& where, const std::string& what);
 
   [[nodiscard]] bool holds() const;
-  // What another one has found, by its json(): of trials after those of this one.
+  // Adds the json() of another object, for later trials.
   void add(const Json& later);
 
-  // {"holds", "checks": [{"check", "checked", "of", "failed", "left_out": [...]}], "failures": [{"check", "trial", "array", "sample", "what"}]}
+  // {"holds", "checks": [{"check", "checked", "of", "failed", "left_out": [...]}], "failures":
+  // [{"check", "trial", "array", "sample", "what"}]}
   [[nodiscard]] Json json() const;
 
  private:
@@ -72,30 +77,31 @@ class Verification {
   std::array<Entry, 7> entries_;
 };
 
-// Times rise strictly, those of a sensor at its rate to 1e-6 of a sample.
+// Times must rise strictly, those of a sensor at its rate to 1e-6 of a sample.
 void check_times(const TrialRecord& record, Verification& verification);
 
-// Finite, but for what README.md of tools/base/dataset allows NaN: where nothing touches, or what
-// slips has no direction.
+// Values must be finite, except where README.md of tools/base/dataset allows NaN: without contact,
+// or where the slip has no direction.
 void check_values(const TrialRecord& record, Verification& verification);
 
-// Events in order, onset times the first events, unit_state what the events leave behind, the pad's states what the units' are.
+// Events must be in order, onset times the first events, unit_state the state after the events, and
+// the pad's states those of its units.
 void check_events(const SensorRecord& sensor, std::size_t trial, Verification& verification);
 
-// Coulomb's law in the labels, as far as README.md says that it holds for a unit.
-// Which parts of the law the labels of one sensor keep.
+// Coulomb's law in the labels, as far as README.md states that it holds for a unit.
+// Parts of the law that the labels of one sensor obey.
 struct ConeLaw {
-  bool partial_margin = true;              // margin holds of units of which a part slips
-  bool partial_stick = true;               // stick holds of them
+  bool partial_margin = true;              // margin holds for partially slipping units
+  bool partial_stick = true;               // stick holds for them
   bool margin = true;                      // stick and partial: margin >= 0
   bool stick = true;                       // stick and partial: f_t <= mu_static f_n
   bool margin_value = true;                // touching: margin = 1 - f_t/(mu_static f_n)
   bool slip_most = true;                   // slip: f_t <= mu_kinetic f_n
   bool slip_least = true;                  // slip: f_t >= mu_kinetic f_n
-  std::vector<std::string> left_out = {};  // which parts do not hold, and why
+  std::vector<std::string> left_out = {};  // parts that do not hold, and why
 };
 
-// Of the sensor `index` of a trial's scene.
+// The law for sensor `index` of a trial's scene.
 ConeLaw cone_law(const Scene& scene, std::size_t index);
 
 void check_cone(const ConeLaw& law, const SensorRecord& sensor, std::size_t trial, Verification& verification);
