@@ -1,4 +1,5 @@
-// The recipes of `train` by name. What they are stands in tools/python/slipbench/learning/recipes.py; gst_hd is train_hd.h.
+// Names of the recipes of `train`. The recipes are in tools/python/slipbench/learning/recipes.py;
+// gst_hd is in train_hd.h.
 #pragma once
 
 #include <span>
@@ -8,15 +9,15 @@
 
 namespace slipbench::train {
 
-// The hyperdimensional detector's training, which is no network.
+// Training of the hyperdimensional detector, which is not a network.
 inline constexpr const char* hd_recipe = "gst_hd";
 
-// As `list` shows it. A test holds the names and summaries against those in Python, which need PyTorch.
+// A line of `list`. A test compares names and summaries with those in Python, which needs PyTorch.
 struct RecipeLine {
   std::string_view name, summary;
 };
 
-// gst_hd, then the networks by their sensor.
+// gst_hd, then the networks by sensor.
 std::span<const RecipeLine> recipe_list();
 std::vector<std::string> recipe_names();
 

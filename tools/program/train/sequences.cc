@@ -21,10 +21,10 @@ namespace slipbench {
 
 namespace {
 
-// What is slower is the rounding of float32 [m/s].
+// Slower speeds [m/s] are float32 rounding.
 constexpr double at_rest = 1e-6;
 
-// Samples of the sensor from one frame to the next.
+// Samples of the sensor per frame.
 std::size_t stride_of(const SensorRecord& sensor, const std::string& subject) {
   const double ratio = sensor.rate / detector_rate;
   if (!(ratio >= 1.0) || ratio != std::floor(ratio)) {
@@ -34,7 +34,8 @@ std::size_t stride_of(const SensorRecord& sensor, const std::string& subject) {
   return static_cast<std::size_t>(ratio);
 }
 
-// PadState of every sample by a rule. The dataset holds those that look at one instant.
+// PadState of every sample by a rule. The dataset stores those of the rules that need one instant
+// only.
 std::vector<std::uint8_t> states_of(const LabelRecord& labels, const PapillarraySamples& samples, SlipRule rule, bool turning) {
   switch (rule) {
     case SlipRule::strict: return labels.state;
@@ -51,7 +52,7 @@ std::vector<std::uint8_t> states_of(const LabelRecord& labels, const Papillarray
   throw std::logic_error("unknown slip rule");
 }
 
-// The earliest of the pillars, NaN when none slips.
+// The earliest slip of any pillar; NaN without slip.
 double onset_of(const LabelRecord& labels, SlipRule rule) {
   const std::vector<double>& times = rule == SlipRule::strict ? labels.onset_time : labels.micro_onset_time;
   double earliest = std::numeric_limits<double>::quiet_NaN();
@@ -97,7 +98,7 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
       reject("{}: labels/{}: state {} in row {}; allowed: 0 to 3", subject, sensor_name, states[row], row);
     }
     sequence.label.push_back(static_cast<PadState>(states[row]));
-    // The bodies have the samples of the fastest sensor, whose last one not after the frame is taken.
+    // The bodies have the samples of the fastest sensor; takes the last one not after the frame.
     const auto after = std::upper_bound(record.body_time.begin(), record.body_time.end(), samples.time(row));
     if (after == record.body_time.begin()) throw InputError(subject + ": truth/pad begins after its sensor");
     sequence.moving.push_back(moves(*pad, static_cast<std::size_t>(after - record.body_time.begin()) - 1) ? 1 : 0);
@@ -105,10 +106,11 @@ Sequence sequence_of(const TrialRecord& record, const std::string& sensor_name, 
   return sequence;
 }
 
-// Upper ends of the bands of compression [m]; the rounding of decimal fractions must not move a sequence to the next.
+// Upper limits of the bands of compression [m], with a margin for the rounding of decimal
+// fractions.
 constexpr std::array<double, 3> compression_bands{0.75e-3 + 1e-9, 1e-3 + 1e-9, 1.125e-3 + 1e-9};
 
-// Octaves below this are one condition, that of a pad at rest [mm/s].
+// Octaves below this [mm/s] are one condition, a pad at rest.
 constexpr int slowest_octave = -10;
 
 }  // namespace
@@ -164,7 +166,7 @@ void Delays::add(std::span<const double> time, std::span<const PadState> called,
   TrialOutcome outcome;
   if (alarm != called.end()) {
     const double first = time[static_cast<std::size_t>(alarm - called.begin())];
-    (first >= onset ? outcome.detection_time : outcome.false_alarm_time) = first;  // without an onset it is a false alarm
+    (first >= onset ? outcome.detection_time : outcome.false_alarm_time) = first;  // a false alarm without onset
   }
   settle_detection(outcome, !std::isnan(onset));
   if (!std::isnan(onset)) ++slipping;

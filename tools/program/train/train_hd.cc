@@ -41,7 +41,7 @@ std::vector<Sample> encode_sequence(hd::Encoder& encoder, const hd::Model& model
   return samples;
 }
 
-// Judges those samples of which `judged` is true, by index.
+// Judges the samples for which `judged` of their index is true.
 template <class Judged>
 Evaluation judge(const Classifier& classifier, std::span<const Sequence> sequences, std::span<const Sample> samples,
                  Judged&& judged, bool with_delays) {
@@ -87,7 +87,7 @@ std::size_t judged_sequences(std::span<const Sample> samples) {
   return count;
 }
 
-// Frames of a sequence up to the last one that touches, of the sequence where they are most.
+// The largest number of frames, over all sequences, up to the last frame in contact.
 std::size_t longest_contact(std::span<const Sequence> sequences) {
   std::size_t longest = 0;
   for (const Sequence& sequence : sequences) {
@@ -98,7 +98,7 @@ std::size_t longest_contact(std::span<const Sequence> sequences) {
   return longest;
 }
 
-// The trials of a dataset to learn from, which are counted. Throws InputError where its own split
+// Reads the trials of a dataset for training and counts them. Throws InputError if its own split
 // has none for training.
 TrainingData read_learnt(const std::string& dataset, const HdTraining& options, HdSummary& summary) {
   TrainingData data = read_sequences(dataset, options.sequences);
@@ -114,7 +114,7 @@ TrainingData read_learnt(const std::string& dataset, const HdTraining& options, 
   return data;
 }
 
-// Throws InputError where one constant answer is always right.
+// Throws InputError if one constant answer is always right.
 void check_classes(const std::string& dataset, SlipRule labels, std::span<const Sample> samples) {
   const auto hold = static_cast<std::size_t>(
       std::ranges::count_if(samples, [](const Sample& sample) { return sample.label == PadState::non_slip; }));
@@ -123,7 +123,7 @@ void check_classes(const std::string& dataset, SlipRule labels, std::span<const 
          samples.size() - hold, slip_rule_name(labels));
 }
 
-// The samples of a dataset that has some.
+// Encodes the samples of a dataset. Throws InputError if there are none.
 std::vector<Sample> encode_dataset(const std::string& dataset, const hd::SavedModel& saved, std::span<const Sequence> sequences,
                                    std::size_t jobs) {
   std::vector<Sample> samples = encode(saved.model, saved.memories, saved.quantiser, sequences, jobs);
@@ -179,8 +179,9 @@ Json model_json(const hd::Model& model, hd::Quantiser quantiser) {
           {"quantiser", hd::name_of(hd::quantiser_words, quantiser)}};
 }
 
-// An evaluation: sizes, recall of slip, balanced accuracy, accuracy, the last two beside those of constant answers, recalls and
-// counts, all frames and moving ones, and the delays where there are any. What does not exist is null.
+// JSON of an evaluation: sizes; recall of slip, balanced accuracy and accuracy, the last two with
+// those of constant answers; recalls and counts, for all frames and moving ones; and the delays, if
+// any. Undefined values are null.
 Json evaluation_json(const Evaluation& evaluation) {
   Json json = {{"training", evaluation.training},
                {"distinct", evaluation.distinct},
@@ -219,7 +220,7 @@ std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& mem
   }
   const std::size_t margin = model.dimension / 16;
   std::vector<hd::Hypervector> prototypes = sums.bundle();
-  auto left = static_cast<std::int64_t>(epochs * samples.size());  // so many times what is added next is in the mean
+  auto left = static_cast<std::int64_t>(epochs * samples.size());  // weight of the next addition in the mean
   for (std::size_t epoch = 0; epoch < epochs; ++epoch) {
     for (const std::size_t i : shuffled(samples.size(), RandomStream(seed, epoch, "hd epochs"))) {
       const Sample& sample = samples[i];
@@ -310,7 +311,7 @@ HdSummary train_hd(const HdTraining& options) {
   };
   for (const std::string& dataset : options.with) {
     TrainingData more = read_learnt(dataset, options, summary);
-    add_trials();  // one that is there twice could be in training and in the test
+    add_trials();  // a trial in several datasets could be in both training and test
     for (const Sequence& sequence : more.sequences)
       if (trials.contains(sequence.sha256))
         reject("{}: a trial is in an earlier dataset, too; allowed: each trial once", dataset);

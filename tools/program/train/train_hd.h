@@ -1,4 +1,4 @@
-// Teaching a hyperdimensional slip detector from a dataset, and judging it.
+// Trains a hyperdimensional slip detector on a dataset, and evaluates it.
 #pragma once
 
 #include <array>
@@ -22,35 +22,40 @@
 
 namespace slipbench {
 
-// A frame to learn from or to be judged, after the encoder.
+// An encoded frame for training or test.
 struct Sample {
-  std::size_t sequence = 0;  // index, not the number of the trial
-  std::size_t row = 0;       // of the sequence
-  PadState label{};          // any but no_contact
+  std::size_t sequence = 0;  // index, not the trial's number
+  std::size_t row = 0;       // in the sequence
+  PadState label{};          // not no_contact
   std::uint8_t moving = 0;
   std::uint8_t context = 0;
   hd::Hypervector query;
 };
 
-// The query vectors of all sequences, in order. The encoder sees every frame of a sequence; a sample is a frame that touches and has
-// a whole window of frames behind it, whatever the encoding, so that all encodings are judged on the same frames.
-// `jobs`: threads, 0: as many as the machine has. Throws InputError for displacements that do not fit the detector's fixed point.
+// The query vectors of all sequences, in order. The encoder gets every frame of a sequence. A
+// sample is a frame in contact with a whole window of frames before it, whatever the encoding, so
+// that all encodings are evaluated on the same frames. `jobs`: threads, 0: one per hardware thread.
+// Throws InputError for displacements beyond the detector's fixed-point range.
 std::vector<Sample> encode(const hd::Model& model, const hd::Memories& memories, hd::Quantiser quantiser,
                            std::span<const Sequence> sequences, std::size_t jobs);
 
-// The prototypes of samples, each taken `times` times. Without `epochs` they are the majorities of a single pass, the paper's; a class
-// without a sample gets ties throughout. With them the sums begin at 0. In an epoch all samples are judged one after the other, in an order
-// drawn by RandomStream(seed, epoch, "hd epochs"). One that is not nearer to its own class than to any other by more than a sixteenth of
-// the bits is added to its own and taken from the nearest other, as often as it is learnt, and the prototypes are cut to signs anew (after
-// Imani et al., QuantHD, IEEE TCAD 2019). So the classes' sums are 0 together, and prototypes stay apart. What comes out are the signs of the
-// mean of the sums over all that was judged (an averaged perceptron).
+// The prototypes of samples, sample i counted `times[i]` times. Without `epochs` they are the
+// majorities of a single pass, as in the paper; a class without samples gets ties throughout. With
+// epochs the sums begin at 0. In each epoch all samples are judged in turn, in an order drawn by
+// RandomStream(seed, epoch, "hd epochs"). A sample that is not nearer to its own class than to any
+// other by more than a sixteenth of the bits is added to its own class and subtracted from the
+// nearest other, as often as it counts, and the prototypes are set to the signs of the sums again
+// (after Imani et al., QuantHD, IEEE TCAD 2019). So the sums of all classes add up to 0, and the
+// prototypes stay separated. The result is the signs of the mean of the sums over all judged
+// samples (an averaged perceptron).
 std::vector<hd::Hypervector> fit(const hd::Model& model, const hd::Memories& memories, std::span<const Sample> samples,
                                  std::span<const std::uint32_t> times, std::size_t epochs, std::uint64_t seed);
 
-// What a sample is called: the nearest of the prototypes, the higher class where two are equally near (eq. 5).
+// Assigns a sample to the nearest of the prototypes, or to the higher class if two are equally near
+// (eq. 5).
 class Classifier {
  public:
-  // `memories`: trained. Throws InputError when they do not fit the model.
+  // `memories`: trained. Throws InputError if they do not fit the model.
   Classifier(const hd::Model& model, const hd::Memories& memories);
 
   [[nodiscard]] PadState classify(const Sample& sample) const;
@@ -59,59 +64,61 @@ class Classifier {
   std::array<std::vector<hd::Hypervector>, hd::context_count> prototypes_;  // DP_k, by context
 };
 
-// One test.
+// Result of one test.
 struct Evaluation {
-  std::size_t training = 0;             // items trained on, repeats counted: sequences, or frames where the split is by frame
-  std::size_t distinct = 0;             // how many of them differ
-  std::size_t tested = 0;               // items tested
+  std::size_t training = 0;             // training items with repeats: sequences, or frames for a split by frame
+  std::size_t distinct = 0;             // number of distinct training items
+  std::size_t tested = 0;               // number of test items
   Confusion all{};                      // every sample
-  Confusion moving{};                   // those while the pad moves
-  Delays delays;                        // empty where the split is by frame, as are
-  std::vector<train::SlipSeries> said;  // of each sequence what was said; masked: no slip, after one
+  Confusion moving{};                   // samples while the pad moves
+  Delays delays;                        // empty for a split by frame, as is `said`
+  std::vector<train::SlipSeries> said;  // answers to each sequence; masked: without slip, after a slip
 };
 
 enum class Split { by_sequence, by_frame };
 
-// draw_count tests of a classifier, each trained on what bootstrap() drew and judged on the rest. Conditions are condition_of() of the
-// sequence, also where frames are drawn. Throws InputError when a draw leaves nothing to train on or to test.
+// draw_count tests of a classifier, each trained on a draw of bootstrap() and judged on the
+// remaining items. The conditions are condition_of() of the sequence, even for draws of frames.
+// Throws InputError if a draw leaves nothing for training or test.
 std::vector<Evaluation> cross_validate(const hd::Model& model, const hd::Memories& memories, std::span<const Sequence> sequences,
                                        std::span<const Sample> samples, Split split, std::size_t epochs, std::uint64_t seed,
                                        std::size_t jobs);
 
 struct HdTraining {
   std::string dataset;
-  std::vector<std::string> with;  // more datasets, such as of grasps
-  bool all = false;               // learn from every trial, whatever a dataset's own split says
+  std::vector<std::string> with;  // further datasets, such as grasps
+  bool all = false;               // train on every trial, ignoring the datasets' own splits
   SequenceOptions sequences;
   hd::Model model;
   hd::Quantiser quantiser = hd::Quantiser::fixed_point;
-  std::size_t epochs = 0;        // 0: the paper's single pass
-  bool point = false;            // whether draw 0 chooses how many frames in a row make an alarm, with
-  std::optional<double> alarms;  // at most so many false ones a minute; else with the greatest score
-  std::uint64_t seed = 1;        // of item memories and draws
-  std::size_t jobs = 0;          // threads; 0: as many as the machine has
+  std::size_t epochs = 0;        // 0: single pass, as in the paper
+  bool point = false;            // draw 0 chooses the number of consecutive frames for an alarm
+  std::optional<double> alarms;  // maximum number of false alarms per minute; empty: choose by score
+  std::uint64_t seed = 1;        // for item memories and draws
+  std::size_t jobs = 0;          // threads; 0: one per hardware thread
   std::string output;            // folder of the memories
 };
 
 struct HdSummary {
-  std::size_t trials = 0;     // of all datasets
-  std::size_t sequences = 0;  // learnt from: of a dataset with a split of its own those of its part train, unless HdTraining::all
-  bool own_split = false;     // whether there is such a dataset
-  std::string test;           // the first dataset whose part test was left out; empty: there is none
+  std::size_t trials = 0;     // in all datasets
+  std::size_t sequences = 0;  // for training: of a dataset with its own split, those of its part train, unless HdTraining::all
+  bool own_split = false;     // a dataset has its own split
+  std::string test;           // the first dataset whose part test was left out; empty: none
   std::size_t samples = 0;
-  std::vector<Evaluation> by_sequence;  // one a draw
+  std::vector<Evaluation> by_sequence;  // one per draw
   std::vector<Evaluation> by_frame;
   network::Alarm alarm;
   std::string sensor;   // of the first trial
-  std::string trained;  // what model.txt says of the training
+  std::string trained;  // training record in model.txt
 };
 
-// `slipbench train`: the draws, then a classifier trained on every sequence learnt from, which is
-// saved with the digests of their trials. Throws InputError; for an output that
-// cannot be written before anything is read.
+// `slipbench train`: runs the draws, then trains a classifier on every training sequence and saves
+// it with the digests of their trials. Throws InputError; if the output cannot be written, before
+// anything is read.
 HdSummary train_hd(const HdTraining& options);
 
-// Mean and standard deviation of `figure` over the draws that make the figures: all but number 0.
+// Mean and standard deviation of `figure` over the draws that give the figures: all except number
+// 0.
 template <class Figure>
 MeanSd over_draws(std::span<const Evaluation> draws, Figure&& figure) {
   std::vector<double> values;
@@ -119,15 +126,16 @@ MeanSd over_draws(std::span<const Evaluation> draws, Figure&& figure) {
   return mean_sd(values);
 }
 
-// The same draws put together: their frames and their sequences, those tested in several draws each time.
+// Pools the same draws: their frames and sequences; sequences tested in several draws count each
+// time.
 Evaluation pooled(std::span<const Evaluation> draws);
 
-// All draws: the one for choosing, and mean and standard deviation of the others beside them.
+// All draws: number 0, and mean and standard deviation of the others.
 Json draws_json(std::span<const Evaluation> draws);
 
 Json train_json(const HdSummary& summary, const HdTraining& options);
 
-// Encoders on the command line, as the paper abbreviates them.
+// Encoders on the command line, abbreviated as in the paper.
 inline constexpr std::array encoder_words{hd::Word<hd::Encoding>{"shdc", hd::Encoding::spatial},
                                           hd::Word<hd::Encoding>{"sthdc", hd::Encoding::spatial_temporal},
                                           hd::Word<hd::Encoding>{"gsthdc", hd::Encoding::graph_spatial_temporal}};

@@ -29,7 +29,8 @@ namespace slipbench::train {
 
 namespace {
 
-// The rigid motion in the pad plane that fits the slip of the units that slip best: of their middle, and about it.
+// Rigid motion in the pad plane that best fits the slip of the units: velocity of their middle, and
+// rotation about it.
 struct SlipMotion {
   double x = 0.0, y = 0.0;  // m/s
   double turn = 0.0;        // rad/s
@@ -75,7 +76,8 @@ SlipMotion slip_motion(const LabelRecord& labels, std::size_t row) {
 
 constexpr std::array directions{"t", "n", "e", "s", "w", "cw", "aw"};
 
-// Of a trial: the class that it names, as one that was imported does, else what its motion was told (scenes/biotac_sp/slip.yaml).
+// Class of a trial: the one that an imported trial names, else from its commanded motion
+// (scenes/biotac_sp/slip.yaml).
 std::uint8_t direction_of(const std::string& params) {
   const Json swept = Json::parse(params);
   if (const auto named = swept.find("class"); named != swept.end() && named->is_string()) {
@@ -99,15 +101,15 @@ std::uint8_t direction_of(const std::string& params) {
   return static_cast<std::uint8_t>(1 + (quarter % 4 + 4) % 4);
 }
 
-// The class of a sample that slips.
+// The class of a slipping sample.
 std::uint8_t kind_of(const LabelRecord& labels, std::size_t row, ClassRule classes) {
   if (classes == ClassRule::slip) return 1;
   const SlipMotion motion = slip_motion(labels, row);
-  if (!motion.any) return masked;  // the label is late: what slipped has come to rest
+  if (!motion.any) return masked;  // the label lags: the slipping units have come to rest
   return motion.rotates() ? 2 : 1;
 }
 
-// The rules that simulated trials have.
+// Names of the rules for simulated trials.
 std::string rules_of_truth() {
   std::vector<std::string> names = hd::names_of(label_words);
   std::erase(names, hd::name_of(label_words, LabelRule::recorded));
@@ -138,7 +140,7 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
   if (classes == ClassRule::direction) {
     const std::uint8_t told = direction_of(record.params);
     const bool truth = rule == LabelRule::latched && sensor.labels.stuck_fraction.size() == states.size();
-    bool slipped = !truth;  // more than half of what touched, in this contact
+    bool slipped = !truth;  // more than half of the touching units, in this contact
     for (std::size_t row = 0; row < states.size(); ++row) {
       const bool touches = states[row] != static_cast<std::uint8_t>(PadState::no_contact);
       const bool slides = truth && touches && sensor.labels.stuck_fraction[row] < 0.5F;
@@ -167,7 +169,7 @@ std::vector<std::uint8_t> labels_of(const TrialRecord& record, const SensorRecor
   return labels;
 }
 
-// Turns the innermost taxels of a myrmex, whose sample begins with them.
+// Turns the innermost taxels of a myrmex, the first values of its sample.
 void turn_taxels(std::span<float> sample, std::size_t rows, std::size_t columns, std::size_t turn) {
   std::array<float, cropped * cropped> turned{};
   turn_image(sample.first(rows * columns), rows, columns, turn, turned);
@@ -183,7 +185,7 @@ void check_turnable(const SensorRecord& sensor) {
     reject("sensor {}: is no myrmex of {} x {} taxels or more, which alone can be turned", sensor.name, cropped, cropped);
 }
 
-// Which of the frames stay, in order: at most so many of each class.
+// Indices of the kept frames, in order: at most `at_most` of each class.
 std::vector<std::size_t> kept_frames(const std::vector<std::uint8_t>& labels, std::size_t at_most, RandomStream& random) {
   std::map<std::uint8_t, std::vector<std::size_t>> of_class;
   for (std::size_t t = 0; t < labels.size(); ++t) {
@@ -215,7 +217,7 @@ bool fits(const SensorRecord& sensor, const network::Input& input) {
   return true;
 }
 
-// What is not said of a sensor that fits.
+// Describes the required sensor, for errors.
 std::string wanted(const network::Input& input) {
   if (input.transform == network::Transform::units)
     return "a sensor with " + input.channels.front().name + " in x, y, z of each unit, at 200 Hz or more";
@@ -242,7 +244,7 @@ std::vector<const SensorRecord*> chosen_sensors(const TrialRecord& record, const
          fmt::join(there, ", "), wanted(options.input));
 }
 
-// Throws InputError where a dataset has no labels by the rule, before any of its trials is read.
+// Throws InputError if a dataset has no labels by the rule, before any trial is read.
 void check_labels(const std::string& dataset_path, LabelRule rule) {
   const DatasetReader reader = dataset_header_at(dataset_path);
   if (rule != LabelRule::recorded) {
@@ -325,7 +327,7 @@ Example example_of(const TrialRecord& record, const SensorRecord& sensor, const 
 
 namespace {
 
-// The first channel of three axes; null where the sensor has none.
+// The first channel of three axes; null if the sensor has none.
 const SensorColumn* three_axes(const SensorRecord& sensor) {
   const auto column =
       std::ranges::find_if(sensor.channels, [](const SensorColumn& one) { return !one.shape.empty() && one.shape.back() == 3; });
@@ -335,8 +337,8 @@ const SensorColumn* three_axes(const SensorRecord& sensor) {
 }  // namespace
 
 UnitsInput units_input(const std::string& dataset_path, const std::string& sensor, const network::Input& input) {
-  constexpr double slowest = 200.0;        // Hz, at which a frame is more than one sample
-  constexpr double floor_of_range = 1e-3;  // as 1 mN is of forces of some N
+  constexpr double slowest = 200.0;        // Hz, at which a frame spans several samples
+  constexpr double floor_of_range = 1e-3;  // such as 1 mN for forces of some N
   const DatasetReader reader = whole_dataset(dataset_path);
   reader.check_recorded(reader.trials().front());
   const TrialRecord record = reader.read_trial(reader.trials().front());
@@ -369,7 +371,7 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
   };
   rated(there.input.window, 2);  // a change needs two samples
   rated(there.input.stride, 1);
-  // Each span has to tell more than the one before.
+  // Each span must be longer than the one before.
   for (std::size_t k = 0; k < there.input.spans.size(); ++k) rated(there.input.spans[k], k + 2);
   return there;
 }
@@ -377,7 +379,7 @@ UnitsInput units_input(const std::string& dataset_path, const std::string& senso
 Examples read_examples(std::span<const std::string> dataset_paths, const ExampleOptions& options) {
   for (const std::string& path : dataset_paths) check_labels(path, options.labels);
   Examples all = read_examples(dataset_paths.front(), options);
-  // A trial that is there twice could be in training and in the evaluation.
+  // A trial in several datasets could be in both training and evaluation.
   std::map<std::string, std::string> dataset_of;
   for (const Example& example : all.all) dataset_of.emplace(example.sha256, dataset_paths.front());
   std::size_t dataset = 0;
@@ -415,7 +417,7 @@ Examples read_examples(const std::string& dataset_path, const ExampleOptions& op
   examples.command = reader.header().command;
   examples.sha256 = reader.content_sha256();
   std::map<std::size_t, std::string> part_of = reader.split();
-  const ReadingProgress progress = options.read;  // what it shows goes with it, also where reading fails
+  const ReadingProgress progress = options.read;  // a copy, destroyed on return, even if reading fails
   if (progress) progress(0, reader.trials().size());
   std::size_t read = 0;
   for_each_trial(reader, [&](const TrialRecord& record) {

@@ -1,4 +1,5 @@
-// The trials of a dataset as networks learn from them: frames, a class for each, and what is known of each trial.
+// Training examples for networks from a dataset: frames, a class for each, and properties of each
+// trial.
 #pragma once
 
 #include <array>
@@ -17,21 +18,21 @@
 
 namespace slipbench::train {
 
-inline constexpr std::uint8_t masked = 255;  // label of a frame that neither trains nor judges
+inline constexpr std::uint8_t masked = 255;  // label of a frame that is neither used for training nor judged
 
 struct FrameSequence {
   std::vector<float> features;      // [T, inputs]
   std::vector<std::uint8_t> label;  // [T] class of each frame, or `masked`
 };
 
-// Whose word it is that a sample slips.
+// Rule by which a sample slips.
 enum class LabelRule {
   micro,    // truth: a part of a unit slips
   strict,   // truth: a whole unit slips
-  paper,    // the rule of the sensor's paper: of a piezo_skin, that its 100 Hz position has changed
-  latched,  // micro, and from its first slip on until nothing touches any more
-  masked,  // micro, and a frame that sticks again after a slip, before nothing touches, is masked: it is under the shear that made it slip
-  tightened,  // on a stage masked, in a grasp micro: what sticks again there is held, since the grip has tightened
+  paper,    // rule of the sensor's paper; of a piezo_skin: its 100 Hz position has changed
+  latched,  // micro, and from the first slip until contact is lost
+  masked,  // micro; frames that stick again after a slip, before contact is lost, are masked: they still bear the shear that caused the slip
+  tightened,  // on a stage masked, in a grasp micro, where frames that stick again are held, since the grip has tightened
   recorded,   // no truth: the labels of an imported recording
 };
 inline constexpr std::array label_words{
@@ -40,83 +41,93 @@ inline constexpr std::array label_words{
     hd::Word<LabelRule>{"masked", LabelRule::masked},    hd::Word<LabelRule>{"tightened", LabelRule::tightened},
     hd::Word<LabelRule>{"recorded", LabelRule::recorded}};
 
-// What slip is divided into.
+// Classes of slip.
 enum class ClassRule {
   slip,  // hold, slip
-  kind,  // stable, translation, rotation: of the rigid motion in the pad plane that fits the slip of all units best, the part with more energy
-  // t (touch), n, e, s, w, cw, aw: that of the trial, by its name or its motion, while something touches, else masked. Whatever the labels, but by
-  // `latched` and with the truth t until more than half of what touches slips. Masked: frames in which that is so in a trial of t, and those
-  // before it in which a whole unit slips in another.
+  kind,  // stable, translation, rotation: the larger energy in the rigid motion in the pad plane that best fits the slip of all units
+  // The trial's class t (touch), n, e, s, w, cw or aw, by its name or its motion, in contact;
+  // masked without contact. Independent of the labels, except for `latched` with truth: then t
+  // until more than half of what touches slips. In that case frames with more than half slipping
+  // are masked in a trial of t, and earlier frames with a slipping whole unit in other trials.
   direction,
 };
-// What a network says by that rule: a slip is incipient by the rules micro, latched and masked, else gross.
+// Classes of a network's output by that rule: slip is incipient for the rules micro, latched and
+// masked, else gross.
 std::vector<network::Class> classes_of(ClassRule classes, LabelRule labels);
 
 // One sensor in one trial.
 struct Example {
   std::size_t trial = 0;
   std::string sha256;       // the trial's digest (trial_identity)
-  std::string part;         // of the dataset's own split: "train", "valid", "test", or "none"; empty: the dataset has no masks
-  std::size_t dataset = 0;  // number of the file that it is from
-  std::string twin;         // truth_sha256(): trials in which it is equal are one experiment; empty: not known
-  std::string sensor;       // the scene's name
-  std::string material;     // what was swept of surface.material and friction.static and kinetic; empty: nothing
-  std::string object;       // what was swept of shapes, sizes, surface, friction, effects and stiffness; empty: nothing
-  double speed = std::numeric_limits<double>::quiet_NaN();  // m/s, motion.speed as it was swept; NaN: was not
-  double mass = std::numeric_limits<double>::quiet_NaN();   // kg, of box.mass or bodies.*.mass likewise
-  bool touches = false;                                     // something touches at some time; else only motors run
+  std::string part;         // in the dataset's own split: "train", "valid", "test", or "none"; empty: no masks
+  std::size_t dataset = 0;  // index of its file
+  std::string twin;         // truth_sha256(): trials with equal values are one experiment; empty: unknown
+  std::string sensor;       // name in the scene
+  std::string material;     // swept surface.material, friction.static and friction.kinetic; empty: not swept
+  std::string object;       // swept shapes, sizes, surface, friction, effects and stiffness; empty: not swept
+  double speed = std::numeric_limits<double>::quiet_NaN();  // m/s, swept motion.speed; NaN: not swept
+  double mass = std::numeric_limits<double>::quiet_NaN();   // kg, swept box.mass or bodies.*.mass, likewise
+  bool touches = false;                                     // there is contact at some time; else only motors run
   double onset = std::numeric_limits<
-      double>::quiet_NaN();     // s, true first slip of a whole unit (strict), of a part of one (all others); NaN: none
+      double>::quiet_NaN();     // s, true first slip: of a whole unit (strict), of a part of one (other rules); NaN: none
   std::vector<double> time;     // [T] s, of each frame's last sample
-  std::vector<PadState> truth;  // [T] by micro; by strict where the labels are strict; empty: a recording without truth
-  FrameSequence frames;         // not scaled
-  std::uint8_t turn = 0;        // its images are turned by so many times 30 degrees; such a copy only learns
+  std::vector<PadState> truth;  // [T] by strict if the labels are strict, else by micro; empty: a recording without truth
+  FrameSequence frames;         // unscaled
+  std::uint8_t turn = 0;        // images are turned by this many times 30 degrees; turned copies are for training only
 };
 
-// Called before the first trial is read and after each: how many have been read of how many.
+// Called before the first trial is read and after each, with the number of trials read and of all
+// trials.
 using ReadingProgress = std::function<void(std::size_t read, std::size_t trials)>;
 
 struct ExampleOptions {
-  network::Input input;  // offset and scale are not used
+  network::Input input;  // offset and scale are ignored
   LabelRule labels = LabelRule::micro;
   ClassRule classes = ClassRule::slip;
-  std::string sensor;       // empty: every sensor of the input's type and rate (network::rate_fits) whose values its picks fit
-  std::size_t turned = 0;   // of a myrmex: so many copies of each example more, their images turned (samples/myrmex_images.h)
-  std::size_t at_most = 0;  // frames of a class in an example, drawn; 0: all. For networks that see one frame at a time
-  std::uint64_t seed = 1;   // of what is drawn: RandomStream(seed, trial, "frames") and "turns"
+  std::string sensor;  // empty: every sensor of the input's type and rate (network::rate_fits) whose values fit its picks
+  std::size_t turned =
+      0;  // for a myrmex: number of additional copies of each example with turned images (samples/myrmex_images.h)
+  std::size_t at_most =
+      0;  // maximum number of drawn frames per class and example; 0: all. For networks that see one frame at a time
+  std::uint64_t seed = 1;  // of the draws: RandomStream(seed, trial, "frames") and "turns"
   ReadingProgress read = {};
 };
 
 struct Examples {
-  std::string command;              // that made the dataset
-  std::vector<std::string> sha256;  // of its content, a file each
-  std::size_t inputs = 0;           // values a frame
+  std::string command;              // command that wrote the dataset
+  std::vector<std::string> sha256;  // content digest of each file
+  std::size_t inputs = 0;           // values per frame
   std::vector<Example> all;         // by trial, then by sensor
 };
 
-// What a network that sees units alike (Transform::units) reads of a dataset, whatever the sensor and however many its units: `input` with type, rate
-// and channel of a sensor of the first trial; samples of window, stride and spans in the ratio of the rates, a window of 2 and spans of 2, 3, 4, ...
-// at least. The channel is the sensor's first of three axes. Where it is not the one of `input`, the floor is a thousandth of its greatest value in
-// that trial. Of several sensors, or those called `sensor`, the first with the channel of `input` at 200 Hz or more is taken, else the first with any
-// of three axes. units: how many there are, 0 where no sensor has such a channel, and the input is unchanged. Throws InputError as read_examples, and
-// for a channel that is 0 throughout.
+// Input of a network that treats units alike (Transform::units) for a dataset of any sensor with
+// any number of units: `input` with type, rate and channel of a sensor of the first trial. Window,
+// stride and spans in samples are scaled by the ratio of the rates, to a window of at least 2 and
+// spans of at least 2, 3, 4, ... The channel is the sensor's first of three axes. If it differs
+// from that of `input`, the floor is a thousandth of its greatest value in that trial. Of several
+// sensors, or those called `sensor`, takes the first with the channel of `input` at 200 Hz or more,
+// else the first with any channel of three axes. units: their number; 0 if no sensor has such a
+// channel, and the input is unchanged. Throws InputError as read_examples(), and for a channel that
+// is 0 throughout.
 struct UnitsInput {
   network::Input input;
   std::size_t units = 0;
 };
 UnitsInput units_input(const std::string& dataset_path, const std::string& sensor, const network::Input& input);
 
-// Reads every trial, all shards, of a dataset that holds what was written (whole_dataset). A frame's label
-// is that of its last sample. Throws InputError, naming the file: no whole dataset, no sensor that fits, labels that are not there.
+// Reads every trial of all shards of an intact dataset (whole_dataset). A frame's label is that of
+// its last sample. Throws InputError, naming the file, for an incomplete dataset, without a
+// matching sensor, and for missing labels.
 Examples read_examples(const std::string& dataset_path, const ExampleOptions& options);
 
-// The same of several datasets, one at least. The numbers of trials run on from one to the next.
+// As above for one or more datasets. Trial numbers continue from one to the next.
 Examples read_examples(std::span<const std::string> dataset_paths, const ExampleOptions& options);
 
-// One sensor of a trial, its images turned by `turn` times 30 degrees; what read_examples() does for each. Throws InputError as Frames does.
+// Example of one sensor of a trial, with its images turned by `turn` times 30 degrees, as in
+// read_examples(). Throws InputError as Frames does.
 Example example_of(const TrialRecord& record, const SensorRecord& sensor, const ExampleOptions& options, std::size_t turn = 0);
 
-// Facts of a trial, out of the JSON of what was swept.
+// Properties of a trial from the JSON of its swept values.
 struct SweptFacts {
   std::string material, object;
   double speed = std::numeric_limits<double>::quiet_NaN(), mass = std::numeric_limits<double>::quiet_NaN();

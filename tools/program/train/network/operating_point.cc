@@ -13,7 +13,7 @@
 namespace slipbench::train {
 namespace {
 
-// Probabilities of the frames that are not masked, by truth: hold, slip.
+// Probabilities of the unmasked frames by truth: hold, slip. Sorted.
 std::array<std::vector<double>, 2> sorted_by_truth(std::span<const SlipSeries> series) {
   std::array<std::vector<double>, 2> of;
   for (const SlipSeries& one : series) {
@@ -103,7 +103,8 @@ OperatingPoint best_point(std::span<const SlipSeries> series, double period, std
     rows.insert(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(seconds / period))));
 
   OperatingPoint best;
-  std::pair<double, double> worth{-std::numeric_limits<double>::infinity(), 0.0};  // less alarms too many, then accuracy or score
+  std::pair<double, double> worth{-std::numeric_limits<double>::infinity(),
+                                  0.0};  // negative number of excess alarms, then accuracy or score
   for (const std::size_t on : rows) {
     for (const std::size_t off : rows) {
       for (const std::size_t least : {std::size_t{1}, *rows.rbegin()}) {

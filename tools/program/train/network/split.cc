@@ -18,7 +18,7 @@
 namespace slipbench::train {
 namespace {
 
-// `experiment`: the first trial with the example's truth.
+// Group of an example in the split. `experiment`: the first trial with the example's truth.
 std::string group_of(const Example& example, std::size_t experiment, Split split) {
   switch (split) {
     case Split::trial: return std::to_string(experiment);
@@ -31,7 +31,7 @@ std::string group_of(const Example& example, std::size_t experiment, Split split
   return {};
 }
 
-// Key by which trials are divided separately: the classes that occur, and whether there is contact.
+// Key by which trials are divided separately: their classes, and whether there is contact.
 using Kinds = std::set<int>;
 
 void add_kinds(Kinds& kinds, const Example& example) {
@@ -42,12 +42,13 @@ void add_kinds(Kinds& kinds, const Example& example) {
   }
 }
 
-// So many of `items`, shuffled, of each of `kind_of` its share, rounded up all together.
+// Selects `share` of the shuffled `items`, rounded up in total, in proportion from each kind of
+// `kind_of`.
 template <class Item, class Kind>
 std::vector<Item> dealt(std::vector<Item> items, double share, RandomStream& random, Kind&& kind_of) {
   const auto wanted = static_cast<std::size_t>(std::ceil(share * static_cast<double>(items.size()) - 1e-9));
   shuffle(items, random);
-  // In turn from each kind by its place within it, so that any beginning has all kinds in proportion.
+  // Interleaves the kinds by relative rank, so that every prefix has all kinds in proportion.
   std::map<Kinds, double> size, place;
   for (const Item& item : items) size[kind_of(item)] += 1.0;
   std::vector<std::pair<double, Item>> order;
@@ -62,12 +63,12 @@ std::vector<Item> dealt(std::vector<Item> items, double share, RandomStream& ran
   return first;
 }
 
-// The parts of examples without one of their own, in their order.
+// The parts of examples outside of a dataset's own split, in their order.
 std::vector<Part> dealt_parts(std::span<const Example* const> examples, Split split, double held_out, std::uint64_t seed) {
   const std::string word = hd::name_of(split_words, split);
   std::map<std::string, Kinds> groups;
   std::map<std::size_t, Kinds> kinds_of_trial;
-  std::map<std::size_t, std::string> of_trial;  // its group
+  std::map<std::size_t, std::string> of_trial;  // group of each trial
   std::map<std::string, std::size_t> experiments;
   for (const Example* const one : examples) {
     const Example& example = *one;

@@ -1,4 +1,4 @@
-// Which examples train, which validate and which judge.
+// Divides examples into training, validation and test.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace slipbench::train {
 
-// Groups that never appear in both training and test.
+// Property whose groups are never in both training and test.
 enum class Split {
   trial,
   material,
@@ -23,13 +23,16 @@ inline constexpr std::array split_words{hd::Word<Split>{"trial", Split::trial}, 
 
 enum class Part : std::uint8_t { learns, validates, judges, left_out };
 
-// The part of each example. All examples of a group, which is an experiment (trials whose Example::twin is equal), a material, an object or an
-// octave of speed, judge or none does: groups are shuffled by RandomStream(seed, 0, "split"), and `held_out` of them, rounded up, judge. A fifth of the
-// other trials, rounded up, validates (a fifth of the groups where there are five or more left). Trials with other classes, and with and without
-// contact, are dealt out apart. A turned copy whose trial does not learn is left out. Examples with
-// a part of their dataset's own split keep to it: train learns, valid validates, test judges, none
-// is left out. Where no such example is of the part valid, a fifth of the experiments of train
-// validates. Throws InputError where a part would be empty, or nothing is known to split by.
+// The part of each example. A group is an experiment (trials with equal Example::twin), a material,
+// an object or an octave of speed; either all or none of its examples are for the test. Groups are
+// shuffled by RandomStream(seed, 0, "split"), and `held_out` of them, rounded up, are for the test.
+// A fifth of the other trials, rounded up, is for validation (a fifth of the groups if five or more
+// remain). Trials with other classes, and with and without contact, are divided separately. A
+// turned copy whose trial is not for training is left out.
+// Examples with a part in their dataset's own split keep it: train learns, valid validates, test
+// judges, none is left out. If no such example has the part valid, a fifth of the experiments of
+// train validates.
+// Throws InputError if a part would be empty, or the property for the split is unknown.
 std::vector<Part> split_examples(std::span<const Example> examples, Split split, double held_out, std::uint64_t seed);
 
 }  // namespace slipbench::train
