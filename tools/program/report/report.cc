@@ -27,25 +27,27 @@
 namespace slipbench {
 namespace {
 
-// A page in all [bytes]: it can be sent by mail, and a browser opens it at once. Its rows and curves share what its scripts leave.
+// Maximum size of a page [bytes]: fits into an e-mail and opens at once. Rows and curves share the
+// space left by the scripts.
 constexpr std::size_t page_bytes = 19'000'000;
 constexpr std::size_t script_bytes = 700'000;
-constexpr std::size_t least_curve_bytes = 2'000'000;  // where the rows of very many trials leave less
+constexpr std::size_t least_curve_bytes = 2'000'000;  // minimum, even with the rows of very many trials
 
-// Values of one trial's curves at most, which take some 3 MB where there is noise on them; and the rows below which curves say little.
+// Maximum number of values of one trial's curves, some 3 MB of noisy data; and the number of rows
+// below which curves show little.
 constexpr std::size_t most_curve_values = 4'000'000;
 constexpr std::size_t least_curve_rows = 24;
 
 constexpr std::string_view generator = "slipbench";
 constexpr const char* title_end = " · slipbench report";
 
-// The curves of one trial, as the page holds them.
+// Packed curves of one trial.
 struct TrialCurves {
   Json sensors = Json::array();
   Json grasp = nullptr;
 
   [[nodiscard]] std::size_t bytes() const { return sensors.dump().size() + (grasp.is_null() ? 0 : grasp.dump().size()); }
-  // Values of the sensor that has most, a row of its curves.
+  // Number of values per curve row of the largest sensor.
   [[nodiscard]] std::size_t columns() const {
     std::size_t most = 0;
     for (const Json& sensor : sensors) {
@@ -67,10 +69,11 @@ TrialCurves curves_of(const TrialRecord& record, std::size_t values, const std::
   return curves;
 }
 
-// Shares out among trials what the page has for curves. Every trial opens as long as its share holds rows enough to see something.
+// Divides the space for curves among trials. Embeds as many trials as possible while each has
+// enough rows to show something.
 class CurveShares {
  public:
-  // `first`: a trial like the others; `row_bytes`: what `rows` rows of the overview take.
+  // `first`: a representative trial; `row_bytes`: size of the overview's rows.
   CurveShares(const TrialRecord& first, const std::string& subject, std::size_t trials, std::size_t row_bytes) {
     if (first.sensors.empty()) return;
     const TrialCurves whole = curves_of(first, most_curve_values, subject);
@@ -79,15 +82,16 @@ class CurveShares {
     least_values_ = std::min(values_, whole.columns() * least_curve_rows * first.sensors.size());
     const std::size_t taken = script_bytes + row_bytes;
     const std::size_t room = taken + least_curve_bytes < page_bytes ? page_bytes - taken : least_curve_bytes;
-    const std::size_t least = curves_of(first, least_values_, subject).bytes() * 11 / 10;  // others may take more
+    const std::size_t least = curves_of(first, least_values_, subject).bytes() * 11 / 10;  // other trials may be larger
     count_ = std::clamp<std::size_t>(room / least, 1, trials);
     each_ = room / count_;
   }
 
-  // Of how many trials the page has the curves.
+  // Number of trials with curves in the page.
   [[nodiscard]] std::size_t count() const { return count_; }
 
-  // As fine as the share allows. What one trial takes less is not given to others, so that all are alike.
+  // Curves as fine as the share allows. Unused space is not passed to other trials, so that all
+  // have the same resolution.
   TrialCurves take(const TrialRecord& record, const std::string& subject) {
     while (true) {
       TrialCurves curves = curves_of(record, values_, subject);
@@ -104,13 +108,13 @@ class CurveShares {
   std::size_t each_ = 0;  // bytes
 };
 
-// The trials whose curves go into the page: the one asked for and others at equal distances over the file.
+// The trials with curves in the page: the requested one and others evenly spaced over the file.
 std::vector<std::size_t> embedded_trials(const std::vector<std::size_t>& trials, std::size_t count,
                                          const std::optional<std::size_t>& asked) {
   std::vector<std::size_t> chosen;
   for (const std::size_t k : evenly_spaced(trials.size(), count)) chosen.push_back(trials[k]);
   if (asked && std::find(chosen.begin(), chosen.end(), *asked) == chosen.end()) {
-    // It takes the place of the nearest one.
+    // It replaces the nearest one.
     const auto distance = [&](std::size_t trial) { return trial > *asked ? trial - *asked : *asked - trial; };
     *std::min_element(chosen.begin(), chosen.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); }) =
         *asked;
@@ -127,12 +131,12 @@ std::string description_of(const std::string& scene, const std::string& subject)
   }
 }
 
-// Drawn parameters of a trial: {path: plain value}, those that it has.
+// Drawn parameters of a trial: {path: plain value}.
 Json drawn_parameters(const std::string& params, const std::string& subject) {
   Json result = Json::object();
   const Json stored = json_object(params, subject);
   for (const auto& [path, value] : stored.items()) {
-    if (!value.is_null()) result[path] = report::plain_value(path, value);  // null: a parameter of another type than the trial's
+    if (!value.is_null()) result[path] = report::plain_value(path, value);  // null: parameter of another type than the trial's
   }
   return result;
 }
@@ -169,12 +173,12 @@ Json trial_row(const TrialRecord& record, const std::string& subject) {
   return row;
 }
 
-// What the closed form of a pad that is one elastic body needs, where it is one.
+// Parameters for the closed form of a pad that is one elastic body; null for other pads.
 Json skin_of(const Scene& scene) {
   const auto skin = std::ranges::find(scene.effects, "elastic_skin", &Named::name);
   if (skin == scene.effects.end()) return nullptr;
   const bool sphere = scene.surface.name == "sphere" && std::isinf(skin->parameters.number("thickness"));
-  Json sensors = Json::array();  // one with a friction of its own has no effects
+  Json sensors = Json::array();  // a sensor with its own friction has no effects
   for (const SensorScene& sensor : scene.sensors) {
     if (!sensor.friction) sensors.push_back(sensor.name);
   }
@@ -184,11 +188,11 @@ Json skin_of(const Scene& scene) {
           {"sphere_radius", sphere ? Json(scene.surface.parameters.number("radius")) : Json(nullptr)}};
 }
 
-// Why no command line runs the trials again: the scene names what a Python program has registered,
-// or is of another version. Null: one does.
+// Reason why no command line can run the trials again: the scene names types that a Python program
+// registered, or is of another version. Null if one can.
 Json no_replay(const DatasetHeader& header, const Json& overrides, std::size_t trial) {
   try {
-    const Catalogues catalogues = command_line_catalogues();  // which the plan refers to
+    const Catalogues catalogues = command_line_catalogues();  // the plan refers to it
     const TrialPlan plan{recorded_file(header.scene, overrides, "scene"), catalogues, 0, header.seed};
     if (trial < plan.size()) static_cast<void>(plan.trial(trial));
     return nullptr;
@@ -197,14 +201,15 @@ Json no_replay(const DatasetHeader& header, const Json& overrides, std::size_t t
   }
 }
 
-// What the scene warns of, and what is known of soft skins of the trials `embedded`, as far as this version can read the scene.
+// Returns the scene's warnings, and adds data of soft skins of the trials `embedded` to the page,
+// if this version can read the scene.
 std::vector<Warning> read_scene(const DatasetHeader& header, const std::vector<std::size_t>& trials,
                                 const std::vector<std::size_t>& embedded, Json& page) {
   try {
     const Catalogues catalogues = program_catalogues();
-    // Nothing is built, since that would open files that the dataset names.
+    // Nothing is built, since that would open files named by the dataset.
     const TrialPlan plan{recorded_file(header.scene, page["overrides"], "scene"), catalogues, 0, header.seed};
-    std::vector<std::size_t> own = trials;  // --trials may have made more
+    std::vector<std::size_t> own = trials;  // --trials may have added more
     std::erase_if(own, [&](std::size_t trial) { return trial >= plan.size(); });
     for (const std::size_t trial : embedded) {
       if (trial >= plan.size()) continue;
@@ -218,7 +223,7 @@ std::vector<Warning> read_scene(const DatasetHeader& header, const std::vector<s
   }
 }
 
-// The trials in the overview, ascending: `embedded`, and others at equal distances.
+// The trials in the overview, ascending: `embedded`, and others evenly spaced.
 std::vector<std::size_t> rows_of(const std::vector<std::size_t>& trials, const std::vector<std::size_t>& embedded,
                                  std::size_t most) {
   std::set<std::size_t> chosen(embedded.begin(), embedded.end());
@@ -227,7 +232,7 @@ std::vector<std::size_t> rows_of(const std::vector<std::size_t>& trials, const s
   return {chosen.begin(), chosen.end()};
 }
 
-// Refuses a dataset without trials, and a trial that it does not have.
+// Throws InputError for a dataset without trials, and for a trial that it does not have.
 void check_reportable(const DatasetReader& dataset, const std::string& path, const std::optional<std::size_t>& trial) {
   const std::vector<std::size_t>& trials = dataset.trials();
   if (trials.empty()) throw InputError(path + ": holds no trial, so there is nothing to report");
@@ -239,7 +244,7 @@ void check_reportable(const DatasetReader& dataset, const std::string& path, con
   dataset.check_recorded(*trial);
 }
 
-// What the page says of the dataset as a whole.
+// Page data about the dataset as a whole.
 Json head_of(const DatasetReader& dataset, const std::string& path, const ReportOptions& options) {
   const DatasetHeader& header = dataset.header();
   return {{"file", std::filesystem::path(path).filename().string()},
@@ -257,7 +262,7 @@ Json head_of(const DatasetReader& dataset, const std::string& path, const Report
           {"open", or_null(options.trial)}};
 }
 
-// What is gathered trial by trial.
+// Data collected trial by trial.
 struct Gathered {
   Json rows = Json::array(), types = Json::object();
   std::vector<std::pair<std::string, Json>> recordings;
@@ -265,7 +270,7 @@ struct Gathered {
   std::map<std::string, ConverterUse> converters;
 };
 
-// Reads the trials `shown`, with curves of those `embedded`. Notes in `page` which are recorded.
+// Reads the trials `shown`, with curves of those in `embedded`. Marks in `page` which are recorded.
 Gathered gather(const DatasetReader& dataset, const std::string& path, const ReportOptions& options, CurveShares& shares,
                 const std::vector<std::size_t>& shown, const std::vector<std::size_t>& embedded, Json& page) {
   Gathered gathered;

@@ -23,7 +23,7 @@
 namespace slipbench::report {
 namespace {
 
-constexpr double frames_per_second = 60.0;  // more the eye does not see
+constexpr double frames_per_second = 60.0;  // more are invisible
 constexpr std::size_t pose_values = 7;
 
 struct GraspCurve {
@@ -45,7 +45,7 @@ Pose pose_at(const BodyRecord& body, std::size_t row) {
   return {turn.normalized().toRotationMatrix(), {p[0], p[1], p[2]}};
 }
 
-// The last row before the arm first moves; the last of all where it never does.
+// The last row before the arm first moves; the last row if it never moves.
 std::size_t lift_row(const BodyRecord& arm, std::size_t rows) {
   for (std::size_t row = 0; row < rows; ++row) {
     const std::span<const float> velocity(&arm.velocity[6 * row], 6);
@@ -62,7 +62,7 @@ std::vector<GraspCurve> curves_of(const TrialRecord& record, const BodyRecord& a
   const Pose taken = pose_at(arm, lift).inverse() * pose_at(box, lift);
   for (std::size_t row = 0; row < rows; ++row) {
     const Pose held = pose_at(arm, row).inverse() * pose_at(box, row);
-    const bool dropped = record.body_time[row] >= record.outcome.grasp->drop_time;  // false where that is NaN
+    const bool dropped = record.body_time[row] >= record.outcome.grasp->drop_time;  // false for NaN
     const double angle = rotation_vector(held.rotation * taken.rotation.transpose()).norm();
     for (const BodyRecord* body : {&box, &arm}) height.values.push_back(body->pose[pose_values * row + 2] - body->pose[2]);
     slip.values.push_back(dropped ? never : row < lift ? 0.0F : static_cast<float>((held.position - taken.position).norm()));
@@ -103,7 +103,7 @@ Json poses_of(const TrialRecord& record) {
   return poses;
 }
 
-// As a scene writes it, on one line.
+// Text as in a scene, on one line.
 std::string text_of(const YamlNode& node) {
   if (node.kind != YamlNode::Kind::sequence) return node.text;
   std::string text;
@@ -120,7 +120,7 @@ class ParameterRows {
     if (found != protocol_catalogue().end() && !swept.contains("grip.protocol")) protocol_ = &*found;
   }
 
-  // `path`: of the map that holds the entry's parameters.
+  // `path`: of the map with the entry's parameters.
   void add(const std::vector<std::string>& path, const Entry& entry) {
     for (const ParameterSpec& spec : entry.parameters) add(path, spec);
   }
@@ -129,7 +129,7 @@ class ParameterRows {
     add(fmt::format("{}", fmt::join(path, ".")), at(path), spec.default_text, spec.doc, spec.source);
   }
 
-  // The entry that `path`.type names, unless that is swept, or names none.
+  // Adds the entry that `path`.type names, unless the type is swept or unknown.
   void add_typed(const std::vector<std::string>& path, const std::vector<Entry>& entries) {
     std::vector<std::string> type = path;
     type.emplace_back("type");
@@ -192,7 +192,7 @@ class ParameterRows {
       value = text_of(*written);
       by = "scene";
     }
-    // A swept vector may be named entry by entry: "box.size.0".
+    // A swept vector may be given by element: "box.size.0".
     const bool swept = std::ranges::any_of(swept_.items(), [&](const auto& item) {
       const std::string& name = item.key();
       return name == path || name.starts_with(path + ".");

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t drawn_recordings = 12, first_channels = 4;
 constexpr const char* no_value = "–";
 
-// Facts that the import recorded: file, object and more.
+// Properties that the import recorded: file, object and more.
 Json notes_of(const TrialRecord& record) {
   Json notes = Json::parse(record.params, nullptr, false);
   return notes.is_object() ? notes : Json::object();
@@ -44,7 +44,7 @@ bool slips(PadState state) { return state == PadState::incipient || state == Pad
 
 double duration_of(const SensorRecord& sensor) { return sensor.time.size() < 2 ? 0.0 : sensor.time.back() - sensor.time.front(); }
 
-// "0.51, 2.99 s after the first sample" where one step is longer than the others, else the step.
+// "0.51 (2.99 s after the first sample)" if steps vary, else the step.
 std::string longest_step(const SensorRecord& sensor) {
   if (sensor.time.size() < 2) return no_value;
   if (sensor.timing) {
@@ -57,7 +57,7 @@ std::string longest_step(const SensorRecord& sensor) {
   return fmt::format("{:.4g}", 1.0 / sensor.rate);
 }
 
-// "12.5 %, from 1.1 s on": the share of the samples that slip by the recorded labels.
+// "12.5 %, from 1.1 s on": share and begin of the samples with slip by the recorded labels.
 std::string labelled_slip(const SensorRecord& sensor) {
   const std::vector<PadState> states = labels_of(sensor);
   if (states.empty()) return no_value;
@@ -98,7 +98,7 @@ page::TextTable sensors_table(const TrialRecord& record) {
   return table;
 }
 
-// Facts that the import recorded, without the object, which is in the title.
+// Properties that the import recorded, except the object, which is in the title.
 std::string about(const TrialRecord& record) {
   std::vector<std::string> texts;
   const Json notes = notes_of(record);

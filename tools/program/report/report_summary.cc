@@ -34,13 +34,14 @@ Json shares(const std::vector<std::uint8_t>& states) {
   return result;
 }
 
-// From one instant to a later one [s]; 0 where they differ by no more than their rounding.
+// Difference of two times [s]; 0 if it is within their rounding.
 double time_between(double from, double to) {
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(from), std::abs(to));
   return std::abs(to - from) <= rounding ? 0.0 : to - from;
 }
 
-// When gross slip begins: the last slip event in the step that ends at the first gross sample, else that sample's time.
+// Begin of gross slip: the last slip event in the step that ends at the first gross sample, else
+// that sample's time.
 double gross_start(const SensorRecord& sensor) {
   const LabelRecord& labels = sensor.labels;
   const auto found = std::find(labels.state.begin(), labels.state.end(), static_cast<std::uint8_t>(PadState::gross));
@@ -51,7 +52,7 @@ double gross_start(const SensorRecord& sensor) {
   double start = nan;
   for (std::size_t i = 0; i < labels.event_time.size(); ++i) {
     const double time = labels.event_time[i];
-    // One at the instant of the sample before is not in that sample's state.
+    // An event at the time of the previous sample is not yet in that sample's state.
     const bool within = time > begin || time_between(begin, time) == 0.0;
     if (labels.event_kind[i] == static_cast<std::uint8_t>(EventKind::slip) && within && time <= end) {
       start = std::fmax(start, time);
@@ -70,14 +71,14 @@ double disagreement(const std::vector<std::uint8_t>& truth, const std::vector<st
   return in_contact == 0 ? nan : static_cast<double>(different) / static_cast<double>(in_contact);
 }
 
-// Scene keys that are no entry's parameter.
+// Scene keys that are not parameters of an entry.
 constexpr std::array<std::pair<std::string_view, Quantity>, 3> scene_keys = {{
     {"duration", Quantity::time},
     {"time_step", Quantity::time},
     {"label_speed", Quantity::speed},
 }};
 
-// The last part of a dotted path that is a name, not an index: "tilt" of "motion.tilt.0".
+// The last part of a dotted path that is a name and not an index: "tilt" of "motion.tilt.0".
 std::string_view key_of(std::string_view path) {
   while (true) {
     const std::size_t dot = path.rfind('.');
@@ -88,7 +89,7 @@ std::string_view key_of(std::string_view path) {
   }
 }
 
-// Whose parameters stand below the first part of a path: "motion" of "motion.speed".
+// Entries whose parameters are below the first part of a path: "motion" of "motion.speed".
 const std::vector<Entry>& entries_below(std::string_view first) {
   static const Catalogues catalogues = program_catalogues();
   static const std::vector<Entry> none;
@@ -107,11 +108,11 @@ const std::vector<Entry>& entries_below(std::string_view first) {
   return found == places.end() ? none : *found->second;
 }
 
-// What the path's parameter is measured in, where all entries that have one of this name agree; the path does not say which entry
-// it is.
+// Quantity of the path's parameter, if all entries with a parameter of this name agree; the path
+// does not state the entry.
 Quantity quantity_of_path(const std::string& path) {
   const std::string_view key = key_of(path);
-  // What a plugin's library declares is in no catalogue, whatever it is called.
+  // No catalogue has the parameters of a plugin's library, whatever their names.
   if (path.starts_with("detector.parameters.") || path.starts_with("controller.parameters.")) return Quantity::none;
   std::optional<Quantity> found;
   for (const Entry& entry : entries_below(std::string_view(path).substr(0, path.find('.')))) {
@@ -130,7 +131,7 @@ Quantity quantity_of_path(const std::string& path) {
 
 std::string unit_of_path(const std::string& path) { return std::string(si_symbol(quantity_of_path(path))); }
 
-// A list such as a pivot, entry by entry: "(4 mm, 1 mm)".
+// A list such as a pivot, element by element: "(4 mm, 1 mm)".
 std::string list_text(const std::string& path, const Json& list) {
   std::string text;
   for (const Json& entry : list) {
@@ -144,7 +145,7 @@ std::string list_text(const std::string& path, const Json& list) {
   return "(" + text + ")";
 }
 
-// Text with a unit, or a bare number, as a number in SI with its symbol; empty: it is a name.
+// Text with a unit, or a plain number, as a number in SI with its symbol; empty for a name.
 std::optional<std::pair<double, std::string>> number_with_unit(const std::string& path, const std::string& text) {
   try {
     const Quantity quantity = quantity_of(text);

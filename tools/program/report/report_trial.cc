@@ -32,16 +32,17 @@ std::vector<Curve> label_curves(const LabelRecord& labels) {
           {"slip_centre", "labels", "m", {"x", "y"}, false, labels.slip_centre}};
 }
 
-// "P3_FX" -> "FX": what a channel's value is called within its unit.
+// "P3_FX" -> "FX": name of a channel's value within its unit.
 std::string component_name(const std::string& channel_name) {
   const std::size_t underscore = channel_name.find('_');
   return underscore == std::string::npos ? channel_name : channel_name.substr(underscore + 1);
 }
 
-// Every how many-th of the rows is kept so that `values` of them in all become at most `most`.
+// Stride that reduces `values` values to at most `most`.
 std::size_t stride_for(std::size_t values, std::size_t most) { return values <= most ? 1 : (values + most - 1) / most; }
 
-// A channel belongs to the units when its first extent counts them, or when it has one value for each. What a pad of one unit emits is the
+// True if a channel belongs to the units: its first extent is their number, or it has one value for
+// each. The values of a pad with one unit belong to the sensor as a whole.
 // sensor's as a whole.
 bool per_unit(const SensorColumn& channel, std::size_t units) {
   return units > 1 && !channel.time && (channel.row_size() == units || (!channel.shape.empty() && channel.shape[0] == units));
@@ -52,7 +53,7 @@ std::string shown_unit(const std::string& unit) { return unit == "1" ? "" : unit
 std::vector<Curve> sensor_curves(const SensorRecord& sensor) {
   const std::size_t units = sensor.labels.units();
   std::vector<Curve> curves;
-  std::size_t offset = 0;  // of the channel's first value in channel_names
+  std::size_t offset = 0;  // index of the channel's first value in channel_names
   for (const SensorColumn& channel : sensor.channels) {
     const std::size_t size = channel.row_size();
     if (per_unit(channel, units)) {
@@ -65,7 +66,7 @@ std::vector<Curve> sensor_curves(const SensorRecord& sensor) {
   return curves;
 }
 
-// Channels of the sensor as a whole, or of parts of it that are no units.
+// Channels of the sensor as a whole, or of parts that are not units.
 Json whole_channels(const SensorRecord& sensor, std::size_t most_values) {
   Json channels = Json::array();
   auto name = sensor.channel_names.begin();
@@ -87,7 +88,7 @@ Json whole_channels(const SensorRecord& sensor, std::size_t most_values) {
   return channels;
 }
 
-// One value a row: the difference of a channel's first two values, or its only one.
+// One value per row: the difference of a channel's first two values, or its only value.
 std::vector<double> signal_of(const SensorColumn& channel) {
   const std::size_t values = channel.shape.empty() ? 1 : channel.shape.front();
   std::vector<double> signal;

@@ -1,11 +1,12 @@
-// What a sensor emits as a whole: its channels over time, and spectra of them.
+// Channels of the sensor as a whole over time, and their spectra.
 const el = sb.element, mark = sb.mark;
 
-// Colours of magnitude 0 to 1: dark is little, bright is much, in grey prints as well.
+// Colours of magnitude 0 to 1, from dark to bright, also in greyscale print.
 const ramp = d3.scaleLinear([0, 0.25, 0.5, 0.75, 1], ['#0b1330', '#3b2f7f', '#a3386f', '#ee7b3c', '#fbe7a1']).clamp(true);
-const decades = 2.5;  // from the strongest value down to what is drawn as nothing
+const decades = 2.5;  // range of the colours below the strongest value
 
-// A spectrogram. spectrum: {bin_hz, window_s, time, columns: one a bin, unit}; each row stands for the window that ended at its time.
+// A spectrogram. spectrum: {bin_hz, window_s, time, columns: one per bin, unit}; each row is the
+// window that ended at its time.
 class Spectrogram extends sb.TimeChart {
   constructor(parent, timeline, spectrum, height) {
     const title = 'Spectrogram of ' + spectrum.name;
@@ -19,7 +20,7 @@ class Spectrogram extends sb.TimeChart {
     return [['t [s]', ...head], ...Array.from(time, (t, row) => [t, ...columns.map(column => column[row])])];
   }
 
-  // One pixel a bin and row, the highest bin on top.
+  // One pixel per bin and row, the highest bin on top.
   paint({columns, time}) {
     const largest = d3.max(columns, column => d3.max(column)) || 1;
     const canvas = el('canvas', {width: time.length, height: columns.length});
@@ -39,12 +40,12 @@ class Spectrogram extends sb.TimeChart {
   contents() {
     const {height, picture: href, spectrum: {time, columns, bin_hz, window_s}} = this;
     const first = time[0], last = time[time.length - 1];
-    // A row is drawn around the middle of its window.
+    // A row is centred on the middle of its window.
     const hop = time.length > 1 ? (last - first) / (time.length - 1) : window_s;
     const [x, end] = [first - 0.5 * hop, last + 0.5 * hop].map(t => this.x(t - 0.5 * window_s));
     const ticks = d3.ticks(0, (columns.length - 0.5) * bin_hz, 4);
     const middle = tick => height * (1 - (tick + 0.5 * bin_hz) / (columns.length * bin_hz));
-    const within = y => Math.min(height - 2, Math.max(9, y + 4));  // all of it on the picture
+    const within = y => Math.min(height - 2, Math.max(9, y + 4));  // keeps the label inside the picture
     return [
       ticks.map(tick => sb.text(sb.plotLeft - 5, within(middle(tick)), 'end', sb.significant(tick, 4))), this.clipped([
         mark('rect', {x: sb.plotLeft, width: this.plot, height, fill: 'var(--panel)'}),
@@ -54,7 +55,8 @@ class Spectrogram extends sb.TimeChart {
   }
 }
 
-// Values of a channel in groups small enough for one chart: those whose names differ in their last part ("T4_W", "T4_N"), or all of them.
+// Groups of a channel's values, small enough for one chart: those that differ in the last part of
+// their names ("T4_W", "T4_N"), or all.
 function groupsOf(channel) {
   if (channel.names.length <= 4) return [{name: '', columns: d3.range(channel.names.length)}];
   const groups = d3.groups(d3.range(channel.names.length), i => channel.names[i].replace(/_[^_]*$/, ''));
@@ -62,7 +64,7 @@ function groupsOf(channel) {
   return groups.map(([name, columns]) => ({name, columns}));
 }
 
-// Charts of one channel, with a choice of the group where there are several.
+// Charts of one channel, with a choice if there are several groups.
 function channelCharts(channel, recording, timeline) {
   const groups = groupsOf(channel), middle = Math.floor(groups.length / 2);
   const word = sb.channelWord(recording.type, channel.key), symbol = sb.symbol(channel.unit);
@@ -92,7 +94,7 @@ sb.legendOf = entries => el('div.legend', {}, entries.map(
     ({name, colour, dashed}) => el('span', {}, el('b', {style: 'color:var(--' + colour + ')'}, dashed ? '╍╍' : '━━'), name)));
 sb.chartTitle = (name, note) => el('div.chart-title', {}, el('span', {}, el('b', {}, name), ' ', note || ''));
 
-// The section of a sensor's channels; null where every channel is one of its units' curves.
+// Section of a sensor's channels; null if every channel is a curve of its units.
 sb.channelSection = (recording, timeline) => {
   if (!recording.channels.length && !recording.spectra.length) return null;
   const section = sb.section('What the sensor emits', '');

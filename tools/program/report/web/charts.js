@@ -1,13 +1,14 @@
 // Charts over time: curves, and rows of states. All follow one Timeline.
 const el = sb.element, mark = sb.mark, text = sb.text;
 
-const left = 44, right = 6;  // px beside every plot, so that all time axes line up
-const times = 20;            // px below a plot, of the names of instants
+const left = 44, right = 6;  // px beside every plot; equal, so that all time axes align
+const times = 20;            // px below a plot, for the names of instants
 const px = value => +value.toFixed(1);
 
-// What all charts over time do: they are drawn at their width for the window of the timeline, hovering moves its cursor,
-// dragging zooms, a double click shows all, and they are saved as they are, with their heading.
-// A chart has contents() and savedRows(); `height` [px] is its plot's, `foot` what the page shows below that.
+// Common behaviour of charts over time: they are drawn at their width for the window of the
+// timeline, hovering moves its cursor, dragging zooms, a double click shows everything, and they
+// are saved as shown, with their heading. A chart implements contents() and savedRows(). `height`
+// [px]: of its plot; `foot` [px]: below the plot.
 sb.TimeChart = class {
   constructor(parent, timeline, title, label, height, foot) {
     Object.assign(this, {timeline, title, label, height, foot});
@@ -24,7 +25,7 @@ sb.TimeChart = class {
     timeline.addEventListener('cursor', () => this.placeCursor(), {signal});
     sb.onWidth(this.node, () => this.draw());
   }
-  // Ends what connects the chart with the timeline, before it leaves the page.
+  // Disconnects the chart from the timeline before it leaves the page.
   release() {
     this.listening.abort();
   }
@@ -35,7 +36,7 @@ sb.TimeChart = class {
   get plot() {
     return Math.max(1, this.width - left - right);
   }
-  // Where an instant stands [px], and which one stands there.
+  // Position of an instant [px], and instant at a position.
   get x() {
     return d3.scaleLinear(this.timeline.window, [left, left + this.plot]);
   }
@@ -90,7 +91,7 @@ sb.TimeChart = class {
     this.placeCursor();
   }
 
-  // As the page shows it, or as it is saved: with its heading above and the times below.
+  // The chart as shown on the page, or as saved: with its heading above and the times below.
   drawing(saved) {
     const {width, height} = this, view = saved ? [0, -18, width, height + 18 + times] : [0, 0, width, height + this.foot];
     return mark('svg.plot', {viewBox: view.join(' '), role: 'img', 'aria-label': this.label},
@@ -101,7 +102,7 @@ sb.TimeChart = class {
   instants() {
     const {x: scale, width, height} = this, words = t => sb.significant(+t.toFixed(5), 6) + ' s';
     const axis = sb.axis(d3.axisBottom, {scale, ticks: sb.ticks(scale, 80), text: words}, 'translate(0,' + height + ')');
-    // A name that would leave the picture ends where it does.
+    // Text that would leave the picture is right-aligned.
     d3.select(axis).selectAll('text').filter(t => scale(t) + 3.2 * words(t).length > width).attr('text-anchor', 'end').attr('x', t => width - scale(t));
     return axis;
   }
@@ -110,14 +111,14 @@ sb.TimeChart = class {
     return text(left, -6, 'start', this.title, 'name');
   }
 
-  // Marks that end where the plot does.
+  // Marks clipped to the plot.
   clipped(marks) {
     const {plot, height} = this;
     const frame = {x: left, y: 0, width: plot, height, viewBox: [left, 0, plot, height].join(' '), 'aria-hidden': 'true'};
     return mark('svg', frame, mark('rect', {x: left, width: plot, height, fill: 'none'}), marks);
   }
 
-  // Runs of states as bars. fill(state): null where there is none; size(state): how much of the height.
+  // Runs of states as bars. fill(state): null for no bar; size(state): share of the height.
   bars(runs, bottom, height, fill, size = () => 1) {
     const {x, timeline: {window: [from, to]}} = this;
     return runs.filter(run => run.to >= from && run.from <= to && fill(run.state)).map(run => {
@@ -129,7 +130,7 @@ sb.TimeChart = class {
 };
 
 const stateFill = key => key === 'partial' ? 'url(#hatch)' : 'var(--' + key + ')';
-// Height of a state's bar as a share of its row: states differ by more than colour.
+// Height of a state's bar as a share of its row, so that states do not differ in colour only.
 const stateHeight = {detached: 0.12, stick: 0.42, partial: 0.72, slip: 1};
 
 // Rows of states over time. rows: [{name, runs, kinds: sb.states.unit or sb.states.pad}].
@@ -147,7 +148,7 @@ sb.StateRows = class extends sb.TimeChart {
 
   contents() {
     const {rows, rowHeight} = this, gap = rowHeight > 8 ? 2 : 0, bar = Math.max(1, rowHeight - 2 * gap);
-    // Rows too thin to tell heights apart are filled, and have no room for a name.
+    // Rows too thin for different heights are filled, and have no space for a name.
     const roomy = rowHeight >= 10, size = Math.min(12, rowHeight - 1);
     return rows.map(({name, runs, kinds}, i) => {
       const bottom = (i + 1) * rowHeight - gap, key = state => kinds[state].key;
@@ -160,8 +161,8 @@ sb.StateRows = class extends sb.TimeChart {
   }
 };
 
-// An axis that holds all values of `unit`, with room beside the largest and from zero on. Counts far
-// from zero would be a flat line on such an axis.
+// An axis that covers all values of `unit`, with a margin beyond the largest, and starts at zero.
+// Counts far from zero would be a flat line then, so their axis does not.
 sb.rangeOf = (columns, unit) => {
   const [least, most] = [d3.min, d3.max].map(of => sb.rounded(of(columns, column => of(column)) || 0, unit));
   const near = !(least > 0.5 * most);
@@ -170,7 +171,8 @@ sb.rangeOf = (columns, unit) => {
   return [low === 0 ? low : low - gap, high + gap];
 };
 
-// Which of the rows from `begin` to `end` show a curve: all, or of many a pixel the lowest and the highest of each.
+// Rows between `begin` and `end` that represent a curve: all, or the lowest and the highest per
+// pixel.
 function telling(column, begin, end, pixels) {
   const each = Math.ceil((end - begin) / pixels);
   if (each <= 2) return d3.range(begin, end + 1);
@@ -185,9 +187,10 @@ function telling(column, begin, end, pixels) {
 }
 
 // Curves over time on bands of the sensor's state.
-// options: {name: what it shows, in words; rows: times, columns, labels, unit, colours, height, bands: runs, and all optional:
-// range: [low, high] or sb.rangeOf, strip: runs below the curves, solid: no dashes, step: values stay until the next, lines:
-// [{value, text, colour}] across, marks: [{time, text, colour}] down, points: [{time, value, text}] on a curve; values in SI}
+// options: {name: title in words; rows: times, columns, labels, unit, colours, height, bands: runs,
+// and all optional: range: [low, high] or sb.rangeOf, strip: runs below the curves, solid: no
+// dashes, step: values hold until the next, lines: horizontal [{value, text, colour}], marks:
+// vertical [{time, text, colour}], points: [{time, value, text}] on a curve; values in SI}
 sb.LineChart = class extends sb.TimeChart {
   constructor(parent, timeline, options) {
     const {name, unit, range, columns} = options, symbol = sb.symbol(unit), height = options.height - times;
@@ -214,7 +217,7 @@ sb.LineChart = class extends sb.TimeChart {
     return [text(left, -6, 'start', title + (symbol ? ', ' + symbol : ''), 'name'), names];
   }
 
-  // Where a value stands [px].
+  // Position of a value [px].
   get y() {
     return d3.scaleLinear(this.range, [this.height, 0]);
   }
@@ -225,12 +228,13 @@ sb.LineChart = class extends sb.TimeChart {
     const line = d3.line(row => x(rows[row]), row => y(column[row])).defined(row => !isNaN(column[row])).digits(1);
     if (step) line.curve(d3.curveStepAfter);
     const d = line(telling(column, begin, end, this.plot));
-    // The second of several curves is dashed: it may lie on the first.
+    // The second of several curves is dashed, since it may coincide with the first.
     return mark(
         'path.curve', {d, style: 'stroke:var(--' + colours[i] + ')', 'stroke-dasharray': i === 1 && !solid ? '6 3' : null});
   }
 
-  // Lines, marks and points, each with its text; one that would lie on an earlier one stands below it.
+  // Lines, marks and points, each with its text; a text that would overlap an earlier one is moved
+  // down.
   notes() {
     const {height, lines = [], marks = [], points = []} = this, end = left + this.plot, boxes = [];
     const write = (x, y, anchor, words, colour) => {
@@ -264,7 +268,7 @@ sb.LineChart = class extends sb.TimeChart {
     const scale = d3.scaleLinear(this.range.map(value => value * factor), [height, 0]);
     const ticks = {scale, ticks: scale.ticks(Math.max(2, height / 32)), text: tick => sb.significant(+tick.toFixed(9), 4)};
     const axis = sb.axis(d3.axisLeft, ticks, 'translate(' + left + ',0)', plot);
-    // All of a figure is on the picture.
+    // Keeps the labels inside the picture.
     d3.select(axis).selectAll('text').attr('dy', null).attr('y', tick => Math.max(9, Math.min(height, scale(tick) + 4)) - scale(tick));
     return [
       this.bars(bands, height, height, state => state && 'var(--band' + state + ')'),
@@ -274,7 +278,7 @@ sb.LineChart = class extends sb.TimeChart {
   }
 };
 
-// What the states look like.
+// Legend of the states.
 sb.stateLegend = kinds => el('div.legend', {}, Object.entries(stateHeight).map(([key, share]) => {
   const {name, meaning} = kinds.find(kind => kind.key === key), height = 13 * share;
   return sb.key('0 0 22 14', mark('rect', {x: 1, width: 20, y: 13.5 - height, height, fill: stateFill(key)}),

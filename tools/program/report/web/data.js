@@ -1,4 +1,4 @@
-// The data inside the page: unpacked arrays with named access.
+// Data of the page: unpacked arrays with named access.
 
 async function inflate(base64) {
   const bytes = Uint8Array.from(atob(base64), c => c.charCodeAt(0));
@@ -29,7 +29,8 @@ sb.unpack = async packed => {
   return Array.from({length: columns}, (_, c) => values.subarray(c * rows, (c + 1) * rows));
 };
 
-// Runs of equal states: [{state, from, to}] in seconds, `to` being the time of the first sample of the next run.
+// Runs of equal states: [{state, from, to}] in seconds; `to` is the time of the first sample of the
+// next run.
 function runsOf(states, time) {
   const runs = [];
   let start = 0;
@@ -41,7 +42,7 @@ function runsOf(states, time) {
   return runs;
 }
 
-// Row at or just before t of ascending times; 0 where all are later.
+// Row at or just before t of ascending times; 0 if all are later.
 sb.rowAt = (time, t) => Math.max(0, d3.bisectRight(time, t + 1e-9) - 1);
 
 // One sensor of one trial.
@@ -62,7 +63,7 @@ class Recording {
     recording.unitRuns = recording.unitStates.map(states => runsOf(states, recording.time));
     recording.padStates = {};
     recording.padRuns = {};
-    // By each rule, and as the detector saw it where there is one.
+    // By each rule, and from the detector if there is one.
     for (const key of [...sb.rules.map(rule => rule.key), 'seen'].filter(name => payload.states[name])) {
       recording.padStates[key] = (await unpack(payload.states[key]))[0];
       recording.padRuns[key] = runsOf(recording.padStates[key], time);
@@ -71,7 +72,7 @@ class Recording {
     return recording;
   }
 
-  // Columns of one unit of a curve, a component each.
+  // Columns of one unit of a curve, one per component.
   columns(key, unit) {
     const curve = this.curves[key];
     const count = curve.components.length;
@@ -89,7 +90,7 @@ class Recording {
     return sb.rowAt(this.time, t);
   }
 
-  // A channel of the sensor by its key, {time, unit, columns, names}; undefined where there is none.
+  // A channel of the sensor by its key, {time, unit, columns, names}; undefined if there is none.
   emitted(key) {
     const curve = this.curves['sensor/' + key];
     if (!curve) return this.channels.find(channel => channel.key === key);
@@ -98,7 +99,7 @@ class Recording {
     return {time: this.curveTime, unit, columns, names: columns.map(name)};
   }
 
-  // Of the components from `from` to `to` the largest that they come to together.
+  // Largest magnitude of the components from `from` to `to`.
   largest(key, from, to) {
     const size = parts => d3.max(d3.range(this.curveTime.length), row => Math.hypot(...parts.map(column => column[row])));
     return d3.max(d3.range(this.units), unit => size(this.columns(key, unit).slice(from, to))) || 0;
@@ -125,10 +126,10 @@ sb.page = JSON.parse(document.getElementById('slipbench-data').textContent);
 const recorded = new Set(sb.page.recorded);
 sb.isEmbedded = index => recorded.has(index);
 
-// Recordings stand after the scripts, so that the overview is drawn before they are read.
+// Recordings are after the scripts, so that the overview is drawn before they are parsed.
 const whole = new Promise(done => document.readyState === 'loading' ? document.addEventListener('DOMContentLoaded', done) : done());
 const parsed = {};
-// What the page holds of a trial: {sensors, grasp}.
+// Embedded data of a trial: {sensors, grasp}.
 sb.recorded = async index => {
   await whole;
   parsed[index] = parsed[index] || JSON.parse(document.getElementById('recording-' + index).textContent);

@@ -2,7 +2,7 @@
 const el = sb.element, mark = sb.mark, text = sb.text;
 const page = sb.page;
 
-// What can stand on a vertical axis: durations in seconds.
+// Possible vertical axes: durations in seconds.
 const outcomes = [
   {key: 'first_micro_s', name: 'first micro-slip', timed: true},
   {key: 'first_full_s', name: 'first full slip', timed: true},
@@ -12,7 +12,7 @@ const outcomes = [
 const preferred = ['motion.speed', 'friction.static', 'friction.scale', 'motion.compression', 'motion.rotation'];
 const gradient = ['#3b1c6e', '#2f5f8f', '#1f9489', '#6cbf57', '#e8c82e'];
 
-// What follows from the drawn values: whether a trial slides, turns, or both.
+// Derived from the drawn values: whether a trial slides, turns, or both.
 const kind = {path: 'kind of motion', unit: '', numeric: false};
 const kindOf = trial => {
   const moves = path => path in trial.params && trial.params[path].value !== 0;
@@ -26,10 +26,10 @@ const colourable = turned ? [kind, ...varied] : varied;
 const valueOf = (trial, path) => path === kind.path ? kindOf(trial) :
     path in trial.params ? ('value' in trial.params[path] ? trial.params[path].value : trial.params[path].text) :
                            null;
-// Whether positive values span so much that a logarithmic axis shows them better. Angles never do.
+// True if positive values span enough for a logarithmic axis. Angles never do.
 const wide = ([low, high], factor, unit) => unit !== 'rad' && low > 0 && high / low >= factor;
 const label = axis => sb.pathWord(axis.path) + (axis.unit ? ', ' + sb.symbol(axis.unit) : '');
-// A value that is there but not finite is "never" or "no limit".
+// An infinite value means "never" or "no limit".
 const endless = (axis, trial) => axis.numeric && axis.path in trial.params && trial.params[axis.path].value === null;
 const plain = (axis, value) => value === null ? '–' : axis.numeric ? sb.quantity(value, axis.unit, 3) : String(value);
 const said = (axis, trial) => endless(axis, trial) ? sb.endless(axis.unit) : plain(axis, valueOf(trial, axis.path));
@@ -65,11 +65,11 @@ function swept() {
       rows.length > 0 && el('table.swept', {}, el('tbody', {}, rows.map(cells => el('tr', {}, cells)))));
 }
 
-// One tick a value along a line.
+// One tick per value along a line.
 function dots(axis, values, logarithmic) {
   const [low, high] = d3.extent(values);
   const scale = sb.scale(logarithmic, [low, high > low ? high : low + 1], [6, 154]);
-  // Ticks at one place are one mark, as dark as they are together.
+  // Ticks at the same position are one mark with their combined opacity.
   const places = d3.rollups(values, same => same.length, value => scale(value).toFixed(0));
   const through = values.length > 40 ? 0.75 : 0.4;
   const said = sb.pathWord(axis.path) + ' of the trials, ' + plain(axis, low) + ' to ' + plain(axis, high);
@@ -115,7 +115,7 @@ function balance(sensor) {
 
 // Number of trials by the length of their incipient phase.
 function durations(sensor) {
-  // null: never; a phase of 0 s is one.
+  // null: never; a phase of 0 s counts.
   const values = page.trials.map(trial => trial.sensors[sensor].incipient_s).filter(value => value !== null);
   const never = page.trials.filter(trial => trial.sensors[sensor].gross_s === null).length;
   const section = sb.section(
@@ -146,22 +146,22 @@ function durations(sensor) {
   return section;
 }
 
-// An axis of numbers for sb.axes. `round`: about so many ticks, and ends at them.
+// An axis of numbers for sb.axes. `round`: approximate number of ticks, with ends at ticks.
 function axisOf(title, logarithmic, domain, range, round) {
   const scale = sb.scale(logarithmic, domain, range);
   if (round) scale.nice(round);
-  // The tick at zero may be what rounding leaves of it.
+  // The tick at zero may have a rounding error.
   const text = tick => sb.significant(!logarithmic && Math.abs(tick) < 1e-9 * (domain[1] - domain[0]) ? 0 : tick, 4);
   const ticks = round ? scale.ticks(round) : sb.ticks(scale, logarithmic ? 26 : 50);
   return {title: title + (logarithmic ? ' (log)' : ''), scale, ticks, text};
 }
 sb.axisOf = axisOf;
 
-// A point as legends show it.
+// A point in a legend.
 sb.dot = (fill, shape, words) =>
     sb.key('-11 -7 22 14', mark('path', {d: sb.markPath(shape, 4.4), style: 'fill:' + fill}), words);
 
-// How points are coloured and shaped by one parameter, and the legend that says so.
+// Colour and shape of points by one parameter, and the legend.
 function encoding(path) {
   const axis = colourable.find(one => one.path === path);
   if (!axis) return {colour: () => 'var(--accent)', shape: () => 0, legend: []};
@@ -180,7 +180,7 @@ function encoding(path) {
   const ramp = d3.scaleLinear(d3.range(gradient.length).map(i => i / (gradient.length - 1)), gradient);
   const colour = value => ramp(position(value));
   const samples = values.length <= 8 ? values : d3.range(5).map(i => position.invert(i / 4));
-  // What is endless has no place on the scale of colours: it gets a colour and a shape of its own.
+  // Infinite values are not on the colour scale; they have their own colour and shape.
   const star = 4,
         beyond = page.trials.some(trial => endless(axis, trial)) ? [sb.dot('var(--ink)', star, sb.endless(axis.unit))] : [];
   return {
@@ -192,7 +192,7 @@ function encoding(path) {
   };
 }
 
-// A range with some room beside it. Values that differ by rounding alone are one.
+// A range with a margin. Values that differ only by rounding are equal.
 const padded = ([low, high], logarithmic) => {
   if (logarithmic) return [low / 1.25, high * 1.25];
   const apart = high - low > 1e-9 * Math.max(Math.abs(low), Math.abs(high));
@@ -200,12 +200,13 @@ const padded = ([low, high], logarithmic) => {
   return [low - gap, high + gap];
 };
 
-// Where trials stand along an axis from `begin` to `end` [px]. What is endless has no place on any axis, and zero none on a
-// logarithmic one: they get one of their own, right and left of the others, with a word below.
+// Positions of trials along an axis from `begin` to `end` [px]. Infinite values on any axis, and
+// zero on a logarithmic one, have positions of their own, right and left of the others, with a
+// label below.
 function placesAlong(axis, happened, begin, end) {
   const shown = trial => sb.rounded(valueOf(trial, axis.path), axis.unit) * sb.factor(axis.unit);
   const finite = trials => trials.filter(trial => valueOf(trial, axis.path) !== null).map(shown);
-  // Where only endless values are left, the others still say what the axis is.
+  // If only infinite values remain, the other trials define the axis.
   const values = finite(happened).length ? finite(happened) : finite(page.trials);
   const beyond = happened.some(trial => endless(axis, trial));
   const others = values.filter(value => value !== 0);
@@ -221,7 +222,8 @@ function placesAlong(axis, happened, begin, end) {
   };
 }
 
-// One picture: times(trial) [ms], which are `name`, against one axis. Returns what draws its points.
+// One chart: times(trial) [ms], called `name`, against one axis. Returns a function that draws its
+// points.
 function scatterPicture(host, axis, happened, {name, times, logarithmic, encoded, open}) {
   const box = {width: 400, height: 270, left: 58, right: 12, top: 10, bottom: 40}, foot = box.height - box.bottom;
   const {x, shown, place, words} = placesAlong(axis, happened, box.left, box.width - box.right);
@@ -248,7 +250,7 @@ function scatterPicture(host, axis, happened, {name, times, logarithmic, encoded
   return () => panel.isConnected && svg.append(...drawn.map(point));
 }
 
-// Times against what was swept.
+// Times against the swept parameters.
 function scatter(sensor, open) {
   const numeric = varied.filter(axis => axis.numeric);
   const heading = el('h2', {}, 'When units let go');
@@ -290,7 +292,8 @@ function scatter(sensor, open) {
     host.replaceChildren();
     if (!happened.length) return;
     const how = {name: state.outcome.name, times, logarithmic: wide(d3.extent(happened, times), 12), encoded, open};
-    // Thousands of points: each picture in a frame of its own, the axes at once.
+    // Thousands of points: axes are drawn at once, the points of each chart in a frame of their
+    // own.
     let waiting = Promise.resolve();
     for (const points of axes.map(axis => scatterPicture(host, axis, happened, how)))
       waiting = waiting.then(sb.painted).then(points);
@@ -299,7 +302,7 @@ function scatter(sensor, open) {
   return el('section', {}, heading, note, controls, legend, host);
 }
 
-// Columns of the table of trials; those of numbers that may not be there say so.
+// Columns of the table of trials; number() handles missing values.
 const number = (title, value, decimals, factor = 1) => {
   const scaled = trial => (value(trial) ?? null) === null ? null : factor * value(trial);
   return {title, value: scaled, cell: trial => sb.fixed(scaled(trial), decimals)};
@@ -326,7 +329,8 @@ const detectorColumns = [
   number('delay, ms', ({detector}) => detector?.delay_s, 1, 1e3)
 ];
 
-// All trials; sortable, and opened from here. `sensor`: none where only outcomes were recorded.
+// Table of all trials; sortable, with buttons to open them. `sensor`: undefined if only outcomes
+// were recorded.
 function table(sensor, open) {
   const cell = (axis, trial) => {
     const value = valueOf(trial, axis.path);
@@ -345,7 +349,7 @@ function table(sensor, open) {
     ...page.trials.some(trial => trial.grasp) ? graspColumns : [],
     ...page.trials.some(trial => trial.detector) ? detectorColumns : [], ...sensor ? slipColumns(sensor) : []
   ];
-  // Rows are made as they come into view: thousands would keep the page's first picture waiting.
+  // Rows are created as they scroll into view: thousands would delay the first paint.
   const step = 100;
   const rows = sb.sortedTable([{title: '', kind: 'text', cell: trial => sb.opener(trial, open, 'copy command')}, ...columns],
                               page.trials, undefined, step);
@@ -383,14 +387,14 @@ function table(sensor, open) {
 }
 
 sb.reportCommand = trial => 'slipbench report ' + page.file + ' --trial ' + trial.index;
-// What leads to a trial: a button that opens it, one that copies the command of its report, or nothing.
+// Button that opens a trial, or copies the command of its report, or nothing.
 sb.opener = (trial, open, words) => {
   if (sb.isEmbedded(trial.index)) return el('button.link', {onclick: () => open(trial.index)}, 'open');
   const command = sb.reportCommand(trial);
   return trial.samples > 0 && el('button.link', {title: command, onclick: event => sb.copy(event.target, command)}, words);
 };
 
-// `open(index)`: called to open an embedded trial.
+// `open(index)` opens an embedded trial.
 sb.showDataset = (host, open) => {
   const sensors = Object.keys(page.trials[0].sensors);
   const draw = sensor => {

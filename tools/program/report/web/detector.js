@@ -1,10 +1,10 @@
-// The detector against the truth: of one trial, or of all trials with the same one.
+// The detector against the truth: of one trial, or of all trials with the same detector.
 const el = sb.element;
 
-// The detector `truth` is an oracle: no sensor could be it.
+// The detector `truth` is an oracle; no sensor can do the same.
 sb.detectorName = type => type === 'truth' ? 'truth (oracle)' : type;
 
-// Counts, a row a true state, and its recall.
+// Counts, one row per true state, and its recall.
 const confusionTable = counts => sb.table(
     [
       {title: 'truth', kind: 'text', cell: truth => el('b', {}, sb.states.pad[truth].name)},
@@ -16,7 +16,7 @@ const confusionTable = counts => sb.table(
     ],
     d3.range(counts.length));
 
-// How the detector did in one trial: figure of the card, [name, value, note].
+// Result of the detector in one trial, for the card: [name, value, note].
 sb.detectionFigure = detector => {
   const by = sb.detectorName(detector.type);
   return {
@@ -28,7 +28,7 @@ sb.detectionFigure = detector => {
   }[detector.detection];
 };
 
-// How detectors did over trials.
+// Results of detectors over trials.
 sb.detections = trials => {
   const of = kind => trials.filter(trial => trial.detector && trial.detector.detection === kind);
   const [seen, early, missed] = ['seen', 'early', 'missed'].map(of);
@@ -40,7 +40,8 @@ sb.detections = trials => {
   };
 };
 
-// Recall of slip, balanced accuracy and delay first; accuracy last, beside that of the best constant answer.
+// Recall of slip, balanced accuracy and delay first; accuracy last, with that of the best constant
+// answer.
 function figuresTable(trials, counts) {
   const {scores} = sb;
   const done = sb.detections(trials);

@@ -1,5 +1,5 @@
-// Convex solids in perspective as SVG: far ones first. For a scene of a few dozen this needs no library and no graphics card,
-// prints, and follows the page's colours.
+// Convex solids in perspective as SVG, far ones first. A few dozen solids need neither a library
+// nor a graphics card, can be printed, and use the page's colours.
 
 // Vectors and quaternions (w, x, y, z) are plain arrays.
 const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -26,7 +26,7 @@ const inFrame = (pose, point) => {
   return turned([w, -x, -y, -z], subtract(point, pose.position));
 };
 
-// The solid between two corners.
+// The block between two corners.
 function block(low, high) {
   const points = [];
   for (let i = 0; i < 8; ++i) points.push([0, 1, 2].map(k => (i >> k & 1 ? high : low)[k]));
@@ -46,7 +46,8 @@ function bar(x, y, radius, from, to) {
   return {points, faces: [ring.slice().reverse(), ring.map(i => sides + i), ...faces]};
 }
 
-// A solid in the world, ready to be sorted and drawn. `look`: {colour: name, alpha, dash of its edges, fine: edges that are dark in either theme}.
+// A solid in the world, ready to be sorted and drawn. `look`: {colour: name, alpha, dash of its
+// edges, fine: edges dark in both themes}.
 function solid(shape, pose, look) {
   const points = shape.points.map(point => placed(pose, point));
   const faces = shape.faces.map(corners => {
@@ -58,8 +59,8 @@ function solid(shape, pose, look) {
   return {points, faces, centre, look};
 }
 
-const touching = 4e-4;  // m: solids that press into each other by less count as apart
-// 1: `a` may hide `b`, -1: `b` may hide `a`, 0: a face of neither tells.
+const touching = 4e-4;  // m: solids that overlap by less count as separate
+// 1: `a` may hide `b`; -1: `b` may hide `a`; 0: no face separates them.
 function hides(a, b, eye) {
   const behind = (p, q) => {
     for (const {normal, offset} of p.faces) {
@@ -70,7 +71,7 @@ function hides(a, b, eye) {
   return behind(a, b) || -behind(b, a);
 }
 
-// Far ones first: a solid is drawn when nothing that is left has to come before it.
+// Far solids first: a solid is drawn when no remaining one must precede it.
 function drawingOrder(solids, eye) {
   const near = solid => Math.hypot(...subtract(solid.centre, eye));
   const left = solids.slice().sort((a, b) => near(b) - near(a));
@@ -86,7 +87,7 @@ class Camera {
   constructor() {
     this.reset();
   }
-  // From the sensor's side, a little higher.
+  // From the sensor's side, slightly from above.
   reset() {
     this.azimuth = -2.25;
     this.elevation = 0.32;
@@ -95,7 +96,7 @@ class Camera {
     this.azimuth -= dx;
     this.elevation = Math.min(1.45, Math.max(0.03, this.elevation + dy));
   }
-  // A picture of `radius` [m] around `target`.
+  // A view of `radius` [m] around `target`.
   look(width, height, target, radius) {
     const {azimuth, elevation} = this;
     const back = [Math.cos(elevation) * Math.cos(azimuth), Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation)];
@@ -110,14 +111,14 @@ class Camera {
       return [0.5 * width + focal * dot(v, right) / depth, 0.5 * height - focal * dot(v, up) / depth];
     };
   }
-  // A picture that just holds `points`.
+  // A view that just contains `points`.
   fit(width, height, points) {
     let radius = 0.2, target = [0, 0, d3.mean(points, point => point[2])];
     for (let pass = 0; pass < 4; ++pass) {
       this.look(width, height, target, radius);
       const seen = points.map(this.project);
       const [left, right] = d3.extent(seen, p => p[0]), [top, bottom] = d3.extent(seen, p => p[1]);
-      // Up and down is enough: sideways the scene is about the vertical axis.
+      // Vertical centring suffices: horizontally the scene is around the vertical axis.
       const metres = 2 * radius / Math.min(width, height);
       target = [0, 0, target[2] - (0.5 * (top + bottom) - 0.5 * height) * metres / Math.cos(this.elevation)];
       radius *= 1.04 * Math.max((right - left) / width, (bottom - top) / height);
@@ -129,7 +130,7 @@ class Camera {
 const sun = unit([-0.45, -0.6, 0.85]);
 const outline = points => 'M' + points.map(([x, y]) => x.toFixed(1) + ',' + y.toFixed(1)).join('L');
 
-// The faces of a solid that look at the eye, each as light as the sun makes it: its colour, and over it some black or white.
+// The visible faces of a solid, lit by the sun: its colour, covered with some black or white.
 function facesOf({faces, look: {colour, alpha, dash, fine}}, camera) {
   const edge = fine ? {stroke: '#000', 'stroke-opacity': 0.3} : {stroke: 'var(--ink)', 'stroke-opacity': dash ? 0.9 : 0.45};
   const line = {...edge, 'stroke-width': dash ? 1.6 : 0.8, 'stroke-dasharray': dash, 'stroke-linejoin': 'round'};

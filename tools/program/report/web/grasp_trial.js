@@ -1,4 +1,4 @@
-// What the page of a trial shows of a grasp: how it ended, the view in space, force, position, height and slip over time.
+// Grasp section of a trial's page: outcome, 3D view, force, position, height and slip over time.
 const el = sb.element;
 
 // Curves and poses of a grasp, unpacked.
@@ -13,17 +13,17 @@ class GraspRecording {
     for (const body of payload.poses.bodies) {
       grasp.bodies[body.name] = {size: body.size, position: await sb.unpack(body.position), turn: await sb.unpack(body.turn)};
     }
-    // The pads that carry: the sensor's, then that of the other finger.
+    // The pads that carry the box: the sensor's, then the other finger's.
     const others = ['arm', 'table', 'box', 'second_pad'];
     grasp.pads = [...Object.keys(grasp.bodies).filter(name => !others.includes(name)), 'second_pad'];
     return grasp;
   }
 
-  // Of a curve at or just before a time.
+  // Value of a curve at or just before a time.
   valueAt(key, t, component = 0) {
     return this.curves[key]?.columns[component][sb.rowAt(this.curveTime, t)];
   }
-  // Poses of all bodies {name: {position, turn}} at a time, between two that are stored in a straight line.
+  // Poses of all bodies {name: {position, turn}} at a time, linearly interpolated.
   poseAt(t) {
     const times = this.poseTime;
     const next = Math.min(times.length - 1, Math.max(1, d3.bisectRight(times, t)));
@@ -40,14 +40,14 @@ class GraspRecording {
 }
 
 const loaded = {};
-// The grasp of a trial; null where it is none.
+// The grasp of a trial; null if it is not a grasp.
 sb.graspOf = async index => {
   const {grasp} = await sb.recorded(index);
   if (!grasp) return null;
   return loaded[index] = loaded[index] || GraspRecording.load(grasp);
 };
 
-// How the grasp ended, in figures.
+// Figures of the grasp's outcome.
 function outcomeFigures(trial, grasp, recording) {
   const {grasp: ended} = trial;
   const states = recording.padStates.strict;
@@ -80,7 +80,7 @@ function outcomeFigures(trial, grasp, recording) {
   ]);
 }
 
-// Numbers at the cursor.
+// Values at the cursor.
 function readings(trial, grasp) {
   const {ideal_force_N: ideal, dropped, drop_s} = trial.grasp;
   const at = (key, t, component) => grasp.valueAt(key, t, component), force = t => at('grip_force', t);
@@ -140,7 +140,8 @@ function charts(trial, grasp, recording, timeline) {
   return {node: host, draw};
 }
 
-// The section of a grasp: {nodes, draw(), update(sample)}, and where the page opens [s]. `player`: of the trial's page.
+// The section of a grasp: {nodes, draw(), update(sample)}, and the opening time [s]. `player`: of
+// the trial's page.
 sb.graspSection = (trial, grasp, recording, timeline, player) => {
   timeline.rate = 1;
   const card = el('div.pad-card');

@@ -1,15 +1,15 @@
-// Gripper, box and table of a grasp in space, at the cursor.
+// 3D view of a grasp's gripper, box and table at the cursor.
 const el = sb.element, mark = sb.mark;
 const {subtract, product, placed, inFrame, block, bar, solid, drawingOrder, facesOf, outline, Camera} = sb.space;
 
-// m. What a dataset does not say of the gripper's looks.
+// Dimensions of the gripper [m] that a dataset does not contain.
 const finger = {halfWidth: 0.0135, below: 0.02, above: 0.085, thick: 0.011};
 const palm = {from: 0.085, to: 0.112, halfLength: 0.085, halfWidth: 0.03};
 const wrist = {radius: 0.026, height: 0.035};
 const table = {half: 0.115, thick: 0.006};
-const layer = 0.004;  // of a silicone pad
+const layer = 0.004;  // m, of a silicone pad
 
-// The sensor's units as bars; a unit that lets go has the look of its state.
+// The sensor's units as bars; a slipping or detached unit is drawn in its state's style.
 class PadSolids {
   constructor(recording) {
     this.recording = recording;
@@ -22,7 +22,8 @@ class PadSolids {
     this.back = this.length + 0.003;
   }
 
-  // `face(pose, x, y)`: where the box is above the pad's plane at that place [m], or 0. `sample`: null: states are not shown.
+  // `face(pose, x, y)`: height of the box above the pad's plane at that position [m], or 0.
+  // `sample`: null: states are not shown.
   solids(pose, face, sample) {
     const looks = {
       detached: {colour: 'detached', alpha: 0.3, fine: true}, stick: {colour: 'stick', alpha: 1, fine: true},
@@ -39,7 +40,7 @@ class PadSolids {
 
 class GraspView {
   constructor(parent, grasp, recording, timeline) {
-    // The pads are those that carry; the sensor has one of them or follows it.
+    // The sensor has one of the carrying pads or follows it.
     const own = recording.place, other = grasp.pads.find(name => name !== own);
     Object.assign(
         this, {grasp, recording, timeline, own, other, pad: new PadSolids(recording), camera: new Camera(), close: false});
@@ -55,7 +56,7 @@ class GraspView {
     const yaw = 0.5 * Math.atan2(across[1], across[0]);
     this.handTurn = [Math.cos(yaw), 0, 0, Math.sin(yaw)];
     this.start = first.arm;
-    // The whole picture holds the table and the hand at its highest.
+    // The whole view includes the table and the hand at its highest position.
     const top = d3.max(grasp.bodies.arm.position[2]) + palm.to + wrist.height;
     const corners = h => [-1, 1].flatMap(x => [-1, 1].map(y => [x * h, y * h]));
     this.all = [
@@ -64,7 +65,7 @@ class GraspView {
     new ResizeObserver(() => this.draw()).observe(this.node);
   }
 
-  // Where the bodies are at every instant that is stored.
+  // Poses of the bodies at every stored instant.
   savedRows() {
     const bodies = Object.entries(this.grasp.bodies);
     const head = bodies.flatMap(([name]) => [...['x', 'y', 'z'].map(c => name + ' ' + c + ' [m]'), ...['qw', 'qx', 'qy', 'qz'].map(c => name + ' ' + c)]);
@@ -93,13 +94,14 @@ class GraspView {
     });
   }
 
-  // `close`: near the pads and with them, instead of the whole scene.
+  // `close`: the view follows the pads instead of showing the whole scene.
   zoom(close) {
     this.close = close;
     this.draw();
   }
 
-  // How far the box stands into the pad at (x, y) of its frame: along the pad's normal to the first face of the box.
+  // Depth of the box in the pad at (x, y) of the pad's frame: along the pad's normal to the first
+  // face of the box.
   faceOf(boxPose) {
     const half = this.boxSize.map(s => 0.5 * s);
     return (pose, x, y) => {
@@ -148,7 +150,7 @@ class GraspView {
     return [facesOf(slab, camera), grid];
   }
 
-  // Straight down, so that the height over the table shows.
+  // Vertical shadow, which shows the height above the table.
   shadow(box) {
     const within = c => Math.min(table.half, Math.max(-table.half, c));
     const hull = d3.polygonHull(box.points.map(([x, y]) => [within(x), within(y)]));
@@ -156,7 +158,7 @@ class GraspView {
         'path', {d: outline(hull.map(([x, y]) => this.camera.project([x, y, this.tableHeight]))), fill: 'rgba(0,0,0,.22)'});
   }
 
-  // Edges of the box where it would be if it had not slipped in the arm's frame since the lift began.
+  // Edges of the box at the pose without slip in the arm's frame since the lift began.
   unslipped(poses, box) {
     const {grasp, camera} = this;
     if (this.timeline.cursor < grasp.lift_s) return null;

@@ -1,10 +1,12 @@
-// What the grasps of a sweep come to: shares with their intervals, medians, and by what they are told apart.
+// Results of a sweep of grasps: shares with their intervals, medians, grouped by the swept
+// parameters.
 const el = sb.element;
 const page = sb.page;
 
 const negative = 'hold_preset';  // the controller that never tightens
 
-// The exact 95 % interval of k of n (Clopper and Pearson), as tools/base/statistics/descriptive.cc has it.
+// The exact 95 % interval of k of n (Clopper and Pearson), as in
+// tools/base/statistics/descriptive.cc.
 function upperTail(k, n, p) {
   let log = k * Math.log(p) + (n - k) * Math.log1p(-p);
   for (let i = 1; i <= k; ++i) log += Math.log((n - k + i) / i);
@@ -32,10 +34,11 @@ const interval = (k, n) => [lowerBound(k, n), 1 - lowerBound(n - k, n)];
 
 const known = (trials, value) => trials.map(value).filter(found => found !== null && found !== undefined);
 const ratioOf = ({grasp}) => grasp.ideal_force_N === null ? null : grasp.max_force_N / grasp.ideal_force_N;
-const gentle = 2;  // largest grip force over the ideal one
+const gentle = 2;  // limit of the largest grip force over the ideal one
 const times = (value, factor) => value === null ? null : factor * value;
 const slips = ['seen', 'early', 'missed'];
-// What a set of trials comes to: the share of those that are `good` (null: unknown), or the median of `one`.
+// A quantity of a set of trials: the share for which `good` is true (null: unknown), or the median
+// of `one`.
 const share = (key, name, good) => ({key, name, unit: '%', good});
 const median = (key, name, unit, one) => ({key, name: 'median ' + name, unit, one});
 const quantities = [
@@ -53,13 +56,13 @@ const quantities = [
       'seen', 'share of slips seen, without an early alarm',
       ({detector}) => slips.includes(detector?.detection) ? detector.detection === 'seen' : null)
 ];
-// How a box ended: held, dropped, or not lifted, which is neither of the two.
+// Outcome of a box: held, dropped, or not lifted, which is neither.
 sb.graspEnd = grasp => grasp.dropped ? 'dropped' : grasp.not_lifted ? 'not lifted' : 'held';
 const ended = (trials, end) => trials.filter(({grasp}) => sb.graspEnd(grasp) === end).length;
 const held = trials => ended(trials, 'held');
 const medians = quantities.filter(quantity => quantity.one);
 const medianHeads = ['slip, mm', 'turn, °', 'largest / ideal force', 'reaction, ms', 'delay, ms'];
-// A share's number of good trials and of all.
+// Number of good trials, and of trials with a known result.
 const countOf = (quantity, trials) => {
   const judged = known(trials, quantity.good);
   return [judged.filter(good => good).length, judged.length];
@@ -69,7 +72,7 @@ const valueIn = (quantity, trials) => {
   const [good, all] = countOf(quantity, trials);
   return all ? 100 * good / all : null;
 };
-// The interval of a share, the quartiles around a median.
+// The interval of a share, or the quartiles around a median.
 const rangeIn = (quantity, trials) => {
   if (quantity.good) return interval(...countOf(quantity, trials)).map(share => 100 * share);
   const values = known(trials, quantity.one).sort(d3.ascending);
@@ -81,7 +84,7 @@ const heldText = trials => {
   const others = ['dropped', 'not lifted'].filter(end => ended(trials, end)).map(end => ', ' + end + ' ' + ended(trials, end)).join('');
   return 'held ' + held(trials) + ' of ' + trials.length + ' (95 %: ' + low + ' to ' + high + ' %)' + others;
 };
-// Of the trials that have a detector: their counts in one; null where none has.
+// Pooled counts of the trials with a detector; null without any.
 const countsOf = trials => {
   const judged = trials.filter(trial => trial.detector);
   return judged.length ? sb.scores.pooled(judged) : null;
@@ -93,12 +96,12 @@ const earlyText = trials => {
   return slipping ? early + ' of ' + slipping : sb.missing;
 };
 
-// What tells the grasps apart: the numbers that can be an axis, and the names of the maps.
+// Parameters that distinguish the grasps: numbers that can be an axis, and names of the maps.
 class Swept {
   constructor(grasps) {
     this.grasps = grasps;
     const {varied} = sb.sweptValues;
-    // A parameter that only some of the detectors have is a part of their name.
+    // A parameter of some detectors or controllers only is part of their name.
     this.folded = varied.filter(
         axis => /^(detector|controller)\./.test(axis.path) &&
             (axis.path.endsWith('.type') || !axis.numeric || grasps.some(trial => !(axis.path in trial.params))));
@@ -117,7 +120,8 @@ class Swept {
     return type + (values.length ? ' (' + values.join(', ') + ')' : '');
   }
 
-  // The values of a grid, or six ranges of what was drawn: [{low, high, text, at}]; what is endless comes last.
+  // The values of a grid, or six ranges of drawn values: [{low, high, text, at}]; infinite values
+  // come last.
   levels(axis) {
     const {endless} = sb.sweptValues;
     const beyond = {low: Infinity, high: Infinity, text: sb.endless(axis.unit), at: Infinity};
@@ -135,7 +139,7 @@ class Swept {
     });
   }
 
-  // Whether few values stand for all trials.
+  // True if few distinct values cover all trials.
   isGrid(values) {
     return values.length <= 40 && values.length <= Math.max(3, 0.5 * this.grasps.length);
   }
@@ -145,7 +149,8 @@ class Swept {
     return value === null ? -1 : levels.findIndex(level => value >= level.low && value <= level.high);
   }
 
-  // Series of trials by all that is no axis, in order of their first trial; the negative control reads no detector.
+  // Series of trials by everything that is not an axis, in order of their first trial; the negative
+  // control ignores the detector.
   series(axes) {
     const grids = this.numbers.filter(axis => {
       const values = new Set(known(this.grasps, trial => sb.sweptValues.valueOf(trial, axis.path)));
@@ -167,8 +172,9 @@ class Swept {
   }
 }
 
-// The contour at `level` of values on a grid, [row][column], straight between the middles of neighbouring cells; null: no value there.
-// Lines of two points [column, row]. Over the edge a cell reaches to its own end.
+// The contour at `level` of values on a grid, [row][column], linear between the centres of
+// neighbouring cells; null: no value. Returns lines of two points [column, row]. Cells at the
+// boundary extend to its edge.
 sb.contour = (grid, level) => {
   const rows = grid.length, columns = grid[0].length;
   const clamp = (i, count) => Math.min(count - 1, Math.max(0, i));
@@ -188,7 +194,7 @@ sb.contour = (grid, level) => {
         const share = (level - values[side]) / (values[next] - values[side]);
         crossings.push([0, 1].map(k => points[side][k] + share * (points[next][k] - points[side][k])));
       }
-      // At a saddle the middle says which corners belong together.
+      // At a saddle the value in the middle decides which corners are connected.
       if (crossings.length === 4 && (d3.mean(values) >= level) !== (values[0] >= level)) crossings.push(crossings.shift());
       for (let i = 0; i + 1 < crossings.length; i += 2) lines.push([crossings[i], crossings[i + 1]]);
     }
@@ -196,7 +202,7 @@ sb.contour = (grid, level) => {
   return lines;
 };
 
-// The scene and its values as Python takes them, from the command that ran all.
+// The scene with its values in Python, from the command of the dataset.
 const pythonScene = more => {
   const word = /^slipbench \S+ ('(?:[^']|'\\'')*'|\S+)/.exec(page.command)[1];
   const path = word.startsWith("'") ? word.slice(1, -1).replaceAll("'\\''", "'") : word;
@@ -205,13 +211,14 @@ const pythonScene = more => {
   return 'slipbench.Scene.load(' + JSON.stringify(path) + ')' + set;
 };
 const drawsOf = () => / --trials (\d+)/.exec(page.command)?.[1];
-// The line of Python that writes the dataset again, where no command line can read the scene.
+// The line of Python that writes the dataset again, if no command line can read the scene.
 sb.pythonCommand = () => {
   const draws = drawsOf() ? 'draws=' + drawsOf() + ', ' : '';
   return pythonScene({}) + '.write(' + JSON.stringify(page.file) + ', ' + draws + 'seed=' + page.seed + ')';
 };
 
-// What runs one trial again, from the command that ran all: a command line, or a line of Python.
+// The command that runs one trial again, from the command of the dataset: a command line, or a line
+// of Python.
 sb.replayCommand = trial => {
   if (page.no_replay) {
     const draws = drawsOf() ? {'sweep.trials': drawsOf()} : {};
@@ -223,7 +230,7 @@ sb.replayCommand = trial => {
   return same + ' --trial ' + trial.index + ' -o trial-' + trial.index + '.h5';
 };
 
-// How each series ended, in a table.
+// Table of the outcomes of each series.
 function overview(swept) {
   const detected = (title, text) => ({title, cell: ({trials, control}) => control ? '–' : text(trials)});
   const bounds = trials => interval(held(trials), trials.length).map(bound => sb.fixed(100 * bound, 1)).join(' to ') + ' %';
@@ -249,7 +256,7 @@ sb.grasps = {
   earlyText
 };
 
-// The sections of a dataset of grasps; none where it is no such.
+// Sections of a dataset of grasps; empty for other datasets.
 sb.graspSections = (trials, open) => {
   const grasps = trials.filter(trial => trial.grasp);
   if (!grasps.length) return [];
@@ -257,7 +264,7 @@ sb.graspSections = (trials, open) => {
   return [overview(swept), ...(swept.numbers.length ? [sb.successMaps(swept, open)] : [])];
 };
 
-// What the grasp was computed with, assumed values marked.
+// Parameters of the grasp, with assumed values marked.
 sb.graspParameters = () => {
   const rows = page.grasp_parameters;
   const assumed = rows.filter(row => row.assumed).length;

@@ -4,13 +4,13 @@ const page = sb.page;
 let timeline = null;  // of the trial on the page
 let view = null;      // {trial: index or null, sensor: name}
 
-// How many the file holds, and how many of them are here.
+// Number of trials in the file, and number on this page.
 function trialsText() {
   const [held, here] = [page.trials_in_file, page.trials.length].map(count => count.toLocaleString('en'));
   return held === here ? held : held + ', ' + here + ' of them here';
 }
 
-// The digests of the files; those of many are folded away.
+// Digests of the files; folded if there are several.
 function digests() {
   const known = page.content_sha256.filter(text => text);
   const lines = known.map(text => el('p', {}, 'Content SHA-256 ', el('code', {}, text)));
@@ -39,7 +39,7 @@ function header() {
       el('details.scene', {}, el('summary', {}, 'Scene file'), el('pre.mono', {}, page.scene)));
 }
 
-// Trials of the run that the file does not hold.
+// Failed trials, which the file does not contain.
 function failures() {
   const again = trial => page.no_replay ? sb.replayCommand({index: trial.trial}) : trial.command;
   const planned = page.trials.length + page.failed.length;
@@ -59,13 +59,13 @@ function footer() {
          el('pre', {}, document.getElementById('licences').textContent.trim())));
 }
 
-// Parameters of one trial, as a line of words.
+// Parameters of one trial on a line.
 const drawn = trial => sb.facts('meta', [
   ['trial', String(trial.index)], ['seed', trial.seed], ['samples', String(trial.samples)],
   ...Object.entries(trial.params).map(([path, value]) => [sb.pathWord(path), sb.parameter(value, 4)])
 ]);
 
-// Which sensors had values beyond their range, and how often.
+// Sensors with values beyond their range, and how often.
 function saturation(trials) {
   const by_sensor = {};
   for (const {saturated} of trials) {
@@ -84,7 +84,7 @@ function navigation() {
   const several = page.trials.length > 1;
   const embedded = page.trials.filter(trial => sb.isEmbedded(trial.index));
   const tab = (text, trial) => el('button', {'aria-current': String(view.trial === trial), onclick: () => show({trial})}, text);
-  // Many trials do not fit side by side.
+  // Too many trials for buttons side by side.
   const many = embedded.length > 12;
   const place = embedded.findIndex(trial => trial.index === view.trial);
   const beside = (text, title, at) =>
@@ -131,7 +131,7 @@ async function show(next) {
     });
 }
 
-// The view that the address names, else the one that the report was made for.
+// The view in the address, else the default of the report.
 function firstView() {
   const match = /^#trial-(\d+)$/.exec(location.hash);
   if (match && sb.isEmbedded(+match[1])) return {trial: +match[1]};

@@ -1,4 +1,4 @@
-// Success maps with their frontiers, or a curve where one number was swept.
+// Success maps with their frontiers, or a curve if one number was swept.
 const el = sb.element;
 const mark = sb.mark, text = sb.text;
 const {quantities, medians, medianHeads, held, countOf, valueIn, rangeIn, withUnit, heldText, balancedOf, recallOf, earlyText} =
@@ -9,7 +9,7 @@ const dashes = [null, '7 3', '2 3', '9 3 2 3'];
 const firstX = ['friction.scale', 'friction.static', 'detector.flip'], firstY = ['box.mass', 'motion.speed', 'grip.preset'];
 const mostMaps = 36;
 
-// Everything that the pictures of one section share.
+// State shared by the charts of one section.
 class Maps {
   constructor(swept, open) {
     Object.assign(this, {swept, open, quantity: quantities[0], heading: el('h2'), note: el('p.note')});
@@ -87,7 +87,7 @@ class Maps {
     }
   }
 
-  // What stands in a cell: k/n of a share, else the value.
+  // Text of a cell: k/n of a share, else the value.
   cellText(trials) {
     if (this.quantity.good) {
       const [good, all] = countOf(this.quantity, trials);
@@ -97,7 +97,8 @@ class Maps {
     return value === null ? '–' : sb.significant(value, value >= 100 ? 3 : 2);
   }
 
-  // A cell's paint: how far from half of the trials held, or how much of another quantity.
+  // Colour and opacity of a cell: distance from half of the trials held, or size of another
+  // quantity.
   paint(value, range) {
     if (value === null) return ['none', 0];
     if (this.quantity.good) return [value >= 50 ? 'var(--stick)' : 'var(--slip)', 0.66 * Math.abs(value - 50) / 50];
@@ -123,11 +124,11 @@ class Maps {
     return sb.key('0 0 22 14', mark('path.' + kind, {d: 'M1,7H21', style}), words);
   }
 
-  // Axes of a map: cells of one size, named by their values.
+  // Axes of a map: cells of equal size, labelled with their values.
   mapFrame(title, note, columns, rows) {
     const box = {width: 400, left: 62, right: 6, top: 6, bottom: 40};
     box.height = box.top + box.bottom + Math.min(300, Math.max(180, 34 * rows.length));
-    // Places of levels along an axis of so much room; where names would meet some are left out.
+    // Positions of levels along an axis; labels that would overlap are omitted.
     const axisOf = (axis, levels, range, needed) => {
       const scale = d3.scaleLinear([-0.5, levels.length - 0.5], range), pitch = Math.abs(scale(1) - scale(0));
       const tick = ({at, text: words}) =>
@@ -139,7 +140,7 @@ class Maps {
     };
     const x = axisOf(this.x, columns, [box.left, box.width - box.right], 34);
     const y = axisOf(this.y, rows, [box.height - box.bottom, box.top], 15);
-    // A group: its cells are buttons.
+    // A group, since its cells are buttons.
     const svg = sb.axes(box, x, y, {class: 'map', role: 'group', 'aria-label': title + ', ' + y.title + ' against ' + x.title});
     const panel = el('div', {}, el('h3', {}, title, note && el('span.note', {}, ' · ' + note)), svg);
     this.host.append(panel);
@@ -151,7 +152,8 @@ class Maps {
     const {quantity} = this, {name} = map.series, width = x.pitch, height = y.pitch;
     const texts = map.cells.map(row => row.map(trials => this.cellText(trials)));
     const widest = d3.max(texts.flat(), words => words.length);
-    // At 11 px a figure takes 6.2 px; in a narrow cell it is smaller, and below 8 px it is left to the tip.
+    // At 11 px a digit is 6.2 px wide; a narrow cell has a smaller font, and below 8 px only the
+    // tooltip shows the value.
     const size = Math.min(11, 11 * (width - 4) / (6.2 * widest), 0.75 * height);
     const cell = (trials, r, c) => {
       const [fill, opacity] = this.paint(valueIn(quantity, trials), range);
@@ -173,7 +175,7 @@ class Maps {
       x: x.scale(c), y: y.scale(r) + 0.36 * size, 'text-anchor': 'middle', style: 'font-size:' + size + 'px'
     }, words);
     const each = (table, draw) => table.flatMap((row, r) => row.map((held, c) => draw(held, r, c)));
-    // Numbers stand over the frontiers, which may go through the middle of a cell.
+    // Numbers are above the frontiers, which may cross the middle of a cell.
     svg.append(...each(map.cells, cell), ...this.contour(x, y, map.frontier, 'frontier'),
                ...control && control !== map ? this.contour(x, y, control.frontier, 'frontier.control') : [],
                ...size >= 8 ? each(texts, number) : []);
@@ -197,7 +199,7 @@ class Maps {
     return lines.length ? [mark('path.halo', {d}), mark('path.' + kind, {d, style})] : [];
   }
 
-  // The frontiers of maps that share their axes, in one picture.
+  // The frontiers of maps with the same axes in one chart.
   drawFrontiers(group, columns, rows) {
     const {others} = group[0].series;
     const {svg, x, y, panel} = this.mapFrame('Frontiers together' + (others ? ', ' + others : ''), '', columns, rows);
@@ -228,7 +230,7 @@ class Maps {
     ];
   }
 
-  // The trials of a cell, and how to see one again.
+  // The trials of a cell, with the command to replay one.
   showCell(series, column, row, trials) {
     const where = [series.name, sb.pathWord(this.x.path) + ' ' + column.text, row && sb.pathWord(this.y.path) + ' ' + row.text];
     const example = trials.find(trial => sb.isEmbedded(trial.index)) || trials.find(({grasp}) => sb.graspEnd(grasp) !== 'held') || trials[0];
@@ -284,7 +286,7 @@ class Maps {
     for (const quantity of others) chart(quantity);
   }
 
-  // One chart of all series. `across`: the axis that stands below, or null where it is the detector's balanced accuracy.
+  // One chart of all series. `across`: the horizontal axis; null: the detector's balanced accuracy.
   drawCurve(all, {title, across, at, value, range, percent}) {
     const there = point => at(point) !== null && isFinite(at(point)) && value(point) !== null;
     const shown = all.map(({series, points}) => ({series, points: points.filter(there)}));
@@ -308,7 +310,7 @@ class Maps {
           point => [one.series.name, at(point), value(point), ...(range(point) || [null, null]), point.trials.length]))
     ]);
     svg.append(...shown.flatMap(({series, points: own}, i) => {
-      const shift = (i - (all.length - 1) / 2) * 3;  // intervals beside each other
+      const shift = (i - (all.length - 1) / 2) * 3;  // px, separates overlapping intervals
       const left = point => x.scale(at(point)) + shift;
       const line = 'fill:none;stroke:' + sb.hue(i);
       const lines = point =>
@@ -334,5 +336,5 @@ class Maps {
   }
 }
 
-// The section; `swept` is of the grasps, with at least one number that can be an axis.
+// The section; `swept` is of the grasps and has at least one numeric axis.
 sb.successMaps = (swept, open) => new Maps(swept, open).section;

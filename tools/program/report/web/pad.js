@@ -1,14 +1,14 @@
 // The pad: units coloured by state, force and slip arrows, the slip centre.
 const mark = sb.mark;
 
-// Between the nearest neighbours [m]; of a single unit `alone`.
+// Distance of the nearest neighbours [m]; `alone` for a single unit.
 sb.spacingOf = (positions, alone) => {
   const distances = ([x, y], i) => positions.slice(0, i).map(other => Math.hypot(x - other[0], y - other[1]) || Infinity);
   const nearest = d3.min(positions.flatMap(distances));
   return isFinite(nearest) ? nearest : alone;
 };
 
-// A number of the form 1, 2 or 5 times a power of ten, at most `value`.
+// The largest 1, 2 or 5 times a power of ten that is at most `value`.
 function roundDown(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   for (const factor of [5, 2])
@@ -17,7 +17,7 @@ function roundDown(value) {
 }
 
 sb.Pad = class {
-  // How large the pad is drawn, and where its units stand. Returns [px]: between neighbours, and their places.
+  // Sets the scale of the pad. Returns the pitch and the positions of its units [px].
   layOut(recording, picture) {
     const {positions} = recording;
     const spacing = sb.spacingOf(positions, 5e-3);
@@ -26,24 +26,25 @@ sb.Pad = class {
       return high - low;
     };
     const pitch = Math.min(92, 250 / Math.max(1, Math.max(extent(0), extent(1)) / spacing));  // px between neighbours
-    this.scale = pitch / spacing;                                                             // px a metre
+    this.scale = pitch / spacing;                                                             // px per metre
     this.view = sb.padView(recording.type);
     this.x = p => p[this.view.right] * this.scale;
     this.y = p => -p[this.view.up] * this.scale;
     const xs = positions.map(this.x), ys = positions.map(this.y);
-    // The picture is stretched to its card: a pad of one unit gets a wide frame, so that its text is no larger than others'.
+    // The picture is scaled to its card; a pad of one unit gets a wide frame, so that its text is
+    // not enlarged.
     const margin = (places, least) => Math.max(30, 0.67 * pitch, 0.5 * (least - (Math.max(...places) - Math.min(...places))));
-    const beside = picture ? 18 : 0;  // px, so that the picture leaves the axes their corner
+    const beside = picture ? 18 : 0;  // px, keeps the axes' corner free
     const left = Math.min(...xs) - margin(xs, 300) - beside, right = Math.max(...xs) + margin(xs, 300);
     const top = Math.min(...ys) - margin(ys, 160), bottom = Math.max(...ys) + margin(ys, 160) + beside;
     this.box = {left, right, top, bottom};
     this.labels = recording.units <= 25;
-    this.roomy = pitch >= 55;  // px, for the name and the force of a unit side by side
-    this.radius = (this.labels || (picture && picture.cells.length === recording.units) ? 0.27 : 0.4) * pitch;  // no unit hides its cell
+    this.roomy = pitch >= 55;  // px, space for name and force of a unit side by side
+    this.radius = (this.labels || (picture && picture.cells.length === recording.units) ? 0.27 : 0.4) * pitch;  // units must not hide their cells
     return {pitch, xs, ys};
   }
 
-  // onPick(unit): a unit was clicked.
+  // onPick(unit) is called for a click on a unit.
   constructor(parent, recording, onPick) {
     this.recording = recording;
     const picture = sb.padPicture(recording), {pitch, xs, ys} = this.layOut(recording, picture);
@@ -107,7 +108,7 @@ sb.Pad = class {
     ];
   }
 
-  // What the arrows' lengths mean.
+  // Key of the arrows' lengths.
   key(speed) {
     const {left, bottom} = this.box;
     const entry = (x, scale, largest, unit, colour, dash, name) => {
@@ -152,7 +153,8 @@ sb.Pad = class {
       const slip = this.point(this.slips[i], 'labels/slip_velocity', this.slipLength, i);
       if (!this.labels) return;
       unit.load.textContent = apart || !this.roomy ? '' : sb.fixed(force, 2) + ' N';
-      // Each label stands above its unit, beside the arrow that points up there. Arrows are too short to reach a neighbour's.
+      // Each label is above its unit, beside an arrow that points up there. Arrows are too short to
+      // reach a neighbour's label.
       const upward = [pull, slip].find(([up]) => up > 0.5 * this.radius);
       const side = upward ? (upward[1] >= 0 ? -1 : 1) : 0;
       unit.label.setAttribute('x', this.x(recording.positions[i]) + 4 * side);
@@ -166,7 +168,7 @@ sb.Pad = class {
     if (inside) this.centre.setAttribute('transform', 'translate(' + x + ',' + y + ')');
   }
 
-  // Draws the arrow of a unit. Returns it in px, upwards and to the right.
+  // Draws the arrow of a unit. Returns its components up and right [px].
   point(arrow, curve, length, i) {
     const [up, right] = [this.view.up, this.view.right].map(c => (this.recording.at(curve, i, c, this.sample) || 0) * length);
     arrow.setAttribute('x2', this.x(this.recording.positions[i]) + right);
@@ -176,7 +178,7 @@ sb.Pad = class {
   }
 };
 
-// The hatching of partial slip, once a page.
+// The hatching of partial slip, once per page.
 sb.drawHatch = () => {
   const stripes = [[6, 0.5], [2.6, 1]].map(
       ([width, opacity]) => mark('rect', {width, height: 6, fill: 'var(--partial)', 'fill-opacity': opacity}));

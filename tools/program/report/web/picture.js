@@ -1,15 +1,15 @@
-// What a sensor reads, drawn behind the units of its pad.
+// A sensor's readings, drawn behind the units of its pad.
 
-// The outlines of a cell's parts around its middle: the cell, or the triangles W, N, E and S.
+// Outlines of a cell's parts around its middle: the cell, or the triangles W, N, E and S.
 function outlines(parts, half) {
   const corners = [[-half, half], [-half, -half], [half, -half], [half, half]];  // sw, nw, ne, se
   if (parts === 1) return ['M' + corners.join('L') + 'Z'];
   return corners.map((corner, i) => 'M0,0L' + corner + 'L' + corners[(i + 1) % 4] + 'Z');
 }
 
-// The darker a part, the more it reads beyond what it reads at rest, against the most of the trial.
+// The darker a part, the larger its reading relative to rest, compared with the trial's maximum.
 sb.PadPicture = class {
-  // `pad`: sb.Pad, whose sensor type says what is drawn. `pitch`: px.
+  // `pad`: sb.Pad, whose sensor type defines the picture. `pitch`: px.
   constructor(svg, pad, pitch) {
     const {recording} = pad, {channel, cells, width, rest, falls, note} = sb.padPicture(recording);
     const {time, unit, columns, names} = recording.emitted(channel);
@@ -41,8 +41,8 @@ sb.PadPicture = class {
   }
 };
 
-// What is drawn behind the units of a recording: its type's picture with a cell for each unit where it names none. Null: nothing is, or the
-// channel is not there or has neither one value a cell nor four.
+// Picture behind the units of a recording: that of its type, by default with one cell per unit.
+// Null if the type has none, or the channel is missing or has neither one nor four values per cell.
 sb.padPicture = recording => {
   const {picture} = sb.sensorView(recording.type);
   const emitted = picture && recording.emitted(picture.channel);

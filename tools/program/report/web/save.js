@@ -1,9 +1,9 @@
-// Charts as files: a picture (SVG, PNG) of each, and its figures (CSV).
+// Saves charts as files: picture (SVG, PNG) and figures (CSV).
 const el = sb.element;
 
 const font = 'system-ui, -apple-system, "Segoe UI", "Helvetica Neue", Arial, "DejaVu Sans", sans-serif';
 
-// What a style sheet says of a mark, and its file has to say itself.
+// Styles from style sheets that a file must contain itself.
 const styles = ['fill', 'fill-opacity', 'stroke', 'stroke-opacity', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'opacity', 'display',
                 'font-size', 'font-weight', 'text-anchor', 'paint-order', 'image-rendering'];
 function withStyles(node) {
@@ -17,7 +17,8 @@ function withStyles(node) {
   return copy;
 }
 
-// An SVG as a file of its own, on the page's ground. One that is not of the page is put on it meanwhile, for its styles.
+// An SVG as a file of its own, with the page's background. A detached SVG is added to the page
+// temporarily for its styles.
 function fileOf(svg, title) {
   const loose = !svg.isConnected;
   if (loose) document.body.append(svg);
@@ -32,7 +33,7 @@ function fileOf(svg, title) {
   return new XMLSerializer().serializeToString(copy);
 }
 
-// A picture of an SVG file, twice as fine.
+// PNG of an SVG file at twice the resolution.
 async function pngOf(file) {
   const image = new Image();
   image.src = 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(file);
@@ -42,11 +43,11 @@ async function pngOf(file) {
   return new Promise(done => canvas.toBlob(done));
 }
 
-// Six digits, as many as the page's curves have; what is no number is empty.
+// Six digits, the precision of the page's curves; NaN becomes empty.
 const cell = value => typeof value !== 'number' ? value : isFinite(value) ? +value.toPrecision(6) : null;
 const csvOf = rows => d3.csvFormatRows(rows.map(row => row.map(cell))) + '\n';
 
-// "hexapod-trial-3-slip-speed": the page, the trial, the chart.
+// "hexapod-trial-3-slip-speed": page, trial, chart.
 function fileName(title) {
   const page = decodeURIComponent(location.pathname.split('/').pop()).replace(/\.html$/, '');
   const trial = location.hash.startsWith('#trial-') ? location.hash.slice(1) : '';
@@ -55,13 +56,14 @@ function fileName(title) {
 
 function download(blob, name) {
   const link = el('a', {href: URL.createObjectURL(blob), download: name});
-  document.body.append(link);  // Firefox follows no other
+  document.body.append(link);  // Firefox follows only links in the page
   link.click();
   link.remove();
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
-// Buttons that save a chart. drawing(): an SVG, null where there are only figures; rows(): arrays, the head first.
+// Buttons that save a chart. drawing(): an SVG, null if there are only figures; rows(): arrays, the
+// head first.
 sb.saveButtons = (title, drawing, rows) => {
   const kinds = {
     PNG: () => pngOf(fileOf(drawing(), title)),
@@ -74,7 +76,7 @@ sb.saveButtons = (title, drawing, rows) => {
       Object.keys(kinds).filter(kind => drawing || kind === 'CSV').map(
           kind => el('button.link', {'aria-label': 'Save ' + title + ' as ' + kind, onclick: () => save(kind)}, kind)));
 };
-// Those in the corner of the node that a chart fills.
+// Save buttons in the corner of a chart's node.
 sb.saveCorner = (host, ...chart) => {
   host.classList.add('saved');
   host.append(sb.saveButtons(...chart));

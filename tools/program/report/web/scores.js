@@ -1,5 +1,5 @@
-// What counts of a detector's answers come to, as tools/base/statistics/confusion.h defines it. `counts`: [truth][class]; null: nothing to take
-// a share of.
+// Scores of a detector's answers, as defined in tools/base/statistics/confusion.h. `counts`:
+// [truth][class]; null: undefined.
 
 const contact = [1, 2, 3], slip = [2, 3];
 const share = (part, all) => all ? part / all : null;

@@ -1,8 +1,10 @@
-// Pressure, traction and stick zone of a pad that is one elastic body, at the cursor, and the closed form of a sphere beside them.
+// Pressure, traction and stick zone of a pad that is one elastic body, at the cursor, with the
+// closed form of a sphere.
 const el = sb.element, mark = sb.mark;
 const size = 250, gap = 26;  // px, of a map and between maps
 
-// The closed form at normal force N and tangential force T: Hertz, Cattaneo and Mindlin. Lengths in m, forces in N, pressures in Pa.
+// The closed form at normal force N and tangential force T: Hertz, Cattaneo and Mindlin. Lengths in
+// m, forces in N, pressures in Pa.
 function closedForm({shear_modulus: g, sphere_radius: radius, friction}, normal, tangential) {
   const a = Math.cbrt(3 * normal * radius / (16 * g)), peak = 3 * normal / (2 * Math.PI * a * a);
   const c = a * Math.cbrt(Math.max(0, 1 - tangential / (friction * normal)));
@@ -15,15 +17,16 @@ function closedForm({shear_modulus: g, sphere_radius: radius, friction}, normal,
 
 const pull = fields => Math.hypot(d3.sum(fields, f => f.x), d3.sum(fields, f => f.y));
 
-// Pressure, traction and stick zone of a recording as maps, and along one row; `skin` as sb.page.skins has it.
+// Pressure, traction and stick zone of a recording as maps, and along one row; `skin`: as in
+// sb.page.skins.
 class SkinFields {
-  // `xs`, `ys`: where the columns and rows of the pad stand [m].
+  // `xs`, `ys`: positions of the pad's columns and rows [m].
   constructor(recording, skin, xs, ys) {
     const {right, up} = sb.padView(recording.type);
     Object.assign(this, {recording, skin, xs, ys, right, up, shown: 0});
     this.pitchX = xs[1] - xs[0];
     this.pitchY = ys[1] - ys[0];
-    this.scale = size / Math.max(xs.length * this.pitchX, ys.length * this.pitchY);  // px a metre
+    this.scale = size / Math.max(xs.length * this.pitchX, ys.length * this.pitchY);  // px per metre
     this.width = this.pitchX * this.scale;
     this.height = this.pitchY * this.scale;
     const high = ys.length * this.height;
@@ -41,7 +44,7 @@ class SkinFields {
     sb.saveCorner(host, 'Fields of the soft skin', () => svg, () => this.savedRows());
   }
 
-  // An empty map: cells, the circles of the closed form, and arrows on that of the traction.
+  // An empty map: cells, the circles of the closed form, and arrows on the traction map.
   map(index) {
     const {recording: {positions}, right, up, width, height} = this;
     const cells = positions.map(p => mark('rect', {
@@ -55,7 +58,7 @@ class SkinFields {
     return {cells, rings, title, arrows, node: mark('g', place, cells, rings, arrows, title)};
   }
 
-  // Of each unit [Pa]: along the map's axes, into the pad, and the size of the traction.
+  // Per unit [Pa]: along the map's axes, into the pad, and magnitude of the traction.
   fields(sample) {
     const area = this.pitchX * this.pitchY;
     return d3.range(this.recording.units).map(unit => {
@@ -76,8 +79,8 @@ class SkinFields {
     ];
   }
 
-  // From which sample on it is no push that grows for the first time: it has fallen by more than a thousandth of what friction
-  // holds, or pulls several ways.
+  // First sample that is no longer a monotonic first push: the force has fallen by more than a
+  // thousandth of the friction limit, or its parts point in several directions.
   firstPush() {
     const {recording, skin} = this;
     let most = 0;
@@ -89,7 +92,7 @@ class SkinFields {
     return Infinity;
   }
 
-  // The closed form where there is one, which is that of a contact with pad all around it, and the contact's middle [m].
+  // The closed form, if the contact is surrounded by pad, and the contact's middle [m].
   formOf(fields) {
     const {skin, recording: {positions}, xs, ys, right, up, pitchX, pitchY} = this;
     const total = d3.sum(fields, f => f.z), area = pitchX * pitchY;
@@ -167,7 +170,7 @@ class SkinFields {
   }
 }
 
-// The fields of a recording; null where the pad is no full grid.
+// The fields of a recording; null if the pad is not a full grid.
 sb.skinSection = (recording, skin) => {
   const {right, up} = sb.padView(recording.type);
   const levels = axis => [...new Set(recording.positions.map(p => p[axis].toFixed(7)))].map(Number).sort(d3.ascending);

@@ -1,6 +1,6 @@
-// The time that all pictures of a trial share: the visible window, the cursor, and playing.
+// Time shared by all charts of a trial: the visible window, the cursor, and playback.
 
-// Events: 'window', 'cursor' and 'playing' when these have changed.
+// Events: 'window', 'cursor' and 'playing' on changes.
 sb.Timeline = class extends EventTarget {
   constructor(time) {
     super();

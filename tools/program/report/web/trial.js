@@ -45,7 +45,7 @@ function player(timeline) {
   };
 }
 
-// Numbers at the cursor: [name, value(...)]. Returns {node, update(...)}.
+// Values at the cursor: [name, value(...)]. Returns {node, update(...)}.
 sb.readout = entries => {
   const fields = entries.map(([name, value]) => ({name, value, field: el('dd')}));
   return {
@@ -58,12 +58,12 @@ sb.readout = entries => {
 
 function readout(recording) {
   const label = (key, sample, component = 0) => recording.at('labels/' + key, 0, component, sample);
-  // Half of the step in which the page holds a curve; as much of each of `units` is in their sum.
+  // Half of the quantisation step of a curve; errors of `units` units add up in their sum.
   const half = (key, units = 1) => 0.5 * units * (recording.curves['labels/' + key].data.step || 0);
   const state = key => [key, sample => sb.states.pad[recording.padStates[key][sample]].name];
   const force = (component, sample) =>
       d3.sum(d3.range(recording.units), unit => recording.at('labels/force', unit, component, sample));
-  // A pad of centimetres that turns about a point a metre off is dragged.
+  // A centre more than a metre away from a pad of centimetres means translation.
   const centre = ([x, y]) => isNaN(x) ? '–' :
       Math.hypot(x, y) > 1 ? 'none: translation' :
                              [x, y].map(value => sb.fixed(value * 1e3, 1)).join(', ') + ' mm';
@@ -79,7 +79,7 @@ function readout(recording) {
   ]);
 }
 
-// Sensor-wide charts.
+// Charts of the sensor as a whole.
 function wholeSensor(trial, recording, timeline) {
   const onsets_s = [...recording.micro_onset_s, ...recording.onset_s].filter(t => t !== null);
   const zoom = (text, from, to) =>
@@ -124,19 +124,19 @@ function wholeSensor(trial, recording, timeline) {
   return {section, draw};
 }
 
-// Units by first micro-slip, then by full slip; those that never slip last, in their own order.
+// Units by first micro-slip, then by full slip; units without slip last, in their own order.
 function onsetOrder(recording) {
   const by = onsets_s => (a, b) => d3.ascending(onsets_s[a] ?? Infinity, onsets_s[b] ?? Infinity);
   return d3.range(recording.units).sort((a, b) => by(recording.micro_onset_s)(a, b) || by(recording.onset_s)(a, b) || a - b);
 }
 
-// Those that have a row of their own: of more than 40 the ones that touch.
+// Units with a row of their own: all, or of more than 40 those that touch.
 function shownUnits(recording) {
   const order = onsetOrder(recording);
   return recording.units > 40 ? order.filter(unit => recording.touch_s[unit] !== null) : order;
 }
 
-// The unit to look at first: it slips first, or else touches first.
+// The unit to show first: the first to slip, else the first to touch.
 function openingUnit(recording) {
   const first = onsetOrder(recording)[0];
   if (recording.micro_onset_s[first] !== null || recording.onset_s[first] !== null) return first;
@@ -152,7 +152,7 @@ const labelNames = {
 };
 const componentColours = ['fx', 'fy', 'fz'];
 
-// Unit indices in rows and columns as the pad shows them; null when they do not form a small grid.
+// Unit indices in rows and columns as drawn on the pad; null if they do not form a small grid.
 function gridOf(recording) {
   const {right, up} = sb.padView(recording.type);
   const unique = axis => [...new Set(recording.positions.map(p => Math.round(p[axis] * 1e5)))];
@@ -173,7 +173,7 @@ class UnitCharts {
     Object.assign(this, {recording, timeline, readings: [], charts: [], legend: el('div'), host: el('div')});
     const per_unit =
         Object.keys(recording.curves).filter(key => recording.curves[key].per_unit && key !== 'labels/slip_velocity');
-    // What the sensor emits first.
+    // Channels of the sensor come first.
     const rank = key => Object.keys(labelNames).indexOf(key);
     this.name = key => labelNames[key] || sb.channelWord(recording.type, key.split('/')[1]).name;
     this.keys = per_unit.sort((a, b) => rank(a) - rank(b));
@@ -252,7 +252,7 @@ class UnitCharts {
   }
 }
 
-// The order in which units let go, as a table with one bar a unit.
+// Order of the units' slip, as a table with one bar per unit.
 function onsets(recording, timeline) {
   const word = sb.unitWord(recording.type);
   const times = [...recording.micro_onset_s, ...recording.onset_s].filter(t => t !== null);
@@ -301,7 +301,7 @@ function onsets(recording, timeline) {
   return {section, update};
 }
 
-// Share of time in each state by each rule, and how far the rules differ.
+// Share of time in each state by each rule, and differences of the rules.
 function rules(summary) {
   const columns = [
     {title: 'rule', kind: 'text', cell: rule => el('b', {}, rule.name)}, {title: '', kind: 'text', cell: rule => rule.note},
@@ -315,14 +315,14 @@ function rules(summary) {
       sb.table(columns, sb.rules));
 }
 
-// The sensor to look at first: that of the detector, or else the first that touches.
+// The sensor to show first: the detector's, else the first in contact.
 sb.openingSensor = trial => {
   const names = Object.keys(trial.sensors);
   if (trial.detector && names.includes(trial.detector.sensor)) return trial.detector.sensor;
   return names.find(name => trial.sensors[name].first_touch_s !== null) || names[0];
 };
 
-// Draws what one sensor tells of a trial into `host`. Returns the timeline, for the keyboard.
+// Draws one sensor's data of a trial into `host`. Returns the timeline, for the keyboard.
 sb.showTrial = async (host, index, sensorName) => {
   const trial = sb.page.trials.find(candidate => candidate.index === index);
   const recording = await sb.recording(index, sensorName);
@@ -365,14 +365,14 @@ sb.showTrial = async (host, index, sensorName) => {
     for (const part of [controls, readings, pad, onset, skin, grasp]) part?.update(sample);
   };
   timeline.addEventListener('cursor', update);
-  // Opens where there is most to see: when half of the units that let go have done so.
+  // Opens at the most informative time: when half of the slipping units have slipped.
   const middle = (timeline.full[0] + timeline.full[1]) / 2;
   timeline.cursor = grasp?.opens_s ?? d3.median(recording.onset_s.filter(t => t !== null)) ?? summary.first_micro_s ?? middle;
   timeline.tell('cursor');
-  // The reader sees the first picture while the others are drawn.
+  // The first chart is visible while the others are drawn.
   for (const part of [grasp, whole, channels, charts]) {
     await sb.painted();
-    if (!host.isConnected) break;  // another trial has been opened meanwhile
+    if (!host.isConnected) break;  // another trial was opened meanwhile
     part?.draw();
   }
   return timeline;

@@ -1,4 +1,4 @@
-// Names, units and definitions: every word of the page that is said more than once.
+// Names, units and definitions that the page uses more than once.
 
 sb.states = {
   // unit_state of the dataset
@@ -23,14 +23,15 @@ sb.rules = [
   {key: 'paper', name: 'paper', note: "the label rule of the sensor's paper"},
 ];
 
-// How sensors of a type are shown: what their entry in the catalogue says (view_payload() in report_parts.h).
+// Presentation of a sensor type, from its entry in the catalogue (view_payload() in
+// report_parts.h).
 sb.sensorView = type => sb.page.sensor_types[type];
 sb.unitWord = type => sb.sensorView(type).unit;
 sb.unitWords = type => sb.sensorView(type).units;
 sb.unitName = (type, index) => sb.sensorView(type).letter + (index + sb.sensorView(type).first);
 sb.channelWord = (type, key) => sb.sensorView(type).channels[key] || {name: key, note: ''};
 
-// How a pad is drawn: which axis points right and which up, and where the eye is.
+// Orientation of a pad's drawing: the axes that point right and up, and the viewpoint.
 sb.padView = type => {
   const {from_behind, orientation} = sb.sensorView(type);
   return from_behind ? {
@@ -40,7 +41,7 @@ sb.padView = type => {
   } : {right: 1, up: 0, note: 'seen from the surface it touches; +Z points away from the reader, into the sensor'};
 };
 
-// SI symbol -> factor and symbol shown.
+// SI symbol -> factor and displayed symbol.
 const shown = {
   'm': [1e3, 'mm'],
   'm/s': [1e3, 'mm/s'],
@@ -54,12 +55,13 @@ const shown = {
 sb.factor = unit => (shown[unit] || [1, unit])[0];
 sb.symbol = unit => (shown[unit] || [1, unit])[1];
 
-// Up to these an SI value is what sums and angles of doubles leave by rounding. Other units have no such limit.
+// Limits up to which an SI value is rounding of sums and angles of doubles. Other units have no
+// such limit.
 const rounding = {s: 1e-12, m: 1e-15, 'm/s': 1e-15, rad: 1e-12, 'rad/s': 1e-12, N: 1e-12};
-// An SI value, 0 where it is no more than rounding, or than half of the step in which it is held.
+// An SI value; 0 if it is below the rounding limit, or below half of its quantisation step.
 sb.rounded = (value, unit, half = 0) => value !== null && Math.abs(value) <= Math.max(rounding[unit] || 0, half) ? 0 : value;
 
-// An SI value with its shown unit: 0.004 m/s -> "4 mm/s". `half`: as sb.rounded().
+// An SI value with its displayed unit: 0.004 m/s -> "4 mm/s". `half`: as in sb.rounded().
 sb.quantity = (value, unit, digits, half) => {
   const held = sb.rounded(value, unit, half);
   const text = sb.significant(held === null ? null : held * sb.factor(unit), digits || 3);
@@ -96,7 +98,7 @@ const pathWords = {
   'detector.flip': 'share of flipped classes'
 };
 sb.pathWord = path => pathWords[path] || path;
-// What a time or another value that is infinite means.
+// Text for an infinite value.
 sb.endless = unit => unit === 's' ? 'never' : 'no limit';
 sb.parameter = (plain, digits) => plain === undefined ? sb.missing :
     plain.value === null                              ? sb.endless(plain.unit) :
