@@ -1,4 +1,4 @@
-// Numpy arrays that own values of C++.
+// Numpy arrays that own C++ values.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace slipbench::python {
 
-// An array of this shape, in C order. The product of `shape` is the number of values.
+// An array of this shape, in C order. The product of `shape` must be the number of values.
 template <class T>
 nanobind::ndarray<nanobind::numpy, T> array_of(std::vector<T> values, const std::vector<std::size_t>& shape) {
   auto held = std::make_unique<std::vector<T>>(std::move(values));
@@ -20,7 +20,7 @@ nanobind::ndarray<nanobind::numpy, T> array_of(std::vector<T> values, const std:
   return nanobind::ndarray<nanobind::numpy, T>(first, shape.size(), shape.data(), owner);
 }
 
-// A vector.
+// A one-dimensional array.
 template <class T>
 nanobind::ndarray<nanobind::numpy, T> array_of(std::vector<T> values) {
   const std::size_t size = values.size();

@@ -1,4 +1,4 @@
-// Grasps that are commanded from Python.
+// Bindings of grasps commanded from Python.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -55,7 +55,7 @@ Bodies bodies_of(const GraspEnvironment& environment) {
 
 using Truth = nb::typed<nb::dict, nb::str, nb::any>;
 
-// What is true after a step, which no policy is to see.
+// The truth after a step, which is hidden from policies.
 Truth truth_of(const GraspEnvironment& environment) {
   const EnvironmentStep& step = environment.latest();
   Truth truth;
@@ -70,8 +70,9 @@ Truth truth_of(const GraspEnvironment& environment) {
 
 // Observation, reward, terminated (dropped or left behind), ended, truth.
 using Result = nb::typed<nb::tuple, nb::ndarray<nb::numpy, float>, double, bool, bool, Truth>;
-// Of several: their observations; reward, time, grip_force, ideal_force and slip_distance; terminated, ended and lifting; number of the
-// episode; what was drawn for it; and by place the outcomes of those that are over.
+// Of several environments: observations; reward, time, grip_force, ideal_force and slip_distance;
+// terminated, ended and lifting; episode number; draws of the episode; and by index the outcomes of
+// finished episodes.
 using Results =
     nb::typed<nb::tuple, nb::ndarray<nb::numpy, float>, nb::ndarray<nb::numpy, double>, nb::ndarray<nb::numpy, std::uint8_t>,
               nb::typed<nb::list, int>, nb::typed<nb::list, std::string>, nb::typed<nb::dict, int, std::string>>;
@@ -81,7 +82,7 @@ Result result_of(const GraspEnvironment& environment) {
   return nb::make_tuple(copied(environment.observation()), step.reward, step.failed(), step.ended, truth_of(environment));
 }
 
-// One that the interpreter's other threads need not wait for.
+// An environment whose steps release Python's lock.
 class Grasp {
  public:
   Grasp(const std::string& path, const Pairs& overrides, const std::string& action)
@@ -129,7 +130,7 @@ class Grasps {
     }
     return results();
   }
-  // Takes the steps `actions` in environment `i` alone, from where its episode stands.
+  // Applies `actions` to environment `i` alone, from its current state.
   void replay(std::size_t i, const std::vector<double>& actions) {
     const nb::gil_scoped_release release;
     for (const double action : actions) environments_.environment(i).step(action);

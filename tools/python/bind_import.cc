@@ -1,4 +1,4 @@
-// Bindings for `import --map`: sources, YAML with lines, and the writer of recordings.
+// Bindings for `import --map`: sources, YAML with line numbers, and the writer of recordings.
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -54,15 +54,15 @@ std::vector<std::pair<std::string, std::string>> sources_of(const std::vector<st
   return files;
 }
 
-// One recording while Python describes it, and the writer that takes it.
+// Builds one recording from Python at a time, and writes it.
 class MappedImport {
  public:
   MappedImport(std::vector<std::string> sources, std::string map, std::string output, std::uint64_t seed,
                std::optional<double> rate, const std::string& split_by)
       : options_{std::move(sources), nullptr, std::move(output), seed, std::move(map), rate}, writer_(options_, split_by) {}
 
-  // `rate` [Hz]: of samples without stamps; none: from the stamps, whose least difference is `resolution` [s] and which were
-  // read in `unit` [s]; 0: dates.
+  // `rate` [Hz]: of samples without stamps; empty: from the stamps, with `resolution` [s], read in
+  // `unit` [s]; 0: dates.
   void add_sensor(const std::string& name, const std::string& type, const std::string& frame, const Values<double>& time,
                   double resolution, double unit, std::optional<double> rate, const std::string& rule,
                   const std::optional<Values<std::uint8_t>>& states, const std::vector<ChannelParts>& channels) {
@@ -87,7 +87,7 @@ class MappedImport {
     sensors_.push_back(std::move(sensor));
     time_units_.push_back(unit);
   }
-  // The recording of the sensors that were added since the last one. `params`: JSON.
+  // Adds the recording of the sensors added since the last one. `params`: JSON.
   void add(const std::string& path, const std::string& params, const std::string& object) {
     TrialRecord record = make_recording(Json::parse(params), object);
     record.sensors = std::exchange(sensors_, {});
@@ -95,7 +95,7 @@ class MappedImport {
     writer_.add(std::move(record), path, 0, std::exchange(time_units_, {}));
   }
   void warn(const std::string& path, const std::string& text) { writer_.warn(path, text); }
-  // Prints the result of the import as the program does.
+  // Prints the summary of the import as the program does.
   void finish(std::size_t sources, bool json) {
     print_import(writer_.finish(sources), options_, json);
     std::fflush(stdout);
@@ -105,7 +105,7 @@ class MappedImport {
   ImportOptions options_;
   RecordingWriter writer_;
   std::vector<SensorRecord> sensors_;
-  std::vector<double> time_units_;  // of each of them
+  std::vector<double> time_units_;  // of each sensor
 };
 
 }  // namespace

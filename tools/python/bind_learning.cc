@@ -1,4 +1,4 @@
-// Bindings for training: frames, examples with their split, operating points and the engine of the loop.
+// Bindings for training: frames, examples with their split, operating points and inference engines.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -42,7 +42,7 @@ namespace {
 using Rows = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Described = nb::typed<nb::dict, nb::str, nb::any>;
 
-// A word of an option, whose name an error tells.
+// Value of an option's word. Errors name `option`.
 template <class Words>
 auto value_of(const Words& words, const std::string& word, const char* option) {
   const auto found = hd::value_of(words, word);
@@ -54,7 +54,7 @@ network::Input input_of(const std::string& description) {
   return network::parse_description(description, "the description").input;
 }
 
-// network::Frames of samples [T, values].
+// Binds network::Frames for samples [T, values].
 class FrameReader {
  public:
   using Channels = std::vector<std::tuple<std::string, std::vector<std::size_t>>>;
@@ -102,7 +102,7 @@ class FrameReader {
   std::size_t values_ = 0;
 };
 
-// network::Engine of inputs [T, inputs].
+// Binds network::Engine for inputs [T, inputs].
 class EngineOfFile {
  public:
   explicit EngineOfFile(const std::string& path) : engine_(network::load_engine(path)) {}
@@ -175,7 +175,7 @@ inline constexpr std::array class_words{hd::Word<train::ClassRule>{"slip", train
 
 using Told = nb::typed<nb::callable, nb::any(std::size_t, std::size_t)>;
 
-// `split` empty: the examples are not divided, and all learn.
+// `split` empty: the examples are not divided, and all are for training.
 Described read_examples(const std::vector<std::string>& paths, const std::string& description, const std::string& labels,
                         const std::string& classes, const std::string& sensor, std::size_t turned, std::size_t at_most,
                         std::uint64_t seed, const std::string& split, double held_out, bool divide_anew,
@@ -226,7 +226,7 @@ Described read_examples(const std::vector<std::string>& paths, const std::string
   return Described(all);
 }
 
-// One sensor of a trial that is not in a dataset, as read_examples() has it.
+// Example of one sensor of a trial in memory, as in read_examples().
 Described example_of(const TrialRecord& record, const std::string& sensor, const std::string& description,
                      const std::string& labels, const std::string& classes, std::size_t turn) {
   train::ExampleOptions options;
@@ -258,7 +258,7 @@ std::vector<train::SlipSeries> series_of(const Series& given) {
   return all;
 }
 
-// `choice`: "accuracy" (each frame for itself), "alarms" (whose limit is `alarms` a minute), "score".
+// `choice`: "accuracy" (single frames), "alarms" (at most `alarms` false ones per minute), "score".
 Described best_point(const Series& series, double period, const std::string& choice, double alarms) {
   const std::vector<train::SlipSeries> all = series_of(series);
   const train::OperatingPoint point = [&] {

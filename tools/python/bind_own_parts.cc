@@ -1,4 +1,5 @@
-// Sensors, detectors and controllers that are Python classes. Trials run in threads of their own without Python's lock, which is taken for each call.
+// Sensors, detectors and controllers in Python. Trials run in threads without Python's lock, which
+// each call acquires.
 #include <algorithm>
 #include <array>
 #include <initializer_list>
@@ -28,7 +29,7 @@ namespace {
 
 using Declared = std::vector<std::pair<std::string, std::string>>;  // parameters with their defaults, "5 mm"
 
-// What a frame holds, as numpy arrays by channel that each frame fills anew.
+// Values of a frame as numpy arrays by channel; each frame overwrites them.
 template <class Real>
 class FrameArrays {
  public:
@@ -45,7 +46,7 @@ class FrameArrays {
       first += channel.size();
     }
   }
-  // `parts`: their values one after the other.
+  // `parts`: values of the channels, concatenated.
   const nb::dict& filled(std::initializer_list<std::span<const Real>> parts) {
     Real* at = values_;
     for (const std::span<const Real> part : parts) at = std::ranges::copy(part, at).out;
@@ -53,18 +54,19 @@ class FrameArrays {
   }
 
  private:
-  Real* values_;  // the arrays own it
+  Real* values_;  // owned by the arrays
   nb::dict arrays_;
 };
 
-// Whom an error is told of.
+// Subject of an error message.
 struct Blame {
-  std::string path;         // of the type in the scene: "detector.type"
+  std::string path;         // path of the type in the scene: "detector.type"
   std::string whose;        // "detector mine"
-  std::string method = {};  // that is called: "update"
+  std::string method = {};  // called method: "update"
 };
 
-// One Python object of a user's class, for one trial. All of it is made, used and let go of with Python's lock. `Real`: what its frames hold.
+// One instance of a user's Python class, for one trial. Created, used and released with Python's
+// lock held. `Real`: type of its frames' values.
 template <class Real>
 struct Own {
   Own(const Blame& told_of, const nb::object& type, const char* method, const nb::object& source, const nb::dict& keywords,
@@ -88,10 +90,10 @@ struct Own {
 struct WithLock {
   template <class Real>
   void operator()(Own<Real>* own) const {
-    if (!Py_IsInitialized()) return;  // the interpreter has gone, and what it held with it
+    if (!Py_IsInitialized()) return;  // the interpreter and its objects are gone
     const nb::gil_scoped_acquire acquire;
     delete own;
-    // What it has printed would be lost with a process that is ended.
+    // Flushes stdout, whose buffer would be lost if the process is killed.
     PyObject* const out = PySys_GetObject("stdout");
     const nb::object flushed = nb::steal(out == nullptr ? nullptr : PyObject_CallMethod(out, "flush", nullptr));
     if (!flushed) PyErr_Clear();
@@ -100,14 +102,15 @@ struct WithLock {
 template <class Real>
 using OwnPart = std::unique_ptr<Own<Real>, WithLock>;
 
-// What Python says of an exception. Its text may hold lone surrogates, which no UTF-8 has and nanobind's what() cannot bear.
+// Text of a Python exception. It may hold lone surrogates, which are invalid UTF-8 and break
+// nanobind's what().
 std::string text_of(const nb::python_error& error) {
   const nb::object lines = nb::module_::import_("traceback").attr("format_exception")(error.value());
   const nb::object text = nb::str("").attr("join")(lines).attr("strip")();
   return nb::cast<nb::bytes>(text.attr("encode")("utf-8", "backslashreplace")).c_str();
 }
 
-// `work` with Python's lock; what a class raises is an error of the scene that names it.
+// Runs `work` with Python's lock; exceptions of the class become errors of the scene that names it.
 template <class Work>
 auto locked(const Blame& blame, Work&& work) {
   const nb::gil_scoped_acquire acquire;
@@ -187,7 +190,7 @@ class PythonController final : public Controller {
   GripCommand command_;
 };
 
-// Of the truth a class is handed what slipbench_contact has (sensors/plugin_abi.h).
+// A class receives the part of the truth that slipbench_contact has (sensors/plugin_abi.h).
 class PythonSensor final : public OwnSensor {
  public:
   explicit PythonSensor(OwnPart<double> own) : OwnSensor(own->blame.path, own->blame.whose), own_(std::move(own)) {
@@ -231,7 +234,7 @@ class PythonSensor final : public OwnSensor {
   OwnPart<double> own_;
 };
 
-// A maker holds the class for as long as the process lives: what a scene may name never goes.
+// Keeps the class for the lifetime of the process: registered types are never removed.
 nb::object* kept(const nb::object& type) { return new nb::object(type); }
 
 void add_detector(const std::string& name, const nb::object& type, const std::string& summary, const Declared& declared) {

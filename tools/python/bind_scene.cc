@@ -1,4 +1,4 @@
-// Scenes: trials in memory, sweeps into datasets, checks, and the program's own words about what a scene may say.
+// Bindings of scenes: trials in memory, sweeps to datasets, checks, and descriptions of catalogues.
 #include <array>
 #include <atomic>
 #include <map>
@@ -45,14 +45,14 @@ namespace nb = nanobind;
 namespace slipbench::python {
 namespace {
 
-// Stamps of samples [s].
+// Time stamps of samples [s].
 using Times = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 std::span<const double> span_of(const Times& times) { return {times.data(), times.size()}; }
 
-// Called with the trials done and all of them.
+// Called with the numbers of finished and of all trials.
 using Progress = nb::typed<nb::object, nb::typed<nb::callable, void(std::size_t, std::size_t)>>;
 
-// Forks as os.fork() does, so that the child can run a user's classes. Call it without Python's lock.
+// Forks like os.fork(), so that the child can run user classes. Call without Python's lock.
 pid_t fork_with_python() {
   const nb::gil_scoped_acquire acquire;
   PyOS_BeforeFork();
@@ -63,10 +63,10 @@ pid_t fork_with_python() {
 
 Isolation isolation_of(bool isolate, double limit) { return {.on = isolate, .limit = limit, .fork = fork_with_python}; }
 
-// HDF5 serves one thread at a time. Take it without Python's lock.
+// HDF5 is not thread-safe. Lock without Python's lock.
 std::mutex hdf5_in_use;
 
-// One InterruptGuard for all threads that simulate at once.
+// One InterruptGuard shared by all threads that simulate.
 class SharedInterrupt {
  public:
   SharedInterrupt() {
@@ -86,12 +86,13 @@ class SharedInterrupt {
   inline static std::optional<InterruptGuard> guard_;
 };
 
-// Ends trials of other threads.
+// Stop flag for trials in other threads.
 struct Stop {
   std::atomic<bool> now = false;
 };
 
-// Force and displacement of the units of one pad at each sample of its sensor, in the pad frame: [T, N, 3] each.
+// Force and displacement of one pad's units at each sample of its sensor, in the pad frame: [T, N,
+// 3] each.
 struct PadContact {
   std::size_t units = 0;
   std::vector<float> force;         // N
@@ -106,13 +107,14 @@ nb::object vectors_of(std::vector<float> values, std::size_t units) {
   return nb::cast(nb::ndarray<nb::numpy, float>(held->data(), shape.size(), shape.data(), owner));
 }
 
-// name of a sensor: force and displacement.
+// sensor name: (force, displacement).
 using Contacts = nb::typed<nb::dict, nb::str, nb::typed<nb::tuple, nb::ndarray<nb::numpy, float>, nb::ndarray<nb::numpy, float>>>;
 
-// A scene file with what was set, checked.
+// A checked scene file with its overrides.
 class Scene {
  public:
-  // `text`: the scene, if it is not read from the file at `path`, whose folder is then where the scene's own paths begin.
+  // `text`: the scene, unless it is read from the file at `path`; relative paths in the scene begin
+  // at the folder of `path`.
   Scene(std::string path, const Pairs& overrides, std::optional<std::string> text)
       : catalogues_(std::make_shared<const Catalogues>(program_catalogues())) {
     options_.scene_path = std::move(path);
@@ -134,11 +136,11 @@ class Scene {
 
   [[nodiscard]] const std::string& text() const { return file_.text(); }
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
-  // Trials of the sweep, with so many draws of each cell; 0: as the scene says.
+  // Number of trials of the sweep with `draws` draws per cell; 0: as in the scene.
   [[nodiscard]] std::size_t trials(std::size_t draws) const { return TrialPlan(file_, *catalogues_, draws, seed_).size(); }
 
-  // What `slipbench sweep` would warn of before it runs these trials: with `build` what takes a look at sensors and steps, too, and of the split
-  // where it writes the dataset `output`.
+  // Warnings that `slipbench sweep` gives before it runs these trials. `build`: includes those
+  // about sensors and steps. A non-empty `output`: includes those about the split.
   [[nodiscard]] Texts warnings(std::size_t draws, std::size_t limit, std::optional<std::uint64_t> seed, bool build,
                                const std::string& output, bool isolate, double limit_s) const {
     SweepOptions options = options_;
@@ -155,7 +157,8 @@ class Scene {
     return texts_of(scene_warnings(read.planned.plan, trials, false));
   }
 
-  // Trial `trial` of the first `limit` ones. `stop`: ends it from another thread; none: Ctrl-C does.
+  // Runs trial `trial` of the first `limit` ones. `stop`: ends it from another thread; null: Ctrl-C
+  // ends it.
   [[nodiscard]] std::shared_ptr<TrialRecord> run(std::size_t trial, std::size_t draws, std::size_t limit, std::uint64_t seed,
                                                  bool full, const Stop* stop) const {
     std::optional<SharedInterrupt> guard;
@@ -170,7 +173,7 @@ class Scene {
     });
   }
 
-  // The same, fully recorded, with what the units of each pad feel.
+  // Runs it with a full record, and returns the contact of each pad's units too.
   [[nodiscard]] nb::typed<nb::tuple, TrialRecord, Contacts> run_with_contact(std::size_t trial, std::size_t draws,
                                                                              std::size_t limit, std::uint64_t seed,
                                                                              const Stop* stop) const {
@@ -207,7 +210,7 @@ class Scene {
     return nb::make_tuple(record, all);
   }
 
-  // Runs the sweep into a dataset; returns run_sweep()'s summary as JSON.
+  // Runs the sweep into a dataset; returns the summary of run_sweep() as JSON.
   [[nodiscard]] std::string write(const std::string& output, std::size_t draws, std::size_t limit,
                                   std::optional<std::uint64_t> seed, std::size_t jobs, bool full, bool resume,
                                   const Progress& progress, bool isolate, double limit_s) const {
@@ -281,7 +284,8 @@ class Scene {
   }
 
  private:
-  // The record that `simulated` makes of trial `trial`, with what was drawn for it. Without Python's lock.
+  // Runs `simulated` for trial `trial`, and adds its draws to the record. Call without Python's
+  // lock.
   template <class Simulated>
   std::shared_ptr<TrialRecord> simulate(std::size_t trial, std::size_t draws, std::size_t limit, std::uint64_t seed,
                                         const Simulated& simulated) const {
@@ -297,7 +301,7 @@ class Scene {
     }
   }
 
-  // The plan that has the trial. The last one is kept: a sweep asks for it once a trial.
+  // The plan with the trial. The last plan is cached: a sweep requests it once per trial.
   [[nodiscard]] std::shared_ptr<const PlannedTrials> plan(std::size_t trial, std::size_t draws, std::size_t limit,
                                                           std::uint64_t seed) const {
     const std::lock_guard lock(plan_->mutex);
@@ -341,7 +345,7 @@ std::string evaluate(const std::string& type, const Pairs& parameters, const std
   return eval::evaluate(options).dump();
 }
 
-// The result and the files written. `output`: empty: none.
+// Returns the result and the written files. `output` empty: no files.
 std::pair<std::string, std::vector<std::string>> detect(const std::string& type, const Pairs& parameters,
                                                         const std::vector<std::string>& recordings, const std::string& sensor,
                                                         const std::string& output) {
@@ -378,7 +382,7 @@ std::string describe(const std::string& name) {
 
 std::string list_names() { return list_json(catalogue_items(program_catalogues()), catalogue_kinds()).dump(); }
 
-// How often the converters of recorded trials were at an end of their range.
+// Number of samples in which the converters of recorded trials were at a limit of their range.
 struct Converters {
   std::map<std::string, ConverterUse> sensors;
 

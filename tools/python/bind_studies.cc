@@ -1,5 +1,6 @@
-// Bindings for tools/studies: result pages, detectors that replay a recorded trial, timing of the hyperdimensional engines, cross-validation of
-// hyperdimensional detectors, places of electrodes.
+// Bindings for tools/studies: result pages, replay of recorded trials by detectors, timing of the
+// hyperdimensional engines, cross-validation of hyperdimensional detectors, positions of
+// electrodes.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -43,7 +44,8 @@ namespace {
 constexpr page::PageKind result_kind{
     "a result", "slipbench reproduce", "result page", "result of a reproduction", {"reproduction"}};
 
-// Output of a detector for each sample of a recorded sensor: states, feature values and the names of the features.
+// Output of a detector for each sample of a recorded sensor: states, feature values and the names
+// of the features.
 using Estimates =
     nb::typed<nb::tuple, nb::ndarray<nb::numpy, std::uint8_t>, nb::ndarray<nb::numpy, double>, std::vector<std::string>>;
 Estimates estimates(const TrialRecord& record, const std::string& name, const std::string& type, const Pairs& parameters) {
@@ -104,7 +106,7 @@ std::unique_ptr<hd::Engine> hd_engine(const std::string& name) {
 // Keeps the compiler from removing a computation whose result is not read.
 volatile std::uint64_t sink = 0;
 
-// Median over the passes of the time of a frame [s]; `update` makes a decision of frame number i.
+// Median over the passes of the time per frame [s]; `update` classifies frame number i.
 template <class Update>
 double time_of_frame(std::size_t frames, std::size_t passes, const Update& update) {
   if (frames == 0 || passes == 0) reject("hd_time: {} frames, {} passes; allowed: 1 or more of each", frames, passes);
@@ -120,7 +122,7 @@ double time_of_frame(std::size_t frames, std::size_t passes, const Update& updat
 using LevelRows = nb::ndarray<const std::uint8_t, nb::shape<-1, hd::pillar_count + 1>, nb::c_contig, nb::device::cpu>;
 using DisplacementRows = nb::ndarray<const float, nb::shape<-1, 3 * hd::pillar_count>, nb::c_contig, nb::device::cpu>;
 
-// Rows: the levels of the pillars, and the context.
+// Each row holds the levels of the pillars and the context.
 double hd_time_of_levels(const std::string& name, const LevelRows& rows, std::size_t passes) {
   const std::unique_ptr<hd::Engine> engine = hd_engine(name);
   std::vector<hd::Frame> frames(rows.shape(0));
@@ -132,7 +134,7 @@ double hd_time_of_levels(const std::string& name, const LevelRows& rows, std::si
   return time_of_frame(frames.size(), passes, [&](std::size_t i) { return engine->update(frames[i]); });
 }
 
-// Rows: displacements of the pillars [m].
+// Each row holds the displacements of the pillars [m].
 double hd_time_of_displacements(const std::string& name, const DisplacementRows& rows, std::size_t passes) {
   const std::unique_ptr<hd::Engine> engine = hd_engine(name);
   const auto row = [&](std::size_t i) { return std::span(rows.data() + i * 3 * hd::pillar_count, 3 * hd::pillar_count); };
@@ -140,14 +142,14 @@ double hd_time_of_displacements(const std::string& name, const DisplacementRows&
                        [&](std::size_t i) { return engine->update(hd::quantise(row(i), hd::Quantiser::fixed_point)); });
 }
 
-// Places of a BioTac SP's electrodes on its core [electrodes, 3], m.
+// Positions of a BioTac SP's electrodes on its core [electrodes, 3], m.
 nb::ndarray<nb::numpy, double> electrode_places() {
   std::vector<double> values;
   for (const Eigen::Vector3d& place : biotac_sp::electrode_places()) values.insert(values.end(), place.begin(), place.end());
   return array_of(std::move(values), {biotac_sp::electrodes, 3});
 }
 
-// Returns the value of a word. Throws InputError, which names `key`, for a word that is not in the table.
+// Value of a word. Throws InputError, naming `key`, for an unknown word.
 template <class Words>
 auto value_of_word(const Words& words, const char* key, const std::string& name) {
   if (const auto value = hd::value_of(words, name)) return *value;
@@ -165,8 +167,8 @@ class HdSequences {
   [[nodiscard]] const std::string& command() const { return data_.command; }
   [[nodiscard]] std::size_t size() const { return data_.sequences.size(); }
 
-  // Leaves out the frames after the pad's last motion, and with `before` also those before its first: they are labelled like frames
-  // without contact, which neither train nor judge.
+  // Removes the frames after the pad's last motion, and with `before` those before its first, by
+  // the label no contact: such frames are used for neither training nor test.
   void leave_out_still(bool before) {
     for (Sequence& sequence : data_.sequences) {
       const auto first = std::ranges::find(sequence.moving, 1) - sequence.moving.begin();
@@ -176,7 +178,7 @@ class HdSequences {
     }
   }
 
-  // draws_json() by sequence, and with `by_frame` also by frame.
+  // Returns draws_json() by sequence, and with `by_frame` also by frame.
   std::vector<std::string> cross_validate(const std::string& encoding, bool context_driven, std::size_t window,
                                           std::size_t dimension, const std::string& compat, const std::string& ties,
                                           const std::string& quantiser, std::size_t epochs, std::uint64_t memories_seed,

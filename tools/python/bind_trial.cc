@@ -1,4 +1,4 @@
-// A trial's record as numpy sees it: views of the record's own memory, which lives as long as any of them.
+// A trial's record for numpy: views of the record's memory, which lives as long as any view.
 #include <memory>
 #include <optional>
 
@@ -18,10 +18,10 @@ namespace slipbench::python {
 namespace {
 
 using Held = std::shared_ptr<TrialRecord>;
-using Described = nb::typed<nb::dict, nb::str, nb::any>;  // what a class of the package is made of, by its attributes
+using Described = nb::typed<nb::dict, nb::str, nb::any>;  // attributes of a class of the package
 using ByName = nb::typed<nb::dict, nb::str, Described>;
 
-// [rows, shape...] of `values`; nothing where the record has no such column.
+// View [rows, shape...] of `values`; None if the record lacks the column.
 template <class T>
 nb::object view(const Held& record, std::vector<T>& values, std::vector<std::size_t> shape = {}) {
   std::size_t row = 1;
@@ -31,7 +31,7 @@ nb::object view(const Held& record, std::vector<T>& values, std::vector<std::siz
   return nb::cast(nb::ndarray<nb::numpy, const T>(values.data(), shape.size(), shape.data(), capsule));
 }
 
-// By the names of a dataset, but for the events' and the unit behind that of a time.
+// Columns by their names in a dataset, except for the events and the unit suffix of times.
 nb::dict labels_of(const Held& record, LabelRecord& labels) {
   nb::dict all;
   for_each_label(labels, labels.units(), [&](const char* name, const char*, const Extents& tail, auto& values) {

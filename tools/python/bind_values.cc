@@ -1,4 +1,4 @@
-// Random streams and quantities: what scripts need to draw and to read numbers as the program does.
+// Random streams and quantities: scripts draw and parse numbers exactly as the program does.
 #include <array>
 #include <cstdint>
 #include <numeric>
@@ -54,7 +54,7 @@ Quantity quantity_in(const std::string& unit) {
   throw InputError("unit " + quote(unit) + " belongs to no quantity; allowed: " + allowed + ", and what each is measured in");
 }
 
-// In SI. `unit`: one of the quantity's that `text` has to be; empty: whichever the text names.
+// Value in SI. `unit`: a unit of the required quantity; empty: any quantity.
 double parsed_quantity(const std::string& text, const std::optional<std::string>& unit) {
   try {
     return parse_quantity(text, unit ? quantity_in(*unit) : quantity_of(text));

@@ -17,9 +17,9 @@ std::vector<slipbench::Override> slipbench::python::overrides_of(const Pairs& pa
   return overrides;
 }
 
-// The extension `_core`: what the package `slipbench` is made of, which documents it.
+// The extension `_core`, which the package `slipbench` wraps and documents.
 NB_MODULE(_core, module) {
-  nb::set_leak_warnings(false);  // detectors that a user registers live as long as the process
+  nb::set_leak_warnings(false);  // registered user classes live as long as the process
   nb::exception<slipbench::InputError>(module, "InputError", PyExc_ValueError).attr("__doc__") =
       "Bad input, a ValueError, with the program's own message: file:line, what was found, what is allowed.";
   nb::register_exception_translator([](const std::exception_ptr& error, void*) {

@@ -1,4 +1,4 @@
-// The parts of Python's module, a file each.
+// Functions that define the parts of the Python module, one per file.
 #pragma once
 
 #include <string>
@@ -12,11 +12,11 @@
 
 namespace slipbench::python {
 
-// What was set beside a scene, as Python has it: path and YAML.
+// Overrides of a scene in Python: path and YAML.
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 std::vector<Override> overrides_of(const Pairs& pairs);
 
-// Warnings as Python has them: what each is about, and its text.
+// Warnings in Python: subject and text.
 using Texts = std::vector<std::pair<std::string, std::string>>;
 Texts texts_of(const std::vector<Warning>& warnings);
 

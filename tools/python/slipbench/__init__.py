@@ -1,9 +1,12 @@
 """slipbench: a physics testbench for tactile slip detection.
 
-A scene is a YAML file. `Scene.load()` reads one, `Scene.run()` simulates a trial of it and gives numpy arrays, `open()` reads a dataset file.
-Sensors, detectors and controllers may be classes of one's own (`sensor()`, `detector()`, `controller()`); a grasp is a Gymnasium environment (`slipbench.gym`).
+A scene is a YAML file. `Scene.load()` reads a scene, `Scene.run()` simulates one of its trials and
+returns numpy arrays, `open()` reads a dataset file. Sensors, detectors and controllers may be
+Python classes (`sensor()`, `detector()`, `controller()`); a grasp is a Gymnasium environment
+(`slipbench.gym`).
 
-Units are SI throughout. Bad input raises `InputError` with the program's own message: file:line, what was found, what is allowed.
+Units are SI throughout. Bad input raises `InputError` with the program's message: file:line, what
+was found, what is allowed.
 """
 
 from __future__ import annotations
@@ -34,14 +37,16 @@ __all__ = [
 
 
 def train(dataset: PathLike | Sequence[PathLike], *, output: PathLike, recipe: str | Recipe = "slip_gru", **options: Any) -> Trained:
-    """Trains a slip detector on datasets and writes its ONNX file: `slipbench.learning.train()`, which needs PyTorch.
+    """Trains a slip detector on datasets and writes its ONNX file: `slipbench.learning.train()`,
+    which needs PyTorch.
 
     Args:
         dataset: path of a dataset, or several
         output: path of the file, which ends with .onnx
-        recipe: name of a recipe (`slipbench.learning.RECIPES`), or one of your own
-        options: further arguments of `slipbench.learning.train()`: network, sensor, labels, split, held_out, every_trial, seed, steps, turned, alarms,
-            by_score, resume, log, progress, reading, before_step
+        recipe: name of a recipe (`slipbench.learning.RECIPES`), or a custom recipe
+        options: further arguments of `slipbench.learning.train()`: network, sensor, labels, split,
+            held_out, every_trial, seed, steps, turned, alarms, by_score, resume, log, progress,
+            reading, before_step
 
     Returns:
         The trained detector: path, networks, description and figures.

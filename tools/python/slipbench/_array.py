@@ -1,4 +1,5 @@
-"""Arrays of dataset files. Imported when a first one is read: h5py takes as long to load as the rest of the package."""
+"""Arrays of dataset files. Imported on first use: h5py takes as long to load as the rest of the
+package."""
 
 from __future__ import annotations
 
@@ -10,10 +11,10 @@ from slipbench._data import reading
 
 
 class Array(h5py.Dataset):  # type: ignore[misc]  # h5py has no types
-    """An array whose damage is an InputError that names the file."""
+    """An array that reports damage as an InputError with the file's name."""
 
     def __getitem__(self, *args: Any, **options: Any) -> Any:
-        with reading(self, OSError, RuntimeError):  # others are those of a wrong index
+        with reading(self, OSError, RuntimeError):  # other exceptions report a wrong index
             return super().__getitem__(*args, **options)
 
     def read_direct(self, *args: Any, **options: Any) -> None:

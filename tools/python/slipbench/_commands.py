@@ -1,4 +1,5 @@
-"""The program's commands on dataset files, as functions. Each starts the program and returns what it prints with `--json`."""
+"""The program's commands on dataset files, as functions. Each runs the program and returns its
+output of `--json`."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ _SWITCHES = ("all", "compress", "points")  # options without a value
 
 
 def _run(command: str, files: Sequence[PathLike], options: dict[str, Any], good: tuple[int, ...] = (0,)) -> dict[str, Any]:
-    """Runs `slipbench command files --option value`, where an option of None, False, empty text or an empty list is left out, 0 is not.
+    """Runs `slipbench command files --option value`. Options that are None, False, an empty text or
+    an empty list are omitted; 0 is passed.
 
     `good`: exit statuses with a result.
     """
@@ -44,7 +46,7 @@ def _several(files: PathLike | Sequence[PathLike]) -> list[PathLike]:
 
 
 def _paths(files: Any, key: str) -> list[PathLike]:
-    """One path or several as a list. Raises InputError, which names `key`, for anything else."""
+    """One path or several as a list. Raises InputError, naming `key`, for anything else."""
     several = isinstance(files, Iterable) and not isinstance(files, (str, bytes, os.PathLike))
     found = list(files) if several else [files]
     for one in found:
@@ -54,7 +56,7 @@ def _paths(files: Any, key: str) -> list[PathLike]:
 
 
 def report(dataset: PathLike, output: PathLike = "", *, trial: int | None = None) -> dict[str, Any]:
-    """Turns a dataset into an HTML page, as `slipbench report`.
+    """Converts a dataset to an HTML page, like `slipbench report`.
 
     Args:
         dataset: path of the dataset's first file
@@ -62,7 +64,7 @@ def report(dataset: PathLike, output: PathLike = "", *, trial: int | None = None
         trial: number of the trial to show in full; None: the first
 
     Returns:
-        What `--json` prints.
+        The object that `--json` prints.
 
     Raises:
         InputError: the program's own message.
@@ -73,24 +75,29 @@ def report(dataset: PathLike, output: PathLike = "", *, trial: int | None = None
 def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = "", label_speed: str | float = "", sensors: str | Sequence[str] = (),
            rate: str | float = "", split: str = "", trial: int | None = None, licence: str = "", points: bool = False,
            compress: bool = False) -> dict[str, Any]:
-    """Writes a dataset in another format, as `slipbench export`.
+    """Writes a dataset in another format, like `slipbench export`.
 
     Args:
         dataset: path of the dataset's first file
         output: folder to write into
-        format: csv, npz, robomimic, lerobot, parquet, mcap, rosbag2, or another that `slipbench export --help` names
-        labels: when a unit counts as slipping: strict, micro, paper or has_slipped, or recorded, the labels of recordings; empty: every rule's state
-        label_speed: tip speed above which paper and has_slipped say slip, "0.1 mm/s" or m/s; empty: 0.1 mm/s
+        format: csv, npz, robomimic, lerobot, parquet, mcap, rosbag2, or another one listed by
+            `slipbench export --help`
+        labels: rule by which a unit slips: strict, micro, paper or has_slipped, or recorded (the
+            labels of recordings); empty: the states by every rule
+        label_speed: tip speed above which a unit slips by paper and has_slipped, "0.1 mm/s" or m/s;
+            empty: 0.1 mm/s
         sensors: names of the sensors to export; empty: all
-        rate: of the rows, "100 Hz" or Hz: the latest values, held; empty: each sensor's own
+        rate: of the rows, "100 Hz" or in Hz; each row has the latest values; empty: each sensor's
+            own rate
         split: only the trials of train, valid or test; empty: all
-        trial: number of the only trial to export; None: all
-        licence: of the data, for the dataset card, "cc-by-4.0"; empty: none is stated
-        points: add position and force of each unit to lerobot, as the feature observation.tactile.<sensor> [units, 6]
+        trial: number of the only trial to export; None: all trials
+        licence: of the data, for the dataset card, such as "cc-by-4.0"; empty: not stated
+        points: add position and force of each unit to lerobot, as the feature
+            observation.tactile.<sensor> [units, 6]
         compress: write .csv.gz instead of .csv, and the arrays of robomimic compressed
 
     Returns:
-        What `--json` prints.
+        The object that `--json` prints.
 
     Raises:
         InputError: the program's own message.
@@ -101,18 +108,21 @@ def export(dataset: PathLike, output: PathLike, *, format: str, labels: str = ""
 
 def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike = "", *, format: str = "", map: PathLike = "",
                       rate: str | float = "", seed: int | None = None) -> dict[str, Any]:
-    """Reads recordings of real sensors into a dataset, as `slipbench import`.
+    """Imports recordings of real sensors into a dataset, like `slipbench import`.
 
     Args:
-        sources: a file, a folder whose recordings are all meant, or several of them
-        output: dataset to write; empty: none, the sources are only checked
-        format: bts3v2, biotacsp-dos, papillarray-csv or training-csv; empty: what `map` describes
-        map: a YAML file that describes tables, arrays or bags, or the name of a map of the program: papillarray_ros, papillarray_ros2, xela_ros or biotac_ros
-        rate: resample at this rate, "100 Hz" or Hz: straight lines between samples, no filter; empty: as recorded
+        sources: a file, a folder whose recordings are all imported, or several of them
+        output: dataset to write; empty: only check the sources
+        format: bts3v2, biotacsp-dos, papillarray-csv or training-csv; empty: the format that `map`
+            describes
+        map: a YAML file that describes tables, arrays or bags, or the name of a map of the program:
+            papillarray_ros, papillarray_ros2, xela_ros or biotac_ros
+        rate: resampling rate, "100 Hz" or in Hz, by linear interpolation without a filter; empty:
+            as recorded
         seed: of the split into training, validation and test; None: 1
 
     Returns:
-        What `--json` prints.
+        The object that `--json` prints.
 
     Raises:
         InputError: the program's own message.
@@ -121,13 +131,14 @@ def import_recordings(sources: PathLike | Sequence[PathLike], output: PathLike =
 
 
 def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:
-    """Checks datasets against themselves, as `slipbench verify`: digests, order, times, events, Coulomb's law; shards also against each other.
+    """Verifies datasets, like `slipbench verify`: digests, order, times, events, Coulomb's law;
+    shards also against each other.
 
     Args:
         datasets: path of a dataset's first file, or several of them
 
     Returns:
-        What `--json` prints. Its "holds" is False if something does not hold.
+        The object that `--json` prints. Its "holds" is False if a check fails.
 
     Raises:
         InputError: a file cannot be read.
@@ -136,14 +147,14 @@ def verify(datasets: PathLike | Sequence[PathLike]) -> dict[str, Any]:
 
 
 def merge(shards: PathLike | Sequence[PathLike], output: PathLike) -> dict[str, Any]:
-    """Puts the shards of a sweep together, as `slipbench merge`.
+    """Merges the shards of a sweep, like `slipbench merge`.
 
     Args:
-        shards: paths of the shards' first files, all of one sweep; a single path is one shard
+        shards: paths of the shards' first files, all of one sweep; or a single path
         output: dataset to write
 
     Returns:
-        What `--json` prints.
+        The object that `--json` prints.
 
     Raises:
         InputError: the program's own message.

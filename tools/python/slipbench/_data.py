@@ -1,4 +1,4 @@
-"""Dataset files: trials, masks, lazy arrays, windows for a trainer."""
+"""Dataset files: trials, masks, lazily read arrays, training windows."""
 
 from __future__ import annotations
 
@@ -22,14 +22,15 @@ if TYPE_CHECKING:
     import pandas
 
 _MOST_BYTES = 8e9  # of Windows.arrays()
-# How a dataset's labels say of a sample whether the pad slips: by all of a unit, a part of it, the sensor's paper.
+# Labels of a sample by the rules strict (a whole unit slips), micro (a part of a unit) and paper.
 RULES = {"strict": "state", "micro": "state_micro", "paper": "state_paper"}
-RECORDED = {"recorded": "state_paper"}  # the labels of an imported recording, by their array in the file
+RECORDED = {"recorded": "state_paper"}  # array of an imported recording's labels
 
 
 @contextmanager
 def reading(what: h5py.Group | h5py.Dataset, *errors: type[Exception]) -> Iterator[None]:
-    """Turns what h5py and json raise on damaged data into an InputError that names the file and the object. `errors`: which; default: all of them."""
+    """Converts exceptions of h5py and json on damaged data to an InputError that names file and
+    object. `errors`: exception types; default: all of them."""
     try:
         yield
     except _core.InputError:
@@ -39,8 +40,9 @@ def reading(what: h5py.Group | h5py.Dataset, *errors: type[Exception]) -> Iterat
 
 
 def _member(group: h5py.Group, name: str) -> Any:
-    """The object `name` of a group. Links and storage elsewhere, which could be anybody's file, are refused."""
-    import h5py  # takes as long to load as all else here
+    """The object `name` of a group. Raises InputError for links and external storage, which may
+    point to any file."""
+    import h5py  # slow to load
 
     from slipbench._array import Array
 
@@ -58,13 +60,14 @@ def _member(group: h5py.Group, name: str) -> Any:
 
 
 def _kept(array: NDArray[Any]) -> NDArray[Any]:
-    """An array that an object keeps: read-only, as those of a simulated trial."""
+    """Marks an array that an object caches as read-only, as those of a simulated trial."""
     array.setflags(write=False)
     return array
 
 
 class Arrays(Mapping[str, "h5py.Dataset"]):
-    """The arrays of a group by name, read when they are indexed: `labels["state"][:]`. Each has its unit as `array.attrs["unit"]`.
+    """The arrays of a group by name, read when indexed: `labels["state"][:]`. Each has its unit in
+    `array.attrs["unit"]`.
 
     Attributes:
         attrs: the group's own attributes
@@ -94,7 +97,7 @@ class Arrays(Mapping[str, "h5py.Dataset"]):
         return _reopened, (type(self), self._group.file.filename, self._group.name)
 
     def _array(self, name: str) -> Any:
-        """The whole array `name`, read now; an AttributeError where there is none."""
+        """The whole array `name`, read now. Raises AttributeError if there is none."""
         if name.split("/")[0] not in self:
             raise AttributeError(f"{self._group.file.filename}: {self._group.name} has no {name!r}; it has {', '.join([*self, *self.attrs])}")
         return _kept(self[name][:])
@@ -108,7 +111,7 @@ Opened = TypeVar("Opened")
 
 
 def _reopened(kind: Callable[..., Opened], file: str, name: str, *arguments: Any) -> Opened:
-    """What was pickled by the place where it is stored."""
+    """Restores a pickled object from its location in the file."""
     import h5py
 
     try:
@@ -118,7 +121,8 @@ def _reopened(kind: Callable[..., Opened], file: str, name: str, *arguments: Any
 
 
 class _Read:
-    """Base of what a stored trial holds: an attribute of the class beside it is read from the file when it is first asked for, and kept."""
+    """Base of stored objects: reads an attribute of the matching in-memory class from the file on
+    first access, and caches it."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or "_group" not in self.__dict__:
@@ -130,16 +134,16 @@ class _Read:
         raise NotImplementedError
 
     def _has(self, name: str) -> bool:
-        """Whether the file has the attribute, without reading it."""
+        """True if the file has the attribute, without reading it."""
         return True
 
     def __dir__(self) -> list[str]:
-        # For completion: attributes that have not been read are in no __dict__.
+        # For completion: attributes that were not read yet are not in __dict__.
         return [*super().__dir__(), *(field.name for field in fields(type(self)) if self._has(field.name))]  # type: ignore[arg-type]
 
 
 class _Channels(Mapping[str, Any]):
-    """Arrays of a sensor that are read when they are indexed, under the names that the sensor has for them."""
+    """Arrays of a sensor, read when indexed, by the sensor's channel names."""
 
     def __init__(self, sensor: Arrays, names: Mapping[str, str]) -> None:
         self._sensor, self._names = sensor, names
@@ -155,10 +159,12 @@ class _Channels(Mapping[str, Any]):
 
 
 class StoredSensor(_Read, Arrays, Sensor):
-    """A sensor of a stored trial, with the attributes of `Sensor`. Arrays are read from the file when an attribute is first asked for, and kept.
+    """A sensor of a stored trial, with the attributes of `Sensor`. Each attribute is read from the
+    file on first access and cached.
 
-    Indexing gives the array in the file instead, of which a part can be read: `sensor["force"][:100]`; `attrs` holds what the file says beside it. An
-    imported recording has the attributes mean_rate_hz, median_rate_hz, largest_gap_s, largest_gap_at_s and time_resolution_s there.
+    Indexing returns the array in the file, which allows partial reads: `sensor["force"][:100]`;
+    `attrs` holds the file's attributes. For an imported recording these include mean_rate_hz,
+    median_rate_hz, largest_gap_s, largest_gap_at_s and time_resolution_s.
     """
 
     def _read(self, name: str) -> Any:
@@ -188,9 +194,11 @@ class StoredSensor(_Read, Arrays, Sensor):
 
 
 class StoredLabels(_Read, Arrays, Labels):
-    """The truth about a pad of a stored trial, with the attributes of `Labels`, which are read from the file when they are first asked for.
+    """The truth about a pad of a stored trial, with the attributes of `Labels`, each read from the
+    file on first access.
 
-    Indexing gives the array in the file: `labels["state"][:100]`; events are "events/t", "events/unit" and "events/kind".
+    Indexing returns the array in the file: `labels["state"][:100]`; events are "events/t",
+    "events/unit" and "events/kind".
     """
 
     def _read(self, name: str) -> Any:
@@ -206,14 +214,16 @@ class StoredLabels(_Read, Arrays, Labels):
 
 
 class StoredBody(_Read, Arrays, Body):
-    """Motion of a body in a stored trial, with the attributes of `Body`, which are read from the file when they are first asked for."""
+    """Motion of a body in a stored trial, with the attributes of `Body`, each read from the file on
+    first access."""
 
     def _read(self, name: str) -> Any:
         return self._array(name)
 
 
 class StoredControl(_Read, Arrays, Control):
-    """What the loop of a stored trial saw and did, with the attributes of `Control`, which are read from the file when they are first asked for."""
+    """The control loop of a stored trial, with the attributes of `Control`, each read from the file
+    on first access."""
 
     def _read(self, name: str) -> Any:
         if name == "rate":
@@ -222,7 +232,7 @@ class StoredControl(_Read, Arrays, Control):
             return str(self.attrs.get(name, ""))
         if name in ("command", "measured_position", "grip_force", "arm") and self._place(name) not in self:
             kind = np.float32 if name in ("grip_force", "arm") else np.uint8
-            return _kept(np.empty({"command": (0, 3), "arm": (0, 2)}.get(name, (0,)), kind))  # as a simulated trial has it: an open recording
+            return _kept(np.empty({"command": (0, 3), "arm": (0, 2)}.get(name, (0,)), kind))  # as for a simulated open recording
         return self._array(self._place(name))
 
     @staticmethod
@@ -236,28 +246,30 @@ def is_recording(labels: Arrays) -> bool:
 
 
 def rules_of(labels: Arrays) -> dict[str, str]:
-    """The rules by which labels say whether the pad slips, each with its array."""
+    """The rules of the labels, each with its array."""
     return {rule: array for rule, array in (RECORDED if is_recording(labels) else RULES).items() if array in labels}
 
 
 def check_evenly_spaced(place: str, sensor: Arrays, allowed: str) -> None:
-    """Raises InputError, which begins with `place`, where the samples of a recorded `sensor` cannot be counted in place of time."""
+    """Raises InputError, beginning with `place`, if the samples of a recorded `sensor` are not
+    evenly spaced, so that their indices cannot replace time."""
     times, resolution = sensor["t"][:], float(sensor.attrs.get("time_resolution_s", 0.0))
     if not _core.evenly_spaced(times, resolution):
         raise _core.InputError(f"{place}: its samples are not evenly spaced ({_core.timing_text(times, resolution)}); allowed: {allowed}")
 
 
 class StoredTrial:
-    """One trial of a dataset, with the attributes of a simulated `Trial`. Arrays stay in the file until they are asked for.
+    """One trial of a dataset, with the attributes of a simulated `Trial`. Arrays stay in the file
+    until they are accessed.
 
-    It can be pickled and deep-copied: a copy opens the file again.
+    Pickling and deep-copying are supported: the copy opens the file again.
 
     Attributes:
         trial: number in the sweep
         seed: of the dataset
-        params: what was swept, by dotted path, SI
-        outcome: how it ended
-        sha256: digest of all that the trial holds; empty in a file of schema 1
+        params: swept values by dotted path, SI
+        outcome: the trial's outcome
+        sha256: digest of the whole trial; empty in a file of schema 1
     """
 
     def __init__(self, group: h5py.Group, trial: int) -> None:
@@ -269,7 +281,7 @@ class StoredTrial:
             self.outcome: dict[str, Any] = json.loads(group.attrs["outcome"])
             self.sha256 = str(group.attrs.get("sha256", ""))
 
-        self._made: dict[str, Any] = {}  # so that an array is read once, whoever asks
+        self._made: dict[str, Any] = {}  # each array is read only once
 
     def _groups(self, of: str, kind: Callable[[h5py.Group], Opened]) -> dict[str, Opened]:
         if of not in self._made:
@@ -281,7 +293,7 @@ class StoredTrial:
 
     @property
     def sensors(self) -> dict[str, StoredSensor]:
-        """What each sensor emitted, by name. Empty where outcomes alone were recorded."""
+        """Output of each sensor, by name. Empty if only outcomes were recorded."""
         return self._groups("sensors", StoredSensor)
 
     @property
@@ -296,7 +308,7 @@ class StoredTrial:
 
     @property
     def control(self) -> StoredControl | None:
-        """What the loop saw and did. None: the scene has neither detector nor controller."""
+        """The control loop. None: the scene has neither detector nor controller."""
         if "control" not in self._made:
             with reading(self._group):
                 self._made["control"] = StoredControl(_member(self._group, "control")) if "control" in self._group else None
@@ -305,7 +317,7 @@ class StoredTrial:
 
     @property
     def contacts(self) -> dict[str, Contact]:
-        """Empty: a dataset does not hold what units feel (`Trial.contacts`)."""
+        """Empty: datasets do not contain the contact of units (`Trial.contacts`)."""
         return {}
 
     def __reduce__(self) -> Any:
@@ -319,14 +331,14 @@ class StoredTrial:
 
 
 class Dataset(Mapping[int, StoredTrial]):
-    """The trials of a dataset file, or of several that are one dataset, by number. `open()` makes one.
+    """The trials of a dataset, in one or more files, by number. Created by `open()`.
 
     Attributes:
         version: of the program that wrote it
-        scene: the scene file, word for word
+        scene: text of the scene file
         seed: of the dataset
-        command: that writes it again
-        complete: whether all of the sweep is in it
+        command: command that writes the dataset again
+        complete: True if it contains the whole sweep
         failed: trials that failed, each a dict of trial, message, command
         trials: numbers of its trials
     """
@@ -369,7 +381,8 @@ class Dataset(Mapping[int, StoredTrial]):
         return len(self.trials)
 
     def mask(self, part: str) -> list[int]:
-        """Numbers of the trials of `part`: "train", "valid" or "test". Empty where the run was killed."""
+        """Numbers of the trials of `part`: "train", "valid" or "test". Empty if the run was
+        killed."""
         if part not in ("train", "valid", "test"):
             raise _core.InputError(f"part {part!r}; allowed: 'train', 'valid', 'test'")
         trials: list[int] = []
@@ -380,7 +393,8 @@ class Dataset(Mapping[int, StoredTrial]):
         return sorted(trials)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A row a trial: what was swept, then how it ended, by their own names; index `trial`. Needs pandas."""
+        """Table with one row per trial: swept values, then the outcome, by their names; index
+        `trial`. Needs pandas."""
         import pandas
 
         rows = [{**self[trial].params, **self[trial].outcome} for trial in self.trials]
@@ -388,22 +402,25 @@ class Dataset(Mapping[int, StoredTrial]):
 
     def windows(self, *, length: int, stride: int = 1, sensor: str = "", channels: Sequence[str] = (), labels: str = "strict",
                 part: str = "") -> Windows:
-        """Makes windows of a sensor's samples with a label each, for a trainer.
+        """Creates windows of a sensor's samples with one label each, for training.
 
         Args:
-            length: samples in a window
-            stride: samples from the first of a window to the first of the next one
-            sensor: which one; empty: the only one
-            channels: whose columns stand side by side; empty: all. They must be sampled at the labels' rate
-            labels: when a sample is slip: "strict", all of a unit slips, which is what `evaluate()` judges by; "micro", a part of it does; "paper", the rule
-                of the sensor's paper; "recorded", the labels of an imported recording, which has no others. LABELS.md says which to use
-            part: of the masks, "train", "valid" or "test"; empty: every trial
+            length: samples per window
+            stride: samples between the starts of successive windows
+            sensor: name; empty: the only sensor
+            channels: channels to concatenate; empty: all. They must have the labels' rate
+            labels: rule by which a sample slips: "strict", a whole unit slips, the default of
+                `evaluate()`; "micro", a part of a unit slips; "paper", the rule of the sensor's
+                paper; "recorded", the labels of an imported recording, which has no others.
+                LABELS.md compares them
+            part: "train", "valid" or "test" of the masks; empty: every trial
 
         Returns:
             The windows.
 
         Raises:
-            InputError: one of the above cannot be used, a trial has no such labels, or a recording's samples are not evenly spaced: a window counts samples.
+            InputError: an argument is invalid, a trial lacks such labels, or a recording's samples
+            are not evenly spaced, which windows require.
         """
         return Windows(self, whole_number(length, "length"), whole_number(stride, "stride"), sensor, channels, labels, part)
 
@@ -433,10 +450,12 @@ class Dataset(Mapping[int, StoredTrial]):
 
 
 class Windows(Sequence[tuple[NDArray[np.float32], int]]):
-    """What `torch.utils.data.DataLoader` takes as a map-style dataset: windows [length, values] float32 and their labels, 0 hold, 1 slip.
+    """Map-style dataset for `torch.utils.data.DataLoader`: windows [length, values] float32 and
+    their labels, 0 hold, 1 slip.
 
-    A window's label is that of its last sample. Samples in which nothing touches are hold. No trial's window reaches into another's. A trial is
-    read once and kept: a sensor's chosen channels of all trials must fit into memory. Windows can be pickled: a copy opens the dataset again, by its path.
+    A window's label is that of its last sample. Samples without contact are hold. No window spans
+    two trials. A trial is read once and cached: the chosen channels of all trials must fit into
+    memory. Windows can be pickled: the copy opens the dataset again, by its path.
     """
 
     def __init__(self, dataset: Dataset, length: int, stride: int, sensor: str, channels: Sequence[str], labels: str, part: str) -> None:
@@ -460,7 +479,8 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return names[0]
 
     def _states(self, trial: StoredTrial, name: str) -> h5py.Dataset:
-        """The states of a sensor's pad by the rule of the windows. Raises InputError where the trial has none by this rule."""
+        """The states of a sensor's pad by the rule of the windows. Raises InputError if the trial
+        has none by this rule."""
         labels = trial.labels.get(name)
         rules = rules_of(labels) if labels is not None else {}
         if labels is None or self._rule not in rules:
@@ -514,7 +534,8 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return values[first : first + self._length], int(slips[first + self._length - 1])
 
     def _found(self, index: int) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.float64], int]:
-        """Values, labels and times of the trial that has window `index`, and the window's first sample."""
+        """Values, labels and times of the trial of window `index`, and the window's first
+        sample."""
         place = self._place(index)
         return *self._read(self._trials[place]), (index % len(self) - self._ends[place]) * self._stride
 
@@ -524,22 +545,25 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return bisect_right(self._ends, index % len(self)) - 1
 
     def trial(self, index: int) -> int:
-        """The number of the trial from which window `index` is."""
+        """The number of the trial of window `index`."""
         return self._trials[self._place(index)]
 
     def time(self, index: int) -> float:
-        """When the last sample of window `index` was taken, whose label the window has [s]."""
+        """Time of the last sample of window `index`, which has the window's label [s]."""
         _, _, times, first = self._found(index)
         return float(times[first + self._length - 1])
 
     def arrays(self) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.int64]]:
-        """Copies all windows into arrays, as scikit-learn and PyTorch take them: `X, y, groups = data.windows(length=40, part="train").arrays()`.
+        """Copies all windows to arrays, for scikit-learn and PyTorch: `X, y, groups =
+        data.windows(length=40, part="train").arrays()`.
 
         Returns:
-            The windows [N, length, values], their labels [N], 0 hold, 1 slip, and the trial of each [N], for `GroupKFold`.
+            The windows [N, length, values], their labels [N], 0 hold, 1 slip, and their trials [N],
+            for `GroupKFold`.
 
         Raises:
-            InputError: the windows take more than 8 GB; a greater stride, a shorter length or fewer channels take less.
+            InputError: the windows take more than 8 GB; use a greater stride, a shorter length or
+            fewer channels.
         """
         counts = np.diff(self._ends)
         columns = self._read(self.trial(0))[0].shape[1] if len(self) else 0
@@ -560,9 +584,11 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
 
 
 def open(path: str | os.PathLike[str], *, check: bool = True) -> Dataset:
-    """Opens a dataset that `slipbench run`, `sweep`, `import` or `Scene.write()` has written, by the `path` of its first file.
+    """Opens a dataset written by `slipbench run`, `sweep`, `import` or `Scene.write()`, by the
+    `path` of its first file.
 
-    Raises `InputError`, as the command line does, if a file is damaged, missing or of another dataset. `check`: compare all that the files hold with their
-    digests first, which reads them once; False: open at once, for data that have been checked before.
+    Raises `InputError`, as the command line does, if a file is damaged, missing or of another
+    dataset. `check`: first compare the whole content of the files with their digests, which reads
+    them once; False: open at once, for data checked before.
     """
     return Dataset(path, check)
