@@ -554,8 +554,8 @@ class Windows(Sequence[tuple[NDArray[np.float32], int]]):
         return float(times[first + self._length - 1])
 
     def arrays(self) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.int64]]:
-        """Copies all windows to arrays, for scikit-learn and PyTorch: `X, y, groups =
-        data.windows(length=40, part="train").arrays()`.
+        """Copies all windows to arrays, for scikit-learn and PyTorch:
+        `X, y, groups = data.windows(length=40, part="train").arrays()`.
 
         Returns:
             The windows [N, length, values], their labels [N], 0 hold, 1 slip, and their trials [N],

@@ -1,6 +1,7 @@
 """Sensors, detectors and controllers as Python classes.
 
-A class says in one method what it makes of each frame. It is made anew for each trial. Only a sensor sees the contact as it is.
+A class has one method that receives each frame and returns its result. Each trial has its own
+instance. Only sensors see the true contact.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from slipbench.bin import _core
 
 
 class State(IntEnum):
-    """What can be said of a whole pad; the codes of a dataset.
+    """State of a whole pad, with the codes of a dataset.
 
     Attributes:
         NO_CONTACT: 0
@@ -36,14 +37,14 @@ class State(IntEnum):
 
 @dataclass(frozen=True)
 class Source:
-    """Whose frames come: handed to a class when a trial begins.
+    """Source of frames, passed to a class when a trial begins.
 
     Attributes:
-        sensor: the scene's name for it
-        type: what it is: "papillarray"
+        sensor: its name in the scene
+        type: such as "papillarray"
         rate: Hz, of the frames
-        shapes: of each channel's array in a frame: {"force": (9, 3)}
-        preset: N, the grip force with which the box is taken; NaN for a detector
+        shapes: shape of each channel's array in a frame: {"force": (9, 3)}
+        preset: N, the grip force with which the box is gripped; NaN for a detector
     """
 
     sensor: str
@@ -55,11 +56,12 @@ class Source:
 
 @dataclass(frozen=True)
 class Frame:
-    """One sample of a sensor. The arrays are filled anew for the next frame: copy what is to be kept.
+    """One sample of a sensor. The next frame overwrites the arrays: copy what you keep.
 
     Attributes:
         time: s
-        channels: arrays by name, in the shapes that `Source` says and the units of `Sensor.units`; `frame["force"]` is one of them
+        channels: arrays by name, with the shapes of `Source.shapes` and the units of
+            `Sensor.units`; `frame["force"]` is one of them
     """
 
     time: float
@@ -71,12 +73,12 @@ class Frame:
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a detector says.
+    """Result of a detector.
 
     Attributes:
-        state: of the whole pad
-        latency: s, from the frame until the loop can see it
-        stuck_fraction: of the touching units, 0 to 1; NaN: not told
+        state: state of the whole pad
+        latency: s, from the frame until the loop sees the result
+        stuck_fraction: of the touching units, 0 to 1; NaN: not estimated
     """
 
     state: State
@@ -86,14 +88,14 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Slip:
-    """What a controller is told beside the frame: the detector's estimate, and the gripper's status.
+    """Input of a controller besides the frame: the detector's estimate, and the gripper's status.
 
     Attributes:
         state: a `State`; NO_CONTACT without a detector
-        stuck_fraction: of the touching units, 0 to 1; NaN: not told
+        stuck_fraction: of the touching units, 0 to 1; NaN: not estimated
         position: counts, 0 open to 255
-        moving: whether the fingers are on their way
-        stopped: whether they have stopped at the force limit
+        moving: True if the fingers are moving
+        stopped: True if they stopped at the force limit
     """
 
     state: int
@@ -104,7 +106,7 @@ class Slip:
 
     @property
     def slips(self) -> bool:
-        """Whether the detector says incipient or gross slip."""
+        """True if the detector reports incipient or gross slip."""
         return self.state >= State.INCIPIENT
 
 
@@ -124,27 +126,29 @@ class Command:
 
 
 class Detector(Protocol):
-    """What `detector()` takes."""
+    """Interface of classes for `detector()`."""
 
     def update(self, frame: Frame) -> Estimate | State | int:
-        """Called with each `frame` of the sensor; says what the pad does. An int is the code of a `State`."""
+        """Called with each `frame` of the sensor; returns the state of the pad. An int is the code
+        of a `State`."""
 
 
 class Controller(Protocol):
-    """What `controller()` takes."""
+    """Interface of classes for `controller()`."""
 
     def act(self, frame: Frame, slip: Slip) -> Command | int:
-        """Called at each read of the gripper with the sensor's latest `frame` and what is known of `slip`; says what to command. An int is a position."""
+        """Called at each read of the gripper with the sensor's latest `frame` and the state of
+        `slip`; returns the command. An int is a position."""
 
 
 @dataclass(frozen=True)
 class SensorSource:
-    """Which sensor of which trial: handed to a sensor's class when it is made.
+    """Identifies a sensor of a trial; passed to a sensor's class when it is created.
 
     Attributes:
-        sensor: the scene's name for it
+        sensor: its name in the scene
         seed: of the dataset
-        trial: its number
+        trial: the trial's number
     """
 
     sensor: str
@@ -153,22 +157,23 @@ class SensorSource:
 
     @property
     def random(self) -> np.random.Generator:
-        """Random numbers of this sensor and trial, the same whatever the threads."""
+        """Random generator of this sensor and trial, independent of threads."""
         return np.random.default_rng([self.seed, self.trial, *self.sensor.encode()])
 
 
 @dataclass(frozen=True)
 class Layout:
-    """What a sensor's class says of itself once. Vectors are in the pad's frame, whose +Z points from the object into the pad.
+    """Constant properties of a sensor. Vectors are in the pad's frame, whose +Z points from the
+    object into the pad.
 
     Attributes:
-        tips: [E, 3] m, undeformed friction points
-        k_normal: N/m, of all points or [E]
+        tips: [E, 3] m, undeformed contact points
+        k_normal: N/m, for all points or [E]
         k_tangential: N/m, likewise
-        channels: what a sample holds, shape and unit by name: {"force": ((16, 3), "N")}
+        channels: content of a sample, shape and unit by name: {"force": ((16, 3), "N")}
         rate: Hz, of the samples
-        directions: [E, 3] unit vectors out of the pad, or one for all
-        units: [E] which unit (taxel) each point belongs to, 0, 0, 1, 1, ...; None: each is one
+        directions: [E, 3] unit vectors out of the pad, or one for all points
+        units: [E] index of each point's unit (taxel), 0, 0, 1, 1, ...; None: each point is a unit
     """
 
     tips: ArrayLike
@@ -181,18 +186,20 @@ class Layout:
 
 
 class OwnSensor(Protocol):
-    """What `sensor()` takes."""
+    """Interface of classes for `sensor()`."""
 
     def layout(self) -> Layout:
-        """Called once: where the sensor's points stand and what a sample holds."""
+        """Called once; returns the sensor's points and the content of a sample."""
 
     def measure(self, frame: Frame) -> dict[str, ArrayLike] | ArrayLike:
-        """Called at each sample; says what each channel reads, or an array where there is one channel. Of U units and E points the contact `frame` has
-        "force" [U, 3] N, "displacement" [U, 3] m, "depth" [E] m, of the undeformed point in the surface, and "shear" [3, E] m, along it."""
+        """Called at each sample; returns the reading of each channel, or an array if there is only
+        one channel. With U units and E points the contact `frame` has "force" [U, 3] N,
+        "displacement" [U, 3] m, "depth" [E] m of the undeformed point in the surface, and "shear"
+        [3, E] m along the surface."""
 
 
 def layout_of(said: Any) -> tuple[float, list[list[float]], list[int], list[tuple[str, str, list[int]]]]:
-    """What a sensor's layout() returned, as the program takes it."""
+    """Checks the result of a sensor's layout() and converts it for the program."""
     if not isinstance(said, Layout):
         raise TypeError(f"layout() returned {said!r}; allowed: a Layout")
     tips = np.asarray(said.tips, float)
@@ -206,7 +213,7 @@ def layout_of(said: Any) -> tuple[float, list[list[float]], list[int], list[tupl
 
 
 def readings_of(said: Any, shapes: dict[str, tuple[int, ...]]) -> list[NDArray[np.float32]]:
-    """What a sensor's measure() returned, checked, in the order of the channels."""
+    """Checks the result of a sensor's measure(), and returns it in the order of the channels."""
     channels = said if isinstance(said, dict) else {name: said for name in shapes}
     if channels.keys() != shapes.keys():
         raise KeyError(f"measure() returned {', '.join(map(str, channels))}; allowed: {', '.join(shapes)}")
@@ -218,7 +225,7 @@ def readings_of(said: Any, shapes: dict[str, tuple[int, ...]]) -> list[NDArray[n
 
 
 def estimate_of(said: Any) -> Estimate:
-    """What a detector returned, checked."""
+    """Checks the result of a detector."""
     estimate = said if isinstance(said, Estimate) else Estimate(said)
     if isinstance(estimate.state, bool) or not isinstance(estimate.state, numbers.Integral) or not 0 <= int(estimate.state) <= 3:
         raise TypeError(f"update() returned {said!r}; allowed: a State, 0 to 3, or an Estimate")
@@ -230,7 +237,7 @@ def estimate_of(said: Any) -> Estimate:
 
 
 def command_of(said: Any) -> Command:
-    """What a controller returned, checked."""
+    """Checks the result of a controller."""
     command = said if isinstance(said, Command) else Command(said)
     for name in ("position", "speed", "force"):
         value = getattr(command, name)
@@ -244,11 +251,11 @@ DetectorClass = TypeVar("DetectorClass", bound=Callable[..., Detector])
 ControllerClass = TypeVar("ControllerClass", bound=Callable[..., Controller])
 
 
-own_names: set[str] = set()  # that are registered
+own_names: set[str] = set()  # registered names
 
 
 def _registering(register: Callable[..., None], name: str) -> Callable[[Any], Any]:
-    """A decorator that hands a class to `register` with its summary and its parameters."""
+    """Decorator that passes a class to `register` with its summary and its parameters."""
 
     def decorate(made: Any) -> Any:
         summary = ((made.__doc__ or "").strip() or "A Python class.").splitlines()[0]
@@ -261,23 +268,28 @@ def _registering(register: Callable[..., None], name: str) -> Callable[[Any], An
 
 
 def sensor(name: str) -> Callable[[SensorClass], SensorClass]:
-    """Registers a class as a sensor of `type: NAME`, where NAME is `name`, as `detector()` does. The class has the methods of `OwnSensor`.
+    """Registers a class as a sensor of `type: NAME`, where NAME is `name`, like `detector()`. The
+    class has the methods of `OwnSensor`.
 
-    It is made as `cls(source, **parameters)` with a `SensorSource`, anew for each trial and where the program looks at the scene.
+    It is created as `cls(source, **parameters)` with a `SensorSource`, once for each trial and when
+    the program examines the scene.
     """
     return _registering(_core.register_sensor, name)
 
 
 def detector(name: str) -> Callable[[DetectorClass], DetectorClass]:
-    """Registers a class as `detector: {type: NAME}`, where NAME is `name`, for the scenes of this process: `@slipbench.detector("mine")`.
+    """Registers a class as `detector: {type: NAME}`, where NAME is `name`, for the scenes of this
+    process: `@slipbench.detector("mine")`.
 
-    The class has the method of `Detector`. It is made anew for each trial as `cls(source, **parameters)`, where its attribute `parameters`, a dict,
-    gives names and defaults of what a scene may say beside the type: numbers, or texts with a unit, as "5 mm", which the class gets in SI. Raises
-    InputError for a name that is slipbench's own; one of one's own is replaced.
+    The class has the method of `Detector`. It is created for each trial as `cls(source,
+    **parameters)`. Its attribute `parameters`, a dict, declares names and defaults of the
+    parameters in a scene: numbers, or texts with a unit such as "5 mm", which the class receives in
+    SI. Raises InputError for a name of slipbench; a registered custom name is replaced.
     """
     return _registering(_core.register_detector, name)
 
 
 def controller(name: str) -> Callable[[ControllerClass], ControllerClass]:
-    """Registers a class as `controller: {type: NAME}`, where NAME is `name`, as `detector()` does. The class has the method of `Controller`."""
+    """Registers a class as `controller: {type: NAME}`, where NAME is `name`, like `detector()`. The
+    class has the method of `Controller`."""
     return _registering(_core.register_controller, name)

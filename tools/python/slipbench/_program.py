@@ -1,4 +1,4 @@
-"""What the modules that the program starts in its place have in common (tools/base/python)."""
+"""Common functions of the modules that the program starts in its place (tools/base/python)."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from typing import TextIO
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-WIDTH = 100  # columns, where there is no terminal
-LEAST_WIDTH = 40  # columns: a narrower terminal breaks the lines itself
+WIDTH = 100  # columns without a terminal
+LEAST_WIDTH = 40  # columns; a narrower terminal wraps the lines itself
 
 
 class Interrupted(Exception):
-    """A signal has asked to end."""
+    """A signal asked the process to stop."""
 
 
 class Interrupt:
-    """Catches the signals of SIGNALS that are not ignored, also those that the program has blocked until now.
+    """Catches the signals of SIGNALS that are not ignored, including those that the program has
+    blocked until now.
 
-    The first signal is noted and reported by check(): an exception in a destructor or an import would be lost there.
-    The second ends the process.
+    The first signal is recorded, and reported by check(), since an exception in a destructor or an
+    import would be lost. The second signal ends the process.
 
     Args:
-        notice: what the first signal prints on stderr, such as "stopping after this trial"
+        notice: text on stderr for the first signal, such as "stopping after this trial"
     """
 
     def __init__(self, notice: str) -> None:
@@ -41,28 +42,28 @@ class Interrupt:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
 
     def check(self) -> None:
-        """Raises Interrupted once a signal has come."""
+        """Raises Interrupted after a signal."""
         if self._asked:
             raise Interrupted
 
     def _note(self, number: int, _: object) -> None:
         signal.signal(number, signal.SIG_DFL)
         if self._asked:
-            signal.raise_signal(number)  # another signal came first; this one's action is the default again
+            signal.raise_signal(number)  # the default action is restored: this is the second signal
         self._asked = True
-        with contextlib.suppress(OSError):  # nothing can be done where stderr cannot be written
+        with contextlib.suppress(OSError):  # the notice is optional if stderr is not writable
             os.write(2, (("\r\033[K" if os.isatty(2) else "") + self._notice).encode())
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Writes PATH.partial, syncs it and renames it, so that PATH is whole at any time.
+    """Writes PATH.partial, syncs it and renames it, so that PATH is complete at any time.
 
     Args:
-        path: of the file; an earlier one is replaced
-        data: all that the file holds
+        path: path of the file; an existing file is replaced
+        data: content of the file
 
     Raises:
-        OSError: the file cannot be written; PATH is unchanged and nothing is left beside it
+        OSError: the file cannot be written; PATH is unchanged and no other file remains
     """
     partial = path.with_name(path.name + ".partial")
     try:
@@ -78,17 +79,17 @@ def write_whole(path: Path, data: bytes) -> None:
 
 
 def counted(count: int, what: str) -> str:
-    """ "1 file", "2 files". `what`: the singular of a word whose plural ends with s."""
+    """ "1 file", "2 files". `what`: the singular of a word whose plural ends in s."""
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def watched(stream: TextIO) -> bool:
-    """Returns True if the stream is a terminal."""
+    """True if the stream is a terminal that is not "dumb"."""
     return stream.isatty() and os.environ.get("TERM") != "dumb"
 
 
 def styled(stream: TextIO, code: str, text: str) -> str:
-    """Text in a colour or weight, where a person watches the stream and NO_COLOR is not set."""
+    """Text in a colour or weight, if the stream is a terminal and NO_COLOR is not set."""
     return f"\033[{code}m{text}\033[0m" if watched(stream) and not os.environ.get("NO_COLOR") else text
 
 
@@ -98,16 +99,17 @@ def text_width() -> int:
 
 
 def write_result(write: Callable[[], None]) -> int:
-    """Prints the result of a command; returns the exit status. A reader who has gone ends the process by SIGPIPE, as it ends the program."""
+    """Prints the result of a command; returns the exit status. If the reader has closed the pipe,
+    SIGPIPE ends the process, as it ends the program."""
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     try:
-        if sys.stdout is None:  # it was closed before Python began
+        if sys.stdout is None:  # closed before Python started
             raise OSError(9, "Bad file descriptor")
         write()
         sys.stdout.flush()
     except OSError as error:
         print(f"{styled(sys.stderr, '1;31', 'slipbench:')} cannot write to standard output: {error.strerror}", file=sys.stderr)
         if sys.stdout is not None:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left cannot be written at exit either
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # otherwise the exit would fail to write the rest
         return 2
     return 0

@@ -1,4 +1,5 @@
-"""The pytest plugin: scenes with the key `expect` are tests. pip registers it as an entry point; elsewhere `pytest -p slipbench._pytest_plugin`."""
+"""Pytest plugin: scenes with the key `expect` are tests. pip registers it as an entry point;
+otherwise use `pytest -p slipbench._pytest_plugin`."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from slipbench import Check, InputError, Scene
 
 
 class _Failed(Exception):
-    """A scene that does not keep what it expects; its text is what `slipbench check` prints."""
+    """A scene that misses an expectation; its text is the output of `slipbench check`."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -23,7 +24,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Collects YAML files that have both keys `slipbench`, as each scene has, and `expect` at the beginning of a line."""
+    """Collects YAML files with both keys `slipbench`, which each scene has, and `expect` at the
+    beginning of a line."""
     if file_path.suffix not in (".yaml", ".yml"):
         return None
     text = file_path.read_text(encoding="utf-8", errors="replace")
@@ -44,7 +46,7 @@ class _SceneItem(pytest.Item):
             raise _Failed(result.table.rstrip())
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        # Messages of the program name file and line: a traceback would only hide them.
+        # The program's messages name file and line; a traceback would hide them.
         return str(excinfo.value) if isinstance(excinfo.value, (_Failed, InputError)) else super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
@@ -60,9 +62,10 @@ def _checked(scene: Scene | str | os.PathLike[str], config: pytest.Config, optio
 def slipbench_check(pytestconfig: pytest.Config) -> Callable[..., Check]:
     """A function that checks a scene: `slipbench_check(scene, draws=4)`.
 
-    It takes a `Scene` or a path, and the options of `Scene.check()`. It returns the `Check`, and fails the test with the table of `slipbench check` where
-    an expectation is not kept, the scene expects nothing, or its negative control keeps all of it, and with the program's message where the scene cannot
-    be read or run.
+    It takes a `Scene` or a path, and the options of `Scene.check()`, and returns the `Check`. It
+    fails the test with the table of `slipbench check` if an expectation is missed, the scene has no
+    expectations, or its negative control keeps all of them, and with the program's message if the
+    scene is unreadable or cannot run.
     """
     def check(scene: Scene | str | os.PathLike[str], **options: Any) -> Check:
         try:

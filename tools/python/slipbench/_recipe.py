@@ -1,4 +1,5 @@
-"""`python -m slipbench._recipe REQUEST`: the command `describe NAME` for a recipe of `train`, started by the program."""
+"""`python -m slipbench._recipe REQUEST`: the command `describe NAME` for a recipe of `train`,
+started by the program."""
 
 from __future__ import annotations
 
@@ -44,7 +45,7 @@ def input_text(frames: Input) -> str:
 
 
 def training_text(training: Training) -> str:
-    """How a network is trained, in words."""
+    """Describes the training of a network."""
     text = (f"{'Adam' if training.optimiser == 'adam' else 'RMSProp'} at {training.learning_rate:g}, falling to "
             f"{training.learning_rate * training.final_rate:g}; {training.steps} steps of {training.batch} clips of {training.clip} answers; "
             f"classes {'drawn' if training.balance == 'drawing' else 'weighted'} alike")
@@ -58,7 +59,7 @@ def training_text(training: Training) -> str:
 
 
 def network_text(made: Callable[[int, int], Any]) -> str:
-    """The class of a recipe's network with the values that it is made with, and its description."""
+    """The class of a recipe's network with its arguments, and its description."""
     kind, given = (made.func, made.keywords) if isinstance(made, partial) else (made, {})
     defaults = {one.name: one.default for one in inspect.signature(kind).parameters.values() if one.default is not one.empty}
     values = ", ".join(f"{key}={value}" for key, value in {**defaults, **given}.items() if isinstance(value, (int, str)))
@@ -66,7 +67,7 @@ def network_text(made: Callable[[int, int], Any]) -> str:
 
 
 def facts_of(recipe: Recipe) -> dict[str, str]:
-    """Returns the facts about a recipe by heading."""
+    """Properties of a recipe by heading."""
     return {"Input": input_text(recipe.input), "Scaling": SCALINGS[recipe.scaling], "Network": network_text(recipe.network),
             "Networks": f"{recipe.members}, whose probabilities are averaged" if recipe.members > 1 else "1",
             "Classes": CLASSES[recipe.classes], "Training": training_text(recipe.training), "Labels": recipe.labels, "Split": recipe.split,
@@ -74,14 +75,14 @@ def facts_of(recipe: Recipe) -> dict[str, str]:
 
 
 def table_lines(rows: list[str]) -> list[str]:
-    """A Markdown table as columns of text."""
+    """Converts a Markdown table to aligned columns of text."""
     cells = [[cell.strip().strip("`") for cell in row.strip("|").split("|")] for row in rows if not re.fullmatch(r"[|\s:-]+", row)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     return ["  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells]
 
 
 def wrapped(text: str, width: int) -> str:
-    """Paragraphs and tables within a width, two spaces from the edge."""
+    """Wraps paragraphs and tables to a width, indented by two spaces."""
     lines: list[str] = []
     for paragraph in text.split("\n\n"):
         rows = paragraph.splitlines()
@@ -107,8 +108,8 @@ def show(recipe: Recipe, as_json: bool) -> None:
 
 
 def main(request: dict[str, Any]) -> int:
-    """Prints the recipe that the request names, as JSON where it says so; returns the exit status."""
-    for number in SIGNALS:  # the program has held them back until now; nothing here needs tidying up
+    """Prints the requested recipe, optionally as JSON; returns the exit status."""
+    for number in SIGNALS:  # blocked by the program until now; nothing here needs clean-up
         if signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)

@@ -1,4 +1,4 @@
-"""Pictures of a grasp, drawn by MuJoCo's renderer from where its bodies are."""
+"""Images of a grasp, drawn by MuJoCo's renderer at the poses of its bodies."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _drawing(bodies: Bodies) -> str:
     text = _HEADER + f'<geom type="plane" size="0 0 1" pos="{table[0]} {table[1]} {table[2]}" material="grid"/>'
     colours = iter([_FIRST])
     for name in _drawn(bodies):
-        # A pad's Z points against its closing: there the plate is.
+        # A pad's Z points opposite to its closing direction; the plate is on that side.
         size, back, colour = (bodies[name][1], 0.0, _BOX) if name == "box" else (_PLATE, _PLATE[2] / 2, next(colours, _OTHER))
         half = " ".join(str(extent / 2) for extent in size)
         text += f'<body name="{name}" mocap="true"><geom type="box" pos="0 0 {back}" size="{half}" rgba="{colour}"/></body>'
@@ -40,7 +40,8 @@ def _drawing(bodies: Bodies) -> str:
 
 
 class Renderer:
-    """Draws one grasp without a screen. Raises InputError where EGL, or the package PyOpenGL, is not there."""
+    """Draws one grasp without a screen. Raises InputError if EGL or the package PyOpenGL is
+    missing."""
 
     def __init__(self, bodies: Bodies) -> None:
         try:
@@ -61,7 +62,7 @@ class Renderer:
         self._camera.azimuth, self._camera.elevation, self._camera.distance = 75.0, -12.0, 0.42
 
     def draw(self, bodies: Bodies) -> NDArray[np.uint8]:
-        """[HEIGHT, WIDTH, 3]."""
+        """Image [HEIGHT, WIDTH, 3]."""
         mujoco = self._mujoco
         for name in _drawn(bodies):
             body = self._model.body(name).mocapid[0]
@@ -76,7 +77,7 @@ class Renderer:
         return np.ascontiguousarray(picture[::-1])
 
     def close(self) -> None:
-        """Gives the buffers back."""
+        """Frees the buffers."""
         self._context.make_current()
         self._gpu.free()
         self._context.free()

@@ -1,4 +1,4 @@
-"""Scenes: what is simulated."""
+"""Scenes and their simulation."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from slipbench._trial import Trial
 from slipbench._values import index, plain, shown, yaml
 from slipbench.bin import _core
 
-DICT = "<dict>"  # stands for the file's name in a scene that from_dict() made
+DICT = "<dict>"  # replaces the file's name in a scene of from_dict()
 
 
 def located(path: str | os.PathLike[str]) -> str:
-    """The scene at `path`: a file, or one of the scenes that come with the package."""
+    """Path of the scene `path`: a file, or one of the package's scenes."""
     name = os.fspath(path)
     if not os.path.exists(name) and not os.path.isabs(name) and (scenes() / name).exists():
         return str(scenes() / name)
@@ -35,7 +35,7 @@ def located(path: str | os.PathLike[str]) -> str:
 
 
 def overrides_of(values: Mapping[str, Any] | None) -> list[tuple[str, str]]:
-    """Pairs of dotted path and YAML text, as `--set` takes them."""
+    """Pairs of dotted path and YAML text, as for `--set`."""
     for path in values or {}:
         if not isinstance(path, str):
             raise _core.InputError(f"expected dotted paths as keys, such as 'motion.speed', found {path!r}")
@@ -44,7 +44,8 @@ def overrides_of(values: Mapping[str, Any] | None) -> list[tuple[str, str]]:
 
 @contextmanager
 def naming_unknown_classes() -> Iterator[None]:
-    """Adds to the program's message, in a worker process, that Python classes are registered in each process."""
+    """Extends the program's message in a worker process: Python classes must be registered in each
+    process."""
     try:
         yield
     except _core.InputError as error:
@@ -56,7 +57,8 @@ def naming_unknown_classes() -> Iterator[None]:
 
 
 def _key_paths(value: Any, path: str = "") -> Iterator[str]:
-    """Yields the dotted path of what each line of json.dumps(value, indent=2) holds; "" for the whole."""
+    """Yields the dotted path of the content of each line of json.dumps(value, indent=2); "" for the
+    whole."""
     yield path
     if isinstance(value, (dict, list)) and value:
         for key, one in value.items() if isinstance(value, dict) else enumerate(value):
@@ -65,7 +67,8 @@ def _key_paths(value: Any, path: str = "") -> Iterator[str]:
 
 
 def warn(texts: Iterable[str]) -> None:
-    """Gives warnings of the program as Python's, at the line outside of the package that led to them."""
+    """Issues the program's warnings as Python warnings, at the line outside of the package that
+    caused them."""
     here = os.path.dirname(__file__)
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == here:
@@ -76,14 +79,15 @@ def warn(texts: Iterable[str]) -> None:
 
 @dataclass(frozen=True)
 class Check:
-    """What became of a scene's expectations.
+    """Results of a scene's expectations.
 
     Attributes:
         verdict: "passed", "failed", "tests nothing", "not checked"
-        expectations: of each a dict of name, limit, kept, trials, needed, passed, worst, worst_trial, replay
-        table: what `slipbench check` prints, without colours
-        failures: why trials failed to run
-        files: what a failed check left
+        expectations: for each a dict of name, limit, kept, trials, needed, passed, worst,
+            worst_trial, replay
+        table: output of `slipbench check`, without colours
+        failures: reasons of trials that failed to run
+        files: files that a failed check wrote
     """
 
     verdict: str
@@ -94,15 +98,16 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the scene expects something, and all of it was kept."""
+        """True if the scene has expectations and all were kept."""
         return self.verdict == "passed"
 
 
 class Sweep(Iterator[Trial]):
-    """Trials in the order of their numbers, simulated by threads ahead of who asks. `len()` says how many there are.
+    """Iterator over trials in the order of their numbers, which threads simulate in advance.
+    `len()` is the number of trials.
 
     Attributes:
-        done: how many have been handed over
+        done: number of trials returned so far
     """
 
     def __init__(self, one: Callable[[int, _core.Stop], Trial], count: int, jobs: int) -> None:
@@ -137,7 +142,7 @@ class Sweep(Iterator[Trial]):
         return trial
 
     def close(self) -> None:
-        """Ends the trials at hand."""
+        """Stops the running trials."""
         self._stop.set()
         self._ahead.clear()
         self._pool.shutdown(wait=True, cancel_futures=True)
@@ -147,27 +152,31 @@ class Sweep(Iterator[Trial]):
 
 
 class Scene:
-    """A scene, with what was set beside it. Immutable. `Scene.load()`, `Scene.from_text()` and `Scene.from_dict()` make one.
+    """A scene with its overrides. Immutable. Created by `Scene.load()`, `Scene.from_text()` and
+    `Scene.from_dict()`.
 
-    Scenes can be pickled and deep-copied. A copy in a process that cannot read the scene's file has its text.
+    Scenes can be pickled and deep-copied. In a process that cannot read the scene's file, the copy
+    contains its text.
 
-    What `slipbench run` warns of is a Python warning (UserWarning) here, with the same text: `load()` and `set()` warn of values, such as a speed of
-    more than 1 m/s without a unit, `run()`, `sweep()`, `write()` and `check()` of all else.
+    Warnings of `slipbench run` are Python warnings (UserWarning) here, with the same text: `load()`
+    and `set()` warn of values, such as a speed of more than 1 m/s without a unit, `run()`,
+    `sweep()`, `write()` and `check()` of everything else.
 
     Attributes:
-        path: of the file; "<text>" or "<dict>" in its folder for a scene that is not a file
-        overrides: pairs of dotted path and YAML text, as `--set` takes them
+        path: of the file; "<text>" or "<dict>" in its folder for a scene without a file
+        overrides: pairs of dotted path and YAML text, as for `--set`
     """
 
     def __init__(self, path: str, overrides: list[tuple[str, str]], told: dict[str, str] | None = None, text: str | None = None) -> None:
-        """`told`: warnings that have been given, by what they are about. `text`: of a scene that is not read from the file at `path`."""
+        """`told`: warnings issued so far, by subject. `text`: of a scene that is not read from the
+        file at `path`."""
         self.path = path
         self.overrides = overrides
         self._text = text
         with naming_unknown_classes(), self._naming_keys():
             self._core = _core.Scene(path, overrides, text)
         self._told: dict[str, str] = {}
-        # Classes of one's own are not made before trials run, which may be in processes of their own.
+        # User classes are only instantiated when trials run, which may be in other processes.
         if not self._has_own_parts():
             found = self._warnings(0, 0, None, False, "", False, math.inf)
             self._told.update(found)
@@ -175,19 +184,19 @@ class Scene:
 
     def _warn(self, draws: int = 0, trials: int = 0, seed: int | None = None, output: str = "",
               apart: tuple[bool, float] = (False, math.inf)) -> None:
-        """Warns of what the program warns of before these trials run, where that has not been said before."""
+        """Issues the program's warnings for these trials, once each."""
         found = {about: text for about, text in self._warnings(draws, trials, seed, True, output, *apart).items() if about not in self._told}
         self._told.update(found)
         warn(found.values())
 
     def _warnings(self, draws: int, trials: int, seed: int | None, build: bool, output: str, isolate: bool, limit: float) -> dict[str, str]:
-        """The program's warnings, by what they are about."""
+        """The program's warnings, by subject."""
         with self._naming_keys():
             return {about: self._with_keys(text) for about, text in self._core.warnings(draws, trials, seed, build, output, isolate, limit)}
 
     @contextmanager
     def _naming_keys(self) -> Iterator[None]:
-        """Raises the program's InputError with keys in place of lines where the scene is a dict."""
+        """For a scene from a dict, replaces lines by keys in the program's InputError."""
         try:
             yield
         except _core.InputError as error:
@@ -196,7 +205,7 @@ class Scene:
             raise _core.InputError(self._with_keys(str(error))) from None
 
     def _with_keys(self, text: str) -> str:
-        """A message that names a dict's key, where it names a line of the JSON that stands for the dict."""
+        """Replaces lines of the JSON text by keys of the dict in a message."""
         if os.path.basename(self.path) != DICT or self._text is None:
             return text
         keys = list(_key_paths(json.loads(self._text)))
@@ -205,9 +214,11 @@ class Scene:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Scene:
-        """Reads the scene at `path`: a file, or one of the scenes that come with the package, `Scene.load("papillarray/stage.yaml")`.
+        """Reads the scene at `path`: a file, or one of the package's scenes,
+        `Scene.load("papillarray/stage.yaml")`.
 
-        Raises InputError: "stage.yaml:12: unknown key 'sped' in motion; did you mean 'speed'? allowed: ...".
+        Raises InputError: "stage.yaml:12: unknown key 'sped' in motion; did you mean 'speed'?
+        allowed: ...".
         """
         return cls(located(path), [])
 
@@ -216,14 +227,15 @@ class Scene:
         """Reads a scene from YAML in a string.
 
         Args:
-            text: what a scene file would hold
-            folder: where relative paths in the scene begin; empty: the current folder
+            text: content of a scene file
+            folder: base of relative paths in the scene; empty: the current folder
 
         Returns:
-            The scene. It does everything that one of a file does, except for `check()` and the key `accuracy`, which need a file.
+            The scene. It behaves like one from a file, except for `check()` and the key `accuracy`,
+            which need a file.
 
         Raises:
-            InputError: as `load()`, with "<text>" as the file's name; `text` is no str.
+            InputError: as `load()`, with "<text>" as the file's name; or `text` is not a str.
         """
         if not isinstance(text, str):
             raise _core.InputError(f"text: expected a scene's YAML as str, found {shown(text)}; Scene.load() reads a file, from_dict() takes a dict")
@@ -231,50 +243,58 @@ class Scene:
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any], *, folder: str | os.PathLike[str] = "") -> Scene:
-        """Makes a scene of a dict that has the scene's keys: `Scene.from_dict({"slipbench": 1, "motion": {"speed": 0.004}, ...})`.
+        """Creates a scene from a dict with the scene's keys: `Scene.from_dict({"slipbench": 1,
+        "motion": {"speed": 0.004}, ...})`.
 
         Args:
-            values: keys of a scene file; a text such as "4 mm/s" has a unit, other numbers are SI; numpy values and arrays are taken, too
-            folder: as `from_text()` takes it
+            values: keys of a scene file; a text such as "4 mm/s" has a unit, numbers are SI; numpy
+                values and arrays are allowed
+            folder: as for `from_text()`
 
         Returns:
             The scene, whose `text` is the dict as JSON.
 
         Raises:
-            InputError: a value or key that a scene cannot have, "motion.sped: unknown key 'sped' in motion"; `values` is not a dict.
+            InputError: a value or key is invalid, "motion.sped: unknown key 'sped' in motion"; or
+                `values` is not a dict.
         """
         if not isinstance(values, Mapping):
             raise _core.InputError(f"values: expected a dict of a scene's keys, found {shown(values)}; Scene.load() reads a file, from_text() takes YAML")
         return cls(os.path.join(os.fspath(folder), DICT), [], text=json.dumps(plain(values, "scene"), indent=2) + "\n")
 
     def set(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
-        """The same scene with other values, by dotted path: `set({"motion.speed": "8 mm/s"}, seed=3)`. Text is YAML, other values are SI.
+        """Returns the scene with other values, by dotted path: `set({"motion.speed": "8 mm/s"},
+        seed=3)`. Text is YAML, other values are SI.
 
-        Numbers, arrays and ranges may be numpy's, paths Path objects. `values` takes any path, `more` those that are a word. What is set is not swept,
-        nor is what lies below it. Raises InputError, which names the key, for what the scene may not say.
+        Numbers, arrays and ranges may be numpy's, paths Path objects. `values` allows any path,
+        `more` only single words. Sweeps of a set path, or of paths below it, are removed. Raises
+        InputError, naming the key, for an invalid value.
         """
         return Scene(self.path, self.overrides + overrides_of({**(values or {}), **more}), self._told, self._text)
 
     @property
     def text(self) -> str:
-        """The file, word for word."""
+        """Text of the scene file."""
         return self._core.text
 
     @property
     def seed(self) -> int:
-        """The one that the scene states."""
+        """The scene's seed."""
         return self._core.seed
 
     def trials(self, draws: int = 0) -> int:
-        """How many trials the scene's sweep has with `draws` draws of each cell of its grid; 0: as the scene says."""
+        """Number of trials of the scene's sweep with `draws` draws of each cell of its grid; 0: as
+        in the scene."""
         with self._naming_keys():
             return self._core.trials(draws)
 
     def run(self, trial: int = 0, *, seed: int | None = None, record: str = "full") -> Trial:
-        """Simulates trial number `trial`: what `slipbench run SCENE --trials N` writes as that trial, N the least that has it.
+        """Simulates trial number `trial`, equal to that trial of `slipbench run SCENE --trials N`
+        with the least N that includes it.
 
-        `seed`: instead of the scene's. `record`: "full"; "outcome" leaves the arrays out; "contact" adds `Trial.contacts`, what the units feel in the
-        pad frame. The interpreter's other threads run meanwhile; Ctrl-C ends it.
+        `seed`: replaces the scene's. `record`: "full"; "outcome" omits the arrays; "contact" adds
+        `Trial.contacts`, the force and displacement of units in the pad frame. The interpreter's
+        other threads keep running; Ctrl-C ends the trial.
         """
         trial = index(trial, "trial")
         if trial < 0:
@@ -298,9 +318,10 @@ class Scene:
             return Trial(self._core.run(trial, draws, limit, seed, record == "full", stop))
 
     def sweep(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full") -> Sweep:
-        """All trials of the scene's sweep, in order: `for trial in scene.sweep()`.
+        """Iterates over all trials of the scene's sweep, in order: `for trial in scene.sweep()`.
 
-        `draws`: of each cell of the grid; 0: as the scene says. `seed`, `record`: as `run()` takes them. `jobs`: threads; 0: one a core.
+        `draws`: of each cell of the grid; 0: as in the scene. `seed`, `record`: as for `run()`.
+        `jobs`: threads; 0: one per core.
         """
         _check_counts(draws=draws, seed=seed, jobs=jobs)
         chosen = self.seed if seed is None else index(seed, "seed")
@@ -312,16 +333,19 @@ class Scene:
     def write(self, path: str | os.PathLike[str], *, draws: int = 0, trials: int = 0, seed: int | None = None, jobs: int = 0, record: str = "full",
               resume: bool = False, progress: Callable[[int, int], None] | None = None, isolate: bool | None = None,
               trial_limit: float | None = None) -> dict[str, Any]:
-        """Runs the sweep into the dataset at `path`, byte for byte what `slipbench sweep` writes; with `trials` what `slipbench run --trials` writes.
+        """Runs the sweep into the dataset at `path`, bit-identical to `slipbench sweep`; with
+        `trials`, to `slipbench run --trials`.
 
-        `draws`, `seed`, `jobs`: as `sweep()` takes them. `record`: "full" or "outcome". `resume`: goes on with a file that an interrupted call has left. Returns the
-        summary that `--json` prints. `progress(done, total)` is called now and then, and at the end. Raises KeyboardInterrupt after Ctrl-C, when the
-        finished trials are kept for `resume=True`.
+        `draws`, `seed`, `jobs`: as for `sweep()`. `record`: "full" or "outcome". `resume`:
+        continues with a file that an interrupted call left. Returns the summary that `--json`
+        prints. `progress(done, total)` is called from time to time, and at the end. Raises
+        KeyboardInterrupt after Ctrl-C, with the finished trials kept for `resume=True`.
 
-        `isolate`: each trial runs in a process of its own, a copy of this one: where a class crashes, ends the process or never returns, its trial fails
-        alone. What a class keeps outside of its objects is not seen by other trials. None: where several trials run a class of one's own or a plugin, and
-        neither torch nor a notebook, whose threads no such process has, is loaded. A trial that takes more than `trial_limit` s fails; that implies
-        `isolate`.
+        `isolate`: runs each trial in its own process, a copy of this one. If a class crashes, ends
+        the process or never returns, only its trial fails. State that a class keeps outside of its
+        objects is not visible to other trials. None: isolates if several trials run a user class or
+        a plugin, unless torch or a notebook is loaded, whose threads a copied process lacks. A
+        trial that takes more than `trial_limit` s fails; this implies `isolate`.
         """
         _check_counts(draws=draws, trials=trials, seed=seed, jobs=jobs)
         if draws and trials:
@@ -340,10 +364,11 @@ class Scene:
 
     def check(self, *, draws: int = 0, seed: int | None = None, jobs: int = 0, folder: str = "", isolate: bool | None = None,
               trial_limit: float | None = None) -> Check:
-        """Holds the scene's `expect` against its trials, as `slipbench check`.
+        """Compares the scene's `expect` with its trials, like `slipbench check`.
 
-        `draws`, `seed`, `jobs`: as `sweep()` takes them, `isolate`, `trial_limit` as `write()` does. `folder`: for what a failed check
-        leaves; empty: nothing. A scene that is not a file is refused.
+        `draws`, `seed`, `jobs`: as for `sweep()`; `isolate`, `trial_limit`: as for `write()`.
+        `folder`: for the files of a failed check; empty: none. Raises InputError for a scene
+        without a file.
         """
         if self._text is not None:
             raise _core.InputError(f"{self.path}: check() needs a scene that is a file, which its replay command names; use Scene.load()")
@@ -358,11 +383,12 @@ class Scene:
         return _restored, (self.path, self.overrides, self._told, self.text)
 
     def _has_own_parts(self) -> bool:
-        """Whether the scene may name a Python class of one's own, or a plugin."""
+        """True if the scene may name a user's Python class or a plugin."""
         return any(name in text for name in ("plugin", *own_names) for text in [self.text, *(value for _, value in self.overrides)])
 
     def _apart(self, isolate: bool | None, time: float | None, trials: int) -> tuple[bool, float]:
-        """Whether so many trials run in processes of their own, as `write()` says, and how long one may take."""
+        """Returns whether `trials` trials run in processes of their own, as `write()` documents,
+        and the time limit of each [s]."""
         if time is not None and not time > 0:
             raise _core.InputError(f"trial_limit={time}; allowed: more than 0 s")
         if time is not None and isolate is False:
@@ -371,7 +397,7 @@ class Scene:
             own = trials > 1 and self._has_own_parts() and not {"torch", "ipykernel"} & sys.modules.keys()
             isolate = time is not None or own
         if isolate and sys.stdout is not None:
-            sys.stdout.flush()  # what waits would be printed by each process
+            sys.stdout.flush()  # otherwise each process would print the buffer
         return isolate, math.inf if time is None else time
 
     def __repr__(self) -> str:
@@ -382,7 +408,8 @@ class Scene:
 
 
 def _restored(path: str, overrides: list[tuple[str, str]], told: dict[str, str], text: str) -> Scene:
-    """The scene that was pickled. Its file is read again where it is still the same, else the pickled text stands for it."""
+    """Restores a pickled scene. Reads its file again if it is unchanged, else uses the pickled
+    text."""
     try:
         same = Path(path).read_text(encoding="utf-8") == text
     except (OSError, ValueError):
@@ -402,31 +429,36 @@ def _check_record(record: str, allowed: tuple[str, ...] = ("full", "outcome", "c
 
 
 def scenes() -> Path:
-    """The folder of the scenes that come with the package."""
+    """Folder of the package's scenes."""
     return Path(_core.project_file("scenes"))
 
 
 def describe(name: str) -> list[dict[str, Any]]:
-    """What `slipbench describe NAME --json` says of all that is called `name`: law, source, parameters with unit, default, what is allowed."""
+    """Output of `slipbench describe NAME --json`: law, source, parameters with unit, default and
+    allowed values, of everything called `name`."""
     described: list[dict[str, Any]] = json.loads(_core.describe(name))
     return described
 
 
 def list_names() -> dict[str, Any]:
-    """What a scene may name, by catalogue, as `slipbench list --json`: `list_names()["detectors"]`."""
+    """Names that a scene may use, by catalogue, as in `slipbench list --json`:
+    `list_names()["detectors"]`."""
     listed: dict[str, Any] = json.loads(_core.list_names())
     return listed
 
 
 def evaluate(detector: str, dataset: str | os.PathLike[str], *, parameters: Mapping[str, Any] | None = None, labels: str = "", sensor: str = "",
              split: str = "", all_trials: bool = False) -> dict[str, Any]:
-    """Judges a detector on the trials of the file `dataset`: what `slipbench eval DETECTOR DATASET --json` prints.
+    """Evaluates a detector on the trials of the file `dataset`. Returns the output of `slipbench
+    eval DETECTOR DATASET --json`.
 
-    `detector`: a name that a scene may say, one of one's own among them, FILE.onnx, or a folder of memories. `parameters`: of the detector, by name.
-    `labels`: the truth to judge by, strict, micro, masked, paper, latched, has_slipped or recorded (the labels of imported recordings);
-    empty: recorded for recordings, else what a network has learnt by, or strict. `sensor`: which one it reads; empty: the only one. `split`:
-    "train", "valid" or "test" of the dataset's masks; empty: all of them. `all_trials`: also those that the detector was trained on. The recording is
-    read, and the detector run, in a child process.
+    `detector`: a name in a scene, including custom ones, FILE.onnx, or a folder of memories.
+    `parameters`: of the detector, by name. `labels`: rule of the truth: strict, micro, masked,
+    paper, latched, has_slipped or recorded (the labels of imported recordings); empty: recorded for
+    recordings, else the rule of a network's training, or strict. `sensor`: the one that it reads;
+    empty: the only one. `split`: "train", "valid" or "test" of the dataset's masks; empty: all
+    trials. `all_trials`: includes trials that the detector was trained on. The recording is read,
+    and the detector run, in a child process.
     """
     pairs = overrides_of(parameters)
     result: dict[str, Any] = json.loads(_core.evaluate(detector, pairs, os.fspath(dataset), labels, sensor, split, all_trials))

@@ -1,4 +1,5 @@
-"""`python -m slipbench._train REQUEST`: the command `train --recipe NAME`, started by the program. Exit status 2 for bad input, with its message."""
+"""`python -m slipbench._train REQUEST`: the command `train --recipe NAME`, started by the program.
+Exit status 2 for bad input, with its message."""
 
 from __future__ import annotations
 
@@ -23,25 +24,26 @@ BAR_PERIOD = 0.1  # s, between redraws
 
 @dataclass(frozen=True)
 class Request:
-    """As the program hands it over, in JSON; it has checked each of these.
+    """Request of the program, from JSON. The program has checked all values.
 
     Attributes:
         datasets: paths
-        recipe: its name
+        recipe: name of the recipe
         labels: rule of the labels; None: the recipe's
-        split: what trains and judges differ in; None: was not given
-        held_out: share of its groups that judge; None: was not given
-        sensor: the scene's name; empty: every one that fits
-        all: whether to ignore a dataset's own split
-        seed: of weights and draws
-        steps: of training; None: the recipe's
-        turned: copies with turned images; None: the recipe's
-        alarms: false ones a minute that are tolerated; None: was not given
-        by_score: whether the operating point is that of the greatest score
-        frame_by_frame: whether each frame is called by itself, with the threshold of the greatest balanced accuracy
+        split: property that differs between training and test; None: not given
+        held_out: share of its groups for the test; None: not given
+        sensor: name in the scene; empty: every sensor that fits
+        all: True: ignore a dataset's own split
+        seed: for weights and draws
+        steps: number of training steps; None: the recipe's
+        turned: number of copies with turned images; None: the recipe's
+        alarms: tolerated false alarms per minute; None: not given
+        by_score: True: choose the operating point with the greatest score
+        frame_by_frame: True: classify single frames, with the threshold of the greatest balanced
+            accuracy
         output: path of the ONNX file
-        resume: whether to go on with what a killed training has left
-        json: whether stdout is to have one JSON object
+        resume: True: continue an interrupted training
+        json: True: print one JSON object on stdout
     """
 
     datasets: list[str]
@@ -71,7 +73,7 @@ def clock_text(seconds: float) -> str:
 
 
 def share_text(share: float | None) -> str:
-    """"98.1 %", "-" where there is none."""
+    """"98.1 %", "-" for None or NaN."""
     return "-" if share is None or math.isnan(share) else f"{100 * share:.1f} %"
 
 
@@ -85,13 +87,13 @@ class ProgressReporter:
         self.write_line(f"reading {', '.join(request.datasets)}")
 
     def write_line(self, text: str) -> None:
-        """Writes a line, unless JSON was asked for."""
+        """Writes a line, unless JSON was requested."""
         if not self._quiet:
             sys.stderr.write(f"slipbench: {text}\n")
             sys.stderr.flush()
 
     def show_read(self, done: int, trials: int) -> None:
-        """Draws a bar on a terminal. Raises Interrupted once a signal has come."""
+        """Draws a bar on a terminal. Raises Interrupted after a signal."""
         self._interrupt.check()
         now = time.monotonic()
         if not self._bar or (done < trials and now - self._drawn < BAR_PERIOD):
@@ -103,7 +105,7 @@ class ProgressReporter:
         sys.stderr.flush()
 
     def show_validation(self, member: int, report: Report) -> None:
-        """Writes a line for each validation, with the time that is left."""
+        """Writes a line for each validation, with the remaining time."""
         text = "" if self._members == 1 else f"network {member + 1}/{self._members}, "
         text += f"step {report.step}/{report.steps}, loss {report.loss:.4f}"
         if not math.isnan(report.validation):
@@ -114,7 +116,7 @@ class ProgressReporter:
 
 
 def figures_text(trained: Trained) -> str:
-    """The table of the figures."""
+    """Table of the figures."""
     judged = trained.judged
     rows = [("", "held-out trials" if judged else "validation")]
     if judged:
@@ -130,7 +132,7 @@ def figures_text(trained: Trained) -> str:
 
 
 def next_text(request: Request, trained: Trained) -> str:
-    """The command that judges what was trained on data that it has not seen."""
+    """Command that evaluates the trained detector on data outside of its training."""
     rule: str = trained.description["trained"]["labels"]
     judged = "masked" if rule == "tightened" else rule
     options = f" --sensor {shlex.quote(trained.sensors[0])} --labels {judged}"
@@ -158,7 +160,7 @@ def print_summary(request: Request, trained: Trained) -> None:
 
 def run(request: Request) -> None:
     """Trains a network and prints its figures."""
-    from slipbench.learning import find_recipe, train  # reports a missing PyTorch before any data is read
+    from slipbench.learning import find_recipe, train  # reports a missing PyTorch before reading data
     from slipbench.learning._names import naming_options
 
     interrupt = Interrupt("stopping; the last validation's state is kept")
@@ -177,7 +179,7 @@ def run(request: Request) -> None:
 
 
 def main(text: str) -> int:
-    """Does what the request asks for; returns the exit status."""
+    """Runs the request; returns the exit status."""
     request = Request(**json.loads(text))
     try:
         run(request)

@@ -1,4 +1,5 @@
-"""What a trial holds, as numpy arrays: the same for simulated and stored trials; and the simulated trial."""
+"""Content of a trial as numpy arrays, the same for simulated and stored trials; and the simulated
+trial."""
 
 from __future__ import annotations
 
@@ -17,11 +18,11 @@ Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 
-Row = tuple[str, tuple[int, ...], str]  # of a representation: name, shape and unit of an array
+Row = tuple[str, tuple[int, ...], str]  # row of a representation: name, shape and unit of an array
 
 
 def shape_text(shape: tuple[int, ...], unit: str) -> str:
-    """"[4000, 9, 3] N"; a number without a unit has none."""
+    """"[4000, 9, 3] N"; a pure number has no unit."""
     return f"[{', '.join(map(str, shape))}]" + (f" {unit}" if unit not in ("", "1") else "")
 
 
@@ -32,7 +33,7 @@ def table(title: str, rows: Iterable[Row]) -> str:
 
 
 class Described:
-    """Base of what holds arrays: short representations with shapes and units."""
+    """Base of classes with arrays: short representations with shapes and units."""
 
     def _title(self) -> str:
         return type(self).__name__.removeprefix("Stored")
@@ -59,7 +60,7 @@ class Described:
         return table(self._title(), self._rows())
 
 
-# Units of the arrays, by class; the docstrings say the same.
+# Units of the arrays by class, as in the docstrings.
 UNITS: dict[str, dict[str, str]] = {
     "Labels": {"t": "s", "unit_state": "code", "slip_velocity": "m/s", "slip_distance": "m", "margin": "1", "force": "N", "state": "code",
                "state_micro": "code", "state_paper": "code", "stuck_fraction": "1", "slip_direction": "rad", "slip_centre": "m", "slip_angle": "rad",
@@ -73,28 +74,30 @@ UNITS: dict[str, dict[str, str]] = {
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Labels(Described):
-    """The truth about one pad: T samples of N units, E events. It lies in the contact plane.
+    """The truth about one pad, in the contact plane: T samples of N units, E events.
 
-    Codes of a pad are those of `State`; of a unit 0 detached, 1 stick, 2 slip (all of it), 3 partial (a part of it slips).
+    Codes of a pad are those of `State`; codes of a unit: 0 detached, 1 stick, 2 slip (the whole
+    unit), 3 partial (a part of it slips).
 
-    LABELS.md compares the three states. Labels of an imported recording have `t` and, at most, `state_paper`: other attributes raise AttributeError.
+    LABELS.md compares the three states. Labels of an imported recording have at most `t` and
+    `state_paper`; other attributes raise AttributeError.
 
     Attributes:
         t: [T] s, of the samples
         unit_state: [T, N] code of each unit
-        slip_velocity: [T, N, 2] m/s of the slipping tip; 0 while it sticks
+        slip_velocity: [T, N, 2] m/s of the slipping tip; 0 in stick
         slip_distance: [T, N] m, path slipped since the trial's start
         margin: [T, N] 1 - f_t/(mu_s f_n): 0 at the limit; NaN while detached
         force: [T, N, 3] N on the unit, without noise: x and y tangential, z normal
         state: [T] code of the pad, rule strict: a unit slips when all of it slips
         state_micro: [T] the same, rule micro: a unit slips as soon as a part of it does
         state_paper: [T] the same, rule of the sensor's paper
-        stuck_fraction: [T] share of the touching elements that stick, 0 to 1; NaN while nothing touches
-        slip_direction: [T] rad, of the slip's translation; NaN while nothing slips or the slip has none
-        slip_centre: [T, 2] m, centre of the slip's rotation; NaN while it does not turn
+        stuck_fraction: [T] share of the touching elements in stick, 0 to 1; NaN without contact
+        slip_direction: [T] rad, of the slip's translation; NaN without slip or translation
+        slip_centre: [T, 2] m, centre of the slip's rotation; NaN without rotation
         slip_angle: [T] rad, rotation of the slip, accumulated
-        event_time: [E] s, when a unit changed its state, resolved inside the step
-        event_unit: [E] which unit, 0 to N - 1
+        event_time: [E] s, time of a unit's change of state, resolved within the step
+        event_unit: [E] index of the unit, 0 to N - 1
         event_kind: [E] 0 touch, 1 slip, 2 stick, 3 detach, 4 micro, 5 part_sticks
         unit_positions: [N, 2] m, in the pad plane
         unit_heights: [N] m, along the pad's normal
@@ -134,18 +137,19 @@ class Labels(Described):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Sensor(Described):
-    """What one sensor emitted: T samples. Each channel is an attribute, too: `sensor.force` is `sensor.channels["force"]`, [T, 9, 3] N of a papillarray.
+    """Output of one sensor: T samples. Each channel is also an attribute: `sensor.force` is
+    `sensor.channels["force"]`, [T, 9, 3] N of a papillarray.
 
     Attributes:
-        name: the scene's name for it
-        type: what it is: "papillarray"
+        name: its name in the scene
+        type: such as "papillarray"
         rate: Hz, of the samples
-        frame: what the axes are, as a sentence
-        follows: the sensor whose pad it reads; empty: it has its own
-        t: [T] s, when each sample was taken
-        channels: [T, ...] by name, in the unit that `units` says: "force" [T, 9, 3] N
+        frame: definition of the axes, as a sentence
+        follows: the sensor whose pad it reads; empty: its own pad
+        t: [T] s, time of each sample
+        channels: [T, ...] by name, in the units of `units`: "force" [T, 9, 3] N
         units: SI unit of each channel
-        channel_time: [T] s, of channels that are read at another time or rate
+        channel_time: [T] s, of channels with a different time or rate
     """
 
     name: str
@@ -181,14 +185,15 @@ class Sensor(Described):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Contact(Described):
-    """What the units of one pad feel, in the pad frame P, at T samples of its sensor: N units. Recorded with `record="contact"` alone.
+    """Force and displacement of one pad's units, in the pad frame P, at T samples of its sensor: N
+    units. Recorded only with `record="contact"`.
 
-    P has x and y in the plane of the pad and +z into the sensor, so that compression is positive. A sensor reads these two; `Labels.force` is the same
-    force in the contact plane.
+    P has x and y in the plane of the pad and +z into the sensor, so that compression is positive. A
+    sensor reads these two arrays; `Labels.force` is the same force in the contact plane.
 
     Attributes:
         t: [T] s, of the samples
-        force: [T, N, 3] N, what the object does to the unit, with what shakes the bench
+        force: [T, N, 3] N, force of the object on the unit, including disturbances of the bench
         displacement: [T, N, 3] m, deformed tip minus undeformed tip, mean of the unit's elements
     """
 
@@ -214,17 +219,18 @@ class Body(Described):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Control(Described):
-    """What the loop saw and did, at T samples of the sensor that it reads. In an open recording the last four are empty.
+    """The control loop at T samples of the sensor that it reads. In an open recording the last four
+    arrays are empty.
 
     Attributes:
         detector: its type; empty: none
         controller: its type; empty: none
-        sensor: the one that the loop reads
+        sensor: the sensor that the loop reads
         rate: Hz, of the samples
         t: [T] s, of the samples
-        detector_class: [T] code of `State` that the loop sees; 0 is also "nothing seen yet"
+        detector_class: [T] code of `State` seen by the loop; 0 also means "nothing seen yet"
         command: [T, 3] counts, registers written last: position, speed, force
-        measured_position: [T] counts, 0 open to 255, register read last
+        measured_position: [T] counts, 0 open to 255, of the latest read
         grip_force: [T] N, true normal force, mean of both pads
         arm: [T, 2] m/s, speed written last: sideways, up
     """
@@ -242,20 +248,22 @@ class Control(Described):
 
 
 class Trial:
-    """One simulated trial. Its arrays are read-only views of the simulation's own record, without a copy. A `StoredTrial` has the same attributes.
+    """One simulated trial. Its arrays are read-only views of the simulation's record, without a
+    copy. A `StoredTrial` has the same attributes.
 
-    Trials can be pickled and deep-copied; a copy has arrays of its own.
+    Trials can be pickled and deep-copied; a copy has its own arrays.
 
     Attributes:
         trial: number in the sweep
         seed: of the dataset
-        params: what was swept, by dotted path, SI
-        outcome: how it ended; the keys of a dataset's attribute `outcome`
-        sensors: what each sensor emitted, by name; empty where outcomes alone were recorded
+        params: swept values by dotted path, SI
+        outcome: the trial's outcome, with the keys of a dataset's attribute `outcome`
+        sensors: output of each sensor, by name; empty if only outcomes were recorded
         labels: the truth about each sensor's pad, by the sensor's name
         bodies: motion of each body in the world, by name
-        control: what the loop saw and did; None: the scene has neither detector nor controller
-        contacts: what the units of each sensor's pad feel, by the sensor's name; empty but for `record="contact"`
+        control: the control loop; None: the scene has neither detector nor controller
+        contacts: force and displacement of the units of each sensor's pad, by the sensor's name;
+            empty unless `record="contact"`
     """
 
     def __init__(self, record: _core.Record, contacts: Mapping[str, tuple[Floats, Floats]] | None = None) -> None:
@@ -274,13 +282,13 @@ class Trial:
 
     @property
     def _simulated(self) -> _core.Record:
-        """The simulation's own record, which detectors and training read.
+        """The simulation's record, for detectors and training.
 
         Returns:
             the record, whose memory the arrays share
 
         Raises:
-            InputError: the trial is a copy by pickle or deepcopy, which has arrays alone
+            InputError: the trial is a copy by pickle or deepcopy, which has arrays only
         """
         if self._record is None:
             raise _core.InputError(f"trial {self.trial}: expected a trial of this process, found a copy by pickle or deepcopy, which has no record")
@@ -288,7 +296,8 @@ class Trial:
 
     @property
     def sha256(self) -> str:
-        """The digest of all that the trial holds: equal to the attribute `sha256` of the same trial in a dataset."""
+        """Digest of the whole trial, equal to the attribute `sha256` of the same trial in a
+        dataset."""
         return self._record.sha256() if self._record else str(self.__dict__["_sha256"])
 
     def __getstate__(self) -> dict[str, Any]:
@@ -302,11 +311,11 @@ class Trial:
 
 
 def trial_text(number: int, seed: int, sensors: Mapping[str, Sensor]) -> str:
-    """The short representation of a trial."""
+    """Short representation of a trial."""
     told = "; ".join(f"{name} {one._arrays_text()} at {one.rate:g} Hz" for name, one in sensors.items())
     return f"<slipbench.Trial {number} of seed {seed}: {told or 'outcome alone'}>"
 
 
 def trial_table(title: str, sensors: Mapping[str, Sensor]) -> str:
-    """The arrays of a trial's sensors, for notebooks."""
+    """Table of the arrays of a trial's sensors, for notebooks."""
     return table(title.strip("<>"), [(f"{name}.{channel}", shape, unit) for name, one in sensors.items() for channel, shape, unit in one._rows()])

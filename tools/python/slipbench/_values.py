@@ -1,4 +1,4 @@
-"""Values of Python, numpy and pandas as a scene takes them; quantities; random streams."""
+"""Conversion of Python, numpy and pandas values for scenes; quantities; random streams."""
 
 from __future__ import annotations
 
@@ -19,12 +19,14 @@ Item = TypeVar("Item")
 
 
 def plain(value: Any, key: str) -> Any:
-    """Converts a value into what JSON has: None, bool, int, float, str, list or dict.
+    """Converts a value to a JSON type: None, bool, int, float, str, list or dict.
 
     Args:
-        value: a number of Python or numpy, a Fraction, a Decimal, text, a path, a list, tuple, range or array of such values, or a mapping of names
-            to them. A float16 or float32 becomes the shortest decimal that reads back as it, as numpy prints it: float32(0.004) is 0.004.
-        key: what the value is for, for the message
+        value: a number of Python or numpy, a Fraction, a Decimal, text, a path, a list, tuple,
+            range or array of such values, or a mapping of names to them. A float16 or float32
+            becomes the shortest decimal that reads back as it, as in numpy's output: float32(0.004)
+            is 0.004.
+        key: name of the value in messages
 
     Returns:
         The converted value.
@@ -60,19 +62,19 @@ def _name(name: Any, key: str) -> str:
 
 
 def shown(value: Any) -> str:
-    """Type and value of what was found, for a message, cut short."""
+    """Type and value for a message, truncated."""
     text = repr(value)
     return f"{type(value).__name__} {text if len(text) <= 80 else text[:77] + '...'}"
 
 
 def yaml(value: Any, key: str) -> str:
-    """A value as YAML, of which JSON is a part; a text stays as it is: "4 mm/s". Raises as `plain()`."""
+    """A value as YAML, which includes JSON; a text is unchanged: "4 mm/s". Raises as `plain()`."""
     converted = plain(value, key)
     return converted if isinstance(converted, str) else json.dumps(converted)
 
 
 def index(value: Any, key: str) -> int:
-    """A whole number of Python or numpy. Raises InputError, which names `key`, for anything else."""
+    """A whole number of Python or numpy. Raises InputError, naming `key`, for anything else."""
     try:
         return operator.index(value)
     except TypeError:
@@ -80,11 +82,12 @@ def index(value: Any, key: str) -> int:
 
 
 def parse_quantity(text: str, unit: str | None = None) -> float:
-    """Reads a quantity as scenes and options write it: `parse_quantity("4 mm/s", "m/s")` is 0.004.
+    """Parses a quantity as in scenes and options: `parse_quantity("4 mm/s", "m/s")` is 0.004.
 
     Args:
-        text: a number with or without a unit; a bare number is in SI
-        unit: a unit of the quantity that the text must be, such as "m/s" or "mm"; "" for a number without one; None: the text's own unit decides
+        text: a number with or without a unit; a plain number is in SI
+        unit: a unit of the required quantity, such as "m/s" or "mm"; "" for a pure number; None:
+            any quantity
 
     Returns:
         The value in SI.
@@ -96,14 +99,17 @@ def parse_quantity(text: str, unit: str | None = None) -> float:
 
 
 class RandomStream:
-    """Random numbers as the program draws them: bit-identical to those of the C++ class `RandomStream` with the same key.
+    """Random numbers of the program: bit-identical to the C++ class `RandomStream` with the same
+    key.
 
-    Streams with different keys are independent, so each purpose has a stream of its own: `RandomStream(seed, trial, "split")`. A stream cannot be pickled
-    or copied, since a copy would draw the same numbers again.
+    Streams with different keys are independent, so each purpose has its own stream:
+    `RandomStream(seed, trial, "split")`. A stream cannot be pickled or copied, since a copy would
+    draw the same numbers again.
     """
 
     def __init__(self, seed: int, trial: int = 0, name: str = "") -> None:
-        """Begins the stream of `seed`, `trial` and `name`, the purpose. Both numbers are 0 to 2^64 - 1."""
+        """Starts the stream of `seed`, `trial` and `name`, the purpose. Both numbers are 0 to 2^64
+        - 1."""
         numbers_of = (index(seed, "seed"), index(trial, "trial"))
         for key, number in zip(("seed", "trial"), numbers_of, strict=True):
             if not 0 <= number < 2**64:
@@ -112,14 +118,16 @@ class RandomStream:
         self._core = _core.RandomStream(*self._key)
 
     def uniform(self, low: float = 0.0, high: float = 1.0) -> float:
-        """Draws a number in [low, high); `low` where both are equal. Raises InputError where low exceeds high or is not finite."""
+        """Draws a number in [low, high); `low` if both are equal. Raises InputError if low exceeds
+        high or is not finite."""
         self._check_interval(low, high)
         return self._core.uniform(low, high)
 
     def uniforms(self, count: int, low: float = 0.0, high: float = 1.0) -> NDArray[np.float64]:
-        """Draws `count` numbers in [low, high), one after the other as `uniform()` does. Returns [count].
+        """Draws `count` numbers in [low, high), one by one as `uniform()` does. Returns [count].
 
-        Raises InputError where `count` is no whole number from 0 on, or low exceeds high or is not finite.
+        Raises InputError if `count` is not a whole number of 0 or more, or low exceeds high or is
+        not finite.
         """
         self._check_interval(low, high)
         return self._core.uniforms(low, high, self._checked_count(count))
@@ -129,27 +137,28 @@ class RandomStream:
         return self._core.normal(mean, sd)
 
     def normals(self, count: int, mean: float = 0.0, sd: float = 1.0) -> NDArray[np.float64]:
-        """Draws `count` numbers from the normal distribution of `mean` and `sd`, one after the other as `normal()` does. Returns [count].
+        """Draws `count` numbers from the normal distribution of `mean` and `sd`, one by one as
+        `normal()` does. Returns [count].
 
-        Raises InputError where `count` is no whole number from 0 on.
+        Raises InputError if `count` is not a whole number of 0 or more.
         """
         return self._core.normals(mean, sd, self._checked_count(count))
 
     def integer(self, bound: int) -> int:
-        """Draws a whole number in [0, bound). Raises InputError where `bound` is below 1."""
+        """Draws a whole number in [0, bound). Raises InputError if `bound` is below 1."""
         if not 1 <= index(bound, "bound") < 2**64:
             raise _core.InputError(f"bound {bound}; allowed: 1 to 2^64 - 1")
         return self._core.integer(index(bound, "bound"))
 
     def permutation(self, count: int) -> NDArray[np.int64]:
-        """Draws an order of the numbers 0 to `count` - 1 (Fisher-Yates). Returns [count].
+        """Draws a permutation of the numbers 0 to `count` - 1 (Fisher-Yates). Returns [count].
 
-        Raises InputError where `count` is no whole number from 0 on.
+        Raises InputError if `count` is not a whole number of 0 or more.
         """
         return self._core.permutation(self._checked_count(count))
 
     def shuffle(self, items: list[Item]) -> None:
-        """Puts the list `items` into a random order, in place (Fisher-Yates)."""
+        """Shuffles the list `items` in place (Fisher-Yates)."""
         items[:] = [items[at] for at in self.permutation(len(items))]
 
     @staticmethod

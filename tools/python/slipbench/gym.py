@@ -1,15 +1,19 @@
 """Grasps as Gymnasium environments: importing this module registers them.
 
-`slipbench/GraspLift-v0`: the published grasp, lifted by 100 mm. `slipbench/Grasp-v0`: any grasp scene, `gymnasium.make("slipbench/Grasp-v0",
-scene="my.yaml")`. `slipbench/StageSlip-v0`: a detector's task, frame by frame, in an open recording.
+`slipbench/GraspLift-v0`: the published grasp with a lift of 100 mm. `slipbench/Grasp-v0`: any grasp
+scene, `gymnasium.make("slipbench/Grasp-v0", scene="my.yaml")`. `slipbench/StageSlip-v0`: detection
+in an open recording, frame by frame.
 
-Reward of a grasp's step: -(F / F_ideal) dt / T - 0.1 for each mm slipped since the lift began - 10 where the box is dropped in it, or the lift ends
-without the box. F is the true grip force at the step's end, F_ideal the least that could hold the box, dt the step's length, T the scene's duration. The
-episode terminates when the box is dropped, or when the arm has risen and the box was not lifted, and is truncated when the scene's duration is over.
-The duration may be shorter than the lift; the episode's end then stands for the lift's.
+Reward of a grasp's step: -(F / F_ideal) dt / T - 0.1 for each mm slipped since the lift began - 10
+if the box is dropped in it, or the lift ends without the box. F is the true grip force at the
+step's end, F_ideal the least force that can hold the box, dt the step's length, T the scene's
+duration. The episode terminates when the box is dropped, or when the arm rose without the box, and
+is truncated at the end of the scene's duration. The duration may be shorter than the lift; then the
+episode's end counts as the lift's.
 
-Seeds. `reset(seed=s)` begins the first episode of seed s, each `reset()` after it the next one. Where no seed was ever given, `reset()` draws one from the
-operating system's entropy, another one for each environment.
+Seeds: `reset(seed=s)` starts the first episode of seed s, each further `reset()` the next one. If
+    no seed was ever given, `reset()` draws one from the operating system's entropy, a different one
+    for each environment.
 """
 
 from __future__ import annotations
@@ -45,7 +49,8 @@ def _seed(seed: int | None) -> int | None:
 
 def _next_episode(environment: gymnasium.Env[Any, Any] | VectorEnv[Any, Any, Any], seed: int | None, episode: int,
                   asked: int | None) -> tuple[int, int]:
-    """Seed and number of the episode that a reset with the seed `asked` begins, after episode number `episode` of `seed`."""
+    """Seed and number of the episode that a reset with the seed `asked` starts, after episode
+    number `episode` of `seed`."""
     if asked is not None:
         return int(asked), 0
     if seed is not None:
@@ -68,25 +73,27 @@ def _begun(episode: int) -> None:
 
 
 def _shaped(values: Any, key: str, shape: tuple[int, ...]) -> NDArray[Any]:
-    """What a policy gave, with as many values as `shape` has. Raises InputError, which names `key`, the shape expected and the one found."""
+    """Converts a policy's values to an array with as many values as `shape`. Raises InputError with
+    `key` and both shapes."""
     array = np.asarray(values)
     if array.size != math.prod(shape):
         raise _core.InputError(f"{key}: expected shape {shape}, found {array.shape}")
     return array
 
 
-_SEEDS = 2**63  # seeds that are drawn are below
+_SEEDS = 2**63  # upper limit of drawn seeds
 _TRUTHS = ("time", "grip_force", "ideal_force", "slip_distance", "lifting")
-_GREATEST = np.finfo(np.float32).max  # what a sensor's float32 may be: it has no other bound
+_GREATEST = np.finfo(np.float32).max  # the only bound of a sensor's float32
 _BOUNDS = {"gripper.position": 255.0, "gripper.moving": 1.0, "gripper.stopped": 1.0, "slip.state": 3.0}
 
 
-# What a value of a sensor is divided by where observations are scaled, by its unit, so that values of a grasp are of order one; other units: 1.
+# Divisors of a sensor's values in scaled observations, by unit, so that values of a grasp are of
+# order one; other units: 1.
 _SCALES = {"N": 5.0, "m": 1e-3, "counts": 4096.0, "V": 1.0, "Pa": 1e4, "kPa": 10.0}
 
 
 def _scale(names: list[str], units: list[str], scaled: bool) -> Observation:
-    """What each value of an observation is divided by: 1 unless observations are scaled."""
+    """Divisor of each value of an observation: 1 unless observations are scaled."""
     if not scaled:
         return np.ones(len(names), np.float32)
     return np.array([_BOUNDS.get(name, _SCALES.get(unit, 1.0)) for name, unit in zip(names, units, strict=True)], np.float32)
@@ -106,26 +113,32 @@ def _info(truth: dict[str, Any], params: str) -> dict[str, Any]:
 
 
 class GraspEnv(gymnasium.Env[Observation, Observation]):
-    """A grasp whose gripper the policy commands, from one read of the gripper to the next (20 ms unless the scene says other).
+    """A grasp whose gripper the policy commands, from one read of the gripper to the next (by
+    default 20 ms).
 
-    Truth is in `info` only. Each episode of a seed is another draw of the scene's sweep and scatter. It can be pickled and deep-copied at any step: the
-    copy replays the episode's actions, and its next steps are bit-identical.
+    Truth is in `info` only. Each episode of a seed is another draw of the scene's sweep and
+    scatter. Environments can be pickled and deep-copied at any step: the copy replays the episode's
+    actions, and its next steps are bit-identical.
 
     Attributes:
-        observation_names: of each value of an observation: "gripper.position", "pad.P0_FX", ...
-        observation_units: unit of each value before scaling: "counts", "N", ...; "1" for flags and codes
-        observation_scale: [values] what each value is divided by; 1 unless `scaled`
+        observation_names: name of each value of an observation: "gripper.position", "pad.P0_FX",
+            ...
+        observation_units: unit of each value before scaling: "counts", "N", ...; "1" for flags and
+            codes
+        observation_scale: [values] divisor of each value; 1 unless `scaled`
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
 
     def __init__(self, scene: str | os.PathLike[str] = "grasp/lift.yaml", values: dict[str, Any] | None = None, command: str = "force",
                  render_mode: str | None = None, scaled: bool = False) -> None:
-        """`scene`: a file, or one that comes with the package. `values`: as `Scene.set()` takes them.
+        """`scene`: a file, or a scene of the package. `values`: as for `Scene.set()`.
 
-        `command`: what the action in [-1, 1] stands for, "force", 0 to 20 N of measured grip force, or "position", 0 to 255 counts. `render_mode`: one
-        of `metadata["render_modes"]`, or None. `scaled`: divide each value of an observation by `observation_scale`: forces by 5 N, displacements by 1 mm,
-        counts of a sensor by 4096, the gripper's position by 255 and the detector's state by 3, so that values are of order one, as policies expect.
+        `command`: meaning of the action in [-1, 1]: "force", 0 to 20 N of measured grip force, or
+        "position", 0 to 255 counts. `render_mode`: one of `metadata["render_modes"]`, or None.
+        `scaled`: divides each value of an observation by `observation_scale`: forces by 5 N,
+        displacements by 1 mm, counts of a sensor by 4096, the gripper's position by 255 and the
+        detector's state by 3, so that values are of order one, as policies expect.
         """
         if render_mode != "rgb_array":
             _refuse_pictures(render_mode, "None, 'rgb_array'")
@@ -160,12 +173,13 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         self._renderer = Renderer(self._grasp.bodies()) if self.render_mode else None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Begins the next episode of the seed, and runs it to its first read of the gripper.
+        """Starts the next episode of the seed, and runs it to the first read of the gripper.
 
-        With `seed`: the first episode of that seed. Without a seed now or before, a seed is drawn from the operating system's entropy. `options` has no
-        effect, whatever it holds.
+        With `seed`: the first episode of that seed. Without a seed now or before, a seed is drawn
+        from the operating system's entropy. `options` is ignored.
 
-        Returns the observation [len(observation_names)], and `info`: the truth before the first step.
+        Returns the observation [len(observation_names)], and `info`: the truth before the first
+        step.
         """
         super().reset(seed=_seed(seed))
         self._seed, self._episode = _next_episode(self, self._seed, self._episode, seed)
@@ -175,11 +189,13 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         return observation / self.observation_scale, _info(truth, self._grasp.params)
 
     def step(self, action: Observation) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Commands `action` [1], -1 to 1, and runs on to the next read. Gives observation, reward, terminated, truncated, info.
+        """Sends `action` [1], -1 to 1, and runs to the next read. Returns observation, reward,
+        terminated, truncated, info.
 
-        `info` holds the truth: time s, grip_force N, ideal_force N, slip_distance m since the trial began, lifting, what was drawn (`params`), and after the
-        last step the trial's `outcome`. Raises gymnasium.error.ResetNeeded before the first reset() and after the episode's end, InputError for an action of
-        another shape.
+        `info` holds the truth: time s, grip_force N, ideal_force N, slip_distance m since the trial
+        began, lifting, the draws (`params`), and after the last step the trial's `outcome`. Raises
+        gymnasium.error.ResetNeeded before the first reset() and after the episode's end, InputError
+        for an action of another shape.
         """
         _begun(self._episode)
         if self._over:
@@ -191,40 +207,43 @@ class GraspEnv(gymnasium.Env[Observation, Observation]):
         return observation / self.observation_scale, reward, failed, ended, _info(truth, self._grasp.params)
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The grasp as it is, [480, 480, 3]: box, plates of the fingers (the blue one carries the first sensor) and table."""
+        """Image of the grasp, [480, 480, 3]: box, plates of the fingers (the blue one carries the
+        first sensor) and table."""
         return self._renderer.draw(self._grasp.bodies()) if self._renderer else None
 
     def close(self) -> None:
-        """Gives the renderer's buffers back."""
+        """Frees the renderer's buffers."""
         if self._renderer:
             self._renderer.close()
             self._renderer = None
 
     @property
     def episode_command(self) -> str:
-        """The command line that runs this episode's trial with the scene's own controller."""
+        """Command line that runs this episode's trial with the scene's own controller."""
         sets = "".join(f" --set {shlex.quote(f'{path}={value}')}" for path, value in self._overrides)
         return self._grasp.command(shlex.quote(self._path) + sets)
 
 
 class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
-    """Several such grasps, stepped by threads. Equal, step by step, to `SyncVectorEnv` of GraspEnv. `gymnasium.make_vec()` makes one.
+    """Several grasps, stepped by threads. Equal, step by step, to `SyncVectorEnv` of GraspEnv.
+    Created by `gymnasium.make_vec()`.
 
     It can be pickled and deep-copied like a GraspEnv.
 
     Attributes:
-        observation_names: of each value of an environment's observation
+        observation_names: name of each value of an environment's observation
         observation_units: unit of each value before scaling
-        observation_scale: [values] what each value is divided by; 1 unless `scaled`
+        observation_scale: [values] divisor of each value; 1 unless `scaled`
     """
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
     def __init__(self, num_envs: int = 1, scene: str | os.PathLike[str] = "grasp/lift.yaml", values: dict[str, Any] | None = None,
                  command: str = "force", render_mode: str | None = None, jobs: int = 0, scaled: bool = False) -> None:
-        """`num_envs` grasps; `scene`, `values`, `command`, `render_mode`, `scaled`: as GraspEnv takes them.
+        """`num_envs` grasps; `scene`, `values`, `command`, `render_mode`, `scaled`: as for
+        GraspEnv.
 
-        `jobs`: threads; 0: one a core. What it gives does not depend on their number.
+        `jobs`: threads; 0: one per core. The results do not depend on it.
         """
         _refuse_pictures(render_mode, "None, in a vector of grasps")
         if num_envs < 1 or jobs < 0:
@@ -262,9 +281,10 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
                 self._grasps.replay(i, actions)
 
     def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Begins an episode in each, as GraspEnv does: environment i with `seed` + i, or with the seed that a list has for it. Without a seed now or before,
-        each environment draws a seed of its own from the operating system's entropy. `options` has no effect, but that the key
-        `reset_mask`, which asks for a reset of some environments alone, is refused.
+        """Starts an episode in each environment: environment i with `seed` + i, or with its seed in
+        a list. Without a seed now or before, each environment draws its own from the operating
+        system's entropy. `options` is ignored, except that the key `reset_mask`, which requests a
+        partial reset, raises an error.
 
         Returns the observations [num_envs, values], and `info`.
         """
@@ -283,8 +303,10 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         return observations, infos
 
     def step(self, actions: Observation) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        """Commands each with its row of `actions` [num_envs, 1], but where its episode has ended: there the next one begins, and the action counts for
-        nothing. Raises gymnasium.error.ResetNeeded before the first reset(), InputError for actions of another shape."""
+        """Sends each environment its row of `actions` [num_envs, 1]. An environment whose episode
+        has ended starts its next one instead and ignores the action. Raises
+        gymnasium.error.ResetNeeded before the first reset(), InputError for actions of another
+        shape."""
         _begun(min(self._episodes))
         commands: list[float] = _shaped(actions, "actions", (self.num_envs, 1)).astype(np.float64).reshape(self.num_envs).tolist()
         before = self._episodes
@@ -300,7 +322,8 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
         observations, numbers, flags, self._episodes, drawn, outcomes = told
         rewards, *truths = numbers.reshape(-1, self.num_envs)
         terminated, truncated, lifting = flags.view(np.bool_).reshape(-1, self.num_envs)
-        # As `_add_info` puts them together, of which each call takes as long as a step of a grasp: so once an episode, for what lasts that long.
+        # Built as by `_add_info`, whose call takes as long as a step of a grasp; constant entries
+        # are therefore added once per episode.
         infos: dict[str, Any] = {}
         for name, truth, told_of in zip(_TRUTHS, (*truths, lifting), np.ones((len(_TRUTHS), self.num_envs), np.bool_), strict=True):
             infos[name], infos[f"_{name}"] = truth, told_of
@@ -315,17 +338,20 @@ class GraspVectorEnv(VectorEnv[Observation, Observation, Any]):
 
 
 class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
-    """A detector's task: an open recording of a stage scene, sample by sample; the action says the pad's `State` at that sample.
+    """Slip detection in an open recording of a stage scene, sample by sample; the action is the
+    pad's `State` at that sample.
 
-    Observation: the sensor's channels at that sample, side by side, in their own units. Reward: 1 where the action says rightly whether the pad slips
-    (incipient or gross, as `state_micro` has it), else 0. Truth is in `info` only. The episode is truncated at the recording's end.
+    Observation: the sensor's channels at that sample, concatenated, in their own units. Reward: 1
+        if the action is right about slip (incipient or gross, by `state_micro`), else 0. Truth is
+        in `info` only. The episode is truncated at the recording's end.
     """
 
     metadata = {"render_modes": []}
 
     def __init__(self, scene: str | os.PathLike[str] = "papillarray/hexapod.yaml", values: dict[str, Any] | None = None, sensor: str = "",
                  render_mode: str | None = None) -> None:
-        """`scene`, `values`: as GraspEnv takes them. `sensor`: which one is shown; empty: the only one. `render_mode`: None."""
+        """`scene`, `values`: as for GraspEnv. `sensor`: the observed one; empty: the only one.
+        `render_mode`: None."""
         _refuse_pictures(render_mode, "None: a recording is no picture")
         self._scene = Scene.load(scene).set(values)
         self.render_mode = render_mode
@@ -353,16 +379,18 @@ class StageSlipEnv(gymnasium.Env[Observation, np.int64]):
         return {"time": float(self._time[self._at]), "state": int(self._states[self._at]), "params": dict(self._params)}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Simulates the next recording of the seed, with `seed` the first one of that seed. Without a seed now or before, a seed is drawn from the operating
-        system's entropy. `options` has no effect, whatever it holds."""
+        """Simulates the next recording of the seed; with `seed`, the first one of that seed.
+        Without a seed now or before, a seed is drawn from the operating system's entropy. `options`
+        is ignored."""
         super().reset(seed=_seed(seed))
         self._seed, self._episode = _next_episode(self, self._seed, self._episode, seed)
         self._record(self._seed, self._episode)
         return self._values[0].copy(), self._info()
 
     def step(self, action: np.int64 | int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Judges what `action`, the code of a `State`, says of the sample shown last, and shows the next. Raises gymnasium.error.ResetNeeded before the first
-        reset() and after the recording's end."""
+        """Judges `action`, the code of a `State`, for the sample shown last, and shows the next
+        sample. Raises gymnasium.error.ResetNeeded before the first reset() and after the
+        recording's end."""
         _begun(self._episode)
         if not self.action_space.contains(np.int64(action)):
             raise _core.InputError(f"action {action}; allowed: 0 to 3, a State")

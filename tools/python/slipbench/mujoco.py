@@ -1,7 +1,9 @@
-"""Pads in any MuJoCo model. Importing this loads the plugin `slipbench.field` into the package `mujoco`.
+"""Pads in any MuJoCo model. Importing this loads the plugin `slipbench.field` into the package
+`mujoco`.
 
-`attach_pad()` puts a pad on a site of an MjSpec, `Pad.read()` reads it by name, `max_timestep()` says how long a step may be. It works in the
-versions of MuJoCo that `builds()` names; in any other the import raises `InputError`, which names them.
+`attach_pad()` puts a pad on a site of an MjSpec, `Pad.read()` reads it by name, `max_timestep()`
+returns the longest stable step. It supports the versions of MuJoCo that `builds()` lists; with any
+other the import raises `InputError`, which lists them.
 """
 
 from __future__ import annotations
@@ -35,12 +37,13 @@ _numbers = itertools.count(1)
 
 
 def builds() -> list[str]:
-    """Versions of MuJoCo in which this slipbench's plugin works, oldest first."""
+    """Versions of MuJoCo that the plugin of this slipbench supports, oldest first."""
     return list(_core.plugin_versions())
 
 
 def plugin_path(version: str | None = None) -> str:
-    """The library of the plugin for a version of MuJoCo; default: that of the package `mujoco`. Raises InputError where there is no build."""
+    """Path of the plugin's library for a version of MuJoCo; default: that of the package `mujoco`.
+    Raises InputError if there is no build."""
     try:
         return str(_FOLDER / _core.plugin_build(version or _mujoco.__version__))
     except InputError as error:
@@ -75,16 +78,19 @@ def _ask(function: str, *addresses: int) -> str:
 
 
 class Reading:
-    """The values of a pad as attributes, each a numpy view of `data.sensordata`: it changes with every step. SI units, forces in the pad's frame.
+    """The values of a pad as attributes, each a numpy view of `data.sensordata` that changes with
+    every step. SI units, forces in the pad's frame.
 
-    The channels of the sensor, such as `force` [N,3] N and `displacement` [N,3] m of a PapillArray, and with truth: `unit_state` [N] (0 detached,
-    1 stick, 2 slip, 3 partial), `slip_velocity` [N,2] m/s, `slip_distance` [N] m, `margin` [N], `contact_force` [N,3] N, `state` and `state_micro` []
-    (0 none, 1 non-slip, 2 incipient, 3 gross), `stuck_fraction` []. As all of MuJoCo's sensordata they are those before the last step.
-    `slip_velocity` and `contact_force` are in the contact plane, x and y along the touched surface, so that Coulomb's law holds where a pad leans.
+    The channels of the sensor, such as `force` [N,3] N and `displacement` [N,3] m of a PapillArray,
+    and with truth: `unit_state` [N] (0 detached, 1 stick, 2 slip, 3 partial), `slip_velocity` [N,2]
+    m/s, `slip_distance` [N] m, `margin` [N], `contact_force` [N,3] N, `state` and `state_micro` []
+    (0 none, 1 non-slip, 2 incipient, 3 gross), `stuck_fraction` []. Like all of MuJoCo's sensordata
+    they are from before the last step. `slip_velocity` and `contact_force` are in the contact
+    plane, x and y along the touched surface, so that Coulomb's law holds for a tilted pad.
 
     Attributes:
-        units: of each value, by name: "N", "m/s", "1"
-        shapes: of each value, by name: (9, 3); () of a number alone
+        units: unit of each value, by name: "N", "m/s", "1"
+        shapes: shape of each value, by name: (9, 3); () for a single number
     """
 
     def __init__(self, arrays: Mapping[str, npt.NDArray[np.float64]], units: Mapping[str, str]) -> None:
@@ -103,7 +109,7 @@ class Reading:
 
 
 class _Measured:
-    """A class of one's own that makes its readings of the contact of a pad."""
+    """A user class that computes its readings from the contact of a pad."""
 
     contact = ("force", "displacement", "depth", "shear")
 
@@ -129,10 +135,11 @@ class _Measured:
 
 
 class Pad:
-    """A pad of a model, by the name of its plugin instance. After `MjSpec.attach` it is found with the prefix or suffix that it was given.
+    """A pad of a model, by the name of its plugin instance. After `MjSpec.attach` it is found under
+    the name with prefix or suffix.
 
     Attributes:
-        name: of the instance, without such a prefix
+        name: name of the instance, without prefix or suffix
     """
 
     def __init__(self, name: str, sensor: _Measured | None = None) -> None:
@@ -143,7 +150,8 @@ class Pad:
         self._parts: list[tuple[str, str, tuple[int, ...]]] = []
 
     def read(self, data: Any) -> Reading:
-        """The pad's values in `data`, an MjData. Raises InputError where its model has no such pad, or no sensor reads it."""
+        """The pad's values in `data`, an MjData. Raises InputError if its model has no such pad, or
+        no sensor reads it."""
         if self._model is not data.model:
             self._find(data.model)
         arrays, start = {}, self._address
@@ -156,7 +164,7 @@ class Pad:
 
     def _find(self, model: Any) -> None:
         described = _described(model)
-        # MjSpec.attach puts a prefix before the name or a suffix behind it.
+        # MjSpec.attach adds a prefix or a suffix to the name.
         found = [self.name] if self.name in described else [name for name in described if name.endswith(self.name)]
         found = found or [name for name in described if name.startswith(self.name)]
         if len(found) != 1:
@@ -196,9 +204,11 @@ def pads(model: Any) -> dict[str, Pad]:
 
 
 def max_timestep(model: Any, data: Any = None) -> float:
-    """The longest `model.opt.timestep` [s] that explicit pads bear with all their elements touching at once.
+    """The longest stable `model.opt.timestep` [s] of explicit pads with all their elements in
+    contact at once.
 
-    That depends on where the bodies are: as in `data`, default as the model begins. Infinite where no pad is explicit.
+    It depends on the poses of the bodies: those in `data`, by default the model's initial ones.
+    Infinite if no pad is explicit.
     """
     scratch = _mujoco.MjData(model)
     if data is not None:
@@ -212,24 +222,31 @@ def attach_pad(spec: Any, site: Any, touch: Any, *,
                pad: str | Mapping[str, Any] | Callable[[_own.SensorSource], _own.OwnSensor] | npt.ArrayLike = "papillarray", name: str | None = None,
                friction: float | Mapping[str, float] | None = None, material: str | None = None, effects: Sequence[Any] = (),
                solver: str = "explicit", damping: float | None = None, truth: bool = True, seed: int = 0, trial: int = 0, check: str = "error", unloaded: str = "1") -> Pad:
-    """Puts a pad on a site of an MjSpec, with a sensor that reads it and all that the model needs for it (`complete()`).
+    """Puts a pad on a site of an MjSpec, with a sensor that reads it and everything that the model
+    needs for it (`complete()`).
 
-    spec: before or after it is attached to another; call `complete()` on the other one then, too.
-    site: its name, or the MjsSite. +Z points from the touched object into the pad, the origin lies at the undeformed tips.
-    touch: what is touched, one or a list: names of geoms, "body:NAME", "subtree:NAME", "group:N", MjsGeom or MjsBody objects. Of a body the geoms
-        that can collide, all where none can.
-    pad: the name of a sensor (`slipbench.list_names("sensors")`), a mapping with its parameters ({"type": "papillarray", "bristles": 6}), or elements
-        [N,5] x, y, z [m], k_n, k_t [N/m], with three more columns for axes that are not -Z. Or a class such as `slipbench.sensor()` takes: each
-        `read()` of the pad that is returned is then a sample, which the class makes of the contact as it is; pads found by name give the contact.
-    name: of the pad, default that of the site.
+    spec: before or after it is attached to another; in the latter case call `complete()` on the
+        other one too.
+    site: its name, or the MjsSite. +Z points from the touched object into the pad; the origin is at
+        the undeformed tips.
+    touch: touched objects, one or a list: names of geoms, "body:NAME", "subtree:NAME", "group:N",
+        MjsGeom or MjsBody objects. For a body, its geoms that can collide, or all if none can.
+    pad: the name of a sensor (`slipbench.list_names("sensors")`), a mapping with its parameters
+        ({"type": "papillarray", "bristles": 6}), or elements [N,5] x, y, z [m], k_n, k_t [N/m],
+        with three more columns for axes other than -Z. Or a class as for `slipbench.sensor()`: each
+        `read()` of the returned pad is then a sample, which the class computes from the true
+        contact; pads found by name return the contact.
+    name: of the pad; default: that of the site.
     friction: coefficient, or {"static": ..., "kinetic": ...}; material: a named one. Not both.
-    solver: "explicit", or "implicit", for which integrator, iterations and cone are set and tendons added.
-    effects: as a scene lists a sensor's effects.
-    damping: time of a dashpot beside each spring [s], default 1 ms.
-    truth: whether the sensor reads the truth, too. seed, trial: of what effects draw.
-    check: "error", or "warn" where mistakes are to be warnings. unloaded: "1" or "nan", margin of what does not touch.
+    solver: "explicit", or "implicit", which sets integrator, iterations and cone and adds tendons.
+    effects: as in a scene's list of a sensor's effects.
+    damping: time constant of a dashpot parallel to each spring [s], default 1 ms.
+    truth: True if the sensor also reads the truth. seed, trial: keys of the effects' draws.
+    check: "error", or "warn" to turn mistakes into warnings. unloaded: "1" or "nan", margin without
+        contact.
 
-    Raises InputError for what is not in the spec or not possible in this MuJoCo; other mistakes are errors of `spec.compile()`.
+    Raises InputError for objects that the spec lacks and for features that this MuJoCo lacks; other
+    mistakes are errors of `spec.compile()`.
     """
     site_name = site if isinstance(site, str) else _name(site, "site")
     if isinstance(site, str) and spec.site(site) is None:
@@ -274,9 +291,10 @@ def attach_pad(spec: Any, site: Any, touch: Any, *,
 
 
 def complete(spec: Any) -> None:
-    """Adds to `spec`, an MjSpec, what its pads need and it lacks: excludes between what moves with a pad and what it touches, and for implicit pads options and
-    tendons. `attach_pad()` calls it; call it once more on a spec to which one with pads has been attached. What a pad names and the spec does not
-    have is left for `spec.compile()` to refuse.
+    """Adds to `spec`, an MjSpec, the elements that its pads need: excludes between bodies that move
+    with a pad and those that it touches, and for implicit pads options and tendons. `attach_pad()`
+    calls it; call it again on a spec to which a spec with pads was attached. Names that the spec
+    lacks are reported by `spec.compile()`.
     """
     known = {frozenset((exclude.bodyname1, exclude.bodyname2)) for exclude in spec.excludes}
     joined = {tendon.name for tendon in spec.tendons}
@@ -290,7 +308,8 @@ def complete(spec: Any) -> None:
         for body in _touched_bodies(spec, plugin.name, config, site):
             for carrier in _moving_with(spec, site.parent):
                 pair = frozenset((_name(carrier, "body"), _name(body, "body")))
-                # An exclude of the world would let things fall through its other geoms, the floor. The plugin refuses contact that is possible then.
+                # An exclude with the world would let bodies fall through its other geoms, such as
+                # the floor. The plugin then rejects contact that is possible.
                 if len(pair) == 2 and pair not in known and "world" not in pair:
                     spec.add_exclude(bodyname1=carrier.name, bodyname2=body.name)
                     known.add(pair)
@@ -315,7 +334,8 @@ def _need_discrete() -> Any:
 
 
 def _name(thing: Any, noun: str) -> str:
-    """Its name; what has none is given one, since plugins, excludes and tendons know things by name."""
+    """Returns the object's name; names it if necessary, since plugins, excludes and tendons refer
+    to names."""
     if not thing.name:
         thing.name = f"slipbench_{noun}_{next(_numbers)}"
     return str(thing.name)
@@ -330,7 +350,7 @@ def _touch_word(item: Any) -> str:
 
 
 def _lookup(instance: str, config: Mapping[str, str], name: str, find: Any) -> Any:
-    """What the plugin will take the name for: with the prefix and suffix of its instance first."""
+    """Looks up a name as the plugin will: first with the prefix and suffix of its instance."""
     declared = config.get("name", "")
     if declared:
         for at in range(len(instance)):
@@ -370,7 +390,7 @@ def _names_above(body: Any) -> list[str]:
 
 
 def _moving_with(spec: Any, body: Any) -> list[Any]:
-    """The bodies that move with one; of what is fixed to the world only itself."""
+    """The bodies that move with a body; for a body fixed to the world only itself."""
     def top(b: Any) -> Any:
         while b.name != "world" and not len(b.joints) and not b.mocap:
             b = b.parent
@@ -381,7 +401,8 @@ def _moving_with(spec: Any, body: Any) -> list[Any]:
 
 
 def _join(spec: Any, site: Any, body: Any, joined: set[str]) -> None:
-    """One tendon for each object and kinematic tree with pads: each costs MuJoCo more than a pad does."""
+    """Adds one tendon for each object and kinematic tree with pads: each costs MuJoCo more than a
+    pad."""
     first, above = site.parent, site.parent
     while above.name != "world":
         first = above if len(above.joints) else first
