@@ -1,9 +1,10 @@
-"""Runs clang-tidy over the product's sources: clang_tidy.py ROOT BUILD, where BUILD holds compile_commands.json: ROOT/build/lint, which is
-configured first, or any other that has one.
+"""Runs clang-tidy over the product's sources: clang_tidy.py ROOT BUILD. BUILD holds
+compile_commands.json: ROOT/build/lint, which is configured first, or any other folder that has one.
 
-A compilation is looked at again only when its preprocessed text, its flags or .clang-tidy changed; what was clean is remembered in
-BUILD/clang-tidy. Several sources make one, as in the unity build: clang-tidy's time goes into the headers that they share. Tests are left
-out: the includes of GoogleTest alone cost more than all the rest.
+A compilation is checked again only if its preprocessed text, its flags or .clang-tidy changed;
+BUILD/clang-tidy records the clean ones. As in the unity build, one compilation has several sources,
+since clang-tidy spends its time on the headers that they share. Tests are excluded: the includes of
+GoogleTest alone cost more than everything else.
 """
 
 import hashlib
@@ -17,10 +18,11 @@ from pathlib import Path
 
 PROGRAM = "clang-tidy-14"
 FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools")
-# MuJoCo indexes with int throughout and hands out a plugin's data as an integer; tools/program/plugin compiles the same sources once more.
+# MuJoCo indexes with int throughout and returns a plugin's data as an integer; tools/program/plugin
+# compiles the same sources again.
 OF_MUJOCO = ",-bugprone-implicit-widening-of-multiplication-result,-performance-no-int-to-ptr"
 WITH_MUJOCO = ("sim/mujoco/", "tools/program/plugin/")
-UNITY = "-bugprone-suspicious-include"  # what a unity source does; include_rule.py finds it elsewhere
+UNITY = "-bugprone-suspicious-include"  # inherent to unity sources; include_rule.py finds it elsewhere
 
 
 def commands(root, build):
@@ -35,7 +37,7 @@ def commands(root, build):
 
 
 def fingerprint(root, directory, command):
-    """Hash of all that clang-tidy's answer depends on. Comments count: they may hold NOLINT."""
+    """Hash of all inputs of clang-tidy. Comments count: they may hold NOLINT."""
     output = command.index("-o")
     preprocess = [word for word in command[:output] + command[output + 2:] if word not in ("-c", "ccache", "/usr/bin/ccache")]
     text = subprocess.run([*preprocess, "-E", "-C"], cwd=directory, capture_output=True, check=True).stdout
@@ -43,7 +45,7 @@ def fingerprint(root, directory, command):
 
 
 def tidy(root, build, source, folder, directory, command):
-    """What clang-tidy says of a source; nothing when it is clean."""
+    """Output of clang-tidy for a source; empty if it is clean."""
     clean = build / "clang-tidy" / fingerprint(root, directory, command)
     if clean.exists():
         return ""

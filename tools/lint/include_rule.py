@@ -1,15 +1,21 @@
-"""Who may include whom. A detector that could include the simulation could read the truth; this check keeps that out.
+"""Checks which files may include which. A detector that could include the simulation could read the
+truth; this check prevents that.
 
-- sim/core: itself, the standard library and Eigen; Random123, SLEEF with its vector type, the loader of libraries and calls about files and threads in a .cc; in plugin_abi.h, which is C, <stddef.h>.
-- sensors/X: sim/core, sensors/X, sensors/plugin_abi.h, and sensors/electronics, which every sensor is composed of.
-- detectors, controllers: sim/core without the truth (contact_frame.h, and sensor.h, which is handed it), and themselves.
-- rtl: what detectors may include, and detectors, whose golden models it runs in lockstep with.
-- the rest of sim: itself and the layers below it (SIM_LAYERS). MuJoCo's headers: sim/mujoco and its tests (tests/stability and tests/install/consumer too) only.
-- tools/base: the bench, sim/core aside nothing but base itself. tools/program: all of the bench, base and program.
-- tools/python: what tools/program may, and python.
+- sim/core: itself, the standard library and Eigen; Random123, SLEEF with its vector type, the
+  loader of libraries and system calls for files and threads in a .cc; in plugin_abi.h, which is C,
+  <stddef.h>.
+- sensors/X: sim/core, sensors/X, sensors/plugin_abi.h, and sensors/electronics, which every sensor
+  uses.
+- detectors, controllers: sim/core without the truth (contact_frame.h, and sensor.h, which receives
+  it), and themselves.
+- rtl: as detectors, and detectors, whose golden models it runs in lockstep.
+- the rest of sim: itself and the layers below it (SIM_LAYERS). MuJoCo's headers: only sim/mujoco
+  and its tests (also tests/stability and tests/install/consumer).
+- tools/base: sim/core and base itself. tools/program: all of the bench, base and program.
+- tools/python: as tools/program, and python.
 - tests: everything.
 
-A header of the project is given in quotes, by its path from the root; sources end in .h and .cc.
+A header of the project is included in quotes, by its path from the root; sources end in .h and .cc.
 """
 
 import re
@@ -22,7 +28,7 @@ STANDARD = re.compile(r"[a-z_0-9]+")
 TRUTH = ("sim/core/contact_frame.h", "sim/core/sensor.h")
 MUJOCO = ("sim/mujoco/", "tests/sim/mujoco/", "tests/stability/", "tests/install/consumer/")  # who may include its headers
 TOP_FOLDERS = ("sim", "sensors", "detectors", "controllers", "rtl", "tools", "tests")
-# The layers of sim, as sim/README.md lists them: what each may include beside itself.
+# The layers of sim, as in sim/README.md, with the other layers that each may include.
 SIM_LAYERS = {
     "core": (),
     "field": ("core",),
@@ -33,14 +39,14 @@ SIM_LAYERS = {
     "simulation": ("core", "field", "effects", "motion", "scene", "grasp"),
     "mujoco": ("core", "field", "effects", "motion", "scene", "grasp", "simulation"),
 }
-# The floors of tools, from the ground up.
+# The layers of tools, from the lowest up.
 FLOORS = ("base", "program")
-BESIDE = {"python": "program"}  # what stands on a floor and is none
+BESIDE = {"python": "program"}  # on top of a layer, but not a layer itself
 BENCH = ("sim/", "sensors/", "detectors/", "controllers/", "rtl/")
 
 
 def allowed_in_tools(path):
-    """The same for a file of tools."""
+    """The same for a file in tools."""
     folder = path.parts[1]
     floor = BESIDE.get(folder, folder)
     if floor not in FLOORS:
@@ -50,7 +56,7 @@ def allowed_in_tools(path):
 
 
 def allowed_folders(path):
-    """Project folders that a file may include from; None where it stands on no floor and in no layer."""
+    """Project folders that a file may include from; None if it is in no layer."""
     top = path.parts[0]
     if top == "sim":
         if path.parts[1] not in SIM_LAYERS:
@@ -68,7 +74,7 @@ def allowed_folders(path):
 
 
 def fault_of(path, quoted, header):
-    """What is wrong with a file's include of a header, or None."""
+    """Error of a file's include of a header, or None."""
     folder = path.parent.as_posix()
     allowed = allowed_folders(path)
     if allowed is None:
@@ -99,7 +105,7 @@ def check(root):
     for path in project_files(root):
         if path.parts[0] not in TOP_FOLDERS:
             continue
-        if path.suffix in (".hpp", ".hh", ".hxx", ".inc", ".ipp", ".cpp", ".cxx", ".c") and path.name != "faults.c":  # which is preloaded
+        if path.suffix in (".hpp", ".hh", ".hxx", ".inc", ".ipp", ".cpp", ".cxx", ".c") and path.name != "faults.c":  # faults.c is preloaded
             yield f"{path}: a source ends in .h or .cc"
         if path.suffix not in (".h", ".cc"):
             continue

@@ -1,4 +1,5 @@
-"""No two headers define a type of the same name in the same namespace: the linker would silently keep one of the two."""
+"""Checks that no two headers define a type of the same name in the same namespace: the linker would
+silently keep one of them."""
 
 import re
 from collections import defaultdict
@@ -6,7 +7,7 @@ from collections import defaultdict
 from tree import lines_of, main, project_files
 
 NAMESPACE = re.compile(r"namespace ([\w:]+) \{")
-# A definition at the outermost level: this project does not indent inside its namespace.
+# A definition at the outermost level: the project does not indent inside its namespace.
 DEFINITION = re.compile(r"(?:template .*)?(?:struct|class|enum class|enum|union) (\w+)(?: final)?\s*(?::[^:;]*)?\{")
 
 

@@ -1,5 +1,5 @@
-"""Folders that can be seen whole, one above the other: none has more than 30 sources, and what a folder includes never leads back to it. The picture
-of them, ARCHITECTURE.svg, is as the includes are; `rooms.py ROOT --fix` draws it anew."""
+"""Checks the folders: none has more than 30 sources, and the includes between folders have no
+cycles. ARCHITECTURE.svg must match the includes; `rooms.py ROOT --fix` draws it again."""
 
 import re
 import sys
@@ -13,7 +13,7 @@ from tree import main, project_files
 MOST = 30
 PICTURE = "ARCHITECTURE.svg"
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
-WIDTH, HEIGHT, GAP, ROW = 128, 34, 16, 72  # of a box, between boxes, from row to row
+WIDTH, HEIGHT, GAP, ROW = 128, 34, 16, 72  # of a box, between boxes, between rows
 
 
 def includes(root, files):
@@ -26,7 +26,7 @@ def includes(root, files):
 
 
 def way_back(graph, start):
-    """The folders on the shortest way from `start` back to it, or nothing."""
+    """The folders on the shortest include cycle through `start`; empty if there is none."""
     ways = [[start]]
     seen = set()
     for way in ways:
@@ -40,12 +40,13 @@ def way_back(graph, start):
 
 
 def ways_back(graph):
-    """Each way that leads back to where it begins, once: from the first of its folders."""
+    """Each include cycle once, from the first of its folders."""
     return [way for folder in sorted(graph) if (way := way_back(graph, folder)) and folder == min(way)]
 
 
 def group_of(folder):
-    """What the picture shows of a folder: the layers of sim, the floors of tools, and the others whole."""
+    """Box of a folder in the picture: the layers of sim and of tools are separate, other top
+    folders whole."""
     parts = folder.split("/")
     return "/".join(parts[:2] if parts[0] in ("sim", "tools") else parts[:1])
 
@@ -59,7 +60,8 @@ def groups_of(graph):
 
 
 def picture(files, graph):
-    """A box for each group, above all that it includes; lines to what it includes and reaches by no other way."""
+    """Draws a box for each group, above all groups that it includes, with lines to included groups;
+    transitive lines are omitted."""
     below = {group_of(path.parent.as_posix()): set() for path in files} | groups_of(graph)
     reach, depth = {}, {}
     for group in TopologicalSorter(below).static_order():
@@ -70,7 +72,7 @@ def picture(files, graph):
     rows = [[group for group in sorted(below) if depth[group] == level] for level in range(1 + max(depth.values()))]
     width = max(map(len, rows)) * (WIDTH + GAP) + GAP
     place = {}
-    for level, row in enumerate(rows):  # each above the middle of what it includes, as far as there is room
+    for level, row in enumerate(rows):  # each above the middle of the groups that it includes, as far as space permits
         middle = {group: sum(place[other][0] for other in direct[group]) / len(direct[group]) if level else width / 2 for group in row}
         row.sort(key=lambda group: (middle[group], group))
         at = []
@@ -94,7 +96,7 @@ def picture(files, graph):
 
 
 def graph_of(root):
-    """The sources without the tests, and what their folders include."""
+    """The sources without the tests, and the includes of their folders."""
     files = [path for path in project_files(root) if path.suffix in (".h", ".cc") and path.parts[0] != "tests"]
     return files, includes(root, files)
 

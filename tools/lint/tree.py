@@ -1,4 +1,4 @@
-"""The project's files, and how a check reports what it found. Shared by the checks of this folder."""
+"""Lists the project's files and reports findings; shared by the checks of this folder."""
 
 import subprocess
 import sys
@@ -6,7 +6,8 @@ from pathlib import Path
 
 
 def project_files(root):
-    """Paths of the project's files relative to root, sorted: what git tracks or would track; outside git, all but build/ and hidden ones."""
+    """Paths of the project's files relative to root, sorted: files that git tracks or would track;
+    outside git, all except build/ and hidden files."""
     listed = subprocess.run(
         ["git", "-c", "safe.directory=*", "-C", root, "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
         capture_output=True, text=True, check=False)
@@ -19,12 +20,13 @@ def project_files(root):
 
 
 def lines_of(root, path):
-    """Numbered lines of a text file, without their ends."""
+    """Numbered lines of a text file, without line ends."""
     return enumerate((Path(root) / path).read_text(encoding="utf-8").splitlines(), start=1)
 
 
 def main(check):
-    """Runs check(root), which yields findings as text, for the root named on the command line; exits 1 when there are any."""
+    """Runs check(root), which yields findings as text, for the root on the command line; exits with
+    1 if there are any."""
     if len(sys.argv) != 2:
         sys.exit(f"usage: {sys.argv[0]} ROOT")
     findings = list(check(sys.argv[1]))

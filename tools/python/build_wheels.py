@@ -1,6 +1,9 @@
-"""build_wheels.py [-o FOLDER]: the wheels of the package `slipbench` that need nothing of the system but glibc 2.36: one for Python 3.11, one for 3.12 and later.
-Writes them to FOLDER, default build/wheel, from build/release, with the libraries that it needs and their licences inside. Needs Debian
-12 and tools/setup/setup.sh build test python test-python wheel. Debian 12 has no Python newer than 3.11: headers of Debian 13's are fetched."""
+"""build_wheels.py [-o FOLDER]: builds the wheels of the package `slipbench`, one for Python 3.11,
+one
+for 3.12 and later. They need only glibc 2.36 from the system. Writes them to FOLDER, default
+build/wheel, from build/release, with all libraries and licences inside. Needs Debian 12 and
+tools/setup/setup.sh build test python test-python wheel. Debian 12 has no Python after 3.11, so the
+headers of Debian 13 are fetched."""
 
 import argparse
 import os
@@ -17,7 +20,8 @@ BUILD = ROOT / "build/release"
 TOOLS = WORK / "tools"
 VENV = ROOT / "build/venv"
 ABI3_HEADERS = "libpython3.13-dev"
-# What others bring: glibc and GCC's libraries as every manylinux has them, OpenVINO by its own package, MuJoCo in the folder where it is looked for.
+# Libraries from other packages: glibc and GCC's libraries as in every manylinux, OpenVINO from its
+# own package, MuJoCo from its search folder.
 NOT_INSIDE = ("libopenvino.so.*", "libmujoco.so.*")
 
 
@@ -31,7 +35,8 @@ def said(*command, **more):
 
 
 def fetch_headers():
-    """Python 3.13's from Debian 13, by a set of apt's folders of their own, into build/wheel/headers."""
+    """Fetches Python 3.13's headers from Debian 13 to build/wheel/headers, with separate apt
+    folders."""
     folder = WORK / "headers"
     if folder.exists():
         return
@@ -52,7 +57,8 @@ def fetch_headers():
 
 
 def stage(folder):
-    """Puts the packages slipbench, without its module, and slipbench_studies below `folder`. Returns their paths and that of the wheel's metadata."""
+    """Puts the packages slipbench, without its module, and slipbench_studies below `folder`.
+    Returns their paths and the path of the wheel's metadata."""
     package, studies = folder / "slipbench", folder / "slipbench_studies"
     shutil.copytree(ROOT / "tools/python/slipbench", package, ignore=shutil.ignore_patterns("__pycache__"))
     run("cmake", "--install", BUILD, "--component", "python", "--prefix", package, stdout=subprocess.DEVNULL)
@@ -65,12 +71,12 @@ def stage(folder):
 
 
 def carry_licences(files, info):
-    """Debian's copyright file of every package that NOTICE.md names or whose library `files` load, nanobind's
-    and d3's licences, and the packages' versions."""
+    """Copies Debian's copyright file of every package that NOTICE.md names or whose library `files`
+    load, nanobind's and d3's licences, and the packages' versions."""
     folder = info / "licenses"
     folder.mkdir(exist_ok=True)
     loaded = {os.path.realpath(path) for file in files for path in re.findall(r"=> (/\S+)", said("ldd", file))}
-    # By their names: dpkg knows some below /lib, which is /usr/lib.
+    # By file name: dpkg lists some under /lib, which is /usr/lib.
     for line in said("dpkg-query", "--search", *(f"*/{Path(path).name}" for path in sorted(loaded) if path.startswith("/usr/"))).splitlines():
         name = line.split(":")[0]
         shutil.copy(f"/usr/share/doc/{name}/copyright", folder / f"{name}.txt")
@@ -94,7 +100,7 @@ def make(out, module, tag):
     shutil.copy(module, package / "bin")
     run("patchelf", "--set-rpath", "$ORIGIN/../lib/slipbench/mujoco", package / "bin" / module.name)
     carry_licences([module, *(BUILD / "lib/slipbench").glob("libslipbench_[cn]*.so")], info)
-    # With FFTW inside, the whole is under GPL-3.0-or-later: NOTICE.md.
+    # With FFTW inside, the wheel is under GPL-3.0-or-later: NOTICE.md.
     metadata = (info / "METADATA").read_text(encoding="utf-8")
     classifier = "Classifier: License :: OSI Approved :: GNU General Public License v3 or later (GPLv3+)"
     (info / "METADATA").write_text(metadata.replace("\nVersion:", f"\n{classifier}\nVersion:", 1), encoding="utf-8")

@@ -1,7 +1,8 @@
-"""A grip policy found by search: the box of mu 0.2 is held with less force than step_on_slip needs.
+"""Searches a grip policy that holds the box of mu 0.2 with less force than step_on_slip.
 
-The policy commands the force w0 + w1 T [N], T the tangential force that the pad measures [N]. The cross-entropy method looks for w: candidates
-are drawn, all grasp the same boxes, and the next ones are drawn about the best.
+The policy commands the force w0 + w1 T [N], with T the tangential force measured by the pad [N].
+The cross-entropy method searches w: candidates are drawn, all grasp the same boxes, and the next
+candidates are drawn around the best.
 """
 
 import sys
@@ -14,7 +15,7 @@ import slipbench
 import slipbench.gym
 
 MU = {"friction": {"static": 0.2, "kinetic": 0.15}}  # of slipbench/GraspLift-v0
-STRONGEST = 20.0  # N, what the action 1 commands
+STRONGEST = 20.0  # N, force of the action 1
 ROUNDS, CANDIDATES, BEST, UNSEEN = 4, 10, 3, 40
 if "--quick" in sys.argv:
     ROUNDS, CANDIDATES, BEST, UNSEEN = 1, 3, 2, 8
@@ -23,7 +24,7 @@ FIGURES = ("dropped", "lifted", "max_grip_force_N", "ideal_grip_force_N")
 
 
 def grasps(environment: slipbench.gym.GraspVectorEnv, weights: NDArray[np.float64], seed: int) -> tuple[NDArray[np.float64], list[dict[str, Any]]]:
-    """Each environment's return and last `info` of one episode, the boxes being those of `seed`."""
+    """Each environment's return and last `info` of one episode, with the boxes of `seed`."""
     names = environment.observation_names
     along = [[k for k, name in enumerate(names) if name.startswith("pad.P") and name.endswith(axis)] for axis in ("FX", "FY")]
     observations, _ = environment.reset(seed=[seed + i for i in range(environment.num_envs)])
@@ -42,7 +43,8 @@ def grasps(environment: slipbench.gym.GraspVectorEnv, weights: NDArray[np.float6
 
 
 def report(name: str, outcomes: list[dict[str, Any]]) -> None:
-    """Boxes dropped or not lifted, and the greatest force over the least that holds each."""
+    """Prints the number of boxes dropped or not lifted, and the ratio of the greatest force to the
+    least that holds."""
     lost = sum(outcome["dropped"] or not outcome["lifted"] for outcome in outcomes)
     ratios = [outcome["max_grip_force_N"] / outcome["ideal_grip_force_N"] for outcome in outcomes]
     print(f"{name:28} lost {lost:2} of {len(outcomes)}, greatest force over the least that holds: {np.median(ratios):.2f}")

@@ -1,4 +1,5 @@
-"""A network of one's own: trained on simulated grasps, written as a detector, and run in a grasp's loop."""
+"""A network of one's own: trained on simulated grasps, written as a detector, and run in a grasp's
+loop."""
 
 import argparse
 import os
@@ -11,7 +12,8 @@ from torch import nn
 
 
 class Memory(nn.Module):
-    """Two dense layers and an LSTM: frames [N, T, inputs] to logits [N, T, classes], with the state that a loop carries."""
+    """Two dense layers and an LSTM: frames [N, T, inputs] to logits [N, T, classes], with the
+    loop's state."""
 
     def __init__(self, inputs, classes):
         super().__init__()
@@ -28,10 +30,10 @@ options = argparse.ArgumentParser(description=__doc__)
 options.add_argument("--quick", action="store_true", help="few grasps and steps, to show how it is done")
 quick = options.parse_args().quick
 
-# Grasps to train on, with the split that the scene says.
+# Grasps for training, with the scene's split.
 grasps = slipbench.Scene.load("grasp/learn.yaml").write("grasps.h5", draws=5 if quick else 40)["files"][0]
 
-# The recipe says what is read and how it is trained; the network is our own.
+# The recipe defines input and training; the network is custom.
 trained = learning.train(grasps, recipe="grasp_gru", network=Memory, steps=30 if quick else 600, alarms="20/min", output="memory.onnx",
                          progress=lambda member, report: print(report.step, round(report.loss, 3), round(report.validation, 3)))
 print(trained.judged)
@@ -41,7 +43,8 @@ lift = slipbench.Scene.load("grasp/lift.yaml").set({"detector": {"type": "networ
 trial = lift.run()
 print(trial.outcome["detection"])
 
-# What the detector saw there: its frames, scaled, by the code of the loop; and what the network said of each.
+# The detector's input in that loop: its frames, scaled by the loop's code; and the network's output
+# for each.
 pad = trial.sensors["pad"]
 channels = {name: array.shape[1:] for name, array in pad.channels.items()}
 engine = learning.Engine("memory.onnx")
@@ -50,15 +53,15 @@ seen, samples = frames.all(pad.channels)
 logits = engine.run(seen)
 print(f"{len(samples)} frames of {frames.size} values, {logits.argmax(axis=1).mean():.0%} of them slip")
 
-# Sample by sample and step by step it is the same.
+# Sample-by-sample evaluation gives the same.
 frames.reset()
 engine.reset()
 first = next(frame for row in range(len(pad.channels["force"])) if (frame := frames.push({name: array[row] for name, array in pad.channels.items()})) is not None)
-assert engine.inputs == frames.size  # the network reads one frame a step
+assert engine.inputs == frames.size  # the network reads one frame per step
 assert np.array_equal(first, seen[0]) and np.array_equal(engine.run(first[None]), logits[:1])
 assert np.allclose(learning.answers(trained.networks[0], seen), logits, atol=1e-5)
 
-# The pieces of train(), for a training of one's own: a dropout of channels, no more than an hour of false alarms and the like.
+# The parts of train(), for a custom training with, for example, a dropout of channels.
 examples = learning.read_examples([grasps], learning.find_recipe("grasp_gru").input, progress=lambda done, trials: None)
 offset, scale = learning.scale_of([one.features for one in examples.part("learns")], "standard")
 data = {part: [((one.features - offset) * scale, one.labels) for one in examples.part(part)] for part in ("learns", "validates")}

@@ -1,6 +1,7 @@
-"""Draws labels.svg: one trial by all rules of labels. Argument: where it goes, default: this folder.
+"""Draws labels.svg: one trial by all label rules. Argument: output folder, default: this folder.
 
-Needs the package slipbench and matplotlib: PYTHONPATH=build/release/python build/venv/bin/python tools/python/label_rules/draw_labels.py
+Needs the package slipbench and matplotlib: PYTHONPATH=build/release/python build/venv/bin/python
+tools/python/label_rules/draw_labels.py
 """
 
 import sys
@@ -17,12 +18,12 @@ NO_CONTACT, HOLD, SLIP, LEFT_OUT = range(4)
 
 
 def classes(states):
-    """No contact, hold or slip of a pad's states: incipient and gross slip are slip."""
+    """No contact, hold or slip from a pad's states: incipient and gross slip are slip."""
     return np.where(states == 0, NO_CONTACT, np.where(states >= 2, SLIP, HOLD))
 
 
 def after_slip(micro, filled):
-    """`micro`, with `filled` where the pad holds after a slip and has not lost contact since."""
+    """`micro`, with `filled` where the pad holds after a slip without having lost contact."""
     result, slipped = micro.copy(), False
     for at, state in enumerate(micro):
         slipped = state != NO_CONTACT and (slipped or state == SLIP)
@@ -32,7 +33,8 @@ def after_slip(micro, filled):
 
 
 def braked():
-    """A pad that is pressed, moves sideways at 4 mm/s from 0.6 s on, is braked 0.7 s later while the load stays, and is lifted off."""
+    """Simulates a pad that is pressed, moves sideways at 4 mm/s from 0.6 s, is braked 0.7 s later
+    under constant load, and is lifted off."""
     return slipbench.Scene.from_dict({
         "slipbench": 1, "duration": "2.2 s", "friction": {"static": 0.9, "kinetic": 0.8},
         "motion": {"kind": "stage", "compression": "1 mm", "start": "0.6 s", "speed": "4 mm/s", "stop": "700 ms", "retract": "1.9 s"},
@@ -40,7 +42,7 @@ def braked():
 
 
 def picture(trial):
-    """Tangential force of each pillar above, a strip for each rule below."""
+    """Draws the tangential force of each pillar, and below a strip for each rule."""
     sensor, labels = trial.sensors["pad"], trial.labels["pad"]
     micro = classes(labels.state_micro)
     rules = {"strict": classes(labels.state), "micro": micro, "paper": classes(labels.state_paper), "latched": after_slip(micro, SLIP),
@@ -61,7 +63,7 @@ def picture(trial):
 
 if __name__ == "__main__":
     matplotlib.use("svg")
-    matplotlib.rcParams["svg.hashsalt"] = "slipbench"  # the same ids in each run
+    matplotlib.rcParams["svg.hashsalt"] = "slipbench"  # reproducible ids
     drawn, shares = picture(braked())
     drawn.savefig(Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent) / "labels.svg", metadata={"Date": None})
     print({name: f"{(states == SLIP).mean():.1%}" for name, states in shares.items()})

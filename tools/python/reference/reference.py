@@ -1,4 +1,5 @@
-"""The reference of the package slipbench as Markdown, made from its docstrings: a page of the site (tools/docs). With `python reference.py` on stdout."""
+"""Generates the reference of the package slipbench as Markdown from its docstrings: a page of the
+site (tools/docs). `python reference.py` prints it."""
 
 import importlib
 import pkgutil
@@ -10,12 +11,13 @@ import pdoc.docstrings
 
 import slipbench
 
-# What numpy makes of NDArray[float32].
+# Representation of NDArray[float32] by numpy.
 ARRAY = re.compile(r"numpy\.ndarray\[tuple\[typing\.Any, \.\.\.\], numpy\.dtype\[(?:numpy\.|typing\.)?(\w+)\]\]")
 
 
 def is_public(doc: pdoc.doc.Doc) -> bool:
-    """The attributes of a class stand in its docstring. A constructor is for users where it has a docstring."""
+    """True for documented public objects. The attributes of a class are in its docstring; a
+    constructor is public if it has a docstring."""
     return bool(doc.docstring) and (doc.name == "__init__" or not doc.name.startswith("_"))
 
 
