@@ -1,4 +1,4 @@
-"""The alarms of a detector in recordings, and their tables as Parquet."""
+"""Alarms of a detector in recordings, and their tables as Parquet."""
 
 from __future__ import annotations
 
@@ -22,31 +22,34 @@ def detect(
     parameters: Mapping[str, Any] | None = None,
     sensor: str = "",
 ) -> dict[str, Any]:
-    """Runs a detector on recordings, with or without labels, as `slipbench detect`.
+    """Runs a detector on recordings, with or without labels, like `slipbench detect`.
 
-    The alarms are those that `evaluate()` judges on the same recordings.
+    The alarms are the same as those of `evaluate()` on the same recordings.
 
     Args:
-        detector: a name that a scene may say, a class of one's own among them, FILE.onnx, or a folder of memories
+        detector: a detector's name in a scene, including custom ones, FILE.onnx, or a folder of
+            memories
         recordings: path of a dataset's first file, or several of them
-        output: FILE.csv, FILE.parquet, FILE.json or FILE.html; empty: nothing is written
+        output: FILE.csv, FILE.parquet, FILE.json or FILE.html; empty: no file
         parameters: of the detector, by name
-        sensor: which one it reads; empty: the only one
+        sensor: the sensor that it reads; empty: the only one
 
     Returns:
-        What `slipbench detect --json` prints. "trials" has of each trial its "alarms", a list of {"begin_s", "end_s", "probability"}, and its
-        "samples": "time_s" in s, "state" and "label" as words, "probability" from 0 to 1, None where there is none. "worst" has places in
-        "trials", the worst first. "files" are the files written.
+        The output of `slipbench detect --json`. "trials" has for each trial its "alarms", a list of
+        {"begin_s", "end_s", "probability"}, and its "samples": "time_s" in s, "state" and "label"
+        as words, "probability" from 0 to 1 or None. "worst" holds indices into "trials", the worst
+        first. "files" lists the written files.
 
     Raises:
-        InputError: a recording or detector cannot be read, they do not fit each other, or `output` cannot be written
+        InputError: a recording or detector is unreadable, they do not fit each other, or `output`
+            cannot be written
         ModuleNotFoundError: FILE.parquet without the package pyarrow
     """
     files = [os.fspath(path) for path in _paths(recordings, "recordings")]
     target = os.fspath(output)
     parquet = target.endswith(".parquet")
     if parquet:
-        import pyarrow  # noqa: F401  # before the work begins
+        import pyarrow  # noqa: F401  # fails before the work if it is missing
     text, written = _core.detect(detector, overrides_of(parameters), files, sensor, "" if parquet else target)
     result: dict[str, Any] = json.loads(text)
     result["files"] = write_parquet(target, result) if parquet else written
@@ -54,22 +57,23 @@ def detect(
 
 
 def samples_path(path: str) -> str:
-    """FILE_samples.parquet of FILE.parquet."""
+    """FILE_samples.parquet for FILE.parquet."""
     return str(Path(path).with_name(Path(path).stem + "_samples.parquet"))
 
 
 def write_parquet(path: str, result: Mapping[str, Any]) -> list[str]:
-    """Writes the alarms, a row each, and beside them the samples, a row each. The files get their names once both are whole.
+    """Writes the alarms, one row each, and in a second file the samples, one row each. Both files
+    get their names once both are complete.
 
     Args:
         path: FILE.parquet
-        result: of detect()
+        result: result of detect()
 
     Returns:
         the names of both files
 
     Raises:
-        InputError: a file cannot be written, or is no earlier table of this command
+        InputError: a file cannot be written, or exists and is not a table of this command
     """
     import pyarrow as pa
     from pyarrow import parquet as pq

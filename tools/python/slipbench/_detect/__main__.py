@@ -1,4 +1,5 @@
-"""`python -m slipbench._detect REQUEST`: started by the program. Exit status 2 for bad input, with its message."""
+"""`python -m slipbench._detect REQUEST`: started by the program. Exit status 2 for bad input, with
+its message."""
 
 from __future__ import annotations
 
@@ -12,11 +13,12 @@ from slipbench.bin import _core
 
 
 def main(text: str) -> int:
-    """Does what the request asks for, in JSON: the arguments of detect(), `json` and `install`; returns the exit status."""
+    """Runs the request, in JSON: the arguments of detect(), `json` and `install`; returns the exit
+    status."""
     request = json.loads(text)
     try:
         interrupt = Interrupt("stopping; nothing is kept")
-        import pyarrow  # noqa: F401  # before the work begins
+        import pyarrow  # noqa: F401  # fails before the work if it is missing
 
         result, _ = _core.detect(request["detector"], list(request["parameters"].items()), request["recordings"], request["sensor"], "")
         interrupt.check()

@@ -1,1 +1,2 @@
-"""The formats of `slipbench export` that are written in Python: `python -m slipbench._export FILE`, where FILE has the `Request`. The program starts it once it has checked the dataset."""
+"""Formats of `slipbench export` that are written in Python: `python -m slipbench._export FILE`,
+where FILE holds the `Request`. The program starts it after checking the dataset."""

@@ -1,4 +1,5 @@
-"""`python -m slipbench._export FILE`: started by the program, with a file that has the request. Exit status 2 for bad input, with its message."""
+"""`python -m slipbench._export FILE`: started by the program; FILE holds the request. Exit status 2
+for bad input, with its message."""
 
 import importlib
 import json
@@ -11,16 +12,17 @@ from slipbench._program import Interrupt, Interrupted
 
 
 def repeat_nothing(_told: object) -> None:
-    """Writers that are dropped unclosed would tell the same error again, with a traceback."""
+    """Replaces sys.unraisablehook: writers destroyed unclosed would repeat the error with a
+    traceback."""
 
 
 def main(path: str) -> int:
-    """Writes what the request asks for; returns the exit status."""
+    """Writes the requested files; returns the exit status."""
     request = Request(**json.loads(Path(path).read_bytes()))
     progress = Progress(request, Interrupt("stopping after this trial"))
     try:
         writer = importlib.import_module(f"slipbench._export.{'card' if request.files else request.format}")
-        with open_dataset(request.dataset, check=False) as data:  # the program has compared the digests
+        with open_dataset(request.dataset, check=False) as data:  # the program has checked the digests
             files = writer.write(data, request, progress)
         progress.end_notes()
         tell(request, files)

@@ -1,4 +1,5 @@
-"""The card of an export, README.md: what the files hold and how they were made, with the front matter of Hugging Face's dataset cards."""
+"""The card of an export, README.md: content and origin of the files, with the front matter of
+Hugging Face's dataset cards."""
 
 from __future__ import annotations
 
@@ -17,14 +18,14 @@ from slipbench._export.series import Series, body_series, control_series, label_
 from slipbench._program import counted
 
 BEGINNING = "---\n# Written by slipbench export.\n"
-CARDS = (BEGINNING.encode(), croissant.BEGINNING.encode())  # how README.md and croissant.json begin
-# What the names of files say in Croissant.
+CARDS = (BEGINNING.encode(), croissant.BEGINNING.encode())  # first bytes of README.md and croissant.json
+# Fields in the names of files, for Croissant.
 NAMED = {"trial": ("sc:Integer", "number of the trial"), "class": ("sc:Text", "class of the motion")}
 PLACES = {"sensors": "sensor", "labels": "labels of", "truth": "body", "control": "control loop"}
 
 
 def _row(*cells: str) -> str:
-    """A line of a table, in which a bar and the end of a line have no meaning."""
+    """A table row, with bars escaped and line ends replaced."""
     return "| " + " | ".join(re.sub(r"\s+", " ", cell).replace("|", "\\|") for cell in cells) + " |\n"
 
 
@@ -33,7 +34,7 @@ def _head(*cells: str) -> str:
 
 
 def _fence(text: str) -> str:
-    """A block of code that no run of backticks inside of the text ends."""
+    """A code block with a fence longer than any run of backticks in the text."""
     ticks = "`" * max(3, 1 + max((len(run) for run in re.findall("`+", text)), default=0))
     return f"{ticks}yaml\n{text.rstrip()}\n{ticks}\n"
 
@@ -45,13 +46,15 @@ def _meaning(series: Series) -> str:
 
 
 def without_folders(command: str) -> str:
-    """The command with the last part of each absolute path, since the folders are those of another machine."""
-    command = re.sub(r"""'([\w.]+=)?/(?:[^']*/)?([^'/]+)/*'""", r"'\1\2'", command)  # quoted, since a name has a blank
+    """The command with absolute paths shortened to their last part, since their folders are on
+    another machine."""
+    command = re.sub(r"""'([\w.]+=)?/(?:[^']*/)?([^'/]+)/*'""", r"'\1\2'", command)  # quoted names contain blanks
     return re.sub(r"""(?<![^\s'"=,[])/(?:[^\s'",\]]*/)?([^\s'",\]/]+)/*""", r"\1", command)
 
 
 def _first(data: Dataset, request: Request) -> dict[str, StoredTrial]:
-    """The first trial that has each sensor, of those that the format is for. Trials of recordings may differ in their sensors."""
+    """For each exported sensor, the first trial that has it. Imported trials may differ in their
+    sensors."""
     found: dict[str, StoredTrial] = {}
     for number in request.trials:
         trial = data[number]
@@ -65,7 +68,7 @@ def _first(data: Dataset, request: Request) -> dict[str, StoredTrial]:
 
 
 def _series(data: Dataset, request: Request) -> Iterator[Series]:
-    """The arrays that the files hold."""
+    """The arrays in the files."""
     holds = LAYOUTS[request.format].holds
     trial = data[request.trials[0]]
     series: list[Series] = []
@@ -80,7 +83,7 @@ def _kinds(data: Dataset, request: Request) -> list[str]:
 
 
 def _with_labels(data: Dataset, request: Request) -> str:
-    """Returns the part of a sentence that says that the files have labels of slip."""
+    """Returns the part of a sentence that states that the files have labels of slip."""
     has = LAYOUTS[request.format].has_labels or any(one.kind == "labels" for one in _series(data, request))
     return " with labels of slip" if has else ""
 
@@ -100,7 +103,7 @@ def _citation(data: Dataset) -> str:
 def _sensor_rows(data: Dataset, request: Request) -> str:
     rows, first = "", _first(data, request)
     common = request.rate
-    if request.format == "robomimic" and common is None:  # all sensors at the rate of the slowest
+    if request.format == "robomimic" and common is None:  # all sensors have the rate of the slowest
         common = min(float(trial.sensors[name].attrs["rate_hz"]) for name, trial in first.items())
     for name in first:
         sensors = [found[name] for number in request.trials if name in (found := data[number].sensors)]
@@ -110,7 +113,7 @@ def _sensor_rows(data: Dataset, request: Request) -> str:
 
 
 def _array_rows(data: Dataset, request: Request) -> str:
-    """Describes the dataset's arrays in the files; empty where there are none."""
+    """Table of the dataset's arrays in the files; empty if there are none."""
     rows, first = "", _first(data, request)
     for one in _series(data, request):
         rule = f"; rule: {first[one.owner].labels[one.owner].attrs['rule']}" if one.name == "state_recorded" else ""
@@ -134,7 +137,7 @@ def _column_rows(request: Request) -> str:
 
 
 def _options(request: Request) -> str:
-    """The options by which the values in the files differ from those of the dataset."""
+    """The options that change the values in the files."""
     words = [f"--format {request.format}"]
     words += [f"--labels {request.labels}"] if request.labels else []
     words += [f"--label-speed '{1e3 * request.label_speed:g} mm/s'"] if request.label_speed is not None else []
@@ -166,13 +169,15 @@ def card_text(data: Dataset, request: Request) -> str:
 
 
 def check_card(request: Request) -> None:
-    """Raises InputError if a file of another kind has the name of the card or of croissant.json. To be called before the data is written."""
+    """Raises InputError if a file of another kind has the name of the card or of croissant.json.
+    Call before writing the data."""
     for name, beginning in zip(("README.md", "croissant.json"), CARDS, strict=True):
         check_replaceable(Path(request.out) / name, "a dataset card of slipbench", beginning)
 
 
 def write_card(data: Dataset, request: Request, output: Output) -> None:
-    """Writes README.md and croissant.json among the files of `output` and those that the program has written, after all others."""
+    """Writes README.md and croissant.json for the files of `output` and those of the program, after
+    all other files."""
     Path(output.path("README.md")).write_text(card_text(data, request), encoding="utf-8")
     written = [(Path(os.path.relpath(file, request.out)).as_posix(), file) for file in request.files]
     text = croissant_text(data, request, [*written, *output.files()])
@@ -186,7 +191,8 @@ def _first_line(path: str) -> str:
 
 
 def _column(request: Request, states: dict[str, str], name: str) -> croissant.Column:
-    """Describes a column of a table that the program has written. `states`: what the arrays of labels mean."""
+    """Describes a column of a table written by the program. `states`: meanings of the label
+    arrays."""
     for one in LAYOUTS[request.format].columns(request):
         if one.pattern and re.fullmatch(one.pattern, name):
             return croissant.Column(name, one.type, f"{one.meaning}; unit {one.unit}" if one.unit else one.meaning)
@@ -194,7 +200,7 @@ def _column(request: Request, states: dict[str, str], name: str) -> croissant.Co
 
 
 def _written_tables(data: Dataset, request: Request, files: list[croissant.File]) -> Iterator[croissant.Table]:
-    """The tables with a header that the program has written: one for all files that have the same columns."""
+    """Tables with a header written by the program: one for all files with the same columns."""
     layout = LAYOUTS[request.format]
     found: dict[tuple[str, str], list[str]] = {}
     for name, path in files:
@@ -221,7 +227,7 @@ def _parquet_tables(request: Request, files: list[croissant.File]) -> Iterator[c
 
 
 def croissant_text(data: Dataset, request: Request, files: list[croissant.File]) -> str:
-    """croissant.json of the export that `request` describes, which consists of `files`."""
+    """croissant.json of the export that `request` describes, for `files`."""
     kinds, files = _kinds(data, request), sorted(files)
     return croissant.croissant_text(
         name=_title(kinds), description=f"{counted(len(request.trials), 'trial')} of {', '.join(kinds)}{_with_labels(data, request)}, as {request.format}.",
@@ -231,7 +237,8 @@ def croissant_text(data: Dataset, request: Request, files: list[croissant.File])
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
-    """Writes the card beside the files that the program has written; returns the names of all files."""
+    """Writes the card for the files that the program has written; returns the names of all
+    files."""
     with Output(request.out, "a dataset card of slipbench", *CARDS) as output:
         write_card(data, request, output)
         progress.check()

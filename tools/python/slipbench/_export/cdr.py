@@ -1,8 +1,9 @@
-"""Messages of ROS 2 in CDR, laid out by numpy for all rows of a topic at once.
+"""Messages of ROS 2 in CDR, encoded by numpy for all rows of a topic at once.
 
-CDR (OMG DDSI-RTPS 2.2, 10.5; XCDR version 1, little-endian): four bytes name the encapsulation, then come the fields in
-order. A number of n bytes is aligned to n bytes, counted from behind the encapsulation. A string is its length as
-uint32 with the closing NUL, its bytes, and NUL. A sequence is its length as uint32, then its elements.
+CDR (OMG DDSI-RTPS 2.2, 10.5; XCDR version 1, little-endian): four bytes for the encapsulation, then
+the fields in order. A number of n bytes is aligned to n bytes, counted after the encapsulation. A
+string is its length as uint32 including the closing NUL, its bytes, and NUL. A sequence is its
+length as uint32, then its elements.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ ENCAPSULATION = bytes([0, 1, 0, 0])  # CDR_LE
 
 
 class Messages:
-    """The messages of one topic, field by field. All have the same length, since strings and lengths are constant.
+    """The messages of one topic, field by field. All have the same length, since strings and
+    lengths are constant.
 
     Args:
         count: number of messages
@@ -24,7 +26,7 @@ class Messages:
 
     def __init__(self, count: int) -> None:
         self.count = count
-        self._parts: list[tuple[int, NDArray[np.uint8]]] = []  # offset behind the encapsulation, bytes [count or 1, n]
+        self._parts: list[tuple[int, NDArray[np.uint8]]] = []  # offset after the encapsulation, bytes [count or 1, n]
         self._end = 0
 
     @property
@@ -33,7 +35,8 @@ class Messages:
         return len(ENCAPSULATION) + self._end
 
     def numbers(self, values: Any, kind: str) -> None:
-        """Adds numbers of the numpy type `kind` ("<f4"): [count, ...], or a single number for all messages."""
+        """Adds numbers of the numpy type `kind` ("<f4"): [count, ...], or a single number for all
+        messages."""
         array = np.asarray(values, kind)
         rows = np.ascontiguousarray(array.reshape(1 if array.ndim == 0 else self.count, int(np.prod(array.shape[1:]))))
         self._end += -self._end % array.itemsize
@@ -41,7 +44,8 @@ class Messages:
         self._end += rows.shape[1] * array.itemsize
 
     def structures(self, values: NDArray[Any]) -> None:
-        """Adds structures with a numpy type of native alignment, which is CDR's where they begin at a multiple of it: [count, n]."""
+        """Adds structures with a numpy type of native alignment, which is CDR's where they begin at
+        a multiple of it: [count, n]."""
         self._end += -self._end % values.dtype.alignment
         rows = values.reshape(self.count, -1).view(np.uint8)
         self._parts.append((self._end, rows))
@@ -60,7 +64,8 @@ class Messages:
         self.numbers(values, kind)
 
     def stamp(self, times: NDArray[np.uint64]) -> None:
-        """Adds builtin_interfaces/Time: whole seconds and the nanoseconds beyond them. `times`: [count] ns."""
+        """Adds builtin_interfaces/Time: whole seconds and remaining nanoseconds. `times`: [count]
+        ns."""
         seconds, rest = np.divmod(times, np.uint64(10**9))
         self.numbers(seconds, "<i4")
         self.numbers(rest, "<u4")
@@ -71,7 +76,7 @@ class Messages:
         self.text(frame)
 
     def write_to(self, rows: NDArray[np.uint8]) -> None:
-        """Lays the messages out in `rows` [count, size], which must hold zeros."""
+        """Writes the messages to `rows` [count, size], which must hold zeros."""
         rows[:, :len(ENCAPSULATION)] = np.frombuffer(ENCAPSULATION, np.uint8)
         body = rows[:, len(ENCAPSULATION):]
         for offset, part in self._parts:

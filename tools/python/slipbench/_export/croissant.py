@@ -1,4 +1,5 @@
-"""croissant.json of an export: its files and columns in MLCommons' vocabulary Croissant 1.0."""
+"""croissant.json of an export: its files and columns in the vocabulary Croissant 1.0 of
+MLCommons."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import pyarrow as pa
 
-# As the specification prints it; readers expect all of these terms.
+# As in the specification; readers expect all of these terms.
 CONTEXT: dict[str, Any] = {
     "@language": "en", "@vocab": "https://schema.org/", "citeAs": "cr:citeAs", "column": "cr:column", "conformsTo": "dct:conformsTo",
     "cr": "http://mlcommons.org/croissant/", "rai": "http://mlcommons.org/croissant/RAI/", "data": {"@id": "cr:data", "@type": "@json"},
@@ -27,12 +28,13 @@ CONTEXT: dict[str, Any] = {
 BEGINNING = '{\n "@context": {\n  "@language": "en",'
 FORMATS = {".parquet": "application/x-parquet", ".mcap": "application/octet-stream", ".json": "application/json", ".yaml": "application/yaml",
            ".csv": "text/csv", ".gz": "application/gzip", ".hdf5": "application/x-hdf5", ".npz": "application/zip", ".xml": "application/xml", ".md": "text/markdown"}
-File = tuple[str, str]  # name in the export, and the path that has its content
+File = tuple[str, str]  # name in the export, and path of the content
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table. `type`: of its values, such as "sc:Float"; `repeated`: a row has several of them."""
+    """A column of a table. `type`: of its values, such as "sc:Float"; `repeated`: True for several
+    values per row."""
 
     name: str
     type: str
@@ -45,11 +47,12 @@ class Table:
     """Files with the same columns.
 
     Attributes:
-        name: of the table
-        files: their names
+        name: name of the table
+        files: names of the files
         columns: in order
-        encoding: MIME type of the files where there can be several; empty: there is one
-        named: what the files' names say: name of a column, and its type, description, and the regular expression with one group
+        encoding: MIME type if there can be several files; empty: a single file
+        named: fields in the files' names: column name, and its type, description, and regular
+            expression with one group
     """
 
     name: str
@@ -82,7 +85,7 @@ def _data_type(kind: pa.DataType) -> str:
 
 
 def _described(field: pa.Field) -> str:
-    """A column's unit and the key of its codes."""
+    """A column's unit or codes."""
     about = {key.decode(): value.decode() for key, value in (field.metadata or {}).items()}
     unit = about.get("unit", "")
     codes = ", ".join(f"{code} {word}" for word, code in json.loads(about.get("codes", "{}")).items())
@@ -91,13 +94,14 @@ def _described(field: pa.Field) -> str:
 
 def parquet_columns(path: str) -> list[Column]:
     """The columns of a Parquet file."""
-    import pyarrow.parquet as pq  # which only the formats need that are written with it
+    import pyarrow.parquet as pq  # only needed for formats written with it
 
     return [Column(field.name, _data_type(field.type), _described(field), field.type.num_fields > 0) for field in pq.read_schema(path)]
 
 
 def _field_of(table: Table, number: int, column: Column, source: dict[str, Any]) -> dict[str, Any]:
-    """`number`: of the column, which makes its identifier where its name has other characters than identifiers may have."""
+    """`number`: of the column; replaces its name in the identifier if the name has other characters
+    than identifiers allow."""
     name = column.name if re.fullmatch(r"[\w.-]+", column.name) else f"column-{number}"
     about: dict[str, Any] = {"@type": "cr:Field", "@id": f"{table.name}/{name}", "name": column.name, "dataType": column.type, "source": source}
     if column.description:
@@ -127,11 +131,11 @@ def croissant_text(*, name: str, description: str, version: str, licence: str, c
         name: of the data set
         description: one sentence
         version: MAJOR.MINOR.PATCH
-        licence: of the data; empty: none is stated
-        citation: how to cite the data
+        licence: of the data; empty: not stated
+        citation: citation of the data
         keywords: of the data
         files: all files of the export
-        tables: those that are described column by column
+        tables: tables described column by column
 
     Returns:
         JSON that begins with BEGINNING.

@@ -1,4 +1,5 @@
-"""How each format lays out the trials: its files, and the columns of the formats that hold other values than the dataset's arrays."""
+"""Layout of the trials in each format: its files, and the columns of formats whose values differ
+from the dataset's arrays."""
 
 from __future__ import annotations
 
@@ -9,20 +10,21 @@ from slipbench._export.request import Request
 from slipbench._export.series import Series
 
 MILLI = 1e3
-ROTATED = 12  # rows and columns of the images of myrmex-rotated, and their turns
-# Of a pillar, as its vendor and the ROS driver number them.
+ROTATED = 12  # rows and columns of the images of myrmex-rotated, and number of rotations
+# Codes of a pillar, by its vendor and the ROS driver.
 VENDOR_CODES = "-2 not yet touched, -1 lost contact, 0 not known, 1 in contact, 2 tangentially loaded (true force of 0.05 N or more), 3 slips now"
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column, or several that differ in a number or an axis.
+    """A column, or several columns that differ in a number or an axis.
 
     Attributes:
-        name: as the card shows it: "S<s>_P<p>_DX, DY, DZ"
-        pattern: regular expression of the names in the files; empty: the files do not name their columns
+        name: name in the card: "S<s>_P<p>_DX, DY, DZ"
+        pattern: regular expression of the names in the files; empty: the files do not name their
+            columns
         unit: empty for a pure number or a code
-        meaning: one sentence, with the key of a code
+        meaning: one sentence, with the meaning of codes
         type: of its values in Croissant
     """
 
@@ -50,24 +52,25 @@ def _own_shape(one: Series) -> list[int]:
 
 
 def _rotated_shape(one: Series) -> list[int]:
-    """That of the augmented images: turn, row, column."""
+    """Shape of the augmented images: rotation, row, column."""
     is_image = one.kind == "sensors" and one.name == "taxels" and len(one.shape) == 2 and min(one.shape) >= ROTATED
     return [ROTATED] * 3 if is_image else list(one.shape)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Contents of the files of a format.
+    """Content of the files of a format.
 
     Attributes:
-        files: what a file holds, by its name
-        holds: whether the files have an array of the dataset
-        sensor: the only type of sensor that the format has; empty: any
-        columns: of the formats that hold other values
-        has_labels: True if these columns or the names of the files say whether it slips
-        shape: of a sample of an array
-        table: regular expression of the names of tables with a header, with the groups `table`, which distinguishes tables with different
-            columns, `trial` and `class`, where the name has them; empty: there are no such tables, or they are Parquet
+        files: content of each file, by its name
+        holds: selects the dataset's arrays in the files
+        sensor: the only supported type of sensor; empty: any
+        columns: columns of formats with other values
+        has_labels: True if these columns or the file names state slip
+        shape: shape of a sample of an array
+        table: regular expression of the names of tables with a header, with the groups `table`,
+            which distinguishes tables with different columns, and optionally `trial` and `class`;
+            empty: no such tables, or Parquet
     """
 
     files: dict[str, str]
@@ -80,7 +83,7 @@ class Layout:
 
 
 def _pillar_rule(request: Request) -> str:
-    """When a pillar counts as slipping in the logs of the PapillArray."""
+    """Rule by which a pillar slips in the logs of the PapillArray."""
     speed = f"{MILLI * (request.label_speed or 0.0):g} mm/s"
     return f"rule {request.labels}: a pillar slips when " + {
         "strict": "all of it slips", "micro": "a part of it slips", "paper": f"its tip slides faster than {speed}",

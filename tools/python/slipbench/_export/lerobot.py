@@ -1,4 +1,4 @@
-"""LeRobotDataset v3.0: a dataset a rate, an episode a trial."""
+"""LeRobotDataset v3.0: one dataset per rate, one episode per trial."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from slipbench._export.request import Progress, Request, make_folder, split_of
 from slipbench._export.series import TIME_ROUNDING, Series, body_series, control_series, grid, label_series, sensor_series
 
 VERSION = "v3.0"
-ROBOT = "slipbench"  # by which a dataset is known as one of this program's
+ROBOT = "slipbench"  # identifies datasets of this program
 FILES_A_CHUNK = 1000
 FILE_BYTES = 100_000_000
 QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
@@ -33,7 +33,7 @@ DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
 CARDS = ("README.md", "croissant.json")
 STEP_TOLERANCE = 1e-4  # s, tolerance_s of LeRobot: each step of `timestamp` must be 1/fps within it
-RATE_TOLERANCE = 0.01  # share by which a recorder's clock may be off, as everywhere in the program
+RATE_TOLERANCE = 0.01  # tolerated relative error of a recorder's clock, as everywhere in the program
 
 
 @dataclass(frozen=True)
@@ -41,11 +41,11 @@ class Feature:
     """A column of the dataset.
 
     Attributes:
-        name: of the column
-        columns: names of its values; of a table the names along each axis
+        name: name of the column
+        columns: names of its values; for a table, the names along each axis
         values: [frames, values of a frame]
-        shape: of a frame's values, where they are a table; empty: a row
-        about: metadata of the column in the data files: unit, and the key of codes as JSON, word to number
+        shape: of a frame's values if they are a table; empty: a row
+        about: metadata of the column in the data files: unit, and codes as JSON, word to number
     """
 
     name: str
@@ -56,19 +56,19 @@ class Feature:
 
     @property
     def described(self) -> dict[str, Any]:
-        """As meta/info.json has it."""
+        """Entry of meta/info.json."""
         return {"dtype": self.values.dtype.name, "shape": list(self.shape or self.values.shape[1:]), "names": self.columns}
 
     @property
     def field(self) -> pa.Field:
-        """As the data files have it."""
+        """Field of the data files."""
         kind, width = pa.from_numpy_dtype(self.values.dtype), self.values.shape[1]
-        of_frame = pa.list_(pa.list_(kind)) if self.shape else kind if width == 1 else pa.list_(kind, width)  # a table as lerobot stores it
+        of_frame = pa.list_(pa.list_(kind)) if self.shape else kind if width == 1 else pa.list_(kind, width)  # tables as lerobot stores them
         return pa.field(self.name, of_frame, metadata=self.about)
 
     @property
     def array(self) -> pa.Array:
-        """The values as the data files have them."""
+        """The values for the data files."""
         flat = pa.array(self.values.reshape(-1))
         if self.shape:
             rows, columns = self.shape
@@ -79,11 +79,12 @@ class Feature:
 
 @dataclass(frozen=True)
 class Stats:
-    """Of a feature in one episode or in all, each [values of a frame]; NaN is left out, and a value that is never a number has zeros.
+    """Statistics of a feature in one episode or in all, each [values of a frame]. NaN is ignored; a
+    value without any number has zeros.
 
     Attributes:
-        frames: of the episode
-        numbers: of these that are numbers, by which episodes weigh
+        frames: number of frames
+        numbers: number of finite values, the weights of episodes
     """
 
     frames: int
@@ -92,8 +93,8 @@ class Stats:
 
     @staticmethod
     def measured(values: NDArray[Any]) -> Stats:
-        """Of one episode. Quantiles lie linearly between the two nearest values."""
-        ordered = np.sort(values, axis=0)  # NaN comes last
+        """Statistics of one episode. Quantiles are linearly interpolated."""
+        ordered = np.sort(values, axis=0)  # NaN sorts last
         numbers = np.sum(~np.isnan(ordered), axis=0)
         last, columns = np.maximum(numbers - 1, 0), np.arange(values.shape[1])
         of = {"min": ordered[0], "max": ordered[last, columns]}
@@ -109,7 +110,8 @@ class Stats:
 
     @staticmethod
     def together(some: list[Stats]) -> Stats:
-        """Of all episodes, as lerobot itself does it: quantiles are means of the episodes' quantiles."""
+        """Statistics of all episodes, as lerobot computes them: quantiles are means of the
+        episodes' quantiles."""
         weights = np.stack([one.numbers for one in some])
         total = weights.sum(axis=0)
         shares = weights / np.maximum(total, 1)
@@ -121,13 +123,13 @@ class Stats:
         return Stats(sum(one.frames for one in some), total, {name: np.where(total > 0, one, 0) for name, one in joined.items()})
 
     def lists(self, shape: list[int]) -> dict[str, Any]:
-        """By lerobot's names, in the shape of the feature."""
+        """Dict with lerobot's names, in the shape of the feature."""
         of = {name: one.reshape(shape).tolist() for name, one in self.of.items()}
         return {**{name: of[name] for name in ("min", "max", "mean", "std")}, "count": [self.frames], **{name: of[name] for name in QUANTILES}}
 
 
 def _task(scene: str) -> str:
-    """What the scene says of itself."""
+    """The scene's description."""
     found = re.search(r"^description:\s*(.+?)\s*$", scene, re.MULTILINE)
     return found[1].strip("'\"") if found else "touch and slip"
 
@@ -138,13 +140,15 @@ def _joined(name: str, some: list[Series], prefix: bool) -> Feature:
 
 
 def _has_points(trial: StoredTrial, sensor: str) -> bool:
-    """True if the sensor measures the force of each unit and the places of its units are known."""
+    """True if the sensor measures the force of each unit and the positions of its units are
+    known."""
     group, labels = trial.sensors[sensor], trial.labels.get(sensor)
     return labels is not None and "unit_positions" in labels.attrs and "force" in group and group["force"].shape[1:] == (len(labels.attrs["unit_positions"]), 3)
 
 
 def _points(trial: StoredTrial, sensor: str, series: list[Series]) -> Feature:
-    """Where each unit is and its force, as the sensor measures them, in the pad frame. A sensor without displacements has its units at rest."""
+    """Position and force of each unit as the sensor measures them, in the pad frame. Units of a
+    sensor without displacements stay at rest."""
     labels, measured = trial.labels[sensor].attrs, {one.name: one.values for one in series if (one.kind, one.owner) == ("sensors", sensor)}
     places = np.column_stack([labels["unit_positions"], labels["unit_heights"]])
     force = measured["force"].reshape(-1, *places.shape)
@@ -155,7 +159,8 @@ def _points(trial: StoredTrial, sensor: str, series: list[Series]) -> Feature:
 
 
 def _check_points(trial: StoredTrial, request: Request, progress: Progress) -> list[str]:
-    """The sensors that get a feature of points; a note names the others. Raises InputError where there is none."""
+    """The sensors with a feature of points; a note names the others. Raises InputError if there are
+    none."""
     found = [sensor for sensor in request.sensors if _has_points(trial, sensor)]
     without = "the force of each unit is not measured, or the places of the units are not recorded"
     if not found:
@@ -168,7 +173,7 @@ def _check_points(trial: StoredTrial, request: Request, progress: Progress) -> l
 
 
 def _features(trial: StoredTrial, series: list[Series]) -> Iterator[Feature]:
-    """What an episode holds besides its counts. The truth stands beside the observations."""
+    """The features of an episode besides its counts: observations and truth."""
     carriers = {"pad", *trial.sensors}
     loop = {one.name: one for one in series if one.kind == "control"}
     if "measured_position" in loop:
@@ -185,7 +190,7 @@ def _features(trial: StoredTrial, series: list[Series]) -> Iterator[Feature]:
 
 
 class _Writer:
-    """One dataset, in a folder that gets its name at the end."""
+    """Writes one dataset to a folder that gets its final name at the end."""
 
     def __init__(self, folder: Path, fps: int, task: str) -> None:
         self.folder, self._fps, self._task = folder, fps, task
@@ -204,7 +209,8 @@ class _Writer:
         return path
 
     def append(self, number: int, part: str | None, t: NDArray[np.float64], features: list[Feature]) -> None:
-        """Writes an episode: frames of trial `number`, which is in `part` of the split. Parts come one after the other."""
+        """Writes an episode: frames of trial `number`, which is in `part` of the split. Trials are
+        grouped by part."""
         self._parts.append(part)
         frames, episode = np.arange(len(t), dtype=np.int64), len(self._episodes)
         counts: dict[str, NDArray[Any]] = {
@@ -240,7 +246,7 @@ class _Writer:
         return os.path.getsize(self.folder / self._data_name())
 
     def close(self) -> None:
-        """Ends the data file."""
+        """Closes the data file."""
         if self._data is not None:
             self._data.close()
             self._data = None
@@ -253,7 +259,7 @@ class _Writer:
         return {part: f"{ends[i]}:{ends[i + 1]}" for i, (part, count) in enumerate(counts.items()) if count} or {"train": f"0:{len(self._parts)}"}
 
     def finish(self, data: Dataset, request: Request) -> None:
-        """Writes what describes the data. `request`: with the sensors of this dataset alone."""
+        """Writes the metadata. `request`: with the sensors of this dataset only."""
         self.close()
         pq.write_table(pa.Table.from_pylist(self._episodes), self._path(EPISODES), compression="zstd")
         columns = [{"name": name, "field_name": name, "pandas_type": kind, "numpy_type": numpy, "metadata": None}
@@ -282,7 +288,7 @@ def _is_own(folder: Path) -> bool:
 
 
 def _beside(folder: Path) -> tuple[Path, Path]:
-    """Where the dataset grows, and where the one before goes."""
+    """Folders for the unfinished dataset and for the replaced one."""
     return folder.with_name(folder.name + ".partial"), folder.with_name(folder.name + ".old")
 
 
@@ -295,7 +301,7 @@ def _check_target(folder: Path) -> None:
 
 
 def _publish(partial: Path, folder: Path) -> None:
-    """Gives a whole dataset its name; the one that has it goes."""
+    """Renames a complete dataset to its final name, and removes the replaced one."""
     for path in partial.rglob("*"):
         if path.is_file():
             with path.open("rb") as file:
@@ -309,18 +315,19 @@ def _publish(partial: Path, folder: Path) -> None:
 
 
 def _recorded(sensor: Arrays) -> bool:
-    """True if the times are those of a recorder, whose clock is off."""
+    """True if the times are from a recorder, whose clock is inexact."""
     return "mean_rate_hz" in sensor.attrs
 
 
 def _fits(sensor: Arrays, rate: float) -> bool:
-    """True if the samples of a sensor are those of a dataset at `rate` [Hz]."""
+    """True if the samples of a sensor fit a dataset at `rate` [Hz]."""
     own = float(sensor.attrs["rate_hz"])
     return abs(own - rate) <= (RATE_TOLERANCE if _recorded(sensor) else TIME_ROUNDING) * rate
 
 
 def _rates(trial: StoredTrial, request: Request) -> dict[float, list[str]]:
-    """The sensors of each dataset, by its rate: a whole number, for a recorded sensor the nearest to its rate."""
+    """The sensors of each dataset by its rate: a whole number, for a recorded sensor the nearest to
+    its rate."""
     rates: dict[float, list[str]] = {}
     for name in request.sensors:
         rate = request.rate if request.rate is not None else float(trial.sensors[name].attrs["rate_hz"])
@@ -335,7 +342,7 @@ def _rates(trial: StoredTrial, request: Request) -> dict[float, list[str]]:
 
 
 def _check_rates(number: int, trial: StoredTrial, rates: dict[float, list[str]], request: Request) -> None:
-    """Raises InputError where a sensor of this trial has another rate than in the first one."""
+    """Raises InputError if a sensor of this trial has another rate than in the first trial."""
     for rate, sensors in rates.items():
         for name in sensors:
             if request.rate is None and not _fits(trial.sensors[name], rate):
@@ -344,7 +351,8 @@ def _check_rates(number: int, trial: StoredTrial, rates: dict[float, list[str]],
 
 
 def _instants(number: int, trial: StoredTrial, sensors: list[str], series: list[Series], rate: float, request: Request) -> NDArray[np.float64]:
-    """From the first at which everything has been read once: the sensors' own, or at the rate that is asked for where that is another one."""
+    """Instants from the first at which every series has a value: the sensors' own, or at the
+    requested rate if it differs."""
     recorded = [trial.sensors[name] for name in sensors if _recorded(trial.sensors[name])]
     same = len(recorded) == len(sensors) and all(_fits(one, rate) for one in recorded)
     if request.rate is not None and not same:
@@ -357,14 +365,15 @@ def _instants(number: int, trial: StoredTrial, sensors: list[str], series: list[
 
 
 def _other_rate(trial: StoredTrial, sensors: list[str], rate: float) -> list[str]:
-    """What a reader must know of recorded sensors whose clock is off."""
+    """Notes about recorded sensors whose clock is inexact."""
     own = {name: float(trial.sensors[name].attrs["rate_hz"]) for name in sensors if _fits(trial.sensors[name], rate)}
     return [f"{name} was recorded at {one:.6g} Hz and is written as {rate:g} fps: timestamp counts frames, time is the recorder's"
             for name, one in own.items() if one != rate]
 
 
 def _longest_episode(frames: int, fps: int) -> int:
-    """How many of so many frames one episode can have: `timestamp` is float32, whose spacing grows with time until a step misses STEP_TOLERANCE."""
+    """Maximum number of frames of an episode: `timestamp` is float32, whose spacing grows with time
+    until a step violates STEP_TOLERANCE."""
     steps = np.diff((np.arange(frames) / fps).astype(np.float32))
     off = np.maximum(np.abs(steps - np.float32(1 / fps)).astype(np.float64), np.abs(steps.astype(np.float64) - 1 / fps))
     missed = np.flatnonzero(off >= STEP_TOLERANCE)
@@ -372,14 +381,14 @@ def _longest_episode(frames: int, fps: int) -> int:
 
 
 def _pieces(frames: int, fps: int) -> list[slice]:
-    """The frames of each episode that a trial becomes, as few as possible and nearly equal in length."""
+    """Divides a trial into episodes, as few as possible and nearly equal in length."""
     count = -(-frames // _longest_episode(frames, fps))
     ends = [round(k * frames / count) for k in range(count + 1)]
     return [slice(first, last) for first, last in zip(ends, ends[1:])]
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
-    """Writes a dataset for each rate, OUT/<rate>hz; returns the names of their files."""
+    """Writes a dataset for each rate, OUT/<rate>hz; returns the names of its files."""
     parts = split_of(data)
     order = [number for part in ("train", "valid", "test", None) for number in request.trials if parts.get(number) == part]
     out = Path(request.out)
@@ -393,7 +402,7 @@ def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
     try:
         writers = {}
         for rate, partial in partials.items():
-            shutil.rmtree(partial, ignore_errors=True)  # what a killed run has left
+            shutil.rmtree(partial, ignore_errors=True)  # left by a killed run
             writers[rate] = _Writer(partial, round(rate), _task(data.scene))
         for done, number in enumerate(order, 1):
             trial = data[number]

@@ -1,4 +1,5 @@
-"""MCAP: a file a trial, with a topic for each sensor, its labels, the bodies and the loop, for Foxglove, Lichtblick, PlotJuggler and Rerun."""
+"""MCAP: one file per trial, with topics for each sensor, its labels, the bodies and the loop, for
+Foxglove, Lichtblick, PlotJuggler and Rerun."""
 
 from __future__ import annotations
 
@@ -23,26 +24,26 @@ from slipbench._export.card import CARDS, check_card, without_folders, write_car
 from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
 
-# Which channels are pictures: by the sensor's type and the channel's name.
+# Channels that are images, by sensor type and channel name.
 PICTURES = {("myrmex", "taxels"), ("biotac_sp", "electrodes")}
-CELL = 1e-3  # m, of a picture whose units have no known places
+CELL = 1e-3  # m, cell size of an image whose units have unknown positions
 LAYOUT = "foxglove-layout.json"
 MAGIC = b"\x89MCAP0\r\n"
-CHUNK = 1 << 20  # bytes before compression, about: what a viewer reads at once
+CHUNK = 1 << 20  # approximate number of bytes before compression that a viewer reads at once
 
-Rows = NDArray[np.uint8]  # [messages, bytes]: protobuf, the same number of bytes in each message
+Rows = NDArray[np.uint8]  # [messages, bytes]: protobuf, with equal length of all messages
 
 
 @dataclass(frozen=True)
 class Topic:
-    """What one channel has.
+    """Content of one channel.
 
     Attributes:
-        name: of the topic
+        name: name of the topic
         type: full name of the messages' protobuf type
         schema: FileDescriptorSet with that type
         times: [messages] ns, strictly ascending
-        messages: each in protobuf
+        messages: each encoded in protobuf
         about: the channel's metadata
     """
 
@@ -72,7 +73,7 @@ def _bytes(values: NDArray[Any]) -> Rows:
 
 
 def _varints(values: NDArray[Any], size: int) -> Rows:
-    """Each in `size` bytes, however small it is, so that all messages are equally long."""
+    """Encodes each value in exactly `size` bytes, so that all messages have equal length."""
     flat = values.reshape(len(values), -1).astype(np.uint64)[..., np.newaxis]
     parts = flat >> np.arange(0, 7 * size, 7, dtype=np.uint64) & np.uint64(127)
     parts[..., :-1] |= np.uint64(128)
@@ -80,12 +81,12 @@ def _varints(values: NDArray[Any], size: int) -> Rows:
 
 
 def _within(number: int, body: Rows) -> Rows:
-    """A field that holds a message, a text or a list."""
+    """Encodes a field that holds a message, a text or a list."""
     return np.concatenate([_same(len(body), _key(number, 2) + _varint(body.shape[1])), body], axis=1)
 
 
 def _doubles(values: NDArray[Any]) -> Rows:
-    """A field for each column, numbered from 1."""
+    """Encodes a field for each column, numbered from 1."""
     parts = [part for i in range(values.shape[1]) for part in (_same(len(values), _key(i + 1, 1)), _bytes(values[:, i].astype("<f8")))]
     return np.concatenate(parts, axis=1)
 
@@ -101,7 +102,7 @@ def _messages(rows: Rows) -> list[bytes]:
 
 
 def nanoseconds(t: NDArray[np.float64], what: str) -> NDArray[np.uint64]:
-    """Times of messages, strictly ascending."""
+    """Times of messages [ns], strictly ascending."""
     times = np.round(t * 1e9)
     if np.any(times < 0) or np.any(np.diff(times) <= 0):
         raise InputError(f"{what}: times that do not ascend from 0 on by at least 1 ns; MCAP takes no others; allowed: --format parquet")
@@ -113,7 +114,8 @@ def _camel(words: str) -> str:
 
 
 def _own_schema(name: str, series: list[Series]) -> bytes:
-    """The type slipbench.`name` of messages with these series as fields, numbered from 1; a series of one value a row is no list."""
+    """Schema of the type slipbench.`name` with these series as fields, numbered from 1; a series
+    with one value per row is not a list."""
     files = FileDescriptorSet()
     file = files.file.add(name=f"slipbench/{name}.proto", package="slipbench", syntax="proto3")
     message = file.message_type.add(name=name)
@@ -142,13 +144,14 @@ def _own_rows(series: list[Series]) -> Rows:
 
 
 def _text(value: Any) -> str:
-    """An attribute as JSON, which has null for what is no number."""
+    """An attribute as JSON, with null for NaN."""
     plain = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
     return json.dumps([None if one != one else one for one in plain] if isinstance(plain, list) else plain)
 
 
 def _about(series: list[Series], attrs: dict[str, Any]) -> dict[str, str]:
-    """Of a channel: the attributes of the dataset's group, and of each array its unit and the names of its values."""
+    """Metadata of a channel: attributes of the dataset's group, and unit and value names of each
+    array."""
     attributes = {key: value if isinstance(value, str) else _text(value) for key, value in attrs.items() if key not in ("channels", "channel_names")}
     return attributes | {one.name: json.dumps({"unit": one.unit, "shape": one.shape, "names": one.columns}) for one in series}
 
@@ -158,13 +161,13 @@ def _own(topic: str, name: str, series: list[Series], attrs: dict[str, Any]) -> 
 
 
 def _frame(trial: StoredTrial, sensor: str) -> str:
-    """The body that carries a sensor."""
+    """Name of the body that carries a sensor."""
     bodies, carrier = trial.bodies, str(trial.sensors[sensor].attrs.get("follows", sensor))
     return carrier if carrier in bodies or "pad" not in bodies else "pad"
 
 
 def _picture(topic: str, one: Series, trial: StoredTrial, sensor: str, attrs: dict[str, Any]) -> Topic:
-    """foxglove.Grid in the frame of the pad: the first row at the top, as the array has it."""
+    """foxglove.Grid in the frame of the pad, with the first row at the top, as in the array."""
     rows, columns = one.shape if len(one.shape) == 2 else (1, one.shape[0])
     times = nanoseconds(one.t, topic)
     corner, cell = np.zeros(2), np.full(2, CELL)
@@ -184,7 +187,8 @@ def _picture(topic: str, one: Series, trial: StoredTrial, sensor: str, attrs: di
 
 
 def _sensor_topics(trial: StoredTrial, sensor: str, channels: list[Series], rate: float | None) -> Iterator[Topic]:
-    """One of all channels that are read together; a channel with times of its own and a picture have their own."""
+    """One topic for all channels with common times; channels with their own times, and images, have
+    separate topics."""
     group, together = trial.sensors[sensor], []
     kind, attrs = str(group.attrs["type"]), group.attrs | ({} if rate is None else {"rate_hz": rate})
     for one in channels:
@@ -200,7 +204,8 @@ def _sensor_topics(trial: StoredTrial, sensor: str, channels: list[Series], rate
 
 
 def _list_schema(of: str, plural: str, fields: dict[str, tuple[int, int]], codes: str = "") -> bytes:
-    """The type slipbench.`plural`, a list of slipbench.`of` with these fields, each a label and a type; `codes` are the words of an enum."""
+    """Schema of the type slipbench.`plural`, a list of slipbench.`of` with these fields, each a
+    label and a type; `codes`: words of an enum."""
     files = FileDescriptorSet()
     file = files.file.add(name=f"slipbench/{plural}.proto", package="slipbench", syntax="proto3")
     each, message = file.message_type.add(name=of), file.message_type.add(name=plural)
@@ -217,7 +222,7 @@ def _list_schema(of: str, plural: str, fields: dict[str, tuple[int, int]], codes
 
 
 def _velocities(series: list[Series]) -> Topic:
-    """Those of all bodies in one message."""
+    """Velocities of all bodies in one message."""
     field, times = FieldDescriptorProto, nanoseconds(series[0].t, "/velocities")
     floats = (field.LABEL_REPEATED, field.TYPE_FLOAT)
     schema = _list_schema("Velocity", "Velocities", {"body": (field.LABEL_OPTIONAL, field.TYPE_STRING), "linear": floats, "angular": floats})
@@ -227,7 +232,7 @@ def _velocities(series: list[Series]) -> Topic:
 
 
 def _events(sensor: str, events: Arrays) -> Topic:
-    """A message for each instant at which units changed their states."""
+    """One message for each instant at which units changed their states."""
     field = FieldDescriptorProto
     schema = _list_schema("Event", "Events", {"t": (field.LABEL_OPTIONAL, field.TYPE_DOUBLE), "unit": (field.LABEL_OPTIONAL, field.TYPE_UINT32),
                                               "kind": (field.LABEL_OPTIONAL, field.TYPE_ENUM)}, str(events["events/kind"].attrs["codes"]))
@@ -241,7 +246,7 @@ def _events(sensor: str, events: Arrays) -> Topic:
 
 
 def _body_topics(trial: StoredTrial) -> Iterator[Topic]:
-    """Where all bodies are and how they move; they share their times."""
+    """Topics for poses and velocities of all bodies, which share their times."""
     series = list(body_series(trial))
     poses, velocities = ([one for one in series if one.name == name] for name in ("pose", "velocity"))
     if not poses:
@@ -272,7 +277,8 @@ def _topics(number: int, trial: StoredTrial, request: Request) -> Iterator[Topic
 
 
 def _layout(topics: list[Topic]) -> str:
-    """For Foxglove and Lichtblick: the scene, a plot of the first values of each sensor, the states of the pads and of the loop over time."""
+    """Layout for Foxglove and Lichtblick: the scene, a plot of the first values of each sensor, the
+    states of pads and loop over time."""
     panels: dict[str, dict[str, Any]] = {"3D!scene": {"followTf": "world", "followMode": "follow-none", "topics": {
         topic.name: {"visible": True} for topic in topics if topic.type.startswith("foxglove.")}}}
     states = []
@@ -300,7 +306,7 @@ def _layout(topics: list[Topic]) -> str:
 
 
 def _write_messages(file: IO[bytes], topics: list[Topic], library: str, about: dict[str, str]) -> None:
-    """The messages in the order of their times; those of one time in the order of the topics."""
+    """Writes the messages in order of time; messages of equal time in the order of the topics."""
     writer = Writer(file, chunk_size=CHUNK, compression=CompressionType.ZSTD, enable_data_crcs=True)
     writer.start(library=library)
     writer.add_metadata("slipbench", about)
@@ -317,7 +323,7 @@ def _write_messages(file: IO[bytes], topics: list[Topic], library: str, about: d
     order = np.argsort(times, kind="stable")
     for i, time, channel in zip(order.tolist(), times[order].tolist(), numbers[order].tolist(), strict=True):
         writer.add_message(channel, time, messages[i], time)
-    finish: Any = writer.finish  # has no types
+    finish: Any = writer.finish  # lacks type annotations
     finish()
 
 

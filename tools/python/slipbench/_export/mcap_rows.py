@@ -1,4 +1,5 @@
-"""MCAP files of topics whose messages are all equally long: numpy lays out a chunk at once, where `mcap.writer` adds message by message.
+"""MCAP files of topics with messages of equal length: numpy encodes a chunk at once, while
+`mcap.writer` adds message by message.
 
 The records around the messages are those of the package mcap. Format: https://mcap.dev/spec.
 """
@@ -21,8 +22,8 @@ from numpy.typing import NDArray
 from slipbench._export.cdr import Messages
 
 MAGIC = b"\x89MCAP0\r\n"
-CHUNK = 1 << 20  # bytes before compression, about
-LEVEL = -1  # of zstd: the default level, 3, takes twice the time for 5 % less
+CHUNK = 1 << 20  # bytes before compression, approximate
+LEVEL = -1  # zstd level; the default, 3, takes twice the time for 5 % less
 MESSAGE = np.dtype([("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"), ("publish_time", "<u8")])
 ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])  # of a message index
 OPCODE_AND_LENGTH = 9  # bytes at the beginning of each record
@@ -33,9 +34,9 @@ class Topic:
     """One channel of the file.
 
     Attributes:
-        name: of the topic
+        name: name of the topic
         type: full name of the messages' type
-        definition: of that type, in `encoding`
+        definition: definition of that type, in `encoding`
         times: [messages] ns, ascending
         messages: in the channel's encoding
         about: the channel's metadata
@@ -54,7 +55,8 @@ class Topic:
         return MESSAGE.itemsize + self.messages.size
 
     def write_records(self, channel: int, rows: NDArray[np.uint8]) -> None:
-        """Lays a Message record out in each of the `rows` [messages, record_size], which must hold zeros."""
+        """Writes a Message record to each of the `rows` [messages, record_size], which must hold
+        zeros."""
         head = np.empty(len(self.times), MESSAGE)
         head["opcode"] = Opcode.MESSAGE
         head["length"] = self.record_size - OPCODE_AND_LENGTH
@@ -67,11 +69,11 @@ class Topic:
 
 @dataclass(frozen=True)
 class _Block:
-    """The topics that share their times, side by side: a row has a record of each."""
+    """Topics with common times: each row holds one record of every topic."""
 
     times: NDArray[np.uint64]
     rows: NDArray[np.uint8]
-    places: dict[int, int]  # of a channel's record in a row
+    places: dict[int, int]  # offset of a channel's record in a row
 
 
 def _blocks(topics: list[Topic]) -> list[_Block]:
@@ -91,13 +93,13 @@ def _blocks(topics: list[Topic]) -> list[_Block]:
 
 
 def _index_record(channel: int, entries: NDArray[Any]) -> bytes:
-    """A MessageIndex record, which `mcap.records` would write entry by entry."""
+    """A MessageIndex record; `mcap.records` would write it entry by entry."""
     content = channel.to_bytes(2, "little") + entries.nbytes.to_bytes(4, "little") + entries.tobytes()
     return bytes([Opcode.MESSAGE_INDEX]) + len(content).to_bytes(8, "little") + content
 
 
 class _File:
-    """A file as it grows."""
+    """A file being written."""
 
     def __init__(self, file: IO[bytes]) -> None:
         self._file = file
@@ -105,7 +107,7 @@ class _File:
         self._compressor = zstandard.ZstdCompressor(level=LEVEL, write_checksum=True)
 
     def write(self, *records: McapRecord) -> None:
-        builder: Any = RecordBuilder()  # some of its methods have no types
+        builder: Any = RecordBuilder()  # some methods lack type annotations
         for record in records:
             record.write(builder)
         self._file.write(builder.end())
@@ -116,7 +118,8 @@ class _File:
         return MetadataIndex(offset=begin, length=self._file.tell() - begin, name=name)
 
     def chunk(self, parts: list[tuple[_Block, slice]]) -> None:
-        """The messages of a span of time. Those of a block follow each other; the index gives the order of their times."""
+        """Writes the messages of a time span. Those of a block are consecutive; the index gives
+        their order in time."""
         data, indexes = [], {}
         begin = 0
         for block, span in parts:
@@ -129,7 +132,7 @@ class _File:
             data.append(rows.reshape(-1).data)
             begin += rows.size
         plain = b"".join(data)
-        packed = self._compressor.compress(plain)  # with zstd's own checksum, which takes a tenth of the time of a chunk's CRC
+        packed = self._compressor.compress(plain)  # zstd's checksum takes a tenth of the time of a chunk's CRC
         first = int(min(block.times[span][0] for block, span in parts))
         last = int(max(block.times[span][-1] for block, span in parts))
         start = self._file.tell()
@@ -145,8 +148,8 @@ class _File:
                                        message_start_time=first, uncompressed_size=len(plain)))
 
     def finish(self, topics: list[Topic], schemas: list[Schema], channels: list[Channel], metadata: list[MetadataIndex]) -> None:
-        """The summary section and the footer."""
-        self.write(DataEnd(0))  # no sum of the data section: each chunk has one
+        """Writes the summary section and the footer."""
+        self.write(DataEnd(0))  # no checksum of the data section: each chunk has one
         statistics = Statistics(
             attachment_count=0, channel_count=len(channels), channel_message_counts={number: len(one.times) for number, one in enumerate(topics, 1)},
             chunk_count=len(self._chunks), message_count=sum(len(one.times) for one in topics), metadata_count=len(metadata),
@@ -170,12 +173,13 @@ class _File:
         footer: Any = RecordBuilder()
         Footer(summary_start=start, summary_offset_start=offset_start, summary_crc=0).write(footer)
         content = footer.end()
-        crc = zlib.crc32(content[:-4], zlib.crc32(data))  # its own field, which comes last, is left out
+        crc = zlib.crc32(content[:-4], zlib.crc32(data))  # excludes the CRC field itself, which is last
         self._file.write(data + content[:-4] + crc.to_bytes(4, "little") + MAGIC)
 
 
 def write_mcap(file: IO[bytes], topics: list[Topic], profile: str, library: str, encoding: tuple[str, str], about: dict[str, str]) -> None:
-    """Writes a file with chunks of about 1 MB, compressed by zstd, each with an index of its messages.
+    """Writes a file with chunks of about 1 MB, compressed by zstd, each with an index of its
+    messages.
 
     Args:
         file: opened for binary writing, empty

@@ -1,4 +1,4 @@
-"""What the arrays of a trial mean, in one sentence each: for message definitions and dataset cards."""
+"""Meaning of a trial's arrays in one sentence each, for message definitions and dataset cards."""
 
 from __future__ import annotations
 
@@ -27,5 +27,5 @@ LABELS = {
 
 
 def codes_of(series: Series) -> dict[str, int]:
-    """The key of an array of codes, word to number; empty for other arrays."""
+    """Codes of an array, word to number; empty for other arrays."""
     return dict(json.loads(series.codes)) if series.codes else {}

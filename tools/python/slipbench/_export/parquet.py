@@ -1,4 +1,4 @@
-"""Parquet: a file a sensor, with a column a value, for pandas, polars and DuckDB."""
+"""Parquet: one file per sensor, with one column per value, for pandas, polars and DuckDB."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ from slipbench._export.request import Output, Progress, Request, split_of
 from slipbench._export.series import Series, body_series, control_series, sensor_at
 
 Columns = dict[str, NDArray[Any]]
-About = dict[str, dict[str, str]]  # metadata of columns: unit, and the key of codes as JSON, word to number
+About = dict[str, dict[str, str]]  # metadata of columns: unit, and codes as JSON, word to number
 
 
 def encodings(schema: pa.Schema) -> dict[str, Any]:
-    """What the writer is told: the bytes of numbers with a fraction side by side, which zstd then halves; the others by dictionary."""
+    """Options of the writer: byte-stream split for floating-point columns, whose size zstd then
+    halves; dictionaries for the others."""
     fractions = [_leaf(field) for field in schema if _holds_fractions(field.type)]
     others = [_leaf(field) for field in schema if not _holds_fractions(field.type)]
     return {"compression": "zstd", "column_encoding": dict.fromkeys(fractions, "BYTE_STREAM_SPLIT"), "use_dictionary": others}
@@ -45,7 +46,7 @@ def _leaf(field: pa.Field) -> str:
 
 
 class _Files:
-    """The files that grow trial by trial, a row group each."""
+    """Files that grow trial by trial, one row group each."""
 
     def __init__(self, output: Output, origin: dict[str, str]) -> None:
         self._output, self._origin = output, origin
@@ -87,7 +88,7 @@ def _columns(series: list[Series], t: NDArray[np.float64]) -> tuple[Columns, Abo
 
 
 def _sensor_tables(number: int, trial: StoredTrial, sensor: str, request: Request) -> Iterator[tuple[str, Columns, About]]:
-    """A sensor's own table, with its labels, then one for each channel that is read at a rate of its own."""
+    """A sensor's table with its labels, then one for each channel with its own rate."""
     channels, labels = sensor_at(number, trial, sensor, request.labels, request.rate)
     t = trial.sensors[sensor]["t"][:] if request.rate is None else channels[0].t
     series = [*channels, *labels]
@@ -113,7 +114,8 @@ def _tables(number: int, trial: StoredTrial, request: Request) -> Iterator[tuple
 
 
 def _origin(data: Dataset, request: Request) -> dict[str, str]:
-    """Metadata of every file. `trials_sha256`: SHA-256 of the trials' digests in the order of trials.parquet, one a line."""
+    """Metadata of every file. `trials_sha256`: SHA-256 of the trials' digests in the order of
+    trials.parquet, one per line."""
     digests = "".join(f"{data[number].sha256}\n" for number in request.trials)
     return {"slipbench": data.version, "seed": str(data.seed), "command": without_folders(data.command), "scene": data.scene,
             "trials_sha256": hashlib.sha256(digests.encode()).hexdigest()}
@@ -124,7 +126,7 @@ def _flat(value: Any) -> Any:
 
 
 def _trials_table(data: Dataset, request: Request, origin: dict[str, str]) -> pa.Table:
-    """A row a trial: part, what was swept, how it ended."""
+    """Table with one row per trial: part, swept values, outcome."""
     parts = split_of(data)
     rows: list[dict[str, Any]] = []
     for number in request.trials:
@@ -138,13 +140,15 @@ def _trials_table(data: Dataset, request: Request, origin: dict[str, str]) -> pa
         if len({type(value) for value in values if value is not None} - {int, float}) > 0 and len({type(value) for value in values if value is not None}) > 1:
             values = [None if value is None else str(value) for value in values]  # a number in one trial, a word in another
         array = pa.array(values, pa.int64() if name in ("trial", "seed") else None)
-        # Readers cannot compare a column of the type null; a value that no trial has is a missing number, or a missing part of the split.
+        # Readers cannot compare a column of type null; a value that no trial has is a missing
+        # number, or a missing part of the split.
         arrays.append(array.cast(pa.string() if name == "split" else pa.float64()) if pa.types.is_null(array.type) else array)
     return pa.Table.from_arrays(arrays, names=list(names), metadata=origin)
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
-    """Writes trials.parquet, a card and a file for each sensor, its events, each body and the loop; returns their names."""
+    """Writes trials.parquet, a card and a file for each sensor, its events, each body and the loop;
+    returns their names."""
     check_card(request)
     with Output(request.out, "a Parquet file", b"PAR1", *CARDS) as output:
         origin = _origin(data, request)

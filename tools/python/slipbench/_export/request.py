@@ -1,4 +1,4 @@
-"""What the program asks for, and what a user is told meanwhile."""
+"""Request of the program, and progress output."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pathlib import Path
 from slipbench import Dataset, InputError
 from slipbench._program import Interrupt, counted
 
-LINE_PERIOD = 5.0  # s, between lines where nobody watches
+LINE_PERIOD = 5.0  # s, between lines if stderr is not a terminal
 BAR_PERIOD = 0.1  # s, between redraws
 MOST_NOTES = 10
 ALLOWED = "allowed: a folder, or a new name in one that is there"
@@ -22,22 +22,23 @@ ALLOWED = "allowed: a folder, or a new name in one that is there"
 
 @dataclass(frozen=True)
 class Request:
-    """As the program hands it over, in JSON; it has checked each of these.
+    """Request of the program, from JSON. The program has checked all values.
 
     Attributes:
-        format: as the command line names it
+        format: name on the command line
         dataset: path of the dataset's first file
         out: folder to write into
         trials: numbers of the trials
-        sensors: names; every trial has them
-        rate: Hz, of the rows; None: each sensor's own
-        labels: rule of the pad's state, "strict", "micro" or "paper"; None: by all three. Of the PapillArray's logs the rule of a pillar's slip
-        label_speed: speed of a tip from which such a rule calls it slip [m/s]; None: the rule has none
-        points: whether LeRobot gets position and force of each unit as one feature
+        sensors: names of sensors that every trial has
+        rate: Hz, of the rows; None: each sensor's own rate
+        labels: rule of the pad's state, "strict", "micro" or "paper"; None: all three. In the
+            PapillArray's logs, the rule of a pillar's slip
+        label_speed: m/s, tip speed from which a pillar slips by that rule; None: not used
+        points: True: LeRobot gets position and force of each unit as one feature
         licence: of the data, for its card, such as "cc-by-4.0"; empty: not stated
-        json: whether stdout is to have one JSON object and stderr no progress
-        install: the command that installs what the formats need
-        files: paths of the files that the program itself has written, for which only the card is to be made; empty: there are none
+        json: True: print one JSON object on stdout and no progress on stderr
+        install: command that installs the formats' requirements
+        files: paths of files that the program has written and that only need the card; empty: none
     """
 
     format: str
@@ -56,7 +57,7 @@ class Request:
 
 
 def split_of(data: Dataset) -> dict[int, str]:
-    """The part that each trial is in; a killed run has no parts."""
+    """The part of each trial; a killed run has no parts."""
     return {trial: part for part in ("train", "valid", "test") for trial in data.mask(part)}
 
 
@@ -70,7 +71,7 @@ def size_text(count: float) -> str:
 
 
 def make_folder(folder: Path) -> bool:
-    """Whether it was not there. Its parent is not made."""
+    """Creates a folder, but not its parent. True if it did not exist."""
     try:
         folder.mkdir()
         return True
@@ -83,7 +84,8 @@ def make_folder(folder: Path) -> bool:
 
 
 def check_replaceable(path: Path, allowed: str, *beginnings: bytes) -> None:
-    """Raises InputError if `path` is there and does not begin with one of `beginnings`. An empty file may be replaced. `allowed`: what it may be."""
+    """Raises InputError if `path` exists and does not begin with one of `beginnings`. Empty files
+    may be replaced. `allowed`: allowed kind of file."""
     if not path.is_symlink() and not path.exists():
         return
     if path.is_symlink() or not path.is_file():
@@ -95,7 +97,8 @@ def check_replaceable(path: Path, allowed: str, *beginnings: bytes) -> None:
 
 
 class Progress:
-    """A bar on a terminal, plain lines elsewhere; on stderr. After the first trial it tells how much there will be, or that there is no room."""
+    """Progress on stderr: a bar on a terminal, else plain lines. After the first trial it reports
+    the expected size, and raises InputError if the disk lacks space."""
 
     def __init__(self, request: Request, interrupt: Interrupt) -> None:
         self._interrupt = interrupt
@@ -105,11 +108,12 @@ class Progress:
         self._notes = 0
 
     def check(self) -> None:
-        """Raises Interrupted once a signal has asked to end. Called before the files get their names: from then on they are kept."""
+        """Raises Interrupted after a signal. Call before the files get their names; afterwards they
+        are kept."""
         self._interrupt.check()
 
     def update(self, done: int, written: int) -> None:
-        """`done` trials are `written` bytes. Raises Interrupted once a signal has asked to end."""
+        """Reports that `done` trials are `written` bytes. Raises Interrupted after a signal."""
         self.check()
         if done == 1:
             expected, free = written * self._total, shutil.disk_usage(self._out).free
@@ -131,14 +135,15 @@ class Progress:
             self._say(text + "\n")
 
     def note(self, text: str) -> None:
-        """Tells what a reader of the files must know, on stderr, also with --json. The first MOST_NOTES are shown, then their number."""
+        """Prints a note about the files on stderr, even with --json. The first MOST_NOTES are
+        shown, then their number."""
         self._notes += 1
         if self._notes <= MOST_NOTES:
             self.clear()
             sys.stderr.write(f"slipbench: note: {text}\n")
 
     def end_notes(self) -> None:
-        """Says how many notes were not shown."""
+        """Prints the number of notes that were not shown."""
         if self._notes > MOST_NOTES:
             sys.stderr.write(f"slipbench: note: {counted(self._notes - MOST_NOTES, 'more note')}\n")
 
@@ -154,7 +159,8 @@ class Progress:
 
 
 class Output:
-    """The files of an export. They get their names together, when all of them are whole; on an error nothing is left of them.
+    """The files of an export. They get their names together once all are complete; on an error all
+    are removed.
 
     Only files that begin with one of `beginnings` are replaced.
     """
@@ -169,7 +175,7 @@ class Output:
         return self
 
     def path(self, name: str) -> str:
-        """Where to write what will be FOLDER/`name`."""
+        """Path to write FOLDER/`name` to."""
         if not name.isprintable() or ".." in Path(name).parts or Path(name).is_absolute():
             raise InputError(f"cannot write a file called {name!r}; allowed: names of the dataset without control characters, that stay in {self._folder}")
         path = self._folder / name
@@ -181,11 +187,11 @@ class Output:
         return str(self._partial(path))
 
     def files(self) -> list[tuple[str, str]]:
-        """The files so far: the name of each below the folder, and the path that has its content."""
+        """The files so far: name relative to the folder, and path of the content."""
         return [(path.relative_to(self._folder).as_posix(), str(self._partial(path))) for path in self._files]
 
     def publish(self) -> list[str]:
-        """Gives the files their names and returns them."""
+        """Renames the files to their final names and returns these."""
         for path in self._files:
             with open(self._partial(path), "rb") as file:
                 os.fsync(file.fileno())
@@ -215,7 +221,7 @@ class Output:
 
 
 def tell(request: Request, files: list[str]) -> None:
-    """The closing line, or with --json the names of the files."""
+    """Prints the closing line, or with --json the names of the files."""
     if request.json:
         print(json.dumps({"files": files}, separators=(",", ":")))
         return

@@ -1,4 +1,5 @@
-"""ROS 2 bags: a folder a trial, with an MCAP file and metadata.yaml, for `ros2 bag play` and `rosbags`."""
+"""ROS 2 bags: one folder per trial, with an MCAP file and metadata.yaml, for `ros2 bag play` and
+`rosbags`."""
 
 from __future__ import annotations
 
@@ -22,7 +23,8 @@ from slipbench._export.series import Series, body_series, control_series, sensor
 PACKAGE = "slipbench_msgs"
 NOTICE = "# Written by slipbench: a message of the package slipbench_msgs.\n"
 BREAK = "=" * 80 + "\n"
-# Types of ROS 2 itself (packages builtin_interfaces, std_msgs, geometry_msgs, tf2_msgs), by their public definitions.
+# Types of ROS 2 (packages builtin_interfaces, std_msgs, geometry_msgs, tf2_msgs), from their public
+# definitions.
 STANDARD = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
     "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
@@ -32,8 +34,9 @@ STANDARD = {
     "geometry_msgs/TransformStamped": "std_msgs/Header header\nstring child_frame_id\nTransform transform\n",
     "geometry_msgs/Twist": "Vector3 linear\nVector3 angular\n",
 }
-# The driver's messages, by its documentation (papillarray_interfaces/README_zh.md of langxin11/contactile-papillarray-ros2) and
-# the vendor's manual PTSROS_2.0_MAN_MAR23, tables 7.2 and 7.3.
+# The driver's messages, from its documentation (papillarray_interfaces/README_zh.md of
+# langxin11/contactile-papillarray-ros2) and the vendor's manual PTSROS_2.0_MAN_MAR23, tables 7.2
+# and 7.3.
 PILLAR_STATE = """int64 id
 float32 dx  # mm, tip's displacement
 float32 dy
@@ -44,7 +47,7 @@ float32 fz
 bool in_contact
 int64 slip_state  # -2 not in contact at the start, -1 lost contact, 1 in contact, 2 tangentially loaded, 3 slipped; 0 unknown
 """
-# PILLAR_STATE in CDR; `align` fills up what follows in_contact.
+# PILLAR_STATE in CDR; `align` adds the padding after in_contact.
 PILLAR_TYPE = np.dtype([("id", "<i8"), ("displacement", "<f4", 3), ("force", "<f4", 3), ("in_contact", "u1"), ("slip_state", "<i8")], align=True)
 SENSOR_STATE = """std_msgs/Header header
 int64 tus  # us, the sensor's time
@@ -62,16 +65,17 @@ bool is_ref_loaded
 bool is_contact
 """
 PILLARS, CENTRE = 9, 4
-CONTACT_FORCE = 0.5  # N: from this reported normal force on the vendor's software reports contact
-LOADED_FORCE = 0.05  # N: from this true tangential force on a pillar counts as loaded; the device's resolution
-LABEL_SPEED = 1e-4  # m/s: from this speed of its tip on a pillar slips by the rule paper
+CONTACT_FORCE = 0.5  # N, reported normal force from which the vendor's software reports contact
+LOADED_FORCE = 0.05  # N, true tangential force from which a pillar counts as loaded; the device's resolution
+LABEL_SPEED = 1e-4  # m/s, tip speed from which a pillar slips by the rule paper
 UNIT_DETACHED, UNIT_SLIP, UNIT_PARTIAL = 0, 2, 3
 UNKNOWN, UNTOUCHED, CONTACT_LOST, CONTACT, LOADED, SLIPPED = 0, -2, -1, 1, 2, 3
 ALLOWED = "allowed: --format parquet, which takes any name"
 
 
 def ros_name(name: str) -> str:
-    """`name` with what ROS 2 does not allow in names replaced by "_": a lower-case letter, then such letters, digits and single "_"."""
+    """`name` with characters that ROS 2 does not allow replaced by "_". Allowed: a lower-case
+    letter, then lower-case letters, digits and single "_"."""
     plain = re.sub("_+", "_", re.sub("[^a-z0-9_]", "_", name.lower())).strip("_")
     if not plain:
         raise InputError(f"{name!r} has no letter or digit for a ROS 2 name; {ALLOWED}")
@@ -83,7 +87,7 @@ def _camel(words: str) -> str:
 
 
 def _definition(text: str, *used: str) -> str:
-    """A definition with those of the types that it uses, as the encoding ros2msg has it."""
+    """A definition followed by those of the types that it uses, in the encoding ros2msg."""
     return text + "".join(f"{BREAK}MSG: {name}\n{STANDARD[name]}" for name in used)
 
 
@@ -94,17 +98,18 @@ SENSOR = f"{_definition(SENSOR_STATE, 'std_msgs/Header', 'builtin_interfaces/Tim
 
 
 class Types:
-    """The message types of the package slipbench_msgs that the topics of an export have.
+    """The message types of the package slipbench_msgs used by an export.
 
     Attributes:
-        texts: definition of each, by its name
+        texts: definition of each type, by name
     """
 
     def __init__(self) -> None:
         self.texts: dict[str, str] = {}
 
     def name(self, wanted: str, text: str) -> str:
-        """The full name of the type with this definition: `wanted`, or with a number where another type has that name."""
+        """Full name of the type with this definition: `wanted`, with a number if another type has
+        that name."""
         name, number = wanted, 1
         while self.texts.setdefault(name, text) != text:
             number += 1
@@ -117,7 +122,8 @@ def _unit(unit: str) -> str:
 
 
 def _fields(series: list[Series]) -> str:
-    """The definition of messages with a header and these series as fields, with their units and the key of their codes."""
+    """Definition of messages with a header and these series as fields, with their units and
+    codes."""
     names = [ros_name(one.name) for one in series]
     for name in names:
         if names.count(name) > 1 or name == "header":
@@ -142,7 +148,7 @@ def _times(t: NDArray[np.float64], what: str) -> NDArray[np.uint64]:
 
 
 def _about(series: list[Series]) -> dict[str, str]:
-    """Of a channel: unit, shape and value names of each field."""
+    """Metadata of a channel: unit, shape and value names of each field."""
     return {ros_name(one.name): f"unit {_unit(one.unit)}; shape {list(one.shape)}; values {', '.join(one.columns)}" for one in series}
 
 
@@ -162,7 +168,7 @@ def _own(topic: str, wanted: str, series: list[Series], frame: str, types: Types
 
 
 def _slipping(labels: dict[str, Series], rule: str | None) -> NDArray[np.bool_]:
-    """[T, 9] whether each pillar slips by the rule."""
+    """[T, 9] slip of each pillar by the rule."""
     states = labels["unit_state"].values
     if rule == "paper":
         velocity = labels["slip_velocity"].values.reshape(len(states), PILLARS, 2).astype(float)
@@ -171,7 +177,8 @@ def _slipping(labels: dict[str, Series], rule: str | None) -> NDArray[np.bool_]:
 
 
 def _slip_states(labels: dict[str, Series], rule: str | None, count: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """The driver's code of each pillar [T, 9], from the truth, and whether the centre pillar is loaded [T]."""
+    """The driver's code of each pillar [T, 9], from the truth, and whether the centre pillar is
+    loaded [T]."""
     if "unit_state" not in labels:
         return np.full((count, PILLARS), UNKNOWN), np.zeros(count, bool)
     touching = labels["unit_state"].values != UNIT_DETACHED
@@ -183,7 +190,8 @@ def _slip_states(labels: dict[str, Series], rule: str | None, count: int) -> tup
 
 
 def _torque(force: NDArray[np.float64], displacement: NDArray[np.float64], labels: Arrays | None) -> NDArray[np.float64]:
-    """[T, 3] N mm about the displaced tip of the centre pillar; NaN where the recording does not say where its pillars are."""
+    """[T, 3] N mm about the displaced tip of the centre pillar; NaN if the positions of the pillars
+    are unknown."""
     if labels is None or "unit_positions" not in labels.attrs:
         return np.full((len(force), 3), np.nan)
     tips = np.column_stack([labels.attrs["unit_positions"], labels.attrs["unit_heights"]]) + displacement
@@ -193,12 +201,12 @@ def _torque(force: NDArray[np.float64], displacement: NDArray[np.float64], label
 
 
 def _is_of_the_driver(channels: list[Series]) -> bool:
-    """True if the channels are exactly those that the driver of the PapillArray publishes."""
+    """True if the channels are exactly those published by the PapillArray's driver."""
     return {one.name: one.shape for one in channels} == dict.fromkeys(("force", "displacement"), (PILLARS, 3))
 
 
 def _sensor_state(number: int, sensor: str, channels: list[Series], labels: list[Series], group: Arrays | None, rule: str | None) -> Topic:
-    """A PapillArray as its driver publishes it; `number`: of the sensor at its hub."""
+    """A PapillArray's topic in the driver's format; `number`: of the sensor at its hub."""
     values = {one.name: one for one in channels}
     force, displacement = (values[name].values for name in ("force", "displacement"))
     topic, count = f"/hub_0/sensor_{number}", len(force)
@@ -229,7 +237,8 @@ def _sensor_state(number: int, sensor: str, channels: list[Series], labels: list
 
 
 def _sensor_topics(sensor: str, kind: str, channels: list[Series], own_times: set[str], types: Types) -> Iterator[Topic]:
-    """One of all channels that are read together; a channel with times of its own has its own."""
+    """One topic for all channels with common times; channels with their own times have separate
+    topics."""
     topic, together = f"/sensors/{ros_name(sensor)}", []
     for one in channels:
         if one.name in own_times:
@@ -241,7 +250,7 @@ def _sensor_topics(sensor: str, kind: str, channels: list[Series], own_times: se
 
 
 def _events(sensor: str, events: Arrays, types: Types) -> Topic:
-    """A message for each change of a unit's contact state."""
+    """One message for each change of a unit's contact state."""
     topic = f"/truth/{ros_name(sensor)}/events"
     t, unit, kind = (events[name][:] for name in ("t", "unit", "kind"))
     key = Series("labels", sensor, "kind", "1", str(events["kind"].attrs["codes"]), ("kind",), (), t, kind)
@@ -306,7 +315,8 @@ def _checked(topics: list[Topic]) -> list[Topic]:
 
 
 def _metadata(file: str, topics: list[Topic]) -> str:
-    """metadata.yaml of version 5, the oldest that has a list of files; later rosbag2 reads it, too."""
+    """metadata.yaml of version 5, the oldest with a list of files; later versions of rosbag2 read
+    it too."""
     filled = [topic.times for topic in topics if len(topic.times)]
     start, end = min(int(times[0]) for times in filled), max(int(times[-1]) for times in filled)
     count = sum(map(len, filled))
@@ -325,7 +335,7 @@ CMAKE = "# Written by slipbench: the package slipbench_msgs.\n"
 
 
 def _package(types: Types, version: str) -> Iterator[tuple[str, str]]:
-    """The files of the package slipbench_msgs, which `colcon build` takes."""
+    """The files of the package slipbench_msgs for `colcon build`."""
     names = sorted(types.texts)
     yield f"{PACKAGE}/package.xml", (
         f'{XML}<package format="3">\n  <name>{PACKAGE}</name>\n  <version>{version}</version>\n'
@@ -359,7 +369,8 @@ def _write_trial(number: int, trial: StoredTrial, data: Dataset, request: Reques
 
 
 def write(data: Dataset, request: Request, progress: Progress) -> list[str]:
-    """Writes a bag for each trial, the package of their messages and a card; returns the names of the files."""
+    """Writes a bag for each trial, the package of their messages and a card; returns the file
+    names."""
     parts, types = split_of(data), Types()
     check_card(request)
     with Output(request.out, "a file of a ROS 2 bag by slipbench", *BEGINNINGS) as output:

@@ -1,4 +1,4 @@
-"""A trial as series: what one sensor, body, label or loop gave, a row an instant."""
+"""A trial as series: data of one sensor, body, label or loop, with one row per instant."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from slipbench import Arrays, InputError, StoredTrial
 from slipbench._data import RULES, is_recording
 from slipbench._program import counted
 
-TIME_ROUNDING = 1e-9  # s: times closer than this are the same, k/rate and its like are rounded
+TIME_ROUNDING = 1e-9  # s: closer times are equal, since k/rate and the like are rounded
 AXES = {"pose": ("x", "y", "z", "qw", "qx", "qy", "qz"), "velocity": ("vx", "vy", "vz", "wx", "wy", "wz"), "command": ("position", "speed", "force"),
         "arm_speed": ("sideways", "up")}
 LAST_AXES = {"force": "xyz", "slip_velocity": "xy", "slip_centre": "xy"}  # of labels: names along the last axis
@@ -20,18 +20,18 @@ LAST_AXES = {"force": "xyz", "slip_velocity": "xy", "slip_centre": "xy"}  # of l
 
 @dataclass(frozen=True)
 class Series:
-    """An array of the dataset that has a row an instant.
+    """An array of the dataset with one row per instant.
 
     Attributes:
         kind: "sensors", "labels", "truth" or "control", as its group
-        owner: name of the sensor or body; empty: the loop's
-        name: of the array
-        unit: as the dataset says
-        codes: JSON object from word to number, of an array of codes; else empty
+        owner: name of the sensor or body; empty: the loop
+        name: name of the array
+        unit: unit in the dataset
+        codes: JSON object from word to number for an array of codes; else empty
         columns: a name for each value of a row
-        shape: of a row
+        shape: shape of a row
         t: [T] s
-        values: [T, values of a row], of the dataset's own type
+        values: [T, values of a row], of the dataset's type
     """
 
     kind: str
@@ -45,12 +45,13 @@ class Series:
     values: NDArray[np.float32] | NDArray[np.uint8]
 
     def at(self, instants: NDArray[np.float64]) -> Series:
-        """The latest row at or before each of the `instants` [s], held, not filtered. Each must have one."""
+        """The latest row at or before each of the `instants` [s], without a filter. Each must have
+        one."""
         rows = np.searchsorted(self.t, instants + TIME_ROUNDING, side="right") - 1
         return replace(self, t=instants, values=self.values[rows])
 
     def is_sampled_at(self, instants: NDArray[np.float64]) -> bool:
-        """Whether these are its own instants."""
+        """True if these are its own instants."""
         return len(self.t) == len(instants) and bool(np.array_equal(self.t, instants))
 
 
@@ -64,7 +65,7 @@ def _label_columns(name: str, shape: tuple[int, ...]) -> tuple[str, ...]:
 
 def _series(kind: str, owner: str, group: Arrays, name: str, t: NDArray[np.float64], columns: tuple[str, ...] = ()) -> Series:
     array = group[name]
-    about = array.attrs  # read anew each time
+    about = array.attrs  # read from the file on each access
     shape = tuple(int(extent) for extent in array.shape[1:])
     if not columns:
         columns = tuple(f"{name}_{axis}" for axis in AXES[name]) if name in AXES else _label_columns(name, shape)
@@ -75,7 +76,7 @@ def _series(kind: str, owner: str, group: Arrays, name: str, t: NDArray[np.float
 
 
 def sensor_series(trial: StoredTrial, sensor: str) -> Iterator[Series]:
-    """The channels of a sensor, in its own order."""
+    """The channels of a sensor, in the sensor's order."""
     group = trial.sensors[sensor]
     names = [str(name) for name in group.attrs["channel_names"]]
     t = group["t"][:]
@@ -87,7 +88,8 @@ def sensor_series(trial: StoredTrial, sensor: str) -> Iterator[Series]:
 
 
 def label_series(trial: StoredTrial, sensor: str, rule: str | None) -> Iterator[Series]:
-    """The truth about a sensor's pad; with a `rule` the pad's state by this one only. An imported recording may have none."""
+    """The truth about a sensor's pad; with a `rule`, the pad's state by this rule only. An imported
+    recording may have none."""
     group = trial.labels.get(sensor)
     if group is None:
         return
@@ -108,7 +110,7 @@ def body_series(trial: StoredTrial) -> Iterator[Series]:
 
 
 def control_series(trial: StoredTrial) -> Iterator[Series]:
-    """What the loop saw and did."""
+    """The series of the control loop."""
     group = trial.control
     if group is not None:
         t = group["t"][:]
@@ -118,7 +120,8 @@ def control_series(trial: StoredTrial) -> Iterator[Series]:
 
 
 def grid(number: int, trial: StoredTrial, sensors: list[str], series: list[Series], rate: float) -> NDArray[np.float64]:
-    """Instants 1/`rate` apart [s], from the first at which all `series` have been read once until the first of the sensors, bodies or loop ends."""
+    """Instants 1/`rate` apart [s], from the first at which all `series` have a value until the
+    first of the sensors, bodies or loop ends."""
     fastest = max(sensors, key=lambda sensor: float(trial.sensors[sensor].attrs["rate_hz"]))
     most = float(trial.sensors[fastest].attrs["rate_hz"])
     if rate > most * (1 + TIME_ROUNDING):
@@ -132,7 +135,8 @@ def grid(number: int, trial: StoredTrial, sensors: list[str], series: list[Serie
 
 
 def sensor_at(number: int, trial: StoredTrial, sensor: str, rule: str | None, rate: float | None) -> tuple[list[Series], list[Series]]:
-    """A sensor's channels and labels: at its own times, or with a `rate` the latest at the instants of its grid()."""
+    """A sensor's channels and labels: at its own times, or with a `rate` the latest values at the
+    instants of its grid()."""
     channels, labels = list(sensor_series(trial, sensor)), list(label_series(trial, sensor, rule))
     if rate is None:
         return channels, labels

@@ -1,4 +1,5 @@
-"""`python -m slipbench._import REQUEST`: started by the program. Exit status 2 for bad input, with its message."""
+"""`python -m slipbench._import REQUEST`: started by the program. Exit status 2 for bad input, with
+its message."""
 
 from __future__ import annotations
 
@@ -17,16 +18,16 @@ MAPS = Path(__file__).parent / "maps"
 
 @dataclass(frozen=True)
 class Request:
-    """As the program hands it over, in JSON.
+    """Request of the program, from JSON.
 
     Attributes:
         sources: files and folders
         map: YAML file, or the name of a map of the program
-        output: dataset to write; empty: the sources are only checked
-        seed: of the split
-        rate: Hz, at which recordings are resampled; None: as recorded
-        json: whether stdout is to have one JSON object
-        install: the command that installs what the readers need
+        output: dataset to write; empty: only check the sources
+        seed: seed of the split
+        rate: Hz, resampling rate; None: as recorded
+        json: True: print one JSON object on stdout
+        install: command that installs the readers' requirements
     """
 
     sources: list[str]
@@ -39,7 +40,8 @@ class Request:
 
 
 def map_path(name: str) -> str:
-    """The path of a map: a file, or a map of the program by its name. Raises InputError where there is neither."""
+    """Path of a map: a file, or a map of the program by its name. Raises InputError if neither
+    exists."""
     if Path(name).is_file():
         return name
     own = MAPS / f"{name}.yaml"
@@ -70,7 +72,7 @@ def run(request: Request, interrupt: Interrupt) -> None:
 
 
 def main(text: str) -> int:
-    """Does what the request asks for; returns the exit status."""
+    """Runs the request; returns the exit status."""
     request = Request(**json.loads(text))
     try:
         run(request, Interrupt("stopping; nothing is kept"))

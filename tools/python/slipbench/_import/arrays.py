@@ -1,4 +1,4 @@
-"""Arrays of NumPy and tables of Parquet."""
+"""Readers of NumPy arrays and Parquet tables."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from slipbench import InputError
 from slipbench._import.source import Source
 from slipbench._program import counted
 
-LARGEST = 2_000_000_000  # bytes of all arrays, which are in memory as a whole
+LARGEST = 2_000_000_000  # bytes of all arrays, which are held in memory
 
 
 class Columns(Source):
-    """Columns in memory, each [T, ...] in numbers or [T] in texts. `left_out`: as Source has it."""
+    """Columns in memory, each [T, ...] of numbers or [T] of texts. `left_out`: as in Source."""
 
     def __init__(self, path: str, columns: dict[str, Any], left_out: dict[str, str] | None = None) -> None:
         super().__init__(path)
@@ -56,7 +56,8 @@ class Columns(Source):
 
 
 def read_npy(path: str) -> Columns:
-    """An array [T, N], whose columns are called 1 to N, or a structured array [T], by the names of its fields."""
+    """Reads an array [T, N], whose columns are named 1 to N, or a structured array [T], by the
+    names of its fields."""
     try:
         array = np.load(path, allow_pickle=False, mmap_mode="r")
     except Exception as error:  # noqa: BLE001  a damaged header raises what Python's parser and tokenizer raise
@@ -69,7 +70,8 @@ def read_npy(path: str) -> Columns:
 
 
 def read_npz(path: str) -> Columns:
-    """Arrays by their names. Those with another number of rows than most, such as constants, are left out: naming one is an error."""
+    """Reads arrays by their names. Arrays with another number of rows than most, such as constants,
+    are left out: naming one is an error."""
     try:
         with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
             size = sum(member.file_size for member in file.zip.infolist())
@@ -80,7 +82,7 @@ def read_npz(path: str) -> Columns:
         raise InputError(
             f"{path}: the arrays have {size / 1e9:.1f} GB; expected at most {LARGEST / 1e9:.0f} GB; cut them in parts"
         )
-    arrays = {name: array for name, array in arrays.items() if isinstance(array, np.ndarray)}  # not other members
+    arrays = {name: array for name, array in arrays.items() if isinstance(array, np.ndarray)}  # skips other members
     rows = Counter(len(array) for array in arrays.values() if array.ndim and array.size)
     if not rows:
         raise InputError(f"{path}: has no array with a row for each sample; found: {', '.join(list(arrays)[:10])}")
@@ -95,7 +97,7 @@ def read_npz(path: str) -> Columns:
 
 
 def read_parquet(path: str) -> Columns:
-    """The columns of a Parquet file; lists of one length are arrays."""
+    """Reads the columns of a Parquet file; lists of equal length are arrays."""
     import pyarrow.parquet
 
     try:
@@ -130,7 +132,7 @@ def read_parquet(path: str) -> Columns:
 
 
 def _parquet_column(where: str, column: Any) -> Any:
-    """A column as an array: times as texts, lists of one length as [T, N]."""
+    """A column as an array: times as texts, lists of equal length as [T, N]."""
     import pyarrow as pa
 
     if pa.types.is_timestamp(column.type):

@@ -14,11 +14,12 @@ from slipbench._import.block import Block, nearest
 
 MOST_VALUES = 100_000  # of one list in a message
 MOST_IN_TOPIC = 100_000_000
-BLOCK = 1_000_000  # values that are kept as Python's objects
+BLOCK = 1_000_000  # values kept as Python objects
 
 
 def flatten(message: Any, title: str, into: dict[str, Any]) -> None:
-    """Adds the numbers and texts of a message by their titles: "header.stamp" [s], "pillars[3].fX", "data[7]"."""
+    """Adds the numbers and texts of a message by their titles: "header.stamp" [s], "pillars[3].fX",
+    "data[7]"."""
     fields = getattr(message, "__dataclass_fields__", None)
     if fields is not None:
         names = [name for name in fields if not name.startswith("__")]
@@ -41,7 +42,7 @@ def _columns(rows: list[dict[str, Any]], titles: list[str]) -> dict[str, np.ndar
 
 
 class Topic(Columns):
-    """The messages of one topic: a column for each value of a message."""
+    """The messages of one topic: one column for each value of a message."""
 
     def __init__(self, path: str, name: str, times: list[int], columns: dict[str, Any]) -> None:
         super().__init__(path, columns)
@@ -58,7 +59,7 @@ class Topic(Columns):
         return f"{self.path}: topic {self.name}"
 
     def items(self, each: str) -> list[Topic]:
-        """The items of a list of each message as topics of their own."""
+        """The items of a list in each message as separate topics."""
         topics: list[Topic] = []
         while True:
             start = f"{each}[{len(topics)}]."
@@ -67,7 +68,7 @@ class Topic(Columns):
             }
             if not found:
                 break
-            # A field of the item goes before a field of the whole message with the same name.
+            # A field of the item takes precedence over a field of the message with the same name.
             found = {one: column for one, column in self._columns.items() if not one.startswith(f"{each}[")} | found
             topics.append(Topic(self.path, f"{self.name}, {each}[{len(topics)}]", self._times.tolist(), found))
         if not topics:
@@ -111,7 +112,7 @@ def read_definitions(map: Block) -> dict[str, Any]:
 
 
 def missing_types(kind: str, known: dict[str, Any]) -> list[str]:
-    """The types of messages that a message of the type `kind` consists of and `known`, by rosbags, does not have."""
+    """Types in messages of the type `kind` that `known`, by rosbags, lacks."""
     from rosbags.interfaces import Nodetype
 
     found: dict[str, None] = {kind: None}
@@ -127,14 +128,15 @@ def missing_types(kind: str, known: dict[str, Any]) -> list[str]:
 
 
 class Bag:
-    """A bag, whose topics are read when they are asked for.
+    """A bag, whose topics are read on demand.
 
     Args:
         path: a .bag or .mcap file, or the folder of a bag of ROS 2
-        definitions: messages that a bag without definitions may have beside those of ROS 2, as of read_definitions()
+        definitions: additional message definitions for a bag without definitions, from
+            read_definitions()
 
     Raises:
-        InputError: the bag cannot be read.
+        InputError: the bag is unreadable.
     """
 
     def __init__(self, path: str, definitions: dict[str, Any]) -> None:
@@ -142,7 +144,7 @@ class Bag:
         from rosbags.typesys import Stores, get_typestore
 
         self.path = path
-        # Definitions of messages are those in the bag; those that it does not have are the map's and ROS 2's.
+        # Definitions in the bag take precedence over those of the map and of ROS 2.
         others = get_typestore(Stores.LATEST).fielddefs | definitions
         self._reader = AnyReader([Path(path)], default_typestore=get_typestore(Stores.EMPTY))
         try:
@@ -159,14 +161,15 @@ class Bag:
         self._reader.close()
 
     def find(self, topic: str, message: str) -> list[str]:
-        """The topics that a map means: one by its name, all of a type of message, or the only one.
+        """The topics selected by a map: one by its name, all of a message type, or the only one.
 
         Args:
             topic: its name; empty: by `message`
             message: type, "papillarray_interfaces/msg/SensorState", or its last part; empty: any
 
         Raises:
-            InputError: there is no such topic, or more than one and neither name nor type are given.
+            InputError: there is no such topic, or several topics and neither name nor type are
+                given.
         """
         listed = ", ".join(f"{name} ({kind})" for name, kind in list(self.topics.items())[:10])
         if topic:
@@ -187,7 +190,7 @@ class Bag:
         return list(self.topics)
 
     def _decoded(self, name: str) -> Iterator[tuple[int, Any]]:
-        """Times of receipt [ns] and messages of a topic. Raises InputError where one cannot be read."""
+        """Receipt times [ns] and messages of a topic. Raises InputError if one is unreadable."""
         count = 0
         try:
             for connection, time, raw in self._reader.messages(
@@ -199,14 +202,15 @@ class Bag:
             raise InputError(f"{self.path}: topic {name}, message {count + 1}: cannot be read: {error}") from error
 
     def read(self, name: str) -> Topic:
-        """All messages of a topic. Raises InputError where one cannot be read or they differ in their lengths."""
+        """All messages of a topic. Raises InputError if one is unreadable or their lengths
+        differ."""
         if missing := missing_types(self.topics[name], self._reader.typestore.fielddefs):
             raise InputError(
                 f"{self.path}: topic {name}: the bag has no definition of {' and '.join(missing)}; name the .msg file, or a "
                 "folder of such files, in the map: definitions: [PATH]"
             )
         times: list[int] = []
-        rows: list[dict[str, Any]] = []  # of the messages that are not yet in `blocks`
+        rows: list[dict[str, Any]] = []  # of messages that are not in `blocks` yet
         blocks: list[dict[str, np.ndarray]] = []
         titles: list[str] = []
         for time, message in self._decoded(name):

@@ -11,15 +11,15 @@ from slipbench._import.keys import BLOCKS, Key
 from slipbench.bin import _core
 
 LARGEST = 1_000_000  # lines that a list may skip, components
-LONGEST = 60  # letters of a name that a message lists
+LONGEST = 60  # letters of a listed name
 
 
 class Node:
-    """A node of the YAML file: its text, its items or its keys, and its line.
+    """A node of the YAML file: its text, items or keys, and its line.
 
     Args:
-        path: of the file
-        parts: as `_core.read_yaml` gives a node: key, line of the key, kind, line, text, children
+        path: path of the file
+        parts: a node of `_core.read_yaml`: key, line of the key, kind, line, text, children
     """
 
     def __init__(self, path: str, parts: tuple[Any, ...]) -> None:
@@ -41,7 +41,8 @@ class Node:
 
 
 def nearest(name: str, known: list[str]) -> str:
-    """ "; did you mean 'b'? It has a, b, c", for an error about a name that is not known. At most ten names are listed."""
+    """ "; did you mean 'b'? It has a, b, c", for an error about an unknown name. Lists at most ten
+    names."""
     close = difflib.get_close_matches(name, known, 1) or [one for one in known if one.lower() == name.lower()][:1]
     names = [one if len(one) <= LONGEST else one[:LONGEST] + "…" for one in known[:10]]
     shown = ", ".join(names) + (f" and {len(known) - 10} more" if len(known) > 10 else "")
@@ -118,12 +119,12 @@ def _value(node: Node, key: Key, where: str) -> Any:
 
 
 class Block:
-    """A block whose keys were checked against BLOCKS.
+    """A block whose keys are checked against BLOCKS.
 
     Args:
-        node: what the file has there
+        node: node of the file
         kind: name of the block in BLOCKS
-        where: path of the keys that lead here, for messages; empty for the whole map
+        where: path of its keys, for messages; empty for the whole map
     """
 
     def __init__(self, node: Node, kind: str, where: str = "") -> None:
@@ -153,13 +154,13 @@ class Block:
         return self._values.get(key, default)
 
     def need(self, key: str) -> Any:
-        """The value of a key. Raises InputError where the map does not have it."""
+        """The value of a key. Raises InputError if the map lacks it."""
         if key not in self._values:
             self.node.fail(f"{self.where or 'the map'} has no key {key!r}")
         return self._values[key]
 
     def path(self, key: str) -> str:
-        """The key with those that lead to it."""
+        """The key with its parent keys."""
         return f"{self.where}.{key}" if self.where else key
 
     def fail(self, message: str, key: str = "") -> NoReturn:
@@ -167,7 +168,8 @@ class Block:
         self._nodes.get(key, self.node).fail(message)
 
     def only_one(self, keys: tuple[str, ...]) -> str:
-        """Which one of several keys the block has. Raises InputError unless it is exactly one."""
+        """The one of several keys that the block has. Raises InputError unless it has exactly
+        one."""
         found = [key for key in keys if key in self]
         if len(found) != 1:
             self.fail(
@@ -183,7 +185,7 @@ def read_map(path: str) -> Block:
         path: YAML file
 
     Returns:
-        The block "map" of it.
+        The block "map" of the file.
 
     Raises:
         InputError: file:line, the key, what was found and what is expected.

@@ -1,4 +1,4 @@
-"""The keys of a map, declared once: maps are checked by this table, and their JSON Schema is made from it."""
+"""The keys of a map, declared once: they define the checks of maps and their JSON Schema."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ class Key:
     """One key of a block of the map.
 
     Attributes:
-        name: as it is written
-        kind: "text"; "name" (letters, digits and "_"); "number"; "integer" (1 or more); "boolean"; "texts" (a list);
-            "lines" (a number of lines, or a list of line numbers); "rate" ("100 Hz"); "words" (texts by texts);
-            "block" (the keys of `block`); "blocks" (such blocks, each under a name)
-        default: what holds without the key, for the reader; empty: nothing
+        name: name in the file
+        kind: "text"; "name" (letters, digits and "_"); "number"; "integer" (1 or more); "boolean";
+            "texts" (a list); "lines" (a number of lines, or a list of line numbers); "rate" ("100
+            Hz"); "words" (texts by texts); "block" (the keys of `block`); "blocks" (such blocks,
+            each under a name)
+        default: value without the key, for the documentation; empty: none
         description: one sentence
-        choices: of a text; empty: any
+        choices: allowed values of a text; empty: any
         block: name of the block in BLOCKS, for the kinds "block" and "blocks"
-        required: whether the block needs the key
+        required: True if the block needs the key
     """
 
     name: str

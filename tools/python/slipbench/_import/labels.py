@@ -1,4 +1,5 @@
-"""Labels and objects of recordings: by a column, a value, a folder, a file name, or a table of files."""
+"""Labels and objects of recordings: from a column, a value, a folder, a file name, or a table of
+files."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ UNKNOWN = "unknown"
 
 @dataclass(frozen=True)
 class File:
-    """A source: its path as messages name it, and its name below the folder that the user named."""
+    """A source: its path in messages, and its name relative to the folder that the user named."""
 
     path: str
     name: str
@@ -49,16 +50,16 @@ class Lookup:
 
     @property
     def column(self) -> str | None:
-        """Title of the column that has the values; None: they are the same in a whole file."""
+        """Title of the column with the values; None: one value for the whole file."""
         return self.block.need("column") if self.place == "column" else None
 
     @property
     def table(self) -> str | None:
-        """File name of the table of files; None: there is none."""
+        """File name of the table of files; None: no table."""
         return self.block.need("table").need("path") if self.place == "table" else None
 
     def of_file(self, file: File) -> str:
-        """The value of a whole file. Raises InputError where the file has none."""
+        """The value of a whole file. Raises InputError if the file has none."""
         if self.place == "value":
             return str(self.block.need("value"))
         full = Path(file.path).absolute()
@@ -175,7 +176,7 @@ class States(Lookup):
 
 
 def object_of(lookup: Lookup, file: File, source: Source) -> str:
-    """The object of a recording. Raises InputError where a column has more than one in a file."""
+    """The object of a recording. Raises InputError if a column has several in a file."""
     if lookup.column is None:
         name = lookup.of_file(file)
     else:

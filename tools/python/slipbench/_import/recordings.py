@@ -1,4 +1,4 @@
-"""From sources to recordings by a map."""
+"""Reads recordings from sources by a map."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from slipbench._import.source import MISSING, Source, stamps_of
 from slipbench._program import counted
 from slipbench.bin import _core
 
-# Which files of a folder are meant: those of the first of these kinds that it has.
+# Files that are read in a folder: those of the first of these kinds in it.
 KINDS = (
-    (".mcap",),  # bags first: beside them there may be tables of labels
+    (".mcap",),  # bags first: there may be tables of labels next to them
     (".bag",),
     (".csv",),
     (".tsv", ".tab"),
@@ -33,30 +33,30 @@ KINDS = (
     (".npy",),
 )
 BAGS = (".mcap", ".bag")
-MOST_RUNS = 5  # of missing samples that a warning lists
+MOST_RUNS = 5  # runs of missing samples listed in a warning
 FRAME = "as the recordings have it"
 LARGEST = 1_000_000_000  # bytes of a recording
 SHORTEST = 1e-10  # s between two samples
 
 
 def list_files(sources: list[str], pattern: str = "") -> list[File]:
-    """The recordings that files and folders mean, in the order of their names.
+    """The recordings among files and folders, sorted by name.
 
     Args:
         sources: files and folders
-        pattern: for the names of files and bags in folders, such as "*_bio.csv"; empty: all
+        pattern: of the names of files and bags in folders, such as "*_bio.csv"; empty: all
 
     Returns:
-        The files, with the names that the dataset has for them.
+        The files, with their names in the dataset.
 
     Raises:
-        InputError: a source is not there, or a folder has no recording.
+        InputError: a source does not exist, or a folder has no recording.
     """
     endings: set[str] = set()
     folders = [source for source in sources if _is_folder(source)]
     for source in folders:
         paths = [path for path in Path(source).rglob("*") if _matches(path, pattern) or _matches(path.parent, pattern)]
-        # The database of a bag of ROS 2 is found by the bag's folder.
+        # The database of a ROS 2 bag is found by the bag's folder.
         found = {".mcap" if path.suffix == ".db3" else path.suffix for path in paths}
         endings |= set(next((kind for kind in KINDS if found & set(kind)), ()))
     every = [ending for kind in KINDS for ending in kind]
@@ -73,7 +73,7 @@ def list_files(sources: list[str], pattern: str = "") -> list[File]:
 
 
 def _is_folder(source: str) -> bool:
-    """True for a folder of recordings, which the folder of a bag is not."""
+    """True for a folder of recordings; the folder of a bag is not one."""
     return Path(source).is_dir() and not (Path(source) / "metadata.yaml").is_file()
 
 
@@ -82,7 +82,7 @@ def _matches(path: Path, pattern: str) -> bool:
 
 
 class Sensor:
-    """A sensor of the map, or the map itself where it has only one."""
+    """A sensor of the map, or the map itself if it has only one sensor."""
 
     def __init__(self, name: str, block: Block, root: Block) -> None:
         self.name, self.block = name, block
@@ -109,14 +109,14 @@ class Sensor:
 
     @property
     def scale(self) -> float | None:
-        """Length of the unit of the times in seconds; None: the map says none."""
+        """Unit of the times in seconds; None: not stated in the map."""
         if self.time is None or not ("unit" in self.time or "scale" in self.time):
             return None
         return float(self.time.get("scale") or TIME_UNITS[self.time.need("unit")])
 
 
 class Map:
-    """A map whose keys were checked, as the reader of files."""
+    """A checked map, which reads files."""
 
     def __init__(self, block: Block) -> None:
         self.block = block
@@ -135,12 +135,12 @@ class Map:
             self.sensors = [Sensor(block.need("sensor"), block, block)]
         self.object = Lookup(block.need("object")) if "object" in block else None
         self._definitions: dict[str, Any] | None = None  # of messages; read with the first bag
-        self._named: set[str] = set()  # sources that are no folders
+        self._named: set[str] = set()  # sources that are not folders
         if (comment := block.get("comment")) is not None and comment != comment.strip():
             block.fail(f"comment: expected a text without blanks around it, found {comment!r}", "comment")
 
     def files(self, sources: list[str]) -> list[File]:
-        """The recordings; tables of labels and objects are left out."""
+        """The recordings, without tables of labels and objects."""
         self._named = {source for source in sources if not _is_folder(source)}
         lookups = [sensor.states for sensor in self.sensors] + [self.object]
         tables = {lookup.table for lookup in lookups if lookup is not None and lookup.table}
@@ -152,7 +152,7 @@ class Map:
         ]
 
     def read(self, file: File) -> Iterator[tuple[str, Sensor, Source]]:
-        """The sensors of a file: name, its block of the map, its columns."""
+        """The sensors of a file: name, block of the map, columns."""
         path = Path(file.path)
         if path.is_dir() or path.suffix in BAGS:
             yield from self._read_bag(file)
@@ -253,7 +253,8 @@ def _channel_values(source: Source, key: str, channel: Block) -> tuple[list[int]
 
 
 def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | None]:
-    """Times of all rows [s], NaN where one is missing; their resolution [s]; the rate [Hz] where the map says it."""
+    """Times of all rows [s], NaN if missing; their resolution [s]; the rate [Hz] if the map states
+    it."""
     if sensor.time is None:
         clock = source.clock()
         if clock is None:
@@ -270,7 +271,8 @@ def _times(source: Source, sensor: Sensor) -> tuple[np.ndarray, float, float | N
 
 
 def _time_unit(source: Source, sensor: Sensor) -> float:
-    """The unit in which a column of numbers was read as times [s]; 0 for dates, clocks of bags and rates, whose unit is known."""
+    """Unit of a numeric time column [s]; 0 for dates, clocks of bags and rates, whose unit is
+    known."""
     if sensor.time is None or "column" not in sensor.time or "nanoseconds" in sensor.time or "format" in sensor.time:
         return 0.0
     texts = (text for text in source.texts(sensor.time.need("column")) if text.lower() not in MISSING)
@@ -284,7 +286,8 @@ def _runs(rows: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _missing_text(source: Source, times: np.ndarray, rows: np.ndarray, done: str) -> str:
-    """ "3 of 100 samples have missing values and are left out: 3 from FILE:12 on, 0.04 s from 1.2 s to 1.24 s"."""
+    """ "3 of 100 samples have missing values and are left out: 3 from FILE:12 on, 0.04 s from 1.2 s
+    to 1.24 s"."""
     runs = _runs(rows)
     texts = []
     for first, last in runs[:MOST_RUNS]:
@@ -298,7 +301,7 @@ def _missing_text(source: Source, times: np.ndarray, rows: np.ndarray, done: str
 
 
 class Importer:
-    """Reads files by a map and hands their recordings over to the writer."""
+    """Reads files by a map and passes their recordings to the writer."""
 
     def __init__(self, map: Map, writer: _core.MappedImport) -> None:
         self._map, self._writer = map, writer
@@ -325,7 +328,7 @@ class Importer:
             empty |= np.isnan(values).any(axis=1)
         kept = self._kept(name, source, sensor, channels, times, np.flatnonzero(empty))
         if len(kept) < len(times):
-            rate = None  # the rows that are left have gaps
+            rate = None  # the remaining rows have gaps
         times = times[kept]
         if len(times) < (1 if rate else 2):
             raise InputError(f"{file.path}: has {counted(len(times), 'sample')}; expected two or more, which give the rate")
@@ -378,7 +381,7 @@ class Importer:
         times: np.ndarray,
         empty: np.ndarray,
     ) -> np.ndarray:
-        """The rows that become samples, by the key `missing`."""
+        """The rows that become samples, according to the key `missing`."""
         every = np.arange(len(times))
         if not empty.size:
             return every

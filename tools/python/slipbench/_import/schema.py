@@ -1,4 +1,5 @@
-"""`python -m slipbench._import.schema REQUEST`: the JSON Schema of import maps; started by `slipbench schema map`."""
+"""`python -m slipbench._import.schema REQUEST`: the JSON Schema of import maps; started by
+`slipbench schema map`."""
 
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ _KINDS: dict[str, dict[str, Any]] = {
 }
 _OF_SENSOR = ("type", "channels", "topic", "message", "each", "frame")
 _PLACES: list[dict[str, Any]] = [{"required": [key]} for key in ("column", "value", "folder", "file", "table")]
-# What a block needs: exactly one of these.
+# Alternatives of a block: exactly one is required.
 _NEEDED: dict[str, list[dict[str, Any]]] = {
     "map": [
         {"required": ["sensor", "type", "channels"], "properties": {"sensors": False}},
@@ -45,7 +46,7 @@ _NEEDED: dict[str, list[dict[str, Any]]] = {
 
 
 def _schema(key: Key) -> dict[str, Any]:
-    """The schema of one key, with its sentence and its default."""
+    """The schema of one key, with its description and default."""
     if key.kind == "block":
         schema: dict[str, Any] = {"$ref": f"#/$defs/{key.block}"}
     elif key.kind == "blocks":
@@ -78,7 +79,7 @@ def _block(name: str) -> dict[str, Any]:
 
 
 def map_schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of import maps, made from the keys in BLOCKS."""
+    """The JSON Schema (draft 2020-12) of import maps, generated from the keys in BLOCKS."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "slipbench import map",

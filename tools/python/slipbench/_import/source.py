@@ -1,4 +1,4 @@
-"""The common result of all readers: columns by their titles, and the place of each row."""
+"""Common interface of all readers: columns by their titles, and the location of each row."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ CLOCK = re.compile(r"(\d{1,2}):([0-5]\d):([0-5]\d(?:[.,]\d+)?)")
 
 
 class Source:
-    """Columns by their titles. A column has one value a row, or an array of any shape.
+    """Columns by their titles. A column has one value, or an array of any shape, per row.
 
     Attributes:
-        path: of the file
-        titles: of its columns
-        thousands: mark between thousands in its cells; empty: there is none
-        left_out: the reason for each column of the file that is not among the titles, for messages: "holds 7 rows"
-        in_folder: whether the file was found in a folder, where the map can choose files
+        path: path of the file
+        titles: titles of its columns
+        thousands: thousands separator in its cells; empty: none
+        left_out: for each column of the file without a title, the reason for messages: "holds 7
+            rows"
+        in_folder: True if the file was found in a folder, where the map can select files
     """
 
     titles: list[str]
@@ -42,10 +43,12 @@ class Source:
         raise NotImplementedError
 
     def load(self, titles: Iterable[str], texts: Iterable[str]) -> None:
-        """Reads the columns `titles`, of them `texts` as texts, where they were not read with the header."""
+        """Reads the columns `titles`, the subset `texts` as texts, if they were not read with the
+        header."""
 
     def values(self, title: str) -> np.ndarray:
-        """A column as float64 [T, ...]; a missing value is NaN. Raises InputError for a cell that is not a number."""
+        """A column as float64 [T, ...]; a missing value is NaN. Raises InputError for a cell that
+        is not a number."""
         raise NotImplementedError
 
     def texts(self, title: str) -> list[str]:
@@ -53,19 +56,19 @@ class Source:
         raise NotImplementedError
 
     def spacing(self, title: str) -> float:
-        """The distance of neighbouring numbers at the largest value of a column; 0 where the column is exact."""
+        """Spacing of numbers at the largest value of a column; 0 if the column is exact."""
         return 0.0
 
     def clock(self) -> np.ndarray | None:
-        """Times of the rows in ns of the recorder's clock; None: there are none."""
+        """Times of the rows in ns of the recorder's clock; None: no clock."""
         return None
 
     def place(self, row: int) -> str:
-        """Where a row stands, "FILE:LINE" or "FILE: row 7"."""
+        """Location of a row, "FILE:LINE" or "FILE: row 7"."""
         return f"{self.path}: row {row + 1}"
 
     def title_place(self) -> str:
-        """Where the titles stand."""
+        """Location of the titles."""
         return self.path
 
     def title_hint(self) -> str:
@@ -73,7 +76,8 @@ class Source:
         return ""
 
     def layout_hint(self) -> str:
-        """Returns the end of an error that names what else than cells the file has; empty: nothing is known."""
+        """Returns the end of an error that names the file's content outside of cells; empty:
+        unknown."""
         return ""
 
     def _folder_hint(self) -> str:
@@ -99,14 +103,14 @@ class Source:
         return title
 
     def find_all(self, columns: list[str], where: str) -> tuple[list[str], int]:
-        """The titles that a channel's `columns` mean, in the order of its values.
+        """Resolves the `columns` of a channel to titles, in the order of its values.
 
         Args:
             columns: titles, "A .. B", and titles with *
             where: the key, for messages
 
         Returns:
-            The titles, and the number of components that * says: 1 without.
+            The titles, and the number of components by *: 1 without.
         """
         starred = [title for title in columns if "*" in title and title not in self.titles]
         if starred:
@@ -139,7 +143,7 @@ class Source:
         return found, 1
 
     def _matches(self, title: str) -> list[tuple[tuple[int, ...], str]]:
-        """The numbers in the place of each *, and the title that has them, by rising numbers."""
+        """The numbers matched by each *, and the title, in ascending order of numbers."""
         pattern = re.compile(r"(\d+)".join(re.escape(part) for part in title.split("*")))
         found = [
             (tuple(int(number) for number in match.groups()), one)
@@ -158,7 +162,7 @@ class Source:
 
 
 def resolution_of(cells: Iterable[str]) -> float:
-    """The least difference that numbers written like these can have: 0.001 of "1.250", 1 of "7"."""
+    """Resolution of numbers as written: 0.001 for "1.250", 1 for "7"."""
     least = np.inf
     for cell in set(re.sub(r"\d", "0", cell) if "e" not in cell.lower() else cell for cell in cells):
         mantissa, _, exponent = cell.lower().replace(",", ".").partition("e")
@@ -172,12 +176,13 @@ def stamps_of(source: Source, title: str, scale: float | None, pattern: str = ""
 
     Args:
         source: the table
-        title: of the column
-        scale: length of its unit in seconds; None: the map says none, and the column may be ISO 8601 or a time of day
-        pattern: of a date or a time of day, for strptime; empty: ISO 8601
+        title: title of the column
+        scale: its unit in seconds; None: not stated in the map; the column may be ISO 8601 or a
+            time of day
+        pattern: strptime pattern of a date or a time of day; empty: ISO 8601
 
     Returns:
-        Times [T] s, NaN where one is missing, and their resolution [s].
+        Times [T] s, NaN if missing, and their resolution [s].
     """
     texts = source.texts(title)
     filled = [text for text in texts if text.lower() not in MISSING]
@@ -193,7 +198,7 @@ def stamps_of(source: Source, title: str, scale: float | None, pattern: str = ""
             ]
         )
         if pattern:
-            # The fraction may stand anywhere in such a text: the digits are those of the microseconds.
+            # The fraction may be anywhere in such a text: its digits are those of the microseconds.
             micro = np.round(times[~np.isnan(times)] % 1.0 * 1e6).astype(int)
             return times, 10.0 ** -next(digits for digits in range(7) if not (micro % 10 ** (6 - digits)).any())
         digits = max(len(match[1]) if (match := re.search(r":\d{2}[.,](\d+)", text)) else 0 for text in filled)
@@ -217,7 +222,7 @@ def _moment(source: Source, title: str, row: int, text: str, pattern: str) -> fl
         return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
     if clock := CLOCK.fullmatch(text):
         return 3600.0 * int(clock[1]) + 60.0 * int(clock[2]) + float(clock[3].replace(",", "."))
-    # datetime has microseconds: the fraction is added by itself.
+    # datetime has microseconds only: the fraction is added separately.
     whole, fraction, zone = re.fullmatch(r"([^.,]*)(?:[.,](\d+))?(.*)", text, re.DOTALL).groups()  # type: ignore[union-attr]
     try:
         moment = datetime.fromisoformat(whole + zone)

@@ -1,4 +1,5 @@
-"""Text tables: separator and decimal mark are found, pandas parses, errors name file and line."""
+"""Reader of text tables: detects separator and decimal mark, pandas parses, errors name file and
+line."""
 
 from __future__ import annotations
 
@@ -16,23 +17,23 @@ from slipbench import InputError
 from slipbench._import.source import MISSING, Source
 from slipbench._program import counted
 
-SEPARATORS = ("\t", ";", "|", ",", " ")  # in the order in which they are preferred; the last stands for any blanks
+SEPARATORS = ("\t", ";", "|", ",", " ")  # in order of preference; the last stands for any blanks
 NAMES = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks", "": "one column"}
-SAMPLE = 100  # lines that separator and decimal mark are found by
-LARGEST = 2_000_000_000  # bytes of a table, which is in memory as a whole
+SAMPLE = 100  # lines used to detect separator and decimal mark
+LARGEST = 2_000_000_000  # bytes of a table, which is held in memory
 LONGEST = 1_000_000  # characters of a line
-EITHER = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # a decimal comma, or a mark between thousands
+EITHER = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # a decimal comma, or a thousands separator
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 COMMA_NUMBER = re.compile(r"[+-]?(\d+,\d+|,\d+)([eE][+-]?\d+)?")
 THOUSANDS = {mark: re.compile(rf"[+-]?\d{{1,3}}({re.escape(mark)}\d{{3}})+(?!\d)") for mark in ",.'"}
-ARDUINO = re.compile(r"\d{1,2}:\d{2}:\d{2}[.,]\d{1,6} -> ")  # a time of Arduino's serial monitor, before what was sent
-# "a:1" for Arduino's serial plotter. The limits keep the search linear in a long line.
+ARDUINO = re.compile(r"\d{1,2}:\d{2}:\d{2}[.,]\d{1,6} -> ")  # a time of Arduino's serial monitor, before the received text
+# "a:1" for Arduino's serial plotter. The limits keep the search linear in long lines.
 NAMED_NUMBER = re.compile(r"(?<!\w)[A-Za-z_]\w{0,63} ?: ?[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 MINUS = "\N{MINUS SIGN}"
 
 
 def decoded(path: str) -> str:
-    """The text of a file in UTF-8, UTF-16 with or without a mark, or Latin 1."""
+    """The text of a file in UTF-8, UTF-16 with or without a byte order mark, or Latin 1."""
     if Path(path).stat().st_size > LARGEST:
         raise InputError(f"{path}: the table has more than {LARGEST / 1e9:.0f} GB; cut it in parts")
     data = Path(path).read_bytes()
@@ -52,7 +53,7 @@ def decoded(path: str) -> str:
 
 
 def cells_of(line: str, separator: str) -> list[str]:
-    """The cells of a line, without quotes and without blanks around them."""
+    """The cells of a line, without quotes and surrounding blanks."""
     if separator == " ":
         line, separator = " ".join(line.split()), " "
     if not separator:
@@ -61,7 +62,7 @@ def cells_of(line: str, separator: str) -> list[str]:
 
 
 def filled(cells: list[str]) -> int:
-    """Number of cells without the empty ones at the end."""
+    """Number of cells without trailing empty ones."""
     count = len(cells)
     while count and not cells[count - 1]:
         count -= 1
@@ -69,7 +70,8 @@ def filled(cells: list[str]) -> int:
 
 
 def find_separator(lines: list[str]) -> str:
-    """The separator by which most lines have as many cells as the first; empty: the table has one column."""
+    """The separator for which most lines have as many cells as the first; empty: a single
+    column."""
     best, most = "", 0
     for separator in SEPARATORS:
         counts = [filled(cells_of(line, separator)) for line in lines]
@@ -77,8 +79,8 @@ def find_separator(lines: list[str]) -> str:
         if counts[0] > 1 and agree > max(most, 1 if len(counts) > 1 else 0, len(counts) // 2):
             best, most = separator, agree
     if not best and len(lines) > 1:
-        # No separator agrees: the one of the header, so that the rows are refused by their number of cells. One title may
-        # have blanks.
+        # No separator fits most lines: use that of the header, so that rows are rejected by their
+        # number of cells. A single title may have blanks.
         for one in SEPARATORS:
             if filled(cells_of(lines[0], one)) > 1 and (one != " " or filled(cells_of(lines[1], one)) > 1):
                 return one
@@ -86,7 +88,7 @@ def find_separator(lines: list[str]) -> str:
 
 
 def find_decimal(lines: list[str], separator: str) -> str:
-    """The decimal mark of the cells: a comma where cells have one and no cell has a point."""
+    """The decimal mark of the cells: a comma if cells have one and no cell has a point."""
     cells = [cell for line in lines for cell in cells_of(line, separator)]
     commas = any(COMMA_NUMBER.fullmatch(cell) for cell in cells)
     points = any("." in cell and NUMBER.fullmatch(cell) for cell in cells)
@@ -94,16 +96,16 @@ def find_decimal(lines: list[str], separator: str) -> str:
 
 
 class TextTable(Source):
-    """A text table whose header is read; load() reads the columns.
+    """A text table with its header; load() reads the columns.
 
     Args:
-        path: of the file
-        separator: between cells, "blanks" or "tab"; empty: found
-        decimal: mark; empty: found
-        thousands: mark between thousands; empty: there is none
-        header: whether the first line holds titles
-        skip: number of first lines, or the numbers of lines, that are not read
-        comment: text that lines begin with that are not read; "none": there are none
+        path: path of the file
+        separator: between cells, "blanks" or "tab"; empty: detected
+        decimal: decimal mark; empty: detected
+        thousands: thousands separator; empty: none
+        header: True if the first line holds titles
+        skip: number of skipped first lines, or numbers of skipped lines
+        comment: beginning of skipped lines; "none": none are skipped
     """
 
     def __init__(
@@ -122,7 +124,7 @@ class TextTable(Source):
         numbered = [
             (number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip() and number not in skipped
         ]
-        if numbered and (said := re.fullmatch(r"sep=(.)", numbered[0][1].strip())):  # as Excel writes it
+        if numbered and (said := re.fullmatch(r"sep=(.)", numbered[0][1].strip())):  # written by Excel
             separator, numbered = separator or said[1], numbered[1:]
         every = numbered
         if comment != "none":
@@ -159,12 +161,13 @@ class TextTable(Source):
             titles = cells_of(above[-1][1].lstrip().removeprefix(comment).strip(), self._separator)
             if filled(titles) == count and not any(self._is_number(cell) for cell in titles):
                 first, self._header_line = titles, above[-1][0]
-        # A column without a title, as pandas writes its index, is called by its number.
+        # A column without a title, such as the index of pandas, is named by its number.
         self.titles = [first[k] if header and first[k] else str(k + 1) for k in range(count)]
         if header and self._header_line == numbered[0][0]:
             numbered = numbered[1:]
         if self._separator in ("\t", "") and numbered:
-            # A line of empty cells is a sample without values, which counts where times follow from a rate.
+            # A line of empty cells is a sample without values, which counts if times follow from a
+            # rate.
             numbered += [
                 (number, line)
                 for number, line in enumerate(text.split("\n"), 1)
@@ -180,7 +183,8 @@ class TextTable(Source):
         self._frame = pd.DataFrame()
 
     def _refuse_doubtful(self, lines: list[tuple[int, str]]) -> None:
-        """Raises InputError where all commas in cells may be decimal marks as well as marks between thousands."""
+        """Raises InputError if all commas in cells could be decimal marks or thousands
+        separators."""
         commas = [
             (number, cell)
             for number, line in lines
@@ -230,8 +234,8 @@ class TextTable(Source):
         """Reads columns.
 
         Args:
-            titles: of all columns that are needed
-            texts: those of `titles` that are read as texts
+            titles: titles of all needed columns
+            texts: those of `titles` to read as texts
         """
         if not self._lines:
             raise InputError(f"{self.title_place()}: the table has titles and no row")
@@ -281,7 +285,7 @@ class TextTable(Source):
             for row in np.flatnonzero((frame[k].astype(str).str.strip() != "").to_numpy())[:1]:
                 self._refuse_cells(int(row))
         self._frame = frame.rename(columns={k: title for title, k in places.items()})
-        for title in wanted.keys() - places.keys():  # no row is as long
+        for title in wanted.keys() - places.keys():  # no row is long enough
             self._frame[title] = ""
 
     def _width(self, line: str) -> int:
@@ -327,7 +331,7 @@ class TextTable(Source):
             if self.thousands and THOUSANDS[self.thousands].match(text):
                 text = text.replace(self.thousands, "")
             if self._decimal == ",":
-                text = text.replace(".", "\0").replace(",", ".")  # a point in such a table separates thousands
+                text = text.replace(".", "\0").replace(",", ".")  # a point separates thousands in such a table
             if NUMBER.fullmatch(text):
                 values[row] = float(text)
             elif text.lower() in MISSING:

@@ -1,12 +1,14 @@
-"""Training of networks that detect slip, in PyTorch: `train()` makes a detector of a dataset, in one ONNX file that a scene can name.
+"""Training of slip detection networks in PyTorch: `train()` trains a detector on a dataset and
+writes one ONNX file, which a scene can name.
 
-A recipe (`RECIPES`) says what a network reads, what it is trained on and how. `networks` has the published networks; a module of your own takes their
-place by `train(..., network=...)`. `Frames` makes frames of a sensor's samples by the code of the loop, `Engine` runs a written file as the loop does.
+A recipe (`RECIPES`) defines a network's input, training data and training. `networks` has the
+published networks; a custom module replaces them by `train(..., network=...)`. `Frames` converts a
+sensor's samples to frames by the loop's code, `Engine` runs a written file as the loop does.
 
-It needs PyTorch 1.13 or later, which is not among the package's requirements.
+It needs PyTorch 1.13 or later, which is not a requirement of the package.
 """
 
-from slipbench.learning import _torch as _torch  # first: it reports a missing PyTorch
+from slipbench.learning import _torch as _torch  # first: reports a missing PyTorch
 
 from slipbench.learning._export import check_engine, write_detector
 from slipbench.learning._fit import MASKED, Checkpoint, Clips, Fitted, Report, Training, answers, balanced_accuracy, fit

@@ -1,6 +1,7 @@
-"""The file of a detector: the ONNX graph of one step, with the project's description in its metadata."""
+"""The file of a detector: the ONNX graph of one step, with a description in its metadata."""
 
-# PyTorch's layers and operators come with types in part, and in other parts from release to release.
+# PyTorch's layers and operators come with types in part, and in other parts from release to
+# release.
 # mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"
 
 from __future__ import annotations
@@ -22,17 +23,17 @@ from slipbench.learning._fit import Floats, answers, array_of, history_of, repro
 from slipbench.learning._input import Engine
 
 METADATA_KEY = b"slipbench"
-TOLERANCE = 1e-5  # between the engine and PyTorch, relative to the greater of 1 and the value
+TOLERANCE = 1e-5  # between the engine and PyTorch, relative to the larger of 1 and the value
 
 
 class _Step(nn.Module):
-    """One step of networks whose probabilities are averaged, of flat inputs: what a loop calls."""
+    """One step of networks with averaged probabilities, with flat inputs, as a loop calls it."""
 
     def __init__(self, members: Sequence[nn.Module], inputs: int) -> None:
         super().__init__()
         self.members = nn.ModuleList(members)
         self.history, self.inputs = history_of(members[0]), inputs
-        self.zeros: list[tuple[Tensor, ...]] = []  # of each member, its state before the first step
+        self.zeros: list[tuple[Tensor, ...]] = []  # state of each member before the first step
         for member in members:
             answer = member(torch.zeros(1, self.history, inputs))
             state = answer[1] if isinstance(answer, tuple) else ()
@@ -40,7 +41,7 @@ class _Step(nn.Module):
         self.single = [isinstance(member(torch.zeros(1, self.history, inputs))[1], Tensor) if self.zeros[i] else False for i, member in enumerate(members)]
 
     def forward(self, frames: Tensor, *state: Tensor) -> tuple[Tensor, ...]:
-        """[1, history x inputs] and every state to [1, classes] and every next state."""
+        """[1, history x inputs] and all states to [1, classes] and all next states."""
         clip = frames.reshape(1, self.history, self.inputs)
         outputs, after, place = [], [], 0
         for member, zeros, single in zip(self.members, self.zeros, self.single):
@@ -70,12 +71,13 @@ def _entry(key: int, value: bytes) -> bytes:
 
 
 def with_metadata(model: bytes, text: str) -> bytes:
-    """An ONNX file with a description. Fields may be appended to a protobuf message; 14 is ModelProto.metadata_props, of key 1 and value 2."""
+    """Adds a description to an ONNX file. Fields may be appended to a protobuf message; 14 is
+    ModelProto.metadata_props, with key 1 and value 2."""
     return model + _entry(14, _entry(1, METADATA_KEY) + _entry(2, text.encode()))
 
 
 def is_detector(data: bytes) -> bool:
-    """Whether the bytes of a file are an ONNX model with a description."""
+    """True if the bytes of a file are an ONNX model with a description."""
     return data[:1] == b"\x08" and _entry(1, METADATA_KEY) in data
 
 
@@ -84,19 +86,20 @@ def onnx_bytes(members: Sequence[nn.Module], inputs: int, description: dict[str,
 
     Args:
         members: trained networks; the probabilities of several are averaged
-        inputs: values a frame
-        description: as describe_file() makes it; states, output and history are filled in
+        inputs: values per frame
+        description: from describe_file(); states, output and history are filled in
 
     Returns:
-        Its bytes: input "frames" [1, history x inputs], output "output" [1, classes], states "state_k" and "state_k_next".
+        Its bytes: input "frames" [1, history x inputs], output "output" [1, classes], states
+        "state_k" and "state_k_next".
 
     Raises:
-        InputError: a description that does not fit
+        InputError: the description does not fit
     """
     for member in members:
         member.eval()
     with reproducible(1), torch.no_grad(), warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the exporter warns of a fixed batch, which a step has
+        warnings.simplefilter("ignore")  # the exporter warns of a fixed batch size, which a step needs
         step = _Step(members, inputs).eval()
         zeros = [one for of_member in step.zeros for one in of_member]
         names = [f"state_{i}" for i in range(len(zeros))]
@@ -114,7 +117,8 @@ def onnx_bytes(members: Sequence[nn.Module], inputs: int, description: dict[str,
 
 
 def mean_answers(members: Sequence[nn.Module], features: Floats) -> Floats:
-    """What the file computes for a sequence: logits of one network, mean probabilities of several. [T - history + 1, classes]"""
+    """Output of the file for a sequence: logits of one network, mean probabilities of several. [T -
+    history + 1, classes]"""
     logits = [answers(member, features) for member in members]
     if len(logits) == 1:
         return logits[0]
@@ -126,12 +130,12 @@ def check_engine(path: str, members: Sequence[nn.Module], features: Floats) -> f
     """Runs a file as a loop does, and compares it with PyTorch.
 
     Args:
-        path: of the file
-        members: the networks that it was made of
+        path: path of the file
+        members: the networks in the file
         features: [T, inputs], scaled
 
     Returns:
-        The greatest difference, of the greater of 1 and the value.
+        The greatest difference, relative to the larger of 1 and the value.
 
     Raises:
         RuntimeError: a difference of more than 1e-5
@@ -151,11 +155,12 @@ def write_detector(path: str | os.PathLike[str], members: Sequence[nn.Module], i
     """Writes the file of a detector, which gets its name once the engine has accepted it.
 
     Args:
-        path: of the file, which ends with .onnx
+        path: path of the file, which ends in .onnx
         members: trained networks; the probabilities of several are averaged
-        inputs: values a frame
-        description: as describe_file() makes it, with "offset" and "scale" in its input
-        features: [T, inputs], scaled: a recording by which the engine is compared with PyTorch; None: it is only loaded
+        inputs: values per frame
+        description: from describe_file(), with "offset" and "scale" in its input
+        features: [T, inputs], scaled: a recording for comparing the engine with PyTorch; None: the
+            engine only loads the file
 
     Raises:
         InputError: the file exists and is not a detector, or the engine does not accept it
@@ -172,7 +177,7 @@ def write_detector(path: str | os.PathLike[str], members: Sequence[nn.Module], i
 
 
 def check_output(path: str | os.PathLike[str]) -> None:
-    """Raises InputError for a file that exists and is not a detector, and for a folder that is not there."""
+    """Raises InputError for a file that exists and is not a detector, and for a missing folder."""
     file = Path(path)
     if not file.parent.is_dir():
         raise _core.InputError(f"cannot write {file}: no folder {file.parent}; allowed: a folder that exists")

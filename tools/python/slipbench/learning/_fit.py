@@ -1,6 +1,7 @@
 """Gradient descent on the cross entropy of clips drawn from labelled sequences of frames."""
 
-# PyTorch's layers and operators come with types in part, and in other parts from release to release.
+# PyTorch's layers and operators come with types in part, and in other parts from release to
+# release.
 # mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"
 
 from __future__ import annotations
@@ -26,9 +27,9 @@ from slipbench._program import write_whole
 from slipbench.bin import _core
 from slipbench.learning._names import named
 
-MASKED = 255  # label of a frame that neither trains nor judges
+MASKED = 255  # label of a frame that is neither trained on nor judged
 _IGNORED = -100  # the same for PyTorch's loss
-_ANSWERS_AT_ONCE = 256  # of a network without state: what is convolved over many windows at once takes much memory
+_ANSWERS_AT_ONCE = 256  # of a network without state: convolving many windows at once takes much memory
 _FRAMES_AT_ONCE = 4096
 _DIVERGED = "the training diverged: use a lower learning rate (`Training.learning_rate`)"
 
@@ -40,22 +41,26 @@ Augment = Callable[[Tensor, torch.Generator], Tensor]
 
 @dataclass(frozen=True)
 class Training:
-    """How a network is trained.
+    """Parameters of the training of a network.
 
     Attributes:
-        steps: of gradient descent
-        batch: clips a step
-        clip: answers a clip, which has history - 1 frames more; a shorter sequence is a clip as a whole
+        steps: number of steps of gradient descent
+        batch: clips per step
+        clip: answers per clip, which has history - 1 frames more; a shorter sequence is a single
+            clip
         learning_rate: at the first step
-        final_rate: share of the learning rate at the last step; it falls in a straight line
+        final_rate: share of the learning rate at the last step; the rate decreases linearly
         optimiser: "adam" or "rmsprop" (decay 0.99)
-        balance: "weights" (clips are drawn uniformly, and the loss of a class is weighted by the inverse of its share) or "drawing" (a class is
-            drawn, then one of its frames, then the clip's place around it)
-        label_smoothing: share of the target that all classes share alike
-        validate_every: steps; the last state is judged, too
-        patience: ends after so many validations without a better one; 0: never
-        onset_frames: of a run of frames of a class other than 0, as a slip, so many from its first on train, then each tenth; 0: all
-        augment: changes the clips [B, T, inputs] of each step, scaled; its random numbers come from the generator, so that a training can be repeated
+        balance: "weights" (clips are drawn uniformly, and the loss of a class is weighted by the
+            inverse of its share) or "drawing" (draws a class, then one of its frames, then the
+            clip's position around it)
+        label_smoothing: share of the target distributed equally over all classes
+        validate_every: steps between validations; the last state is validated too
+        patience: number of validations without improvement after which training ends; 0: never
+        onset_frames: for a run of frames of a class other than 0, such as a slip: number of first
+            frames that train, then each tenth; 0: all train
+        augment: changes the scaled clips [B, T, inputs] of each step; it draws random numbers from
+            the generator, so that a training can be repeated
     """
 
     steps: int = 1000
@@ -74,15 +79,15 @@ class Training:
 
 @dataclass(frozen=True)
 class Report:
-    """A training in progress, after a validation.
+    """State of a running training, after a validation.
 
     Attributes:
         step: steps done
-        steps: at most
+        steps: maximum number of steps
         loss: mean since the last report
-        validation: balanced accuracy of the state; NaN: there is nothing to validate on
-        best: whether it is the best so far
-        seconds: a step's mean time since the last report
+        validation: balanced accuracy; NaN: no validation data
+        best: True if it is the best so far
+        seconds: mean time per step since the last report
     """
 
     step: int
@@ -95,12 +100,12 @@ class Report:
 
 @dataclass
 class Fitted:
-    """What fit() has done.
+    """Result of fit().
 
     Attributes:
-        losses: of every step
-        best_step: steps that made the state which is kept
-        validation: its balanced accuracy; NaN: there was nothing to validate on
+        losses: loss of every step
+        best_step: step of the kept state
+        validation: its balanced accuracy; NaN: no validation data
     """
 
     losses: list[float] = field(default_factory=list)
@@ -110,12 +115,12 @@ class Fitted:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Where a training that may be killed leaves its state, at each validation.
+    """File in which a training saves its state at each validation, for a continuation after a kill.
 
     Attributes:
-        path: of the file
-        identity: of the data and of everything else that the weights depend on
-        resume: go on from the file, if it is there; False: it must not be there
+        path: path of the file
+        identity: identity of the data and of everything else that the weights depend on
+        resume: True: continue from the file, if it exists; False: the file must not exist
     """
 
     path: str
@@ -124,7 +129,8 @@ class Checkpoint:
 
 
 def tensor_of(array: NDArray[Any]) -> Tensor:
-    """A numpy array as a tensor, without a copy where it can be written to. Unlike torch.from_numpy it takes any pair of versions."""
+    """A numpy array as a tensor, without a copy if it is writable. Unlike torch.from_numpy it
+    supports any pair of versions."""
     if not array.flags.writeable or not array.flags.c_contiguous:
         array = np.array(array)
     tensor: Tensor = torch.from_dlpack(array)
@@ -132,18 +138,19 @@ def tensor_of(array: NDArray[Any]) -> Tensor:
 
 
 def array_of(tensor: Tensor) -> NDArray[Any]:
-    """A tensor as a numpy array. Unlike Tensor.numpy() it takes any pair of versions."""
+    """A tensor as a numpy array. Unlike Tensor.numpy() it supports any pair of versions."""
     return np.from_dlpack(tensor.detach().contiguous())  # type: ignore[arg-type]
 
 
 def history_of(network: nn.Module) -> int:
-    """Frames that an answer of a network is made of: its attribute `history`, else 1."""
+    """Number of frames that an answer of a network depends on: its attribute `history`, else 1."""
     return int(getattr(network, "history", 1))
 
 
 @contextmanager
 def reproducible(seed: int) -> Iterator[None]:
-    """One thread and PyTorch's generator at `seed`, as it was before afterwards: the order of sums, and so the weights, are then the same everywhere."""
+    """Sets one thread and PyTorch's generator to `seed`, and restores both afterwards: the order of
+    sums, and so the weights, are then the same everywhere."""
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
     try:
@@ -171,7 +178,8 @@ def answers(network: nn.Module, features: Floats) -> Floats:
 
 
 def _answers(network: nn.Module, frames: Tensor) -> Tensor:
-    """[N, T, inputs] to [N, T - history + 1, classes]; windows of a network without state go through in parts."""
+    """[N, T, inputs] to [N, T - history + 1, classes]; a network without state processes windows in
+    parts."""
     before = history_of(network) - 1
     if before == 0:
         return logits_of(network(frames))
@@ -181,7 +189,7 @@ def _answers(network: nn.Module, frames: Tensor) -> Tensor:
 
 
 def logits_of(answer: Any) -> Tensor:
-    """What a network returns, without its state."""
+    """The logits of a network's output, without its state."""
     logits: Tensor = answer[0] if isinstance(answer, tuple) else answer
     return logits
 
@@ -190,11 +198,11 @@ def balanced_accuracy(called: Sequence[Labels], labels: Sequence[Labels]) -> flo
     """Mean of the recalls of the classes that occur.
 
     Args:
-        called: class that each frame is called, a sequence each
+        called: assigned class of each frame, one array per sequence
         labels: true class of each frame, or MASKED
 
     Returns:
-        0 to 1; NaN without a frame.
+        0 to 1; NaN without frames.
     """
     truth = np.concatenate(list(labels)) if len(labels) else np.zeros(0, np.uint8)
     classified = np.concatenate(list(called)) if len(called) else truth
@@ -203,7 +211,7 @@ def balanced_accuracy(called: Sequence[Labels], labels: Sequence[Labels]) -> flo
 
 
 def answers_to_all(network: nn.Module, sequences: Sequence[Floats]) -> list[Floats]:
-    """Logits of sequences. Those of one length that follow each other go through the network together.
+    """Logits of sequences. Consecutive sequences of equal length are evaluated together.
 
     Args:
         network: left in evaluation mode
@@ -229,17 +237,18 @@ def answers_to_all(network: nn.Module, sequences: Sequence[Floats]) -> list[Floa
 
 
 def _validate(network: nn.Module, sequences: Sequences) -> float:
-    """Balanced accuracy."""
+    """Balanced accuracy of the network."""
     called = [logits.argmax(1).astype(np.uint8) for logits in answers_to_all(network, [features for features, _ in sequences])]
     before = history_of(network) - 1
     return balanced_accuracy(called, [labels[before:] for _, labels in sequences])
 
 
 class Clips:
-    """What clips are drawn from.
+    """Draws clips from sequences.
 
     Raises:
-        InputError: a sequence is shorter than an answer's history, or a class has no frame to train on
+        InputError: a sequence is shorter than an answer's history, or a class has no frame for
+            training
     """
 
     def __init__(self, sequences: Sequences, training: Training, history: int, classes: int) -> None:
@@ -253,7 +262,7 @@ class Clips:
         self._labels[self._labels == MASKED] = _IGNORED
         self._start = np.concatenate(([0], np.cumsum(lengths)))
         self._answers = min(training.clip, int(lengths.max()) - self._before)
-        # The frames that have an answer, by class.
+        # The frames with an answer, by class.
         place = np.concatenate([np.arange(length) for length in lengths])
         of_class = [np.flatnonzero((self._labels == one) & (place >= self._before)) for one in range(classes)]
         self._count = np.array([len(frames) for frames in of_class])
@@ -262,15 +271,17 @@ class Clips:
         self._by_class, self._first_of_class = np.concatenate(of_class), np.cumsum(self._count) - self._count
 
     def weights(self) -> Tensor:
-        """Of each class the inverse of its share; all alike where classes are drawn."""
+        """Inverse share of each class; all 1 if classes are drawn."""
         if self._training.balance == "drawing":
             return torch.ones(len(self._count))
         return tensor_of((self._count.sum() / (len(self._count) * self._count)).astype(np.float32))
 
     def draw(self, seed: int, step: int) -> tuple[Tensor, Tensor]:
-        """The clips of a step, whatever was drawn before: features [B, T, inputs] and classes [B, T - history + 1].
+        """The clips of a step, independent of earlier draws: features [B, T, inputs] and classes
+        [B, T - history + 1].
 
-        A sequence that is shorter than a clip has its last frame repeated behind it, which trains nothing. The same `seed` and `step` give the same.
+        A sequence shorter than a clip is padded with its last frame, masked. The same `seed` and
+        `step` give the same clips.
         """
         random = np.random.default_rng((seed, step))
         if self._training.balance == "drawing":
@@ -289,13 +300,14 @@ class Clips:
         return tensor_of(self._features[np.minimum(frames, last)]), tensor_of(classes)
 
     def _latest(self, sequence: NDArray[np.intp]) -> NDArray[np.intp]:
-        """The last frame that a clip of each sequence can begin with."""
+        """The last possible first frame of a clip in each sequence."""
         latest: NDArray[np.intp] = np.maximum(self._start[sequence + 1] - self._start[sequence] - self._before - self._answers, 0)
         return latest
 
 
 def _thinned(labels: Labels, onset_frames: int) -> Labels:
-    """Labels of which a long run of a class other than 0 keeps its beginning and then each tenth frame."""
+    """Labels in which long runs of a class other than 0 keep their first frames and then each
+    tenth."""
     if onset_frames == 0:
         return labels
     begins = np.flatnonzero(np.concatenate(([True], labels[1:] != labels[:-1])))
@@ -307,23 +319,26 @@ def fit(network: nn.Module, train: Sequences, validate: Sequences, training: Tra
         checkpoint: Checkpoint | None = None, before_step: Callable[[], None] | None = None, report: Callable[[Report], None] | None = None) -> Fitted:
     """Trains a network in place.
 
-    Of the states that were validated the one with the greatest balanced accuracy is kept, the earliest of equals; the last where `validate` is empty.
-    The same seed, data and machine give the same weights, also through a checkpoint.
+    Keeps the validated state with the greatest balanced accuracy, the earliest of equals; the last
+    state if `validate` is empty. The same seed, data and machine give the same weights, also across
+    a checkpoint.
 
     Args:
-        network: takes clips [N, T, inputs] to logits [N, T - history + 1, classes], or returns (logits, state)
+        network: maps clips [N, T, inputs] to logits [N, T - history + 1, classes], or returns
+            (logits, state)
         train: features [T, inputs], scaled, and labels [T] of each sequence
-        validate: likewise
-        training: how
-        classes: how many
-        seed: of the draws of clips; the weights are the caller's
-        checkpoint: None: nothing is left of a training that is killed
-        before_step: may raise, which ends the training with what the last validation has saved
+        validate: likewise, for validation
+        training: parameters of the training
+        classes: number of classes
+        seed: of the draws of clips; the caller initialises the weights
+        checkpoint: None: nothing is saved
+        before_step: may raise, which ends the training with the state saved at the last validation
         report: called after every validation
 
     Raises:
-        InputError: sequences that do not fit, a loss or weight that is not finite, a checkpoint that is damaged or belongs to another training, or
-            a checkpoint that exists although `resume` is False
+        InputError: sequences that do not fit, a loss or weight that is not finite, a checkpoint
+            that is damaged or belongs to another training, or a checkpoint that exists although
+            `resume` is False
     """
     with reproducible(seed):
         return _fit(network, Clips(train, training, history_of(network), classes), validate, training, seed, checkpoint, before_step, report)
@@ -345,7 +360,8 @@ def _fit(network: nn.Module, clips: Clips, validate: Sequences, training: Traini
         for group in optimiser.param_groups:
             group["lr"] = training.learning_rate * (1 - (1 - training.final_rate) * step / training.steps)
         features, labels = clips.draw(seed, step)
-        # For layers such as dropout, so that a resumed training repeats them. torch.manual_seed() would also queue a call with a stack trace for CUDA.
+        # For layers such as dropout, so that a resumed training repeats them. torch.manual_seed()
+        # would also queue a call with a stack trace for CUDA.
         torch.default_generator.manual_seed(_step_seed(seed, step))
         if training.augment is not None:
             features = training.augment(features, torch.Generator().manual_seed(_step_seed(seed, step)))
@@ -360,7 +376,7 @@ def _fit(network: nn.Module, clips: Clips, validate: Sequences, training: Traini
         optimiser.step()
         if step % max(training.validate_every, 1) and step != training.steps:
             continue
-        # The last update may overflow although the loss before it was finite.
+        # The last update may overflow although the loss before was finite.
         if not all(bool(torch.isfinite(weights).all()) for weights in network.parameters()):
             raise _core.InputError(f"step {step}: a weight is not finite; {_DIVERGED}")
         validation = _validate(network, validate) if len(validate) else math.nan
@@ -387,9 +403,11 @@ def _step_seed(seed: int, step: int) -> int:
 
 
 def _save(checkpoint: Checkpoint, network: nn.Module, optimiser: torch.optim.Optimizer, done: Fitted, best: dict[str, Any], worse: int) -> None:
-    """The file begins with the SHA-256 of what follows: PyTorch notices no changed bit."""
+    """Saves the state. The file begins with the SHA-256 of its content: PyTorch does not detect
+    changed bits."""
     whole = io.BytesIO()
-    # PyTorch 1.13 reads no plain float without running code of the file: numbers are tensors, and the optimiser's settings are set anew at each step.
+    # PyTorch 1.13 cannot read plain floats without running code of the file: numbers are tensors,
+    # and the optimiser's settings are set again at each step.
     figures = torch.tensor([*done.losses, done.validation], dtype=torch.float64)
     torch.save({"identity": checkpoint.identity, "network": network.state_dict(), "best": best, "optimiser": optimiser.state_dict()["state"],
                 "figures": figures, "best_step": done.best_step, "worse": worse}, whole)

@@ -1,4 +1,4 @@
-"""From a sensor's samples to the frames of a network, by the code that a loop runs."""
+"""Conversion of a sensor's samples to the frames of a network, by the loop's code."""
 
 from __future__ import annotations
 
@@ -19,25 +19,28 @@ HOLD_OR_SLIP = (("hold", "non_slip"), ("slip", "incipient"))
 
 @dataclass(frozen=True)
 class Input:
-    """What a network reads: samples of a sensor become frames. In this order: channels, median, window, centre, transform, pixels.
+    """Input of a network: converts a sensor's samples to frames, in the order channels, median,
+    window, centre, transform, pixels.
 
-    A transform has keys of its own, which are refused with the others. The formulas stand in detectors/network.
+    Each transform has its own parameters, which raise an error with another transform.
+    detectors/network has the formulas.
 
     Attributes:
-        sensor: its type, such as "papillarray"
-        rate: Hz, of its samples
-        channels: names, or by name which of its values are read, by their place in C order; empty: all
-        median: samples; each value becomes the median of so many of its latest samples
-        window: samples a frame
-        stride: samples from one frame to the next
-        centre: whether each value is taken less its mean over the window
+        sensor: type of the sensor, such as "papillarray"
+        rate: Hz, of the samples
+        channels: names, or by name the values to read, by index in C order; empty: all
+        median: number of latest samples whose median replaces each value
+        window: samples per frame
+        stride: samples between the starts of successive frames
+        centre: True: subtract each value's mean over the window
         transform: "samples", "log_psd", "amplitude", "spreads", "levels" or "units"
         low: Hz, first bin of log_psd and amplitude
         high: Hz, last bin of log_psd and amplitude
-        hann: whether spectra have Hann's taper
-        floor: of log_psd unit^2/Hz, of spreads, levels and units the sensor's unit; more than 0
+        hann: True: apply a Hann window to spectra
+        floor: lower limit, > 0; of log_psd in unit^2/Hz, of spreads, levels and units in the
+            sensor's unit
         spans: samples, of spreads, levels and units
-        pixels: of each pixel of an image the values whose mean it is; empty: the values as they are
+        pixels: for each pixel of an image, the values to average; empty: the values themselves
     """
 
     sensor: str
@@ -57,7 +60,7 @@ class Input:
 
     @property
     def period(self) -> float:
-        """Time from one frame to the next, s."""
+        """Time between frames, s."""
         return self.stride / self.rate
 
     def as_dict(self) -> dict[str, Any]:
@@ -77,35 +80,39 @@ class Input:
         return all_keys
 
     def text(self) -> str:
-        """A description with this input and two classes, in JSON, as the extension takes it."""
+        """A description with this input and two classes, in JSON, for the extension."""
         return json.dumps(describe_file(self, HOLD_OR_SLIP))
 
 
 def describe_file(frames: Input, classes: Sequence[tuple[str, str]], **more: Any) -> dict[str, Any]:
-    """The description that stands in the file of a detector.
+    """Description for the file of a detector.
 
     Args:
-        frames: what the network reads
-        classes: name of each class and the pad's state that it means: "no_contact", "non_slip", "incipient" or "gross"
+        frames: input of the network
+        classes: name of each class and the pad's state that it means: "no_contact", "non_slip",
+            "incipient" or "gross"
         more: further keys: "states", "output", "threshold", "alarm", "trained"
 
     Returns:
-        The object, not checked.
+        The unchecked object.
     """
     return {"format": 1, "input": frames.as_dict(), "classes": [{"name": name, "state": state} for name, state in classes], **more}
 
 
 class Frames:
-    """A sensor's samples as frames, by the code that a loop runs: what is trained on is what the detector sees.
+    """Converts a sensor's samples to frames by the loop's code, so that training and detection have
+    the same input.
 
     Args:
-        frames: what to make of the samples, or the description of a detector as a dict, whose offset and scale are applied, too
+        frames: definition of the frames, or the description of a detector as a dict, whose offset
+            and scale are applied too
         type: type of the sensor
-        rate: Hz, of its samples, within 1 % of the one that is read
-        channels: shape of a sample of each channel by name, in the sensor's order: {"force": (9, 3)}
+        rate: Hz, of its samples, within 1 % of the required rate
+        channels: shape of a sample of each channel by name, in the sensor's order: {"force": (9,
+            3)}
 
     Raises:
-        InputError: the sensor is another one, or a channel, value, pixel or bin is not there
+        InputError: the sensor is of another type, or a channel, value, pixel or bin is missing
     """
 
     def __init__(self, frames: Input | Mapping[str, Any], type: str, rate: float, channels: Mapping[str, Sequence[int]]) -> None:
@@ -115,17 +122,17 @@ class Frames:
 
     @property
     def size(self) -> int:
-        """Values a frame."""
+        """Values per frame."""
         return self._frames.size
 
     def all(self, samples: Mapping[str, Any]) -> tuple[Floats, NDArray[np.intp]]:
-        """The frames of a recording, from its first sample on.
+        """The frames of a recording, from its first sample.
 
         Args:
             samples: array [T, ...] of each channel by name
 
         Returns:
-            Frames [F, size], and the sample [F] with which each is complete.
+            Frames [F, size], and the last sample [F] of each.
         """
         rows = [np.asarray(samples[name], np.float32) for name in self._names]
         flat = np.ascontiguousarray(np.concatenate([one.reshape(len(one), -1) for one in rows], axis=1))
@@ -133,30 +140,31 @@ class Frames:
         return frames, ends.astype(np.intp)
 
     def push(self, sample: Mapping[str, Any]) -> Floats | None:
-        """Takes the next sample.
+        """Adds the next sample.
 
         Args:
             sample: array of each channel by name
 
         Returns:
-            The frame [size] that is complete with it, else None.
+            The frame [size] completed by it, else None.
         """
         flat = np.concatenate([np.asarray(sample[name], np.float32).reshape(-1) for name in self._names])
         return np.asarray(self._frames.latest()) if self._frames.push(flat) else None
 
     def reset(self) -> None:
-        """Forgets all samples."""
+        """Removes all samples."""
         self._frames.reset()
 
 
 class Engine:
-    """The network in the ONNX file of a detector, as a loop runs it. It carries its state from step to step.
+    """Runs the network in the ONNX file of a detector like a loop does. It keeps its state from
+    step to step.
 
     Args:
-        path: of the file
+        path: path of the file
 
     Raises:
-        InputError: not a detector that a loop accepts, with what to change
+        InputError: not a detector that a loop accepts; the message states the remedy
     """
 
     def __init__(self, path: str) -> None:
@@ -164,13 +172,13 @@ class Engine:
 
     @property
     def description(self) -> dict[str, Any]:
-        """What the file says of its input, classes and training."""
+        """The file's description of its input, classes and training."""
         described: dict[str, Any] = json.loads(self._engine.description)
         return described
 
     @property
     def inputs(self) -> int:
-        """Values a step: history x frame."""
+        """Values per step: history x frame."""
         return int(self._engine.inputs)
 
     def run(self, inputs: Floats) -> Floats:
@@ -180,7 +188,7 @@ class Engine:
             inputs: [T, history x frame], scaled frames
 
         Returns:
-            [T, classes], logits or probabilities, as the description says.
+            [T, classes], logits or probabilities, according to the description.
         """
         return self._engine.run(np.ascontiguousarray(inputs, np.float32))
 
@@ -194,24 +202,25 @@ class Example:
     """One sensor in one trial: T frames of N values.
 
     Attributes:
-        features: [T, N], not scaled
-        labels: [T] class of each frame, or 255: neither trains nor judges
+        features: [T, N], unscaled
+        labels: [T] class of each frame, or 255: neither trained on nor judged
         time: [T] s, of each frame's last sample
         part: "learns", "validates", "judges" or "left_out"
-        own_part: of the dataset's own split: "train", "valid", "test" or "none"; empty: it has none
-        trial: number; those of a second dataset follow on the first's
-        dataset: number of the file
-        sensor: the scene's name
+        own_part: part in the dataset's own split: "train", "valid", "test" or "none"; empty: no
+            split
+        trial: number; the numbers of a second dataset follow those of the first
+        dataset: index of the file
+        sensor: name in the scene
         sha256: digest of the trial
-        twin: digest of its truth: trials in which it is equal are one experiment
-        material: what was swept of material and friction; empty: nothing
-        object: what was swept of shape and surface; empty: nothing
-        speed: m/s, as it was swept; NaN: it was not
-        mass: kg, as it was swept; NaN: it was not
-        touches: whether there is contact at some time
-        onset: s, true first slip; NaN: there is none
-        turn: its images are turned by so many times 30 degrees
-        truth: [T] code of the pad's state; empty: not known
+        twin: digest of its truth: trials with equal values are one experiment
+        material: swept material and friction; empty: not swept
+        object: swept shape and surface; empty: not swept
+        speed: m/s, swept speed; NaN: not swept
+        mass: kg, swept mass; NaN: not swept
+        touches: True if there is contact at some time
+        onset: s, true first slip; NaN: none
+        turn: rotation of its images in multiples of 30 degrees
+        truth: [T] code of the pad's state; empty: unknown
     """
 
     features: Floats = field(repr=False)
@@ -236,13 +245,13 @@ class Example:
 
 @dataclass(frozen=True)
 class Examples:
-    """What read_examples() has read.
+    """Result of read_examples().
 
     Attributes:
-        all: by trial, then by sensor
+        all: examples by trial, then by sensor
         classes: name of each class and the pad's state that it means
-        inputs: values a frame
-        command: that made the datasets
+        inputs: values per frame
+        command: command that wrote the datasets
         sha256: digest of each dataset
     """
 
@@ -253,7 +262,7 @@ class Examples:
     sha256: list[str]
 
     def part(self, name: str) -> list[Example]:
-        """Those whose part is `name`: "learns", "validates" or "judges"."""
+        """Examples of the part `name`: "learns", "validates" or "judges"."""
         return [example for example in self.all if example.part == name]
 
 
@@ -262,25 +271,29 @@ def read_examples(datasets: Sequence[str], frames: Input, *, labels: str = "micr
                   progress: Callable[[int, int], object] | None = None) -> Examples:
     """Reads every trial of datasets as frames with labels, and divides the trials.
 
-    A frame's label is that of its last sample. A dataset's own split says which trials train, validate and judge, unless `divide_anew`. Where
-    there is no own split, groups that differ in the fact `split` are shuffled, `held_out` of them judge and a fifth of the others validates.
+    A frame's label is that of its last sample. A dataset's own split defines training, validation
+    and test, unless `divide_anew`. Without an own split, groups by the property `split` are
+    shuffled, `held_out` of them are for the test and a fifth of the others for validation.
 
     Args:
         datasets: paths of the first files
-        frames: what to read
-        labels: "micro", "strict", "paper", "latched", "masked" or "tightened"; of recordings "recorded"
-        classes: "slip" (hold, slip), "kind" (stable, translation, rotation) or "direction" (t, n, e, s, w, cw, aw)
-        sensor: the scene's name; empty: every one that fits
-        turned: copies of each example of a myrmex whose images are turned; they only train
-        at_most: frames of a class in an example, drawn; 0: all
-        seed: of what is drawn
-        split: "trial", "material", "object" or "speed": what is never on two sides
-        held_out: share of the groups that judge, 0 to 0.5
-        divide_anew: whether to ignore a dataset's own split
+        frames: input definition
+        labels: "micro", "strict", "paper", "latched", "masked" or "tightened"; for recordings
+            "recorded"
+        classes: "slip" (hold, slip), "kind" (stable, translation, rotation) or "direction" (t, n,
+            e, s, w, cw, aw)
+        sensor: name in the scene; empty: every sensor that fits
+        turned: number of copies of each example of a myrmex with turned images, for training only
+        at_most: maximum number of drawn frames per class and example; 0: all
+        seed: seed of the draws
+        split: "trial", "material", "object" or "speed": property whose values are never in both
+            training and test
+        held_out: share of the groups for the test, 0 to 0.5
+        divide_anew: True: ignore a dataset's own split
         progress: called with the numbers of trials read and of all
 
     Raises:
-        InputError: no whole dataset, no sensor that fits, labels that are not there, too few groups
+        InputError: an incomplete dataset, no sensor that fits, missing labels, too few groups
     """
     read = _core.read_examples([str(path) for path in datasets], frames.text(), labels, classes, sensor, turned, at_most, seed, split, held_out,
                                divide_anew, progress)
@@ -288,21 +301,24 @@ def read_examples(datasets: Sequence[str], frames: Input, *, labels: str = "micr
 
 
 def fit_units(frames: Input, dataset: str, sensor: str) -> Input:
-    """An input of the transform `units` for the sensor that a dataset has: its type, rate and first channel of three axes.
+    """An input of the transform `units` for the sensor of a dataset: its type, rate and first
+    channel of three axes.
 
-    Samples of windows and spans are in the ratio of the rates, a window of 2 and spans of 2, 3, 4, ... at least. Where the channel is not the one of
-    `frames`, the floor is a thousandth of the channel's greatest value in the first trial.
+    Windows and spans in samples are scaled by the ratio of the rates, to a window of at least 2 and
+    spans of at least 2, 3, 4, ... If the channel differs from that of `frames`, the floor is a
+    thousandth of the channel's greatest value in the first trial.
 
     Args:
-        frames: what a recipe reads
+        frames: input of a recipe
         dataset: path of the dataset
-        sensor: the scene's name; empty: the first with the channel of `frames` at 200 Hz or more, else the first with any of three axes
+        sensor: name in the scene; empty: the first with the channel of `frames` at 200 Hz or more,
+            else the first with any channel of three axes
 
     Returns:
-        The input, or `frames` where no sensor has three axes.
+        The input, or `frames` if no sensor has three axes.
 
     Raises:
-        InputError: no whole dataset, or a channel that is 0 throughout the first trial
+        InputError: an incomplete dataset, or a channel that is 0 throughout the first trial
     """
     text, units = _core.units_input(str(dataset), sensor, frames.text())
     if units == 0:

@@ -1,4 +1,5 @@
-"""Names of the arguments of `train()` in its messages: those of Python, or the options of `slipbench train`."""
+"""Names of the arguments of `train()` in messages: Python arguments, or options of `slipbench
+train`."""
 
 from __future__ import annotations
 
@@ -7,13 +8,13 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
 
-_UNLIKE = {"by_score": "--score", "every_trial": "--all"}  # options with another name than the argument
+_UNLIKE = {"by_score": "--score", "every_trial": "--all"}  # options whose name differs from the argument
 _from_command = ContextVar("_from_command", default=False)
 
 
 @contextmanager
 def naming_options() -> Iterator[None]:
-    """Messages name the options of the command line instead of Python's arguments."""
+    """Messages in this context name options of the command line instead of Python arguments."""
     token = _from_command.set(True)
     try:
         yield
@@ -22,14 +23,15 @@ def naming_options() -> Iterator[None]:
 
 
 def named(argument: str, value: Any = None) -> str:
-    """The name of an argument for a message.
+    """Name of an argument in a message.
 
     Args:
         argument: of `train()`, such as "held_out"
-        value: to show with it; None: the name alone
+        value: value to show; None: only the name
 
     Returns:
-        "held_out=0.7" or "--held-out 0.7"; a value of True is not shown of an option: "resume=True" or "--resume".
+        "held_out=0.7" or "--held-out 0.7"; True is omitted for an option: "resume=True" or
+        "--resume".
     """
     if not _from_command.get():
         return argument if value is None else f"{argument}={value!r}"

@@ -1,6 +1,7 @@
-"""A recipe trained on datasets, and written as the file of a detector that a scene can name."""
+"""Trains a recipe on datasets, and writes the file of a detector that a scene can name."""
 
-# PyTorch's layers and operators come with types in part, and in other parts from release to release.
+# PyTorch's layers and operators come with types in part, and in other parts from release to
+# release.
 # mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from slipbench.learning._names import named
 from slipbench.learning.recipes import Recipe, find_recipe
 
 SLIPPING = ("incipient", "gross")
-_CLIP_TOLERANCE = 1e-5  # of the greatest logit: rounding differs with the length of a clip
+_CLIP_TOLERANCE = 1e-5  # relative to the greatest logit: rounding depends on the length of a clip
 
 
 @dataclass(frozen=True)
@@ -35,15 +36,17 @@ class Trained:
     """A trained detector.
 
     Attributes:
-        path: of its ONNX file
+        path: path of its ONNX file
         networks: the members, in evaluation mode
-        description: what the file says of itself: input, classes, threshold, alarm, and under "trained" what it has seen and how good it is
-        validation: balanced accuracy over all classes of the trials that chose the state, 0 to 1
-        judged: figures of the trials that judge; None: none do
-        parts: numbers of trials that "learns", "validates" and "judges"
-        sensors: the scene's names of those that it was trained on
-        own_split: whether a dataset's own split says which trials judge
-        judged_from: the first dataset with trials that judge, and the part of its own split; empty: none
+        description: the file's description: input, classes, threshold, alarm, and under "trained"
+            its training data and figures
+        validation: balanced accuracy over all classes on the validation trials, 0 to 1
+        judged: figures of the test trials; None: no test trials
+        parts: numbers of trials in "learns", "validates" and "judges"
+        sensors: names in the scene of the sensors used for training
+        own_split: True if a dataset's own split defines the test trials
+        judged_from: the first dataset with test trials, and their part in its own split; empty:
+            none
     """
 
     path: str
@@ -65,10 +68,10 @@ def scale_of(features: Sequence[Floats], scaling: str) -> tuple[Floats, Floats]:
         scaling: "standard", "common" or "range" (`Recipe`)
 
     Returns:
-        Two arrays, [1] or [inputs]. What never changes is only shifted.
+        Two arrays, [1] or [inputs]. Constant features are only shifted.
 
     Raises:
-        InputError: another word
+        InputError: an unknown scaling
     """
     whole = np.concatenate(features).astype(np.float64)
     if scaling == "common":
@@ -81,10 +84,10 @@ def scale_of(features: Sequence[Floats], scaling: str) -> tuple[Floats, Floats]:
 
 
 def alarms_per_minute(alarms: str | float) -> float:
-    """False alarms a minute, of a number or a text such as "1/min" or "10/h".
+    """False alarms per minute, from a number or a text such as "1/min" or "10/h".
 
     Raises:
-        InputError: another text, or a negative number
+        InputError: an invalid text, or a negative number
     """
     number, _, unit = alarms.partition("/") if isinstance(alarms, str) else (str(float(alarms)), "", "min")
     try:
@@ -102,39 +105,47 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
           alarms: str | float | None = None, by_score: bool = False, resume: bool = False, log: str | os.PathLike[str] | None = None,
           progress: Callable[[int, Report], object] | None = None, reading: Callable[[int, int], object] | None = None,
           before_step: Callable[[], None] | None = None) -> Trained:
-    """Trains a slip detector on datasets and writes its ONNX file, which a scene, `eval` and `replay` take as it is.
+    """Trains a slip detector on datasets and writes its ONNX file for scenes, `eval` and `replay`.
 
-    A dataset's own split says which trials train, validate and judge. The state with the greatest balanced accuracy on the trials that validate is
-    kept. There the operating point is chosen, too: threshold, frames in a row that begin and end an alarm, and the least length of an alarm.
+    A dataset's own split defines training, validation and test. The state with the greatest
+    balanced accuracy on the validation trials is kept. The operating point is chosen on them too:
+    threshold, numbers of consecutive frames that begin and end an alarm, and the minimum length of
+    an alarm.
 
     Args:
         dataset: path of a dataset, or several
-        output: path of the file, which ends with .onnx
-        recipe: name of a recipe (`RECIPES`), or one of your own
-        network: a module of your own in place of the recipe's, or a function that makes it from the number of values a frame and of classes. It takes
-            frames [N, T, inputs] to logits [N, T - history + 1, classes], where `history` is an attribute of it, 1 if there is none. A network with
-            a state takes it as a second argument, None at first, and returns (logits, state), a tensor or a tuple of tensors.
-            It must be causal: an answer depends on its own and earlier frames only.
-        sensor: the scene's name of the sensor; empty: every one that fits
+        output: path of the file, which ends in .onnx
+        recipe: name of a recipe (`RECIPES`), or a custom recipe
+        network: a custom module that replaces the recipe's, or a function that creates it from the
+            numbers of values per frame and of classes. It maps frames [N, T, inputs] to logits [N,
+            T - history + 1, classes], where `history` is its attribute, 1 by default. A network
+            with a state takes it as a second argument, None at first, and returns (logits, state),
+            a tensor or a tuple of tensors. It must be causal: an answer depends only on its own and
+            earlier frames.
+        sensor: name of the sensor in the scene; empty: every sensor that fits
         labels: rule of the labels; None: the recipe's
-        split: "trial", "material", "object" or "speed", of data without a split of its own; None: the recipe's
-        held_out: share of these groups that judge, 0 to 0.5; None: 0.2
-        every_trial: divide all trials anew, whatever a dataset's own split says
-        seed: of weights and draws, 0 to 2^64 - 1
-        steps: of training, 1 or more; None: the recipe's
-        turned: copies of each trial of a myrmex whose images are turned, 0 or more; None: the recipe's
-        alarms: false alarms that are tolerated in the trials that validate, as "1/min"; None: 1/min; math.inf: any number, and each frame is called by
-            itself, with the threshold of the greatest balanced accuracy
-        by_score: in place of `alarms`, the operating point of the greatest score of open recordings
-        resume: go on where a killed training left OUTPUT.checkpoint-0
-        log: folder of TensorBoard logs, which needs the package tensorboard; None: none are written
+        split: "trial", "material", "object" or "speed", for data without their own split; None: the
+            recipe's
+        held_out: share of these groups for the test, 0 to 0.5; None: 0.2
+        every_trial: True: divide all trials, ignoring a dataset's own split
+        seed: seed of weights and draws, 0 to 2^64 - 1
+        steps: number of training steps, 1 or more; None: the recipe's
+        turned: copies of each trial of a myrmex with turned images, 0 or more; None: the recipe's
+        alarms: tolerated false alarms on the validation trials, as "1/min"; None: 1/min; math.inf:
+            no limit; each frame is then classified on its own, with the threshold of the greatest
+            balanced accuracy
+        by_score: True: choose the operating point with the greatest score for open recordings,
+            instead of by `alarms`
+        resume: True: continue from the OUTPUT.checkpoint-0 of an interrupted training
+        log: folder for TensorBoard logs, which need the package tensorboard; None: no logs
         progress: called with the number of the network and a Report, after every validation
         reading: called with the numbers of trials read and of all
         before_step: called before every step; may raise, which ends the training
 
     Raises:
-        InputError: an argument out of its range, data that do not fit the recipe, a class without a frame, a network whose answers a loop could not
-            repeat frame by frame, a loss that is not finite, or an output that exists and is not a detector
+        InputError: an argument out of range, data that do not fit the recipe, a class without a
+            frame, a network whose answers a loop cannot reproduce frame by frame, a loss that is
+            not finite, or an output that exists and is not a detector
     """
     paths = [os.fspath(one) for one in ([dataset] if isinstance(dataset, (str, os.PathLike)) else dataset)]
     if not paths:
@@ -243,7 +254,8 @@ def train(dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]], *,
 
 
 def _whole_number(value: Any, key: str, least: int, most: int | None = None) -> int:
-    """A whole number of Python or numpy. Raises InputError, which names `key`, for anything else and outside of `least` to `most`."""
+    """A whole number of Python or numpy. Raises InputError, naming `key`, for anything else and
+    outside of `least` to `most`."""
     number = index(value, key)
     if number < least or (most is not None and number > most):
         raise _core.InputError(f"{key}: expected {f'{least} or more' if most is None else f'{least} to {most}'}, found {number}")
@@ -252,7 +264,7 @@ def _whole_number(value: Any, key: str, least: int, most: int | None = None) -> 
 
 def _recipe(recipe: str | Recipe, network: nn.Module | Callable[[int, int], nn.Module] | None, labels: str | None, split: str | None, steps: int | None,
             turned: int | None) -> Recipe:
-    """The recipe with what was asked for beside it."""
+    """The recipe with the requested changes."""
     chosen = find_recipe(recipe) if isinstance(recipe, str) else recipe
     if not isinstance(chosen, Recipe):
         raise _core.InputError(f"recipe: expected the name of a recipe or a slipbench.learning.Recipe, found {type(chosen).__name__} {chosen!r}")
@@ -293,7 +305,8 @@ def _check_classes(paths: Sequence[str], part: str, examples: Sequence[Example],
 
 
 def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
-    """Refuses a module whose logits are not [N, T - history + 1, classes], or which a loop could not run frame by frame with the same answers."""
+    """Raises InputError for a module whose logits are not [N, T - history + 1, classes], or that a
+    loop could not run frame by frame with the same answers."""
     history, name = history_of(module), type(module).__name__
     frames = torch.randn(2, history + 2, inputs, generator=torch.Generator().manual_seed(1))
     changed = frames.clone()
@@ -319,7 +332,8 @@ def _check_module(module: nn.Module, inputs: int, classes: int) -> None:
 
 
 def _answer_of(module: nn.Module, name: str, *arguments: Any) -> Any:
-    """Runs the module. Raises InputError with PyTorch's message where its layers do not fit the frames."""
+    """Runs the module. Raises InputError with PyTorch's message if its layers do not fit the
+    frames."""
     try:
         return module(*arguments)
     except (RuntimeError, TypeError) as error:
@@ -328,7 +342,7 @@ def _answer_of(module: nn.Module, name: str, *arguments: Any) -> Any:
 
 
 def _checked_answer(answer: Any, name: str) -> tuple[Tensor, Any]:
-    """Logits and state, None without one. Raises InputError for anything else that a module may return."""
+    """Logits and state, None without one. Raises InputError for any other result of a module."""
     if isinstance(answer, Tensor):
         return answer, None
     if isinstance(answer, tuple) and len(answer) == 2 and isinstance(answer[0], Tensor):
@@ -340,7 +354,7 @@ def _checked_answer(answer: Any, name: str) -> tuple[Tensor, Any]:
 
 
 def _identity(recipe: Recipe, module: nn.Module, examples: Examples, sensor: str, every_trial: bool, held_out: float, seed: int, member: int) -> str:
-    """Everything that the weights depend on, to refuse the checkpoint of another training."""
+    """Everything that the weights depend on; a checkpoint with another value is rejected."""
     training = {key: value for key, value in vars(recipe.training).items() if key != "augment"}
     return json.dumps({"recipe": recipe.name, "network": str(module), "data": examples.sha256, "sensor": sensor, "labels": recipe.labels,
                        "split": recipe.split, "all": every_trial, "held_out": held_out, "seed": seed, "member": member, "turned": recipe.turned,

@@ -1,6 +1,8 @@
-"""Tactile images and the tactile graph of the BioTac SP (papers/biotac-stability-slip), which recipes and the paper's studies use."""
+"""Tactile images and the tactile graph of the BioTac SP (papers/biotac-stability-slip), for recipes
+and the paper's studies."""
 
-# PyTorch's layers and operators come with types in part, and in other parts from release to release.
+# PyTorch's layers and operators come with types in part, and in other parts from release to
+# release.
 # mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"
 
 from __future__ import annotations
@@ -10,15 +12,16 @@ from torch import Tensor
 
 ELECTRODES = 24  # E1 is number 0
 
-# The graph drawn by hand: pairs of neighbours.
+# Edges of the hand-drawn graph.
 EDGES = ((0, 1), (1, 20), (2, 3), (3, 4), (3, 21), (3, 23), (4, 6), (4, 7), (4, 23), (5, 6), (6, 7), (6, 8), (7, 8), (7, 17), (8, 9), (10, 11), (11, 20),
          (12, 13), (13, 14), (13, 22), (13, 23), (14, 16), (14, 17), (14, 23), (15, 16), (16, 17), (16, 18), (17, 18), (18, 19), (20, 21), (20, 22),
          (21, 22), (21, 23), (22, 23))
 
 Layout = tuple[tuple[int, int], tuple[tuple[int, int], ...]]
 
-# The images of the paper's Fig. 3: rows and columns, then the row and column of each electrode, as the authors' code has them
-# (yayaneath/biotac-sp-images); of its two of 6 x 5 the one with E2 in the second row.
+# The images of the paper's Fig. 3: rows and columns, then the row and column of each electrode, as
+# in the authors' code (yayaneath/biotac-sp-images); of its two with 6 x 5, the one with E2 in the
+# second row.
 IMAGES: dict[str, Layout] = {
     "D1": ((12, 11), ((0, 1), (1, 2), (4, 0), (5, 1), (6, 3), (7, 0), (8, 1), (9, 4), (10, 2), (11, 1), (0, 9), (1, 8), (4, 10), (5, 9), (6, 7), (7, 10),
                       (8, 9), (9, 6), (10, 8), (11, 9), (2, 5), (3, 4), (3, 6), (5, 5))),
@@ -30,7 +33,8 @@ IMAGES: dict[str, Layout] = {
 
 
 def pixels_of(layout: Layout) -> list[list[int]]:
-    """Electrodes whose mean each pixel shows, row by row: its own electrode, else the three nearest in the image."""
+    """Electrodes averaged by each pixel, row by row: its own electrode, else the three nearest in
+    the image."""
     (rows, columns), places = layout
     pixels = []
     for row in range(rows):
@@ -42,7 +46,7 @@ def pixels_of(layout: Layout) -> list[list[int]]:
 
 
 def normalised_adjacency(nodes: int, edges: tuple[tuple[int, int], ...]) -> Tensor:
-    """D^-1/2 (A + 1) D^-1/2 of undirected edges, every node being its own neighbour. [nodes, nodes]"""
+    """D^-1/2 (A + 1) D^-1/2 of undirected edges; every node is its own neighbour. [nodes, nodes]"""
     adjacency = torch.eye(nodes, dtype=torch.float64)
     for a, b in edges:
         adjacency[a, b] = adjacency[b, a] = 1.0
@@ -51,5 +55,5 @@ def normalised_adjacency(nodes: int, edges: tuple[tuple[int, int], ...]) -> Tens
 
 
 def drawn_graph() -> Tensor:
-    """The normalised adjacency of the graph drawn by hand. [24, 24]"""
+    """The normalised adjacency of the hand-drawn graph. [24, 24]"""
     return normalised_adjacency(ELECTRODES, EDGES)

@@ -1,11 +1,13 @@
 """The published networks, and those of scenes/learn, as torch.nn.Module.
 
-Each takes clips [N, T, inputs] of N sequences of T frames and returns logits [N, T - history + 1, classes]. `history` is the number of frames that
-an answer is made of, 1 unless the class says otherwise. A network that carries state from frame to frame takes it as a second argument, None at the
-start of a sequence, and returns (logits, state): so the same module is trained on clips and runs frame by frame in a loop.
+Each maps clips [N, T, inputs] of N sequences of T frames to logits [N, T - history + 1, classes].
+`history` is the number of frames that an answer depends on, 1 unless the class states otherwise. A
+network with a state takes it as a second argument, None at the start of a sequence, and returns
+(logits, state): so the same module is trained on clips and runs frame by frame in a loop.
 """
 
-# PyTorch's layers and operators come with types in part, and in other parts from release to release.
+# PyTorch's layers and operators come with types in part, and in other parts from release to
+# release.
 # mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"
 
 from __future__ import annotations
@@ -17,10 +19,10 @@ State = tuple[Tensor, ...] | None
 
 
 def each_frame(layer: nn.Module, frames: Tensor) -> Tensor:
-    """Applies a layer to every frame by itself.
+    """Applies a layer to every frame separately.
 
     Args:
-        layer: takes [M, ...]
+        layer: maps [M, ...]
         frames: [N, T, ...]
 
     Returns:
@@ -31,16 +33,16 @@ def each_frame(layer: nn.Module, frames: Tensor) -> Tensor:
 
 
 def windows(frames: Tensor, length: int) -> Tensor:
-    """All windows of `length` frames that follow each other.
+    """All windows of `length` consecutive frames.
 
     Args:
         frames: [N, T, F], T >= length
-        length: frames a window
+        length: frames per window
 
     Returns:
         [N, T - length + 1, length, F]
     """
-    if frames.shape[1] == length:  # a step in the loop, which the exporter can follow
+    if frames.shape[1] == length:  # a step in the loop, which the exporter can trace
         return frames.unsqueeze(1)
     return frames.unfold(1, length, 1).transpose(2, 3)
 
@@ -59,14 +61,14 @@ def dense(*widths: int) -> nn.Sequential:
 
 
 class GruStack(nn.Module):
-    """GRUs one above the other, each with a state of its own."""
+    """A stack of GRUs, each with its own state."""
 
     def __init__(self, inputs: int, units: int, layers: int) -> None:
         super().__init__()
         self.layers = nn.ModuleList(nn.GRU(inputs if i == 0 else units, units, batch_first=True) for i in range(layers))
 
     def forward(self, frames: Tensor, state: State = None) -> tuple[Tensor, tuple[Tensor, ...]]:
-        """[N, T, inputs] and one [1, N, units] a layer to [N, T, units] and the next states."""
+        """[N, T, inputs] and one [1, N, units] per layer to [N, T, units] and the next states."""
         after = []
         for i, layer in enumerate(self.layers):
             frames, one = layer(frames, None if state is None else state[i])
@@ -98,7 +100,8 @@ class FrameGru(nn.Module):
 
 
 class PiezoMlp(nn.Module):
-    """MLP of the piezoelectric skin (papers/piezo-fft-gru, sections IV.A, IV.B, Table I), each spectrum by itself.
+    """MLP of the piezoelectric skin (papers/piezo-fft-gru, sections IV.A, IV.B, Table I), each
+    spectrum by itself.
 
     Four layers and a linear one to two classes give the numbers of parameters that Table I prints.
 
@@ -120,9 +123,11 @@ class PiezoMlp(nn.Module):
 
 
 class PiezoTcn(nn.Module):
-    """Causal convolutions of the piezoelectric skin (papers/piezo-fft-gru, Table I: TCN 128, kernel 8).
+    """Causal convolutions of the piezoelectric skin (papers/piezo-fft-gru, Table I: TCN 128, kernel
+    8).
 
-    Not padded: the first answer comes after all the frames that it is made of, in training as in the loop.
+    Not padded: the first answer comes after all the frames that it is made of, in training as in
+    the loop.
 
     | layer | output |
     |---|---|
@@ -270,7 +275,8 @@ class UnitsEncoder(nn.Module):
 
 
 class SlipGru(nn.Module):
-    """slip_gru: three axes of each unit, their ratio and rates, each unit by the same weights, through a GRU. No paper's.
+    """slip_gru: three axes of each unit, their ratio and rates, each unit by the same weights,
+    through a GRU. No paper's.
 
     | layer | output |
     |---|---|
@@ -292,7 +298,8 @@ class SlipGru(nn.Module):
 
 
 class MyrmexCnn(nn.Module):
-    """Networks of the Myrmex (papers/myrmex-tactile-cnn, section 4, Table 2). 32 channels and padding by 1 are assumed.
+    """Networks of the Myrmex (papers/myrmex-tactile-cnn, section 4, Table 2). 32 channels and
+    padding by 1 are assumed.
 
     | layer | net 1 | net 2 | net 3 |
     |---|---|---|---|
@@ -343,9 +350,11 @@ class BiotacCnn(nn.Module):
 
 
 class BiotacGcn(nn.Module):
-    """Grasp stability by a tactile graph (papers/biotac-stability-slip, section 5.1, Table 2 and Fig. 12).
+    """Grasp stability by a tactile graph (papers/biotac-stability-slip, section 5.1, Table 2 and
+    Fig. 12).
 
-    A graph convolution is y = A x W + b with A = D^-1/2 (A' + 1) D^-1/2 (Kipf and Welling, ICLR 2017).
+    A graph convolution is y = A x W + b with A = D^-1/2 (A' + 1) D^-1/2 (Kipf and Welling, ICLR
+    2017).
 
     | layer | output |
     |---|---|
@@ -376,7 +385,8 @@ class BiotacGcn(nn.Module):
 
 
 class BiotacLstm(nn.Module):
-    """Direction of slip by LSTMs (papers/biotac-stability-slip, section 5.2, Table 3). Begins afresh with each window.
+    """Direction of slip by LSTMs (papers/biotac-stability-slip, section 5.2, Table 3). Begins
+    afresh with each window.
 
     | layer | output |
     |---|---|
@@ -402,7 +412,8 @@ class BiotacLstm(nn.Module):
 
 
 class ConvLstm(nn.Module):
-    """An LSTM whose gates are convolutions 3 x 3 (Shi et al., NIPS 2015, without peepholes). [M, T, C, H, W] to [M, T, channels, H, W]."""
+    """An LSTM whose gates are convolutions 3 x 3 (Shi et al., NIPS 2015, without peepholes). [M, T,
+    C, H, W] to [M, T, channels, H, W]."""
 
     def __init__(self, inputs: int, channels: int) -> None:
         super().__init__()
@@ -410,7 +421,7 @@ class ConvLstm(nn.Module):
         self.gates = nn.Conv2d(inputs + channels, 4 * channels, 3, padding=1)
 
     def forward(self, frames: Tensor) -> Tensor:
-        """State is zero before the first frame."""
+        """The state is zero before the first frame."""
         hidden = frames.new_zeros((frames.shape[0], self.channels, frames.shape[3], frames.shape[4]))
         cell, all_hidden = hidden, []
         for t in range(frames.shape[1]):
@@ -422,7 +433,8 @@ class ConvLstm(nn.Module):
 
 
 class BiotacConvLstm(nn.Module):
-    """Direction of slip by convolutional LSTMs (papers/biotac-stability-slip, section 5.2, Table 3). Begins afresh with each window.
+    """Direction of slip by convolutional LSTMs (papers/biotac-stability-slip, section 5.2, Table
+    3). Begins afresh with each window.
 
     The paper has five layers of 32 filters, which take 30 times as long to train as two of 8.
 
@@ -452,7 +464,8 @@ class BiotacConvLstm(nn.Module):
 
 
 class BiotacSlip(nn.Module):
-    """biotac_slip: each electrode against its mean of 0.64 s, through filters across electrodes and in time and a GRU. No paper's.
+    """biotac_slip: each electrode against its mean of 0.64 s, through filters across electrodes and
+    in time and a GRU. No paper's.
 
     | layer | output |
     |---|---|
@@ -479,7 +492,8 @@ class BiotacSlip(nn.Module):
 
 
 class BiotacGrasp(nn.Module):
-    """biotac_grasp: how each electrode and the pressure change, the same filters across them for each time span, through two GRUs. No paper's.
+    """biotac_grasp: how each electrode and the pressure change, the same filters across them for
+    each time span, through two GRUs. No paper's.
 
     | layer | output |
     |---|---|

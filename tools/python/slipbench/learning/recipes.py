@@ -1,4 +1,5 @@
-"""Recipes: networks with what they read, what they are trained on and how. `assumed` says what the paper does not print."""
+"""Recipes: networks with their input, training data and training. `assumed` states values that the
+paper does not give."""
 
 from __future__ import annotations
 
@@ -20,23 +21,26 @@ ROUNDING_DENSITY = 1 / 12 / (0.5 * 10e3)  # counts^2/Hz of the piezo skin's roun
 
 @dataclass(frozen=True)
 class Recipe:
-    """A network with its input, its labels and its training. `dataclasses.replace` makes one of your own.
+    """A network with its input, its labels and its training. `dataclasses.replace` creates a custom
+    recipe.
 
     Attributes:
         name: as in `train --recipe`
-        summary: one line
+        summary: one line for lists
         source: paper, section, table
-        assumed: what the paper does not print, and what was chosen
-        input: what the network reads
-        network: makes the module from the number of values a frame and the number of classes
-        training: how it is trained
-        scaling: of features: "standard" (mean 0, deviation 1 of each), "common" (one mean and deviation for all), "range" (0 to 1 of each)
-        members: networks whose probabilities are averaged, with seeds one after the other
+        assumed: values that the paper does not give, with the choice made
+        input: input of the network
+        network: creates the module from the numbers of values per frame and of classes
+        training: parameters of the training
+        scaling: of features: "standard" (mean 0, deviation 1 of each), "common" (one mean and
+            deviation for all), "range" (0 to 1 of each)
+        members: number of networks whose probabilities are averaged, with consecutive seeds
         classes: "slip", "kind" or "direction" (`read_examples`)
-        labels: the rule (`read_examples`)
-        split: what trains and judges differ in: "trial", "material", "object" or "speed"
-        at_most: frames of a class and trial that are drawn; 0: all
-        turned: copies of each trial of a myrmex whose images are turned
+        labels: rule of the labels (`read_examples`)
+        split: property that differs between training and test: "trial", "material", "object" or
+            "speed"
+        at_most: maximum number of drawn frames per class and trial; 0: all
+        turned: number of copies of each trial of a myrmex with turned images
     """
 
     name: str
@@ -60,14 +64,15 @@ SLIP_TRAINING = Training(steps=3000, batch=64, clip=150, learning_rate=3e-3, fin
 
 def _slip(name: str, summary: str, frames: Input, network: Callable[[int, int], nn.Module], training: Training = SLIP_TRAINING, scaling: str = "standard",
           members: int = 1) -> Recipe:
-    """A recipe of scenes/learn: slip while a part slips, 100 times a second."""
+    """A recipe of scenes/learn: slip while a part of a unit slips, 100 times per second."""
     return Recipe(name, summary, "none published: for scenes/learn, where device, load, friction and the way differ from trial to trial",
                   "all of it; on a stage frames that stick again after a slip teach nothing; Adam at 3e-3", frames, network, training, scaling, members,
                   labels="tightened")
 
 
 def _piezo() -> list[Recipe]:
-    """The paper's clips of 128 frames. Its RMSProp at 8e-4 needs thousands of steps for what Adam at a greater rate reaches in hundreds."""
+    """Recipes with the paper's clips of 128 frames. Its RMSProp at 8e-4 needs thousands of steps
+    for the result of Adam at a greater rate after hundreds."""
     signal = Input(sensor="piezo_skin", rate=10e3, channels=["signal"], stride=100)
     spectra = replace(signal, window=200, centre=True, transform="log_psd", low=50.0, high=600.0, floor=ROUNDING_DENSITY)
 
@@ -179,10 +184,10 @@ RECIPES: dict[str, Recipe] = {recipe.name: recipe for family in (_piezo(), _papi
 
 
 def find_recipe(name: str) -> Recipe:
-    """A recipe by its name.
+    """Returns a recipe by its name.
 
     Raises:
-        InputError: there is none of that name, with the nearest one
+        InputError: an unknown name; the message has the nearest one
     """
     if name in RECIPES:
         return RECIPES[name]
