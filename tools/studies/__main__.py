@@ -1,4 +1,5 @@
-"""`python -m slipbench_studies REQUEST`: the command `reproduce`, started by the program. Exit status 2 for bad input, with its message, 130 after Ctrl-C."""
+"""`python -m slipbench_studies REQUEST`: the command `reproduce`, started by the program. Exit
+status 2 for bad input, with its message, 130 after Ctrl-C."""
 
 import importlib
 import json
@@ -23,10 +24,10 @@ def run(name: str, options: Options) -> Result:
 
     Args:
         name: PAPER/TABLE
-        options: what was asked for
+        options: requested options
 
     Returns:
-        what it found
+        its result
 
     Raises:
         InputError: for bad input
@@ -45,10 +46,12 @@ def _say_error(text: str) -> None:
 
 
 def main(request: dict[str, Any]) -> int:
-    """Runs the study that the request names, writes and prints its result. Without a name it prints the list.
+    """Runs the requested study, writes and prints its result. Without a name it prints the list of
+    studies.
 
     Args:
-        request: name, json, quiet, install (the command that installs what studies need), and what `Options` has
+        request: name, json, quiet, install (the command that installs the studies' requirements),
+            and the fields of `Options`
 
     Returns:
         the exit status
@@ -58,7 +61,7 @@ def main(request: dict[str, Any]) -> int:
     if name in ("", "list"):
         return write_result(lambda: _print_list(as_json))
     try:
-        for number in SIGNALS:  # the program has held them back until now
+        for number in SIGNALS:  # blocked by the program until now
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, signal.default_int_handler)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)

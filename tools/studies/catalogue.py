@@ -1,4 +1,4 @@
-"""The studies by name, and the options that each takes."""
+"""The studies by name, with their options."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Study:
 
     Attributes:
         name: PAPER/TABLE
-        summary: a line
-        options: those that it takes beside --output, --json and --quiet
+        summary: one line
+        options: options besides --output, --json and --quiet
     """
 
     name: str
@@ -73,16 +73,16 @@ STUDIES = (
 
 
 def find_study(name: str) -> Study:
-    """The study of this name.
+    """Returns the study of this name.
 
     Args:
         name: PAPER/TABLE
 
     Returns:
-        its line of STUDIES
+        its entry of STUDIES
 
     Raises:
-        InputError: there is none, with the nearest name
+        InputError: an unknown name; the message has the nearest one
     """
     for one in STUDIES:
         if one.name == name:
@@ -94,14 +94,15 @@ def find_study(name: str) -> Study:
 
 
 def check_options(study: Study, options: Options) -> None:
-    """Refuses an option that the study has no use for, which would be a misunderstanding.
+    """Rejects an option that the study does not use, which would be a misunderstanding.
 
     Args:
-        study: what is to run
-        options: what was asked for
+        study: study to run
+        options: requested options
 
     Raises:
-        InputError: for an option that the study does not take, and for --resume without a page beside which networks are kept
+        InputError: for an option that the study does not use, and for --resume without an output
+            page, next to which networks are saved
     """
     given = {"--data": options.data, "--real": options.real, "--full": options.full, "--seed": options.seed is not None, "--jobs": options.jobs,
              "--resume": options.resume, "--synthesise": options.synthesise, "--trials": options.trials, "--only": options.only,

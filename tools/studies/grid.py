@@ -1,4 +1,4 @@
-"""What studies simulate: scenes of the project under changes, many trials at a time."""
+"""Simulations of studies: scenes of the project with changes, many trials at a time."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class Cell:
     """A scene under one set of changes.
 
     Attributes:
-        name: in progress and in errors
-        scene: from the project's root: "scenes/grasp/lift.yaml"
-        overrides: texts by dotted path, as `--set` takes them
-        draws: trials of each cell of the scene's own sweep; 0: as many as the scene says
-        change: of the scene beyond the overrides, as a change of its text; None: no change
+        name: name in progress and errors
+        scene: path from the project's root: "scenes/grasp/lift.yaml"
+        overrides: texts by dotted path, as for `--set`
+        draws: trials of each cell of the scene's own sweep; 0: as in the scene
+        change: function that changes the scene's text, beyond the overrides; None: no change
     """
 
     name: str
@@ -39,7 +39,7 @@ class Cell:
         """The scene with its changes.
 
         Raises:
-            InputError: for a scene or an override that cannot be used
+            InputError: for an invalid scene or override
         """
         scene = Scene.load(self.scene.removeprefix("scenes/"))
         if self.change is not None:
@@ -47,34 +47,38 @@ class Cell:
         return scene.set(dict(self.overrides)) if self.overrides else scene
 
     def command(self, seed: int) -> str:
-        """The command that runs the scene with its overrides; an option that says which trials has to follow."""
+        """The command that runs the scene with its overrides; append an option that selects the
+        trials."""
         sets = "".join(f" --set '{path}={value}'" for path, value in self.overrides.items())
         return f"slipbench run {self.scene}{sets} --seed {seed}"
 
 
 def jobs_of(options: Options) -> int:
-    """The threads to use: options.jobs, or as many as the machine has."""
+    """Number of threads: options.jobs, or one per core."""
     return options.jobs or os.cpu_count() or 1
 
 
 def run_grid(cells: Sequence[Cell], options: Options, reduce: Callable[[Cell, Trial], Outcome], record: str = "full") -> list[list[Outcome]]:
-    """Runs all trials of a grid under the options' seed, on their threads.
+    """Runs all trials of a grid with the options' seed and number of threads.
 
-    What a trial draws depends on the seed and its number alone, not on its cell. Where there are at least as many cells as threads a thread takes a
-    cell, else all of them share the trials of one cell after the other.
+    The draws of a trial depend only on the seed and its number, not on its cell. If there are at
+    least as many cells as threads, each thread runs whole cells; otherwise all threads share the
+    trials of one cell after the other.
 
     Args:
-        cells: what to simulate
-        options: seed, jobs, and who hears of progress
-        reduce: makes of a trial what the study keeps of it; called by several threads at a time
-        record: "full", "contact" or "outcome", as Scene.sweep() takes it
+        cells: cells to simulate
+        options: seed, jobs, progress output
+        reduce: reduces a trial to the data that the study keeps; called by several threads at a
+            time
+        record: "full", "contact" or "outcome", as for Scene.sweep()
 
     Returns:
-        [cell][trial] what `reduce` returned
+        [cell][trial] results of `reduce`
 
     Raises:
-        InputError: of a trial, with the cell's name, the trial's number and the command that runs it
-        KeyboardInterrupt: after Ctrl-C; the trials at hand have ended
+        InputError: of a trial, with the cell's name, the trial's number and the command that runs
+            it
+        KeyboardInterrupt: after Ctrl-C, once the running trials have ended
     """
     seed = options.draws_seed
     scenes = [cell.load() for cell in cells]
@@ -120,13 +124,13 @@ def run_grid(cells: Sequence[Cell], options: Options, reduce: Callable[[Cell, Tr
 
 
 def make_dataset(path: str, cell: Cell, options: Options, what: str = "") -> None:
-    """Runs a scene's sweep into a dataset, under the options' seed and on their threads.
+    """Runs a scene's sweep into a dataset, with the options' seed and number of threads.
 
     Args:
         path: file to write
         cell: the scene, its changes and its draws
-        options: seed, jobs, and who hears of progress
-        what: is simulated, in lines of progress: "sequences"; empty: no lines
+        options: seed, jobs, progress output
+        what: simulated items in lines of progress: "sequences"; empty: no lines
 
     Raises:
         InputError: of a trial
@@ -144,34 +148,35 @@ def make_dataset(path: str, cell: Cell, options: Options, what: str = "") -> Non
 
 
 class _Progress:
-    """Says the subject and how much is done whenever the subject changes, and at each 50th trial. For several threads."""
+    """Reports subject and progress at each change of the subject, and at each 50th trial.
+    Thread-safe."""
 
     def __init__(self, total: int, say: Callable[[str], None]) -> None:
         self._total, self._say = total, say
         self._lock, self._done, self._said, self._name = threading.Lock(), 0, -LEAST_LINES, ""
 
     def begin(self, name: str) -> None:
-        """A trial of the cell `name` is at hand."""
+        """Starts a trial of the cell `name`."""
         with self._lock:
             if name != self._name or self._done - self._said >= LEAST_LINES:
                 self._name, self._said = name, self._done
                 self._say(f"{name} ({self._done} of {self._total} done)")
 
     def end(self) -> None:
-        """A trial is done."""
+        """Finishes a trial."""
         with self._lock:
             self._done += 1
 
 
 def check_only(only: Iterable[str], names: Sequence[str]) -> None:
-    """Refuses names of `--only`.
+    """Checks the names of `--only`.
 
     Args:
-        only: what was asked for
-        names: what there is
+        only: requested names
+        names: known names
 
     Raises:
-        InputError: for a name that is not there, with the nearest
+        InputError: for an unknown name, with the nearest one
     """
     for name in only:
         if name not in names:
@@ -181,5 +186,5 @@ def check_only(only: Iterable[str], names: Sequence[str]) -> None:
 
 
 def chosen(names: Sequence[str], only: Sequence[str]) -> list[str]:
-    """The names of an axis that `only` has; all where it has none of them."""
+    """The names of an axis that are in `only`; all of them if none is."""
     return [name for name in names if name in only] or list(names)

@@ -1,4 +1,4 @@
-"""Results of a study's networks, each saved as soon as it is done."""
+"""Results of a study's networks, saved as soon as each is done."""
 
 from __future__ import annotations
 
@@ -20,21 +20,24 @@ IDENTITY = "identity.txt"
 
 
 def kept_path(output: str) -> Path:
-    """The folder beside a page in which networks are kept until it is written: FILE.networks."""
+    """Folder next to a page that keeps networks until the page is written: FILE.networks."""
     return Path(output).with_suffix(".networks")
 
 
 class KeptNetworks:
-    """Results of a study's networks, a file each, so that a study that was killed or interrupted does not train them again.
+    """Results of a study's networks, one file each, so that an interrupted or killed study need not
+    train them again.
 
-    The folder's identity file names the run that they belong to. A file is written under another name and then renamed, so it is always complete.
+    The folder's identity file identifies the run. A file is written under another name and then
+    renamed, so it is always complete.
 
     Args:
-        options: their output, FILE.html, names the folder FILE.networks
+        options: their output, FILE.html, determines the folder FILE.networks
         name: PAPER/TABLE
 
     Raises:
-        InputError: where the folder cannot be written, is not of the same command, data, scenes and program, or has networks without options.resume
+        InputError: the folder is not writable, belongs to another command, data, scenes or program,
+            or has networks without options.resume
     """
 
     def __init__(self, options: Options, name: str) -> None:
@@ -63,14 +66,14 @@ class KeptNetworks:
 
     @property
     def size(self) -> int:
-        """How many there are."""
+        """Number of saved networks."""
         return len(list(self.path.glob("*.json")))
 
     def find(self, index: int) -> Any:
-        """The result of network `index`; None where it has to be trained.
+        """The result of network `index`; None if it is not saved.
 
         Raises:
-            InputError: where its file is damaged
+            InputError: the file is damaged
         """
         file = self.path / f"{index}.json"
         if not file.exists():
@@ -81,7 +84,7 @@ class KeptNetworks:
         return json.loads(result)
 
     def keep(self, index: int, result: Any) -> None:
-        """Saves the result of network `index`; it is on the disk when this returns.
+        """Saves the result of network `index`; it is on the disk on return.
 
         Raises:
             InputError: with the system's reason
@@ -114,7 +117,8 @@ def _digest(path: Path) -> str:
 
 
 def identity_of(options: Options, name: str) -> str:
-    """The digest of everything that a study's networks depend on: the command, the data, the scenes, the program and the Python that runs it.
+    """Digest of everything that a study's networks depend on: the command, the data, the scenes,
+    the program and the Python interpreter.
 
     Args:
         options: data, real, seed, full, trials, only

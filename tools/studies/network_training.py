@@ -27,19 +27,20 @@ Labels = NDArray[np.uint8]
 Sequences = Sequence[tuple[Floats, Labels]]
 
 REPORT_EVERY = 10  # networks between two lines of progress
-END_WITHIN = 10  # s in which a process that is told to end removes its files; then it is killed
+END_WITHIN = 10  # s, for a terminated process to remove its files; then it is killed
 
 
 def folds(groups: ArrayLike, count: int, seed: int) -> NDArray[np.int64]:
-    """Divides items into folds. Each group is shuffled and dealt out in turn, so that its shares of the folds differ by one item at most.
+    """Divides items into folds. Each group is shuffled and distributed in turn, so that its shares
+    of the folds differ by at most one item.
 
     Args:
-        groups: [N] number of each item's group
+        groups: [N] group number of each item
         count: folds
-        seed: of RandomStream(seed, 0, "folds")
+        seed: key of RandomStream(seed, 0, "folds")
 
     Returns:
-        [N] number of each item's fold
+        [N] fold of each item
 
     Raises:
         ValueError: for fewer than two folds
@@ -61,20 +62,20 @@ def train_and_answer(network: Callable[[], nn.Module], trained_on: Sequences, ju
     """Trains one network and evaluates it.
 
     Args:
-        network: makes it
-        trained_on: features [T, inputs], not scaled, and labels [T] of each sequence
-        judged: features [T, inputs] of each sequence to evaluate, not scaled
-        training: how it learns
+        network: creates the network
+        trained_on: features [T, inputs], unscaled, and labels [T] of each sequence
+        judged: features [T, inputs] of each test sequence, unscaled
+        training: parameters of the training
         classes: number of classes
-        seed: of the initial weights and of the clips drawn
-        scaling: of features, computed from `trained_on`: "standard", "common" or "range"
-        validating: sequences that choose the best state; none: the last state answers
+        seed: seed of the initial weights and of the drawn clips
+        scaling: scaling of features, computed from `trained_on`: "standard", "common" or "range"
+        validating: sequences that select the best state; empty: the last state is used
 
     Returns:
-        [T - history + 1, classes] logits of each sequence that is judged
+        [T - history + 1, classes] logits of each test sequence
 
     Raises:
-        InputError: where a class has no frame to learn from
+        InputError: a class has no frame for training
     """
     offset, scale = scale_of([features for features, _ in trained_on], scaling)
 
@@ -90,15 +91,15 @@ def train_and_answer(network: Callable[[], nn.Module], trained_on: Sequences, ju
 
 
 def train_detector(name: str, recipe: str | Recipe, dataset: str, output: str, options: Options, labels: str) -> Trained:
-    """Trains a recipe on all trials of a dataset, which are divided anew. Each frame is called by itself, with the threshold of the greatest balanced
-    accuracy in validation.
+    """Trains a recipe on all trials of a dataset, ignoring its own split. Single frames are
+    classified, with the threshold of the greatest balanced accuracy in validation.
 
     Args:
-        name: in lines of progress
-        recipe: as slipbench.learning.train() takes it
-        dataset: its path
+        name: name in lines of progress
+        recipe: as for slipbench.learning.train()
+        dataset: path of the dataset
         output: ONNX file to write
-        options: seed, and who hears of progress
+        options: seed, progress output
         labels: rule of the labels
 
     Returns:
@@ -116,8 +117,9 @@ def _end(*_: object) -> None:
 
 
 def _run(work: Callable[[int], Any], index: int, connection: Connection) -> None:
-    """Does the work of a process and sends its result, or its error with the text of where it arose. The parent handles Ctrl-C, and ends the process by
-    SIGTERM, upon which it removes its temporary files."""
+    """Runs the work of a process and sends its result, or its error with the traceback. The parent
+    handles Ctrl-C, and ends the process by SIGTERM, after which the process removes its temporary
+    files."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _end)
     try:
@@ -127,12 +129,13 @@ def _run(work: Callable[[int], Any], index: int, connection: Connection) -> None
 
 
 def train_all(name: str, subjects: Sequence[str], options: Options, work: Callable[[int], Any]) -> list[Any]:
-    """Trains networks, options.jobs at a time, each in its own process. With options.output each result is saved beside the page at once.
+    """Trains networks, options.jobs at a time, each in its own process. With options.output each
+    result is saved next to the page at once.
 
     Args:
         name: PAPER/TABLE
         subjects: name of each network in lines of progress
-        options: jobs, output, resume, and who hears of progress
+        options: jobs, output, resume, progress output
         work: trains network `index` and returns its result, which must be valid JSON
 
     Returns:
@@ -140,7 +143,7 @@ def train_all(name: str, subjects: Sequence[str], options: Options, work: Callab
 
     Raises:
         InputError: of a network, or as KeptNetworks
-        KeyboardInterrupt: after Ctrl-C; its text says what is kept
+        KeyboardInterrupt: after Ctrl-C; its text states what is saved
     """
     kept = KeptNetworks(options, name) if options.output else None
     results: list[Any] = [None if kept is None else kept.find(index) for index in range(len(subjects))]
@@ -183,18 +186,18 @@ class _Processes:
         ours, theirs = self._context.Pipe(duplex=False)
         process = self._context.Process(target=_run, args=(self._work, index, theirs))
         process.start()
-        theirs.close()  # so that reading ends where the process does
+        theirs.close()  # so that reading ends when the process ends
         self._running[ours] = index, process
 
     def take(self) -> Iterator[tuple[int, Any]]:
         """Waits until at least one network is done.
 
         Yields:
-            number and result of each network that is done
+            index and result of each finished network
 
         Raises:
             Exception: the error of a network
-            RuntimeError: where a process was killed
+            RuntimeError: if a process was killed
         """
         for connection in wait(list(self._running)):
             assert isinstance(connection, Connection)
@@ -211,7 +214,7 @@ class _Processes:
             yield index, result
 
     def end(self) -> None:
-        """Ends the processes that still run; returns when they have removed their files."""
+        """Terminates the running processes; returns after they have removed their files."""
         for _, process in self._running.values():
             process.terminate()
         for connection, (_, process) in self._running.items():
@@ -223,7 +226,7 @@ class _Processes:
 
 
 def _collect(processes: _Processes, results: list[Any], kept: KeptNetworks | None) -> None:
-    """Waits until at least one network is done and takes the results."""
+    """Waits until at least one network is done and stores the results."""
     for index, result in processes.take():
         results[index] = result
         if kept is not None:

@@ -1,4 +1,4 @@
-"""Grasps with three BioTac SP, real and synthetic, and what networks are shown of them."""
+"""Grasps with three BioTac SP, real and synthetic, and their representation for networks."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from slipbench_studies.result import Options
 
 SCENE = "scenes/biotac_sp/grasp.yaml"
 FINGERS = ("ff", "mf", "th")
-TIME_ROUNDING = 1e-9  # s, within which a sample is still at an instant
+TIME_ROUNDING = 1e-9  # s, tolerance for a sample's time
 
 
 class Palm(NamedTuple):
     """A pose of the hand.
 
     Attributes:
-        text: degrees, as the paper counts them
-        imported: the real sets' word
-        model: the scene's
+        text: degrees, as in the paper
+        imported: name in the real sets
+        model: name in the scene
     """
 
     text: str
@@ -43,13 +43,13 @@ PALMS = (Palm("0", "down", "hand_down.xml"), Palm("90", "side", "hand_side.xml")
 
 
 class Grasp(NamedTuple):
-    """A grasp at the moment of the paper's snapshot, before the lift, and how it ended.
+    """A grasp at the time of the paper's snapshot, before the lift, and its outcome.
 
     Attributes:
         counts: [fingers, electrodes] counts
-        object: what is grasped
-        palm: place in PALMS
-        slipped: whether the object is lost
+        object: the grasped object
+        palm: index into PALMS
+        slipped: True if the object is lost
     """
 
     counts: Floats
@@ -64,9 +64,9 @@ class Grasps:
 
     Attributes:
         counts: [N, fingers, electrodes] counts
-        objects: [N] what is grasped
-        palm: [N] place in PALMS
-        slipped: [N] whether the object is lost
+        objects: [N] the grasped objects
+        palm: [N] index into PALMS
+        slipped: [N] True if the object is lost
     """
 
     counts: Floats
@@ -78,7 +78,7 @@ class Grasps:
         return len(self.palm)
 
     def chosen(self, which: NDArray[np.bool_]) -> Grasps:
-        """Those of a mask [N]."""
+        """The grasps selected by a mask [N]."""
         return Grasps(self.counts[which], self.objects[which], self.palm[which], self.slipped[which])
 
     def text(self) -> str:
@@ -87,7 +87,7 @@ class Grasps:
 
 
 def gathered(grasps: Iterable[Grasp]) -> Grasps:
-    """Grasps one after the other, at least one."""
+    """Stacks one or more grasps."""
     counts, objects, palm, slipped = zip(*grasps, strict=True)
     return Grasps(np.stack(counts), np.array(objects), np.array(palm), np.array(slipped))
 
@@ -102,11 +102,11 @@ def grasp_of(trial: Any) -> Grasp:
     """The grasp of a trial with sensors ff, mf and th.
 
     Args:
-        trial: a `Trial` or `StoredTrial`: imported from bts3v2, or simulated from SCENE, whose snapshot is the last row
-            before the lift
+        trial: a `Trial` or `StoredTrial`: imported from bts3v2, or simulated from SCENE, whose
+            snapshot is the last row before the lift
 
     Returns:
-        counts and how it ended
+        counts and outcome
 
     Raises:
         InputError: for another trial
@@ -138,14 +138,14 @@ def read_grasps(path: str, options: Options) -> Grasps:
     """The grasps of a dataset.
 
     Args:
-        path: of the dataset
-        options: who hears of progress
+        path: path of the dataset
+        options: progress output
 
     Returns:
-        all of them
+        all of its grasps
 
     Raises:
-        InputError: no whole dataset, or as grasp_of()
+        InputError: an incomplete dataset, or as grasp_of()
     """
     options.say(f"reading {path}")
     with slipbench.open(path) as dataset:
@@ -156,14 +156,14 @@ def read_grasps(path: str, options: Options) -> Grasps:
 
 
 def run_grasps(draws: int, options: Options) -> Grasps:
-    """Grasps of SCENE.
+    """Simulates grasps of SCENE.
 
     Args:
-        draws: of each of its nine cells; 0: as many as it says
-        options: seed, jobs, and who hears of progress
+        draws: of each of its nine cells; 0: as in the scene
+        options: seed, jobs, progress output
 
     Returns:
-        all of them
+        all grasps
 
     Raises:
         InputError: as run_grid()
@@ -175,15 +175,16 @@ def run_grasps(draws: int, options: Options) -> Grasps:
 
 
 def levelled(grasps: Grasps) -> Grasps:
-    """Each count less its mean over the grasps with that palm, over its standard deviation there.
+    """Standardises each count: subtracts the mean over the grasps with that palm, and divides by
+    their standard deviation.
 
-    The result does not depend on the fingers that a set was recorded with.
+    The result does not depend on the individual fingers of a set.
 
     Args:
-        grasps: of any palms
+        grasps: with any palms
 
     Returns:
-        the same with their counts over max(1 count, standard deviation)
+        the grasps with standardised counts; the divisor is max(1 count, standard deviation)
     """
     counts = grasps.counts.astype(float)
     for palm in np.unique(grasps.palm):
@@ -209,7 +210,7 @@ def image_of(counts: Floats, layout: Layout) -> Floats:
 
 
 def as_graph(counts: Floats) -> Floats:
-    """Counts [N, fingers, electrodes] by node: frames [N, 1, electrodes x fingers]."""
+    """Counts [N, fingers, electrodes] as nodes: frames [N, 1, electrodes x fingers]."""
     return as_list(counts.swapaxes(1, 2))
 
 
@@ -217,8 +218,8 @@ def graph_of(k: int) -> NDArray[np.float64]:
     """The adjacency of a graph of the electrodes.
 
     Args:
-        k: neighbours, 1 to 23: a node is the mean of itself and its k nearest by the electrodes' places on the core,
-            directed, as the paper's; 0: the graph drawn by hand
+        k: number of neighbours, 1 to 23: a node is the mean of itself and its k nearest by the
+            electrodes' positions on the core, directed as in the paper; 0: the hand-drawn graph
 
     Returns:
         [electrodes, electrodes]

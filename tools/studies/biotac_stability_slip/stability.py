@@ -1,4 +1,5 @@
-"""Common parts of the tables of grasp stability: networks, sets of grasps, and a table that compares networks."""
+"""Common parts of the studies of grasp stability: networks, sets of grasps, and a table that
+compares networks."""
 
 from __future__ import annotations
 
@@ -28,12 +29,12 @@ CLASSES = 2  # held, lost
 
 @dataclass(frozen=True)
 class StabilityNetwork:
-    """A network and how it is shown a grasp.
+    """A network with its representation of a grasp.
 
     Attributes:
         network: the network
-        shown: counts [N, fingers, electrodes] to frames [N, 1, inputs]
-        by_palm: whether the grasps are levelled() first
+        shown: function from counts [N, fingers, electrodes] to frames [N, 1, inputs]
+        by_palm: True: standardise the grasps by levelled() first
     """
 
     network: Network
@@ -42,7 +43,7 @@ class StabilityNetwork:
 
 
 def logistic_regression(by_palm: bool = False) -> StabilityNetwork:
-    """Logistic regression on the 72 counts; `by_palm`: on levelled() ones."""
+    """Logistic regression on the 72 counts; `by_palm`: on counts standardised by levelled()."""
     make = partial(RowsNetwork, INPUTS, CLASSES)
     if by_palm:
         return StabilityNetwork(
@@ -52,19 +53,19 @@ def logistic_regression(by_palm: bool = False) -> StabilityNetwork:
 
 
 def plain_network(longer: int = 1) -> StabilityNetwork:
-    """A hidden layer of 128 on the 72 counts; `longer`: times the usual steps."""
+    """A hidden layer of 128 on the 72 counts; `longer`: multiple of the usual steps."""
     name, text = ("mlp", "MLP 128") if longer == 1 else ("mlp_longer", f"MLP 128, {longer} times the steps")
     return StabilityNetwork(
         Network(name, text, partial(RowsNetwork, INPUTS, CLASSES, hidden=128), longer * PLAIN_STEPS, CLASSES), as_list)
 
 
 def cnn(image: str, units: int, name: str = "cnn") -> StabilityNetwork:
-    """The paper's network of an image.
+    """The paper's network for an image.
 
     Args:
         image: a name of IMAGES
-        units: of the hidden layer
-        name: of the network
+        units: number of units in the hidden layer
+        name: name of the network
 
     Returns:
         the network
@@ -77,20 +78,21 @@ def cnn(image: str, units: int, name: str = "cnn") -> StabilityNetwork:
 
 
 def gcn(neighbours: int, name: str, text: str) -> StabilityNetwork:
-    """The paper's network of a graph; `neighbours`: as graph_of() takes it."""
+    """The paper's network for a graph; `neighbours`: as for graph_of()."""
     adjacency = torch.tensor(graph_of(neighbours).tolist(), dtype=torch.float32)
     return StabilityNetwork(Network(name, text, partial(BiotacGcn, INPUTS, CLASSES, adjacency), NETWORK_STEPS, CLASSES),
                             as_graph)
 
 
 def examples_of(grasps: Grasps, network: StabilityNetwork, by_object: bool, seed: int) -> Examples:
-    """Grasps as a network is shown them.
+    """Represents grasps for a network.
 
     Args:
-        grasps: what it is trained and judged on
+        grasps: for training and test
         network: the network
-        by_object: whether all grasps of an object are in one fold; else grasps are dealt out one by one
-        seed: as folds() takes it
+        by_object: True: all grasps of an object are in one fold; False: grasps are distributed
+            individually
+        seed: as for folds()
 
     Returns:
         in FOLDS folds
@@ -120,17 +122,18 @@ class GraspSets:
 
 
 def grasps_for(options: Options, usual: int = 0) -> GraspSets:
-    """The grasps that the options name, or fresh ones.
+    """Reads the requested grasps, or simulates them.
 
     Args:
-        options: real, data, trials, full, seed, jobs, and who hears of progress
-        usual: draws of each of the scene's nine cells; 0: as many as it says
+        options: real, data, trials, full, seed, jobs, progress output
+        usual: draws of each of the scene's nine cells; 0: as in the scene
 
     Returns:
         the sets
 
     Raises:
-        InputError: for --trials beside --data, for imported recordings as --data, and as read_grasps() and run_grasps()
+        InputError: for --trials together with --data, for imported recordings as --data, and as
+            read_grasps() and run_grasps()
     """
     check_data(options, "grasps")
     real = read_grasps(options.real, options) if options.real else None
@@ -139,14 +142,14 @@ def grasps_for(options: Options, usual: int = 0) -> GraspSets:
 
 
 def setup_of(options: Options, grasps: GraspSets) -> list[str]:
-    """How it was measured, of all tables.
+    """Setup of the measurement, common to all tables.
 
     Args:
         options: real, data, full
-        grasps: all that there are
+        grasps: all sets
 
     Returns:
-        a sentence each
+        one sentence per line
     """
     longer = LONGER if options.full else 1
     lines = [f"Real: {grasps.real.text()} of {options.real} (paper: 5,581 of 51)."] if grasps.real is not None else []
@@ -160,19 +163,19 @@ def setup_of(options: Options, grasps: GraspSets) -> list[str]:
 
 
 def stability_without_real(options: Options) -> list[str]:
-    """The remark for want of --real."""
+    """The remark for runs without --real."""
     return [] if options.real else [without_real("bts3v2", "3dperceptionlab/biotacsp-stability-set-v2")]
 
 
 def compare(name: str, options: Options, grasps: GraspSets, head: Sequence[str],
             networks: Sequence[tuple[StabilityNetwork, list[str]]]) -> Result:
-    """Compares networks on all grasps that there are, FOLDS folds by sample and as many by object.
+    """Compares networks on all sets, with FOLDS folds by sample and by object.
 
     Args:
         name: PAPER/TABLE
-        options: as the command line has them
-        grasps: what judges
-        head: of the cells that each row begins with
+        options: options of the command line
+        grasps: sets for training and test
+        head: heads of the leading cells of each row
         networks: each with these cells
 
     Returns:

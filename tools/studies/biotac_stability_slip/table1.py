@@ -17,7 +17,7 @@ PUBLISHED = {"D1": "90.9 +- 1.5", "D2": "89.6 +- 1.7", "D3": "89.7 +- 1.3"}
 
 
 def judged(grasps: Grasps) -> Grasps:
-    """Those with palms 0 and 90."""
+    """The grasps with palms 0 and 90."""
     return grasps.chosen(np.array([PALMS[palm].text != "45" for palm in grasps.palm]))
 
 

@@ -1,4 +1,4 @@
-"""Table 2 of the paper: a grasp held or lost, from a snapshot before the lift, on objects that were not learnt.
+"""Table 2 of the paper: grasps held or lost, from a snapshot before the lift, on unseen objects.
 
 Networks are trained on real grasps, on synthetic ones and on both.
 """
@@ -17,7 +17,7 @@ from slipbench_studies.biotac_stability_slip.validation import (JUDGED_HERE, PAP
 from slipbench_studies.result import Options, RealFigure, Result, Table
 
 NAME = "biotac-stability-slip/table2"
-DRAWS = 306  # twice the scene's: 1,100 grasps to learn from are too few for the paper's networks (README.md)
+DRAWS = 306  # twice the scene's: 1,100 training grasps are too few for the paper's networks (README.md)
 PUBLISHED = [["paper, GCN", "75.5", "74.1", "75.1", "77.4", "76.6", "74.7", "75.6", "-"],
              ["paper, CNN", "76.5", "82.9", "70.8", "76.3", "88.4", "61.8", "72.6", "-"]]
 PUBLISHED_ACCURACY = {"gcn": 75.5, "cnn": 76.5}  # %
@@ -30,9 +30,9 @@ class Row:
 
     Attributes:
         network: the network
-        synthetic: grasps as it is shown them
-        real: the same; None without --real
-        numbers: of its validations: "synthetic", and those of TRAINED_ON
+        synthetic: grasps in its representation
+        real: likewise; None without --real
+        numbers: of its validations: "synthetic", and those in TRAINED_ON
     """
 
     network: StabilityNetwork
@@ -42,22 +42,22 @@ class Row:
 
     @property
     def name(self) -> str:
-        """In the figures."""
+        """Name in the figures."""
         return self.network.network.name
 
     @property
     def text(self) -> str:
-        """In the tables."""
+        """Name in the tables."""
         return self.network.network.text
 
 
 def palm_cells(answers: Answers, examples: Examples, grasps: Grasps) -> tuple[list[str], dict[str, Any]]:
-    """The cells of a row: accuracy on all palms and on each, then the other figures of all.
+    """The cells of a row: accuracy on all palms and on each, then the other figures on all palms.
 
     Args:
-        answers: to the grasps
-        examples: the grasps as they were shown
-        grasps: what judges
+        answers: answers for the grasps
+        examples: the grasps in the network's representation
+        grasps: the grasps
 
     Returns:
         the cells, and the figures of "all", "palm_0", "palm_90" and "palm_45"
@@ -74,14 +74,14 @@ def palm_cells(answers: Answers, examples: Examples, grasps: Grasps) -> tuple[li
 
 def palm_table(title: str, rows: list[Row], which: str, grasps: Grasps,
                validations: Validations) -> tuple[Table, dict[str, Any]]:
-    """The table of one source of grasps.
+    """Table of one set of grasps.
 
     Args:
-        title: of the table
+        title: title of the table
         rows: all networks
         which: "real" or "synthetic"
-        grasps: what judges
-        validations: after their run
+        grasps: the set
+        validations: after run()
 
     Returns:
         the table and its figures
@@ -96,11 +96,11 @@ def palm_table(title: str, rows: list[Row], which: str, grasps: Grasps,
 
 
 def three_ways(rows: list[Row], validations: Validations) -> tuple[Table, dict[str, Any]]:
-    """Results of training on real, synthetic and both kinds of grasps, evaluated on real objects that were left out.
+    """Compares training on real, synthetic and both kinds of grasps, tested on unseen real objects.
 
     Args:
         rows: with real grasps
-        validations: after their run
+        validations: after run()
 
     Returns:
         the table and its figures
@@ -124,7 +124,7 @@ def real_figures(three_way: dict[str, Any]) -> list[RealFigure]:
         three_way: figures of three_ways()
 
     Returns:
-        figures of real devices beside ours
+        figures of real devices with ours
     """
     return [
         *(RealFigure(f"grasps held or lost, {name}, real to real, %", published,
@@ -143,7 +143,7 @@ def study(options: Options) -> Result:
         options: real, data, trials, full, seed, jobs, output, resume
 
     Returns:
-        figures of each network by palm, learnt from real, synthetic and both grasps
+        figures of each network by palm, trained on real, synthetic and both kinds of grasps
 
     Raises:
         InputError: as grasps_for() and Validations.run()

@@ -1,6 +1,6 @@
-"""Table 3 of the paper: direction of slip under one finger, on objects that were not learnt.
+"""Table 3 of the paper: direction of slip under one finger, on unseen objects.
 
-Each network is trained with and without the place of the touch.
+Each network is trained with and without the position of the contact.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ STEPS = 1200
 BRIEF, WHOLE = Window(5, 5), Window(50, 25)
 IMAGE = "D1"
 
-# What is trained on, and what judges.
+# Training and test sets.
 REAL_COLUMNS = {"real": "real alone", "synthetic_to_real": "synthetic alone", "both": "both",
                 "random_to_real": "random site alone"}
 # These need no recordings.
@@ -44,8 +44,9 @@ class DirectionNetwork:
 
     Attributes:
         network: the network
-        window: what it is shown of a recording
-        columns: how many of COLUMNS it has, from the first on; without real recordings it has all of SYNTHETIC_COLUMNS
+        window: part of a recording that it sees
+        columns: number of its leading COLUMNS; without real recordings it has all of
+            SYNTHETIC_COLUMNS
     """
 
     network: Network
@@ -57,7 +58,7 @@ def all_networks(full: bool) -> dict[str, DirectionNetwork]:
     """The rows of the tables by name.
 
     Args:
-        full: whether the ConvLSTM has the paper's size
+        full: True: the ConvLSTM has the paper's size
 
     Returns:
         rows with the site, then without
@@ -75,7 +76,7 @@ def all_networks(full: bool) -> dict[str, DirectionNetwork]:
         rows[network.name] = DirectionNetwork(network, window, columns)
 
     for site in (True, False):
-        every, three = len(COLUMNS), 3  # the latter of rows that take long
+        every, three = len(COLUMNS), 3  # the latter for rows that take long
         add(site, "lr", "logistic regression", _regression, STEPS, BRIEF, every)
         add(site, "mlp", "MLP 128", _mlp, STEPS, BRIEF, every)
         add(site, "lstm", "LSTM, 5 layers of 32", partial(_lstm, layers=5), STEPS // 2, BRIEF, every if site else three)
@@ -112,12 +113,12 @@ def _conv_lstm(values: int, classes: int, rows: int, layers: int, filters: int) 
 
 
 def examples_of(touches: Sequence[Touch], window: Window, seed: int) -> Examples:
-    """The windows of recordings, a fold an object.
+    """The windows of recordings, with one fold per object.
 
     Args:
         touches: recordings
-        window: what is cut out of each
-        seed: as folds() takes it
+        window: definition of the windows
+        seed: as for folds()
 
     Returns:
         the windows
@@ -151,17 +152,17 @@ class Touches:
 
 
 def touches_for(options: Options) -> Touches:
-    """The recordings that the options name, or fresh ones.
+    """Reads the requested recordings, or simulates them.
 
     Args:
-        options: real, data, trials, full, seed, jobs, and who hears of progress
+        options: real, data, trials, full, seed, jobs, progress output
 
     Returns:
-        all of them
+        all recordings
 
     Raises:
-        InputError: for --trials beside --data, for imported recordings as --data, and as read_touches() and
-            run_touches()
+        InputError: for --trials together with --data, for imported recordings as --data, and as
+            read_touches() and run_touches()
     """
     check_data(options, "recordings")
     draws = options.trials or (PUBLISHED_DRAWS if options.full else DRAWS)
@@ -170,19 +171,19 @@ def touches_for(options: Options) -> Touches:
     return Touches(real, synthetic, run_touches(RANDOM_SITE_SCENE, draws, options))
 
 
-Numbers = dict[str, tuple[int, Folds]]  # by column: number of the validation, and the folds to report by
+Numbers = dict[str, tuple[int, Folds]]  # by column: number of the validation, and folds of the report
 
 
 def queue(network: DirectionNetwork, sets: Mapping[str, Examples], validations: Validations) -> Numbers:
     """Adds the validations of a row.
 
     Args:
-        network: of the row
-        sets: "synthetic", "random_site" and, where there are recordings, "real"
-        validations: what they are added to
+        network: network of the row
+        sets: "synthetic", "random_site" and, if available, "real"
+        validations: target
 
     Returns:
-        by column
+        numbers by column
     """
     one, numbers = network.network, {}
     others = {"real": None, "synthetic_to_real": "synthetic", "both": "synthetic", "random_to_real": "random_site"}
@@ -209,7 +210,7 @@ def real_figures(figures: Mapping[str, Any]) -> list[RealFigure]:
         figures: by row and column
 
     Returns:
-        figures of real devices beside ours
+        figures of real devices with ours
     """
     return [
         RealFigure(f"slip against touch, AUC, {name}: learnt here from real, from synthetic recordings",
@@ -220,14 +221,14 @@ def real_figures(figures: Mapping[str, Any]) -> list[RealFigure]:
 
 
 def setup_of(options: Options, touches: Touches) -> list[str]:
-    """How it was measured.
+    """Setup of the measurement.
 
     Args:
         options: real, data, full
         touches: all recordings
 
     Returns:
-        a sentence each
+        one sentence per line
     """
     def recordings(some: Sequence[Touch]) -> str:
         return f"{len(some)} recordings of {_objects(some)} objects"
@@ -251,7 +252,8 @@ def study(options: Options) -> Result:
         options: real, data, trials, only, full, seed, jobs, output, resume
 
     Returns:
-        balanced accuracy of seven classes, and area under the curve of slip against touch, of each network
+        balanced accuracy of seven classes, and area under the curve of slip against touch, of each
+        network
 
     Raises:
         InputError: for an unknown name of --only, and as touches_for() and Validations.run()

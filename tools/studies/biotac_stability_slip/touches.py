@@ -1,4 +1,5 @@
-"""Recordings of one BioTac SP that is touched, slides or turns, real and synthetic, and windows of them."""
+"""Recordings of one BioTac SP in contact, real and synthetic: touch, sliding or turning; and
+windows of them."""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ from slipbench_studies.result import Options
 
 SCENE = "scenes/biotac_sp/slip.yaml"
 RANDOM_SITE_SCENE = "scenes/biotac_sp/slip_random_site.yaml"
-DEVICES = (1, 2, 3)  # fingers that a synthetic set is made with
+DEVICES = (1, 2, 3)  # fingers of a synthetic set
 CLASSES = ("t", "n", "e", "s", "w", "cw", "aw")
 
 
@@ -30,8 +31,8 @@ class Touch(NamedTuple):
 
     Attributes:
         counts: [T, electrodes] counts, at 100 Hz
-        label: [T] place in CLASSES; MASKED where nothing touches
-        object: what is touched
+        label: [T] index into CLASSES; MASKED without contact
+        object: the touched object
     """
 
     counts: Floats
@@ -44,17 +45,18 @@ def _touch_of(example: dict[str, Any]) -> Touch:
 
 
 def read_touches(path: str, options: Options) -> list[Touch]:
-    """The recordings of a dataset that was imported from BioTacSP-DoS, or made of one of the scenes.
+    """Reads the recordings of a dataset that was imported from BioTacSP-DoS, or simulated from one
+    of the scenes.
 
     Args:
-        path: of the dataset
-        options: who hears of progress
+        path: path of the dataset
+        options: progress output
 
     Returns:
-        a recording each
+        one element per recording
 
     Raises:
-        InputError: no such dataset
+        InputError: an invalid dataset
     """
     options.say(f"reading {path}")
     labels = "recorded" if truth_of(path) else "micro"
@@ -69,15 +71,15 @@ def read_touches(path: str, options: Options) -> list[Touch]:
 
 
 def run_touches(scene: str, draws: int, options: Options) -> list[Touch]:
-    """Recordings of a scene.
+    """Simulates recordings of a scene.
 
     Args:
         scene: SCENE or RANDOM_SITE_SCENE
         draws: of each of its cells with each of DEVICES
-        options: seed, jobs, and who hears of progress
+        options: seed, jobs, progress output
 
     Returns:
-        a recording each
+        one element per recording
 
     Raises:
         InputError: as run_grid()
@@ -94,17 +96,17 @@ def run_touches(scene: str, draws: int, options: Options) -> list[Touch]:
 
 @dataclass(frozen=True)
 class Window:
-    """A part that is cut out of a recording.
+    """A window of a recording.
 
     Attributes:
-        rows: of a window
-        stride: rows from one to the next
-        site: whether the level of each electrode stays, which tells where the finger is touched; False: its mean over
-            the window is taken off
-        image: name of the image of IMAGES whose pixels a row is; empty: the electrodes
-        figures: one row of figures in place of the rows: "by_electrode" (24 standard deviations, counts, and 24 slopes
-            of the straight line through the rows, counts a row), "sorted" (the standard deviations, the smallest
-            first) or empty
+        rows: rows per window
+        stride: rows between the starts of successive windows
+        site: True: the level of each electrode is kept, which shows the contact's position; False:
+            its mean over the window is subtracted
+        image: name of the image of IMAGES that represents a row; empty: the electrodes
+        figures: one row of figures in place of the rows: "by_electrode" (24 standard deviations,
+            counts, and 24 slopes of the linear fit through the rows, counts per row), "sorted" (the
+            standard deviations, ascending) or empty
     """
 
     rows: int = 5
@@ -123,11 +125,11 @@ class Window:
 
 
 def windows_of(touch: Touch, window: Window) -> tuple[Floats, Labels]:
-    """The windows of a recording in which something touches throughout.
+    """The windows of a recording with contact throughout.
 
     Args:
         touch: the recording
-        window: what is cut out
+        window: definition of the windows
 
     Returns:
         features [W, *window.shape], and the class of each window's last row [W]

@@ -1,4 +1,4 @@
-"""Networks of the BioTac study: what they are trained on, what they are judged on, and the figures of their answers."""
+"""Networks of the BioTac study: their training, test and figures."""
 
 from __future__ import annotations
 
@@ -20,16 +20,17 @@ from slipbench_studies.result import Options
 from slipbench_studies.statistics import auc, mean_sd
 
 PAPER = '"Tactile-Driven Grasp Stability and Slip Prediction" (Robotics 2019)'
-RECIPE = "biotac_lstm"  # whose training all networks have, but for the steps
-LONGER = 4  # times the steps with --full
-# Note of a real figure of a network trained on recordings; ours is that of the same network trained on the scene.
+RECIPE = "biotac_lstm"  # recipe whose training all networks use, except for the steps
+LONGER = 4  # multiple of the steps with --full
+# Note on a figure of a network trained on real recordings; ours is that of the same network trained
+# on the scene.
 JUDGED_HERE = "not published: real recordings judged here"
 
 Folds = NDArray[np.int64]
 
 
 class RowsNetwork(nn.Module):
-    """All rows of a window at once.
+    """Classifies all rows of a window at once.
 
     | layer | logistic regression | MLP 128 |
     |---|---|---|
@@ -38,10 +39,10 @@ class RowsNetwork(nn.Module):
     | linear | classes | classes |
 
     Args:
-        inputs: values a row
+        inputs: values per row
         classes: number of classes
-        rows: of a window
-        hidden: units of the hidden layer; 0: none
+        rows: rows per window
+        hidden: number of units in the hidden layer; 0: none
     """
     def __init__(self, inputs: int, classes: int, rows: int = 1, hidden: int = 0) -> None:
         super().__init__()
@@ -61,9 +62,9 @@ class Examples:
     """Data for training and evaluating networks.
 
     Attributes:
-        features: [N, rows, inputs] of each example, not scaled
-        label: [N] class of each, that of its last row
-        fold: [N] number of its fold
+        features: [N, rows, inputs] of each example, unscaled
+        label: [N] class of each example, that of its last row
+        fold: [N] fold of each example
     """
 
     features: Floats
@@ -76,12 +77,12 @@ class Network:
     """A network of a table.
 
     Attributes:
-        name: in --only and in the figures
-        text: in the tables
-        make: makes it
-        steps: of its training, without --full
-        classes: how many
-        scaling: of features, computed from those that it is trained on: "range" or "standard"
+        name: name in --only and in the figures
+        text: name in the tables
+        make: creates the network
+        steps: number of training steps without --full
+        classes: number of classes
+        scaling: scaling of features, computed from the training set: "range" or "standard"
     """
 
     name: str
@@ -93,13 +94,13 @@ class Network:
 
 
 class Answers(NamedTuple):
-    """Answers of networks to A examples that they are not trained on.
+    """Answers of networks to A examples outside of their training.
 
     Attributes:
-        example: [A] number among those that are judged
+        example: [A] index of the example in the test set
         label: [A] true class
         called: [A] most probable class
-        slip: [A] probability of all classes but the first
+        slip: [A] probability of all classes except the first
     """
 
     example: NDArray[np.int64]
@@ -108,15 +109,15 @@ class Answers(NamedTuple):
     slip: NDArray[np.float64]
 
     def chosen(self, which: NDArray[Any]) -> Answers:
-        """Some of them: `which` is a mask [A] or their places."""
+        """Selects answers: `which` is a mask [A] or indices."""
         return Answers(*(column[which] for column in self))
 
 
 def answers_of(example: NDArray[np.int64], label: Labels, logits: Floats) -> Answers:
-    """Answers from logits.
+    """Computes answers from logits.
 
     Args:
-        example: [A] number of each example
+        example: [A] index of each example
         label: [A] true class
         logits: [A, classes]
 
@@ -131,19 +132,19 @@ def _share(part: int, whole: int) -> float:
     return part / whole if whole else math.nan
 
 
-# Names of the figures of answers, as they are in the JSON.
+# Names of the figures in the JSON.
 FIGURES = ("accuracy", "balanced_accuracy", "precision", "recall", "f1", "auc")
 
 
 def figures_of(answers: Answers) -> dict[str, float]:
-    """The figures of some answers.
+    """Computes the figures of answers.
 
     Args:
-        answers: any number
+        answers: any number of answers
 
     Returns:
-        FIGURES, each 0 to 1, NaN where it does not apply. balanced_accuracy is the mean share of the classes that occur
-        which are called so. precision, recall, f1 and auc are those of slip: all classes but the first.
+        FIGURES, each 0 to 1, NaN if undefined. balanced_accuracy is the mean recall of the classes
+        that occur. precision, recall, f1 and auc are those of slip: all classes except the first.
     """
     right, slips, called = answers.label == answers.called, answers.label != 0, answers.called != 0
     both = int((slips & called).sum())
@@ -161,16 +162,15 @@ Scores = dict[str, tuple[float, float]]
 
 
 def scores_of(answers: Answers, fold: Folds, counts: NDArray[np.bool_] | None = None) -> Scores:
-    """The figures of folds.
+    """Computes the figures over folds.
 
     Args:
-        answers: to N examples
-        fold: [N] number of each example's fold
-        counts: [N] whether it counts at all; None: all do
+        answers: for N examples
+        fold: [N] fold of each example
+        counts: [N] mask of the examples that count; None: all
 
     Returns:
-        mean and standard deviation over the folds of each of FIGURES; folds in which a figure does not apply
-        are left out of it
+        mean and standard deviation of each of FIGURES over the folds in which it is defined
     """
     if counts is not None:
         answers = answers.chosen(counts[answers.example])
@@ -180,7 +180,8 @@ def scores_of(answers: Answers, fold: Folds, counts: NDArray[np.bool_] | None = 
 
 
 def cell(share: tuple[float, float]) -> str:
-    """Mean and standard deviation of shares of 1 as "76.5 +- 1.2"; the mean alone of one, "-" of none."""
+    """Mean and standard deviation of shares as "76.5 +- 1.2"; the mean alone for one share, "-" for
+    none."""
     mean, sd = share
     if math.isnan(mean):
         return "-"
@@ -188,22 +189,22 @@ def cell(share: tuple[float, float]) -> str:
 
 
 def figures_object(scores: Scores) -> dict[str, float]:
-    """The scores by their names in the JSON: "auc" and "auc_sd"."""
+    """The scores by their JSON names: "auc" and "auc_sd"."""
     return {
         name + suffix: value for name, share in scores.items() for suffix, value in zip(("", "_sd"), share, strict=True)
     }
 
 
 def folds_by_object(objects: Sequence[str], count: int, seed: int) -> Folds:
-    """Divides examples into folds, all of an object in the same.
+    """Divides examples into folds, with all examples of an object in the same fold.
 
     Args:
         objects: [N] object of each example
         count: folds
-        seed: as folds() takes it
+        seed: as for folds()
 
     Returns:
-        [N] number of each example's fold
+        [N] fold of each example
 
     Raises:
         InputError: for fewer objects than folds, or fewer than two folds
@@ -216,7 +217,7 @@ def folds_by_object(objects: Sequence[str], count: int, seed: int) -> Folds:
 
 
 class Validations:
-    """Networks that are judged fold by fold: queued first, then trained together.
+    """Cross-validations of networks: queued first, then trained together.
 
     Args:
         options: seed, jobs, full, output, resume
@@ -231,21 +232,21 @@ class Validations:
         """Adds the networks of one validation.
 
         Args:
-            network: what is trained
-            judged: what judges it
-            own: whether it is trained on the other folds of `judged`, a network each; False: one network judges
-                all folds
-            other: what it is trained on as well; None: nothing
+            network: network to train
+            judged: test set
+            own: True: train one network per fold on the other folds of `judged`; False: one network
+                is tested on all folds
+            other: additional training set; None: none
 
         Returns:
-            a number to ask for its answers with
+            number for answers()
         """
         self._plans.append((network, judged, own, other))
         self._tasks += [(len(self._plans) - 1, int(fold)) for fold in (np.unique(judged.fold) if own else [0])]
         return len(self._plans) - 1
 
     def run(self, name: str) -> None:
-        """Trains all that is queued.
+        """Trains all queued networks.
 
         Args:
             name: PAPER/TABLE
@@ -260,7 +261,7 @@ class Validations:
             self._answers[plan].append(Answers(*(np.array(one[column]) for column in Answers._fields)))
 
     def answers(self, number: int) -> Answers:
-        """The answers of a validation in the order of the examples, after run()."""
+        """The answers of a validation in the order of the examples; call after run()."""
         all_of_it = Answers(*(np.concatenate(columns) for columns in zip(*self._answers[number], strict=True)))
         return all_of_it.chosen(np.argsort(all_of_it.example, kind="stable"))
 
@@ -272,7 +273,7 @@ class Validations:
             trained_on = _sequences(judged.features[~judges], judged.label[~judges]) + trained_on
         training: Training = find_recipe(RECIPE).training
         steps = network.steps * (LONGER if self._options.full else 1)
-        # There is nothing to choose a state by: the last one is judged.
+        # There is no validation set to select a state: the last state is used.
         logits = train_and_answer(network.make, trained_on, list(judged.features[judges]),
                                   replace(training, steps=steps, validate_every=steps), classes=network.classes,
                                   seed=self._options.draws_seed, scaling=network.scaling)
@@ -280,27 +281,27 @@ class Validations:
 
 
 def _sequences(features: Floats, labels: Labels) -> list[tuple[Floats, Labels]]:
-    """Each example as a sequence in which the last row alone has a label."""
+    """Each example as a sequence with a label on the last row only."""
     of_rows = np.full(features.shape[:2], MASKED, np.uint8)
     of_rows[:, -1] = labels
     return list(zip(features, of_rows, strict=True))
 
 
 def truth_of(path: str) -> str:
-    """Note that replaces the truth in a dataset of recordings; empty: the dataset was simulated.
+    """Note that replaces the truth in a dataset of recordings; empty if the dataset was simulated.
 
     Args:
-        path: of the dataset
+        path: path of the dataset
 
     Returns:
         "none: imported from bts3v2"
 
     Raises:
-        InputError: no whole dataset
+        InputError: an incomplete dataset
     """
     import h5py
 
-    slipbench.open(path).close()  # which refuses what is no dataset
+    slipbench.open(path).close()  # throws for anything but a dataset
     with h5py.File(path) as file:
         return str(file.attrs.get("truth", ""))
 
@@ -310,10 +311,11 @@ def check_data(options: Options, made: str) -> None:
 
     Args:
         options: data, trials
-        made: what --trials counts: "grasps"
+        made: unit of --trials: "grasps"
 
     Raises:
-        InputError: beside --trials, or where its recordings are imported, which would stand in the tables as synthetic
+        InputError: together with --trials, or for imported recordings, which the tables would
+            present as synthetic
     """
     if not options.data:
         return
@@ -328,10 +330,10 @@ def check_data(options: Options, made: str) -> None:
 
 
 def without_real(format: str, source: str) -> str:
-    """How to get what --real takes, for a study without it.
+    """Explains how to get recordings for --real, for a study without it.
 
     Args:
-        format: of `slipbench import`
+        format: format of `slipbench import`
         source: repository of the recordings
 
     Returns:
@@ -343,5 +345,5 @@ def without_real(format: str, source: str) -> str:
 
 
 def object_count(objects: Iterable[str]) -> int:
-    """How many different objects there are."""
+    """Number of different objects."""
     return len(set(objects))

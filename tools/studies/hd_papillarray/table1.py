@@ -1,4 +1,5 @@
-"""Table I of the paper: sHDC, stHDC, gstHDC and CL-gstHDC on a fresh dataset of the published protocol, and what decides the outcome."""
+"""Table I of the paper: sHDC, stHDC, gstHDC and CL-gstHDC on a new dataset of the published
+protocol, and the causes of the differences."""
 
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from slipbench_studies.grid import Cell, make_dataset
 from slipbench_studies.result import Options, RealFigure, Result, Table
 
 SCENE = "scenes/papillarray/hexapod.yaml"  # the published protocol
-STILL_LEFT_OUT = {"": None, "until_stop": False, "moving": True}  # whether frames before the first motion are left out, too; None: none are
+STILL_LEFT_OUT = {"": None, "until_stop": False, "moving": True}  # True: frames before the first motion are omitted too; None: no frame is
 
 # Encoding and context of each model; the paper's accuracy, mean and SD of its draws, %.
 MODELS = {"sHDC": ("spatial", False), "stHDC": ("spatial_temporal", False), "gstHDC": ("graph_spatial_temporal", False),
@@ -24,28 +25,28 @@ PUBLISHED = {"sHDC": (85.00, 1.15), "stHDC": (86.42, 1.35), "gstHDC": (89.86, 0.
 
 WIDE_FRICTION = {"sweep.friction.scale": "{draw: lognormal, median: 1, sd: 0.3}"}
 WIDE_TILT = {f"sweep.motion.tilt.{axis}": "{draw: normal, mean: 0 deg, sd: 2 deg, min: -4 deg, max: 4 deg}" for axis in (0, 1)}
-# Four draws of each motion where compressions are drawn: 200 sequences again.
+# Four draws of each motion with drawn compressions: 200 sequences again.
 WIDE_PRELOAD = {"sweep.motion.compression": "{draw: uniform, min: 0.5 mm, max: 1.5 mm}", "sweep.trials": "4"}
 
-Draws = dict[str, Any]  # six tests of a model, as `slipbench train --json` has them
+Draws = dict[str, Any]  # six tests of a model, as in `slipbench train --json`
 OfModels = dict[str, Draws]
 
 
 @dataclass(frozen=True)
 class Variant:
-    """One way to make the data, to label it and to encode it.
+    """Settings for creating the data, the labels and the encoding.
 
     Attributes:
         overrides: of SCENE
-        labels: rule
+        labels: rule of the labels
         keep: a key of STILL_LEFT_OUT
         window: frames
         dimension: bits of a hypervector
-        compat: whose bundle
-        ties: what an even bundle gives
-        quantiser: how displacements become levels
-        epochs: passes over the mistakes; 0: the paper's single pass
-        other_memories: added to the seed of the item memories
+        compat: implementation whose bundling is used
+        ties: result of ties in a bundle
+        quantiser: conversion of displacements to levels
+        epochs: passes over misclassified samples; 0: the paper's single pass
+        other_memories: offset of the seed of the item memories
     """
 
     overrides: dict[str, str] = field(default_factory=dict)
@@ -60,7 +61,7 @@ class Variant:
     other_memories: int = 0
 
 
-# What differs between sequences; all of them need data of their own.
+# Differences between sequences; each variant needs its own dataset.
 SCATTER = {
     "none": Variant({"friction.scale": "1"}),
     "friction 7 % (hexapod.yaml)": Variant(),
@@ -72,9 +73,9 @@ SCATTER = {
 
 AS_PUBLISHED, NO_REST, HAS_SLIPPED = "as published", "without the rest after a stop", "labels has_slipped"
 ONE_FRAME, FIVE_FRAMES, CORE = "window 1 frame", "window 5 frames", "counts kept in the window (published core)"
-NO_MATTER = ("feature exact, from 1/8 mm", "ties to zero", "D = 4000", "other item memories")  # what should not matter
+NO_MATTER = ("feature exact, from 1/8 mm", "ties to zero", "D = 4000", "other item memories")  # expected to have no effect
 
-# One thing changed at a time.
+# Variants that change one setting each.
 CAUSES = {
     AS_PUBLISHED: Variant(),
     "labels strict": Variant(labels="strict"),
@@ -100,11 +101,11 @@ CAUSES = {
 
 
 class Ablation:
-    """Runs variants one after the other. A variant with the dataset of the one before it takes that one's.
+    """Runs variants one after the other. Consecutive variants with the same data share a dataset.
 
     Args:
-        options: data, seed, jobs, and who hears of progress
-        folder: for datasets
+        options: data, seed, jobs, progress output
+        folder: folder for datasets
     """
 
     def __init__(self, options: Options, folder: str) -> None:
@@ -117,18 +118,18 @@ class Ablation:
         return self._sequences
 
     def run(self, name: str, variant: Variant, by_frame: bool = False) -> list[OfModels]:
-        """The four models under a variant.
+        """Runs the four models with a variant.
 
         Args:
-            name: of the variant
+            name: name of the variant
             variant: what to do
-            by_frame: whether to split by frame, too
+            by_frame: True: split by frame too
 
         Returns:
-            the draws of each model, split by sequence, and with `by_frame` split by frame
+            the draws of each model, split by sequence and, with `by_frame`, by frame
 
         Raises:
-            InputError: of a trial, or where the data cannot be learnt from
+            InputError: of a trial, or if the data are unsuitable for training
             KeyboardInterrupt: after Ctrl-C
         """
         self._options.say(name)
@@ -145,7 +146,7 @@ class Ablation:
         return found
 
     def _read(self, variant: Variant) -> None:
-        """Makes the dataset of a variant and reads it, unless that has been done."""
+        """Creates and reads the dataset of a variant, unless it is loaded."""
         made_of = Variant(variant.overrides, variant.labels, variant.keep)
         if self._sequences is not None and made_of == self._made_of:
             return
@@ -160,23 +161,23 @@ class Ablation:
 
 
 def percent(share: float | None, digits: int = 2) -> str:
-    """A share in the tables; "-" where there is none."""
+    """A share for the tables; "-" without a value."""
     return "-" if share is None or math.isnan(share) else f"{100.0 * share:.{digits}f}"
 
 
 def mean_text(figure: dict[str, float | None]) -> str:
-    """Mean and SD of draws in the tables."""
+    """Mean and SD of draws for the tables."""
     mean, sd = (math.nan if figure[key] is None else 100.0 * float(figure[key] or 0.0) for key in ("mean", "sd"))
     return f"{mean:.2f} +- {sd:.2f}"
 
 
 def milliseconds(seconds: float | None) -> str:
-    """A time in the tables; "-" where there is none."""
+    """A time for the tables; "-" without a value."""
     return "-" if seconds is None else f"{1e3 * seconds:.0f}"
 
 
 def main_table(by_sequence: OfModels, by_frame: OfModels) -> Table:
-    """Accuracy of the models beside the paper's.
+    """Accuracy of the models with the paper's.
 
     Args:
         by_sequence: draws by sequence
@@ -250,11 +251,11 @@ def variants_table(title: str, variants: dict[str, OfModels]) -> Table:
 
 
 def remarks_on(causes: dict[str, OfModels], by_frame: OfModels) -> list[str]:
-    """The remarks, which take their numbers from the run at hand.
+    """Remarks with the numbers of the current run.
 
     Args:
         causes: draws of each cause, by sequence
-        by_frame: draws as published, by frame
+        by_frame: draws of the published settings, by frame
     """
     def mean(name: str, model: str) -> float:
         value = causes[name][model]["accuracy"]["mean"]
@@ -287,12 +288,12 @@ def remarks_on(causes: dict[str, OfModels], by_frame: OfModels) -> list[str]:
 
 
 def setup_lines(options: Options, ablation: Ablation, draw: dict[str, Any]) -> list[str]:
-    """How it was measured.
+    """Setup of the measurement.
 
     Args:
         options: data, seed
-        ablation: which has run its first variant
-        draw: number 1 of a model by sequence
+        ablation: after its first variant
+        draw: draw number 1 of a model by sequence
     """
     seed = options.draws_seed
     return [
@@ -312,10 +313,11 @@ def study(options: Options) -> Result:
         options: data, seed, jobs
 
     Returns:
-        accuracy and delay of the four models, and what decides them; on given data without what needs fresh data
+        accuracy and delay of the four models, and their causes; for given data, without the parts
+        that need new data
 
     Raises:
-        InputError: of a trial, or where the data cannot be learnt from
+        InputError: of a trial, or if the data are unsuitable for training
         KeyboardInterrupt: after Ctrl-C
     """
     with tempfile.TemporaryDirectory() as folder:

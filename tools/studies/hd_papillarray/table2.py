@@ -1,4 +1,5 @@
-"""Table II of the paper: grasp and lift in the closed loop, with every detector and controller, the oracle and the negative control."""
+"""Table II of the paper: closed-loop grasp and lift, with every detector and controller, the oracle
+and the negative control."""
 
 from __future__ import annotations
 
@@ -20,17 +21,17 @@ from slipbench_studies.statistics import clopper_pearson
 SCENE = "scenes/grasp/lift.yaml"
 PUBLISHED_MEMORIES = "tests/detectors/hd/data/published"
 DEFAULT_TRIALS = 10
-FITTED = "_fitted"  # end of a surface's name
+FITTED = "_fitted"  # suffix of a surface's name
 DEGREES = 180.0 / math.pi
 FELT_EFFECTS = "{anisotropic_friction: {ratio: 0.6}}, {patchy_friction: {sd: 0.2, shortest: 8 mm, longest: 20 mm}}"
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One of the values that an axis of the table takes.
+    """A value on an axis of the table.
 
     Attributes:
-        text: as the table shows it
+        text: text in the table
         overrides: of SCENE
     """
 
@@ -44,7 +45,8 @@ BOXES = {"light": Choice("light box (0.2 kg)", {"box.mass": "0.2 kg"}), "heavy":
 
 
 def _fitted(surface: str, friction: float, effects: str = "") -> Choice:
-    """Friction fitted to the published slips of the light boxes alone (README.md); of felt that along its grain."""
+    """Friction fitted to the published slips of the light boxes only (README.md); for felt, along
+    its grain."""
     all_effects = f"[{effects}{', ' if effects else ''}{{viscous_friction: {{gain: 0.3, speed: 1 mm/s}}}}]"
     return Choice(f"{surface}, fitted to light boxes", {"surface.material": surface, "friction.static": f"{friction:g}",
                                                         "friction.kinetic": f"{0.95 * friction:.4g}", "effects": all_effects})
@@ -65,7 +67,7 @@ def loops(memories: str) -> dict[str, Choice]:
     """Detectors and controllers by name.
 
     Args:
-        memories: folder of the published ones
+        memories: folder of the published memories
     """
     def controlled(text: str, controller: str, detector: str = "{type: gst_hd}") -> Choice:
         return Choice(text, {"detector": detector, "controller": controller})
@@ -90,7 +92,8 @@ def loops(memories: str) -> dict[str, Choice]:
 
 
 class GraspCell(NamedTuple):
-    """A row of the tables: names of its protocol, box and surface, name and choice of its loop, and whether what the loop needs is there."""
+    """A row of the tables: names of its protocol, box and surface, name and choice of its loop, and
+    whether the loop is available."""
 
     protocol: str
     box: str
@@ -108,25 +111,25 @@ class GraspCell(NamedTuple):
 
     @property
     def text(self) -> str:
-        """Head of its row."""
+        """Head of the row."""
         return f"{SURFACES[self.surface].text}: {self.loop_choice.text}"
 
 
 def grasp_cells(options: Options) -> list[GraspCell]:
-    """The cells that options.only asks for, in the order of the table: protocol, box, surface, loop.
+    """The cells selected by options.only, in the order of the table: protocol, box, surface, loop.
 
     Args:
         options: only, memories
 
     Raises:
-        InputError: for a name that no choice has
+        InputError: for an unknown name
     """
     memories = options.memories
     if not memories:
         try:
             memories = str(Path(_core.project_file(f"{PUBLISHED_MEMORIES}/AM.hex")).parent)
         except InputError:
-            memories = ""  # the rows say so: the package has none
+            memories = ""  # the rows state that the package has no memories
     all_loops = loops(memories)
     axes: list[list[str]] = [list(axis) for axis in (PROTOCOLS, BOXES, SURFACES, all_loops)]
     check_only(options.only, [name for axis in axes for name in axis])
@@ -135,14 +138,14 @@ def grasp_cells(options: Options) -> list[GraspCell]:
 
 
 class Published(NamedTuple):
-    """The paper's row, and what its recordings have beside it.
+    """The paper's row with data of its recordings.
 
     Attributes:
         slip_median: mm
         slip: mm, mean and SD
         spin_median: deg
         spin: deg, mean and SD
-        ratio: mean and SD of max over ideal force; None where it was not published
+        ratio: mean and SD of max over ideal force; None: not published
     """
 
     slip_median: float
@@ -162,7 +165,7 @@ PUBLISHED = {
 }
 
 Grasps = Sequence[GraspFigures]
-# Figure of a trial and its factor to the table's unit, by key of the JSON.
+# By key of the JSON: figure of a trial, and factor to the table's unit.
 FIGURES: dict[str, tuple[str, float]] = {
     "slip_mm": ("slip", 1e3), "marker_slip_mm": ("marker_slip", 1e3), "rotation_deg": ("rotation", DEGREES), "marker_spin_deg": ("marker_spin", DEGREES),
     "max_over_least": ("true_ratio", 1.0), "max_over_ideal_by_paper": ("estimated_ratio", 1.0), "counts": ("counts", 1.0),
@@ -175,7 +178,7 @@ def published_of(cell: GraspCell) -> Published | None:
 
 
 def spread_of(trials: Grasps, key: str) -> Spread:
-    """The spread of a key of FIGURES over trials, in its unit."""
+    """Statistics of a key of FIGURES over trials, in its unit."""
     name, scale = FIGURES[key]
     return spread([scale * getattr(trial, name) for trial in trials])
 
@@ -198,7 +201,7 @@ def _drops(trials: Grasps) -> list[int]:
 
 def _add_rows(table: Table, cells: Sequence[GraspCell], results: Sequence[Grasps], published_row: Callable[[str, Published], list[str] | None],
               loop_row: Callable[[Grasps], list[str]]) -> None:
-    """Adds a row for each loop below its surface, the published one first."""
+    """Adds a row for each loop below its surface, preceded by the published one."""
     for k, (cell, trials) in enumerate(zip(cells, results, strict=True)):
         published = published_of(cell)
         if published is not None and (k == 0 or cells[k - 1].surface != cell.surface):
@@ -212,9 +215,9 @@ def displacement_table(title: str, cells: Sequence[GraspCell], results: Sequence
     """Drops, slip and rotation.
 
     Args:
-        title: its beginning
-        cells: of one protocol and box
-        results: trials of each
+        title: begin of the title
+        cells: cells of one protocol and box
+        results: trials of each cell
 
     Returns:
         the table
@@ -247,9 +250,9 @@ def force_table(title: str, cells: Sequence[GraspCell], results: Sequence[Grasps
     """Grip forces.
 
     Args:
-        title: its beginning
-        cells: of one protocol and box
-        results: trials of each
+        title: begin of the title
+        cells: cells of one protocol and box
+        results: trials of each cell
 
     Returns:
         the table
@@ -275,16 +278,16 @@ def force_table(title: str, cells: Sequence[GraspCell], results: Sequence[Grasps
 
 
 def cell_figures(cell: GraspCell, trials: Grasps, seed: int) -> dict[str, Any]:
-    """The figures of a row.
+    """Figures of a row.
 
     Args:
         cell: the row
-        trials: of it; none where it could not be run
-        seed: of the trials
+        trials: trials of the row; empty if it could not run
+        seed: seed of the trials
 
     Returns:
-        names, number of trials, and where there are some: numbers of those dropped, interval of the drop rate, the spread of each of FIGURES, and the
-        command
+        names, number of trials, and for one or more trials: number of dropped boxes, interval of
+        the drop rate, the statistics of each of FIGURES, and the command
     """
     figures: dict[str, Any] = {"protocol": cell.protocol, "box": cell.box, "surface": cell.surface, "loop": cell.loop, "trials": len(trials)}
     if not trials:
@@ -297,7 +300,8 @@ def cell_figures(cell: GraspCell, trials: Grasps, seed: int) -> dict[str, Any]:
 
 
 def real_figure(cell: GraspCell, trials: Grasps) -> RealFigure | None:
-    """The published slip beside that of the oracle's loop; None for other loops, protocols and surfaces."""
+    """The published slip with that of the oracle's loop; None for other loops, protocols and
+    surfaces."""
     published = published_of(cell)
     if published is None or cell.protocol != "as_recorded" or cell.loop != "oracle":
         return None
@@ -311,16 +315,16 @@ def _described(name: str, kind: str) -> dict[str, Any]:
 
 
 def lift_start() -> float:
-    """When the lift of SCENE begins [s]: the default of the motion's parameter `settle`."""
+    """Begin of the lift of SCENE [s]: default of the motion's parameter `settle`."""
     return float(parse_quantity(next(one["default"] for one in _described("lift", "motion")["parameters"] if one["name"] == "settle")))
 
 
 def setup_lines(trials: int, seed: int) -> list[str]:
-    """How it was measured.
+    """Setup of the measurement.
 
     Args:
-        trials: of a row
-        seed: of the trials
+        trials: number of trials per row
+        seed: seed of the trials
     """
     names = list_names()
     materials = [_described(one["name"], "material") for one in names["materials"] if one["name"] in SURFACES]
@@ -347,12 +351,12 @@ def setup_lines(trials: int, seed: int) -> list[str]:
 
 
 def remarks_on(cells: Sequence[GraspCell], results: Sequence[Grasps], seed: int) -> list[str]:
-    """Remarks on the rows at hand and on the whole table.
+    """Remarks on the current rows and on the whole table.
 
     Args:
         cells: the rows
-        results: trials of each
-        seed: of the trials
+        results: trials of each row
+        seed: seed of the trials
     """
     rows = list(zip(cells, results, strict=True))
     idle = [f"{cell.protocol} {cell.box} {cell.surface}" for cell, trials in rows if cell.loop == "hold_preset" and not _drops(trials)]
@@ -387,7 +391,7 @@ def study(options: Options) -> Result:
         drops, slip, rotation and force of each loop, by protocol, box and surface
 
     Raises:
-        InputError: for an unknown name of --only, or a trial that cannot be run
+        InputError: for an unknown name of --only, or a trial that cannot run
     """
     seed, trials = options.draws_seed, options.trials or DEFAULT_TRIALS
     cells, start = grasp_cells(options), lift_start()

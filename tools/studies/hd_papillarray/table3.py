@@ -1,4 +1,5 @@
-"""Table III of the paper: the recurrent network that it compares itself with, on the published protocol."""
+"""Table III of the paper: the recurrent network that the paper compares with, on the published
+protocol."""
 
 from __future__ import annotations
 
@@ -19,10 +20,10 @@ from slipbench_studies.result import Options, Result, Table
 
 SCENE = "scenes/papillarray/hexapod.yaml"  # the published protocol
 CELLS = 200  # motions and compressions of SCENE
-MANY_DRAWS = 4  # of each: 640 sequences are learnt from, 160 judge
+MANY_DRAWS = 4  # of each cell: 640 sequences for training, 160 for the test
 STEPS_TIMED = 201
 
-# Name of a figure, and of the same in a result of `eval`.
+# Names of figures, and of the same figures in a result of `eval`.
 COUNTS = ("trials", "slipping", "seen", "early", "missed", "false_alarms")
 VALUES = {"balanced_accuracy": "balanced_slip_accuracy", "auc": "auc", "delay_s": "delay_median_s", "delay_p10_s": "delay_p10_s",
           "delay_p90_s": "delay_p90_s", "false_alarms_a_minute": "false_alarms_per_minute"}
@@ -33,10 +34,10 @@ class Row:
     """A network.
 
     Attributes:
-        labels: rule of its labels
-        draws: of each motion and compression
-        recipe: its name
-        text: in the table
+        labels: rule of the labels
+        draws: draws of each motion and compression
+        recipe: name of the recipe
+        text: text in the table
     """
 
     labels: str
@@ -55,25 +56,26 @@ ROWS = {
 
 
 def gru_figures(result: dict[str, Any]) -> dict[str, Any]:
-    """Figures of Table III of a detector.
+    """Figures of a detector for Table III.
 
     Args:
-        result: of slipbench.evaluate()
+        result: result of slipbench.evaluate()
 
     Returns:
-        of the trials that judge trials, slipping, seen, early, missed and false_alarms; of frames, slip or not, balanced_accuracy and auc; of the trials
-        seen delay_s, delay_p10_s and delay_p90_s, None of none; false_alarms_a_minute
+        of the test trials: trials, slipping, seen, early, missed and false_alarms; of frames, slip
+        or not: balanced_accuracy and auc; of the seen trials: delay_s, delay_p10_s and delay_p90_s,
+        None without any; false_alarms_a_minute
     """
     told = result["all"]
     return {key: told[key] for key in COUNTS} | {name: told["figures"][key]["value"] for name, key in VALUES.items()}
 
 
 def right_share(figures: dict[str, Any], early_counts: bool) -> float:
-    """Share of trials that are right: slip seen in time, or not called where there is none.
+    """Share of right trials: slip seen in time, or no alarm without slip.
 
     Args:
         figures: of gru_figures()
-        early_counts: whether an early alarm is right, too
+        early_counts: True: early alarms count as right
 
     Returns:
         0 to 1
@@ -84,7 +86,7 @@ def right_share(figures: dict[str, Any], early_counts: bool) -> float:
 
 
 def step_time(model: str) -> float:
-    """Time of a step of a network as a loop runs it.
+    """Time of a step of a network in a loop.
 
     Args:
         model: ONNX file
@@ -103,16 +105,17 @@ def step_time(model: str) -> float:
 
 
 def run_row(name: str, dataset: str, model: str, options: Options) -> dict[str, Any]:
-    """Trains and judges the network of a row.
+    """Trains and tests the network of a row.
 
     Args:
         name: a key of ROWS
-        dataset: its sequences
+        dataset: sequences of the row
         model: ONNX file to write
-        options: seed, and who hears of progress
+        options: seed, progress output
 
     Returns:
-        gru_figures(), with learnt, the sequences with those that choose the state; kilobytes of the file; step_s
+        gru_figures(), with learnt, the number of training and validation sequences; kilobytes, the
+        size of the file; step_s
 
     Raises:
         InputError: of the training
@@ -143,7 +146,7 @@ def events_table() -> Table:
 
 
 def decimals(value: float | None, digits: int, scale: float = 1.0, none: str = "-") -> str:
-    """A figure in the tables; `none` where there is none."""
+    """A figure for the tables; `none` for None."""
     return none if value is None else f"{scale * value:.{digits}f}"
 
 
@@ -172,7 +175,7 @@ def study(options: Options) -> Result:
         accuracy, delay and alarms of the network by its labels and the number of sequences
 
     Raises:
-        InputError: for an unknown name of --only, or a trial that cannot be run
+        InputError: for an unknown name of --only, or a trial that cannot run
     """
     check_only(options.only, list(ROWS))
     frames, events, figures = frames_table(), events_table(), dict[str, Any]()

@@ -1,4 +1,5 @@
-"""Detectors that learnt from simulated grasps, in the published loop, beside the published detector, an oracle and two controls."""
+"""Detectors trained on simulated grasps, in the published loop, compared with the published
+detector, an oracle and two controls."""
 
 from __future__ import annotations
 
@@ -17,11 +18,11 @@ from slipbench_studies.statistics import clopper_pearson, median
 
 LEARN_SCENE = "scenes/grasp/learn.yaml"
 JUDGED_SCENE = "scenes/grasp/lift.yaml"
-JUDGED_TRIALS = 100  # of each row
-DEFAULT_GRASPS = 150  # of each of the two controllers of LEARN_SCENE
-OTHER_SEED = 76  # added to that of the grasps learnt from: the loop's devices and boxes are others
+JUDGED_TRIALS = 100  # per row
+DEFAULT_GRASPS = 150  # with each of the two controllers of LEARN_SCENE
+OTHER_SEED = 76  # added to the seed of the training grasps, so that the loop has other devices and boxes
 PIEZO_STEPS = 600
-MEMORY_WINDOW = 3  # frames: with one gst_hd loses more boxes, with five no force is saved (README.md)
+MEMORY_WINDOW = 3  # frames; with one, gst_hd loses more boxes, with five, no force is saved (README.md)
 
 PAD = "pad: {type: papillarray, rate: 100 Hz}"
 SKIN = "skin: {type: piezo_skin, electronics: typical, follows: pad}"
@@ -55,11 +56,11 @@ CONDITIONS = {
 
 @dataclass(frozen=True)
 class Network:
-    """A network that learns from grasps.
+    """A network trained on grasps.
 
     Attributes:
-        sensor: what it needs beside the pad; empty: nothing
-        steps: of training; 0: the recipe's
+        sensor: sensor that it needs besides the pad; empty: none
+        steps: number of training steps; 0: the recipe's
     """
 
     sensor: str = ""
@@ -67,11 +68,11 @@ class Network:
 
 
 NETWORKS = {"grasp_gru": Network(), "piezo_fft_gru": Network(SKIN, PIEZO_STEPS), "myrmex_net3": Network(ARRAY)}  # by recipe
-MEMORIES = "gst_hd_grasps"  # row of the memories that learn from grasps
+MEMORIES = "gst_hd_grasps"  # row of the memories trained on grasps
 
 
 def pad_and(*others: str) -> str:
-    """The pad as the scenes have it, and sensors that feel the same contact."""
+    """The pad as in the scenes, and sensors with the same contact."""
     return "{" + ", ".join([PAD, *others]) + "}"
 
 
@@ -80,7 +81,7 @@ class Loop:
     """A row of the tables.
 
     Attributes:
-        text: in the table
+        text: text in the table
         overrides: of JUDGED_SCENE
     """
 
@@ -89,7 +90,7 @@ class Loop:
 
 
 def file_of(folder: str, name: str) -> str:
-    """Where a network, by its recipe, or the memories MEMORIES are written."""
+    """Path of a network, by its recipe, or of the memories MEMORIES."""
     return str(Path(folder) / (name if name == MEMORIES else f"{name}.onnx"))
 
 
@@ -97,7 +98,7 @@ def loops(folder: str) -> dict[str, Loop]:
     """All rows by name.
 
     Args:
-        folder: where the detectors that learn are written
+        folder: folder of the trained detectors
     """
     def network(recipe: str, text: str, name: str, sensor: str, threshold: str = "") -> Loop:
         detector = f"{{type: network, model: {json.dumps(file_of(folder, recipe))}, sensor: {name}{threshold}}}"
@@ -121,16 +122,16 @@ def loops(folder: str) -> dict[str, Loop]:
 
 
 def train_network(recipe: str, dataset: str, folder: str, options: Options) -> float:
-    """Trains one of NETWORKS by the labels micro.
+    """Trains one of NETWORKS with the labels micro.
 
     Args:
-        recipe: its name
-        dataset: of grasps
-        folder: where to write it
-        options: seed, and who hears of progress
+        recipe: name of the recipe
+        dataset: dataset of grasps
+        folder: output folder
+        options: seed, progress output
 
     Returns:
-        balanced accuracy, slip or not, of the trials held out
+        balanced accuracy, slip or not, on the test trials
 
     Raises:
         InputError: of the training
@@ -148,20 +149,20 @@ def train_network(recipe: str, dataset: str, folder: str, options: Options) -> f
 
 
 def train_all(names: Sequence[str], folder: str, options: Options) -> dict[str, float]:
-    """Simulates grasps and trains on them what rows need.
+    """Simulates grasps and trains the detectors that rows need.
 
     Args:
-        names: of the rows
-        folder: where to write
-        options: data, seed, jobs, and who hears of progress
+        names: names of the rows
+        folder: output folder
+        options: data, seed, jobs, progress output
 
     Returns:
-        of each network the balanced accuracy of the trials held out
+        for each network the balanced accuracy on the test trials
 
     Raises:
         InputError: of a grasp or a training
         KeyboardInterrupt: after Ctrl-C
-        ModuleNotFoundError: where a row needs PyTorch, which is not there
+        ModuleNotFoundError: if a row needs PyTorch, which is missing
     """
     recipes = [recipe for recipe in NETWORKS if any(name.startswith(recipe) for name in names)]
     if recipes:
@@ -182,13 +183,13 @@ def train_all(names: Sequence[str], folder: str, options: Options) -> dict[str, 
 
 @dataclass(frozen=True)
 class Lift:
-    """How a lift ended.
+    """Outcome of a lift.
 
     Attributes:
-        dropped: or not lifted
+        dropped: dropped or not lifted
         slip: m
-        greatest: force over the least that holds
-        last: the same of the last force
+        greatest: greatest force divided by the least that holds the box
+        last: last force divided by the least
     """
 
     dropped: bool
@@ -198,10 +199,10 @@ class Lift:
 
 
 def lift_of(outcome: dict[str, Any]) -> Lift:
-    """How a lift ended.
+    """Computes the outcome of a lift.
 
     Args:
-        outcome: of the trial
+        outcome: outcome of the trial
     """
     least = outcome["ideal_grip_force_N"]
     return Lift(outcome["dropped"] or not outcome["lifted"], outcome["slip_translation_m"], outcome["max_grip_force_N"] / least,
@@ -209,14 +210,14 @@ def lift_of(outcome: dict[str, Any]) -> Lift:
 
 
 def figures_of(lifts: Sequence[Lift]) -> dict[str, Any]:
-    """The figures of a row; slip and forces are medians of the boxes that were held, NaN of none."""
+    """Figures of a row; slip and forces are medians of the held boxes, NaN without any."""
     held = [lift for lift in lifts if not lift.dropped]
     return {"dropped": len(lifts) - len(held), "trials": len(lifts), "slip_mm": 1e3 * median([lift.slip for lift in held]),
             "greatest_force_ratio": median([lift.greatest for lift in held]), "last_force_ratio": median([lift.last for lift in held])}
 
 
 def table_of(condition: str, rows: dict[str, Loop], figures: dict[str, dict[str, Any]]) -> Table:
-    """The table of a condition.
+    """Table of a condition.
 
     Args:
         condition: a key of CONDITIONS
@@ -242,7 +243,8 @@ def study(options: Options) -> Result:
         drops, slip and force of each loop under each condition
 
     Raises:
-        InputError: for an unknown name of --only, a trial that cannot be run, or data that cannot be learnt from
+        InputError: for an unknown name of --only, a trial that cannot run, or unsuitable training
+            data
     """
     seed = options.draws_seed
     with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,5 @@
-"""How many trials to make, and what has to vary in them: networks trained on parts of scenes/learn, scored by the benchmark."""
+"""Number of trials, and variation in them, that training needs: networks trained on parts of
+scenes/learn, scored by the benchmark."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ from slipbench_studies.result import Chart, Curve, Options, Result, Table
 NAME = "learned/scaling"
 COUNTS = (100, 300, 1000, 3000)
 MORE_COUNTS = (10_000, 30_000)  # --full
-USUAL_TRIALS = 1000  # of the networks that lack a factor, which --full adds
+USUAL_TRIALS = 1000  # for the networks without a factor, which --full adds
 QUICK_PART = 4  # without --full a network takes a quarter of its recipe's steps
 HEAD = ["score inside", "95 %", "median delay", "early", "alarms/min", "score outside", "95 %"]
 
@@ -30,9 +31,9 @@ class Factor:
     """A quantity that a scene draws, fixed at the middle of its range.
 
     Attributes:
-        name: in the table
-        held: its values by key of the scene's sweep
-        cells: of the scene's grid then; 0: as before
+        name: name in the table
+        held: its fixed values by key of the scene's sweep
+        cells: cells of the scene's grid then; 0: unchanged
     """
 
     name: str
@@ -41,7 +42,7 @@ class Factor:
 
     @property
     def overrides(self) -> dict[str, str]:
-        """As `--set` takes them."""
+        """Overrides for `--set`."""
         return {f"sweep.{key}": f"[{value}]" for key, value in self.held.items()}
 
 
@@ -50,10 +51,10 @@ class Subject:
     """A type of sensor.
 
     Attributes:
-        scene: from the project's root
-        recipe: of its network
-        cells: of the scene's grid, which its `trials` multiply
-        factors: that --full holds, one at a time
+        scene: path from the project's root
+        recipe: recipe of its network
+        cells: cells of the scene's grid, each with `trials` draws
+        factors: factors that --full fixes, one at a time
     """
 
     scene: str
@@ -95,8 +96,8 @@ class Task:
 
     Attributes:
         subject: a key of SUBJECTS
-        without: the factor that is held; None: everything varies
-        trials: asked for
+        without: the fixed factor; None: everything varies
+        trials: requested number of trials
     """
 
     subject: str
@@ -105,14 +106,14 @@ class Task:
 
 
 def tasks_of(subjects: list[str], options: Options) -> list[Task]:
-    """The networks of a run.
+    """Returns the networks of a run.
 
     Args:
         subjects: keys of SUBJECTS
         options: trials, full
 
     Returns:
-        of each subject one for every number of trials, then with options.full one for every factor
+        for each subject one per number of trials, then with options.full one per factor
     """
     counts = (options.trials,) if options.trials else COUNTS + (MORE_COUNTS if options.full else ())
     tasks = []
@@ -124,17 +125,17 @@ def tasks_of(subjects: list[str], options: Options) -> list[Task]:
 
 
 def given_row(board: Json, domain: str) -> Json:
-    """The row of the network that was given to the benchmark, in the board's open recordings of a domain.
+    """The row of the given network in a board's public recordings of a domain.
 
     Args:
-        board: what `slipbench benchmark --json` prints
-        domain: "inside" or "outside" what the shipped networks were trained on
+        board: output of `slipbench benchmark --json`
+        domain: "inside" or "outside" the training domain of the shipped networks
 
     Returns:
         that row
 
     Raises:
-        InputError: where there is none
+        InputError: if there is no such row
     """
     for one in board["sets"]:
         for row in one["rows"] if one.get("domain") == domain else ():
@@ -144,14 +145,15 @@ def given_row(board: Json, domain: str) -> Json:
 
 
 def figures_of(board: Json) -> Json:
-    """Figures of a board on the network that was given.
+    """Figures of the given network on a board.
 
     Args:
-        board: what `slipbench benchmark --json` prints
+        board: output of `slipbench benchmark --json`
 
     Returns:
-        inside and outside, [value, low, high] of the score in points; inside: delay_median_s, early as a share of the slips, and
-        false_alarms_per_minute, of time without slip; None where there is no figure
+        inside and outside: [value, low, high] of the score in points; inside: delay_median_s, early
+        as a share of the slips, and false_alarms_per_minute, of time without slip; None if
+        undefined
 
     Raises:
         InputError: as given_row()
@@ -167,10 +169,10 @@ def figures_of(board: Json) -> Json:
 
 
 def train_and_score(task: Task, options: Options) -> Json:
-    """Simulates the trials of a task, trains its network on them and has the benchmark score it.
+    """Simulates the trials of a task, trains its network and scores it by the benchmark.
 
     Args:
-        task: what to do
+        task: task to run
         options: seed, full
 
     Returns:
@@ -180,10 +182,10 @@ def train_and_score(task: Task, options: Options) -> Json:
         InputError: of a trial, the training or the benchmark
         KeyboardInterrupt: after Ctrl-C
     """
-    options = replace(options, jobs=1)  # others run at the same time
+    options = replace(options, jobs=1)  # other tasks run at the same time
     subject, without = SUBJECTS[task.subject], task.without
     cells = without.cells if without is not None and without.cells else subject.cells
-    recipe = replace(find_recipe(subject.recipe), members=1)  # what data improve, not what several networks do
+    recipe = replace(find_recipe(subject.recipe), members=1)  # measures the effect of data, not of several networks
     if not options.full:
         recipe = replace(recipe, training=replace(recipe.training, steps=recipe.training.steps // QUICK_PART))
     with tempfile.TemporaryDirectory() as folder:
@@ -208,13 +210,13 @@ def row_of(name: str, one: Json) -> list[str]:
 
 
 def add_subject(result: Result, subject: str, tasks: list[Task], found: list[Json]) -> None:
-    """Adds the figures of a sensor: by the number of trials, and by what does not vary.
+    """Adds the figures of a sensor: by the number of trials, and by the fixed factor.
 
     Args:
-        result: to add to
+        result: target
         subject: a key of SUBJECTS
         tasks: of all sensors
-        found: what train_and_score() returned of each
+        found: results of train_and_score() for each
     """
     counts = Table(f"{subject}: by the number of trials", ["trials", *HEAD])
     factors = Table(f"{subject}: without a factor", ["held", *HEAD],
@@ -245,10 +247,12 @@ def study(options: Options) -> Result:
         options: trials, only, full, seed, jobs, output, resume
 
     Returns:
-        the score of a network by the number of trials that it has learnt from, and with options.full by what did not vary in them
+        the score of a network by its number of training trials, and with options.full by the fixed
+        factor
 
     Raises:
-        InputError: for an unknown name of --only, a trial that cannot be run, or networks that are kept from another run
+        InputError: for an unknown name of --only, a trial that cannot run, or saved networks of
+            another run
     """
     check_only(options.only, list(SUBJECTS))
     subjects = chosen(list(SUBJECTS), options.only)

@@ -1,4 +1,5 @@
-"""Slip of an object between two Myrmex arrays: when it begins by the truth, and when by the rule of the paper (section 2.2)."""
+"""Slip of an object between two Myrmex arrays: its onset by the truth, and by the paper's rule
+(section 2.2)."""
 
 from __future__ import annotations
 
@@ -13,12 +14,12 @@ from slipbench import Trial
 
 SCENE = "scenes/myrmex/dataset.yaml"
 SOURCE = '"Tactile Convolutional Networks for Online Slip and Rotation Detection"'
-SETTLED, APART = 2.0, 2.5  # s, in SCENE: the third sensor rests on the object, the arms begin to move
-FULL_SCALE = 4095.0  # counts of a taxel that nothing touches
+SETTLED, APART = 2.0, 2.5  # s, in SCENE: the third sensor rests on the object; the arms begin to move
+FULL_SCALE = 4095.0  # counts of a taxel without contact
 TAXEL_NOISE_SD = 9.0 / 1024.0 * 4095.0  # counts, of a resting taxel (sensors/myrmex: 9 of 1,024)
 NO_CONTACT = 0  # code of a pad's state
 SLIP = 2  # code of a unit's state
-ROTATIONAL_FROM = 5e-3  # m, of the centre of mass to the side of the grip
+ROTATIONAL_FROM = 5e-3  # m, distance of the centre of mass from the grip, sideways
 
 Floats = NDArray[np.float64]
 
@@ -57,7 +58,8 @@ def pad_of(trial: Trial, name: str) -> Pad:
 
 
 class Placed(NamedTuple):
-    """What a trial's object is: "cylinder", "remote" or "glass"; its mass [kg]; how far its centre of mass lies to the side of the grip [m]."""
+    """The object of a trial: name "cylinder", "remote" or "glass"; mass [kg]; lateral distance of
+    its centre of mass from the grip [m]."""
 
     name: str
     mass: float
@@ -65,7 +67,7 @@ class Placed(NamedTuple):
 
     @property
     def rotational(self) -> bool:
-        """Whether it turns when it slips."""
+        """True if it turns when it slips."""
         return abs(self.side) > ROTATIONAL_FROM
 
 
@@ -73,20 +75,21 @@ def placed_of(params: dict[str, Any]) -> Placed:
     """The object of a trial.
 
     Args:
-        params: what was swept, by dotted path, SI: `bodies.object.` shape, mass, position, rotation, bore, centre_of_mass; None: a shape has none
+        params: swept values by dotted path, SI: `bodies.object.` shape, mass, position, rotation,
+            bore, centre_of_mass; None: not applicable to the shape
 
     Returns:
-        name, mass and where it is held
+        name, mass and position in the grip
     """
     shape, mass, position, rotation, bore, centre = (params[f"bodies.object.{name}"]
                                                      for name in ("shape", "mass", "position", "rotation", "bore", "centre_of_mass"))
-    # Turned about the fixed axes X, Y, Z one after the other, as a scene says.
+    # Rotated about the fixed axes X, Y, Z in turn, as in a scene.
     turned = Rotation.from_euler("xyz", rotation).apply([0.0, 0.0, 0.0] if centre is None else centre)
     return Placed("glass" if bore else "remote" if shape == "box" else shape, mass, float(position[1] + turned[1]))
 
 
 def _sums(values: NDArray[Any]) -> Floats:
-    """The sum of each row, added from left to right."""
+    """The sum of each row, added from left to right (for reproducible rounding)."""
     return np.asarray(np.ascontiguousarray(values.T, dtype=float).sum(axis=0))
 
 
@@ -103,7 +106,7 @@ def sum_of_contacts(counts: NDArray[Any]) -> Floats:
 
 
 def most_missing(counts: NDArray[Any]) -> Floats:
-    """The counts that are missing of the taxel that misses most.
+    """Largest decrease of a taxel from full scale.
 
     Args:
         counts: [T, N]
@@ -115,7 +118,7 @@ def most_missing(counts: NDArray[Any]) -> Floats:
 
 
 def backward_mean(time: ArrayLike, values: ArrayLike, window: float) -> Floats:
-    """The mean of the values over the samples of the last `window` up to each.
+    """Backward moving average: mean over the samples of the last `window` up to each sample.
 
     Args:
         time: [T] s, ascending
@@ -130,7 +133,8 @@ def backward_mean(time: ArrayLike, values: ArrayLike, window: float) -> Floats:
         return v.copy()
     here = np.arange(len(t))
     first = np.minimum(np.searchsorted(t, t - window, "right"), here)
-    # What t - window was rounded to may leave a sample in that is exactly a window old, or out one that is not.
+    # Rounding of t - window may include a sample that is exactly one window old, or exclude a newer
+    # one.
     first -= (first > 0) & (t - t[np.maximum(first - 1, 0)] < window)
     first += (first < here) & (t - t[first] >= window)
     total = np.concatenate([[0.0], np.cumsum(v)])
@@ -138,35 +142,37 @@ def backward_mean(time: ArrayLike, values: ArrayLike, window: float) -> Floats:
 
 
 class OnsetRule(NamedTuple):
-    """What the paper's rule leaves open: "the onset of slippage is the time when the sum of contacts on the third sensor started to decrease".
+    """Free parameters of the paper's rule: "the onset of slippage is the time when the sum of
+    contacts on the third sensor started to decrease".
 
     Attributes:
-        window: s, over whose samples up to each the sum is averaged; 0: not at all
-        threshold: below its mean while nothing moves, in standard deviations of the averaged sum then
+        window: s, of the moving average of the sum; 0: none
+        threshold: below the mean at rest, in standard deviations of the averaged sum at rest
     """
 
     window: float
     threshold: float
 
 
-# The reading that has an onset in every trial that slips.
+# Parameters with which every slipping trial has an onset.
 SINKS = OnsetRule(0.1, 3.0)
 
 
 def decrease_onset(time: ArrayLike, values: ArrayLike, rule: OnsetRule, rest: float, moves: float, end: float, least: float = 0.0) -> float:
-    """The first sample's time from which on the averaged sum stays below its threshold up to the end.
+    """Time of the first sample after which the averaged sum stays below its threshold until the
+    end.
 
     Args:
         time: [T] s
         values: [T] the sum
         rule: average and threshold
-        rest: s, from here to `moves` the sum's mean is taken
-        moves: s, no onset is before
+        rest: s, begin of the interval for the mean; it ends at `moves`
+        moves: s, earliest possible onset
         end: s
-        least: by how much the sum must fall at least, in its unit
+        least: minimum fall of the sum, in its unit
 
     Returns:
-        s; NaN: the sum does not stand below at the end, or nothing rests
+        s; NaN: the sum is not below the threshold at the end, or there is no interval of rest
     """
     t = np.asarray(time, dtype=float)
     averaged = backward_mean(t, values, rule.window)
@@ -179,14 +185,14 @@ def decrease_onset(time: ArrayLike, values: ArrayLike, rule: OnsetRule, rest: fl
 
 
 def last_run(time: Floats, holds: NDArray[np.bool_]) -> float:
-    """Where what holds at the last sample began to.
+    """Begin of the last interval in which the condition holds.
 
     Args:
         time: [T] s
         holds: [T]
 
     Returns:
-        s; NaN: it does not hold at the last sample, or there is none
+        s; NaN: the condition does not hold at the last sample, or there are no samples
     """
     if not len(holds) or not holds[-1]:
         return math.nan
@@ -195,38 +201,39 @@ def last_run(time: Floats, holds: NDArray[np.bool_]) -> float:
 
 
 def slipping_share(force: NDArray[Any], unit_state: NDArray[np.uint8]) -> Floats:
-    """The share of a pad's normal force that slipping taxels carry.
+    """Share of a pad's normal force on slipping taxels.
 
     Args:
         force: [T, N] N
         unit_state: [T, N] codes
 
     Returns:
-        [T] 0 to 1; 0 where nothing touches
+        [T] 0 to 1; 0 without contact
     """
     whole, slipping = _sums(force), _sums(np.where(unit_state == SLIP, force, 0.0))
     return np.divide(slipping, whole, out=np.zeros(len(whole)), where=whole > 0.0)
 
 
 class SlipSpan(NamedTuple):
-    """How an object falls out of the grip: when it begins to, NaN where it holds, and the end of contact [s]."""
+    """Fall of an object out of the grip: begin, NaN if it is held, and end of contact [s]."""
 
     onset: float
     end: float
 
 
 def true_slip(left: Pad, right: Pad, begin: float = APART) -> SlipSpan:
-    """When the object begins to slip: from then on, as long as both pads touch, slipping taxels carry at least half of the normal force on both.
+    """Onset of the object's slip: from then on, while both pads are in contact, slipping taxels
+    carry at least half of the normal force on both.
 
-    At the limit of friction that is so of a translation and of a turn, whose centre sticks.
+    At the friction limit this holds for translation and for rotation, whose centre sticks.
 
     Args:
         left: one array
-        right: the other, with the same times
-        begin: s, where to begin to look
+        right: the other array, with the same times
+        begin: s, begin of the search
 
     Returns:
-        the onset, and the last sample at which both pads touch; 0 s of none
+        the onset, and the last sample with contact of both pads; 0 s if there is none
     """
     touching = (left.state != NO_CONTACT) & (right.state != NO_CONTACT)
     apart = np.flatnonzero((left.time >= begin) & ~touching)
@@ -237,12 +244,13 @@ def true_slip(left: Pad, right: Pad, begin: float = APART) -> SlipSpan:
 
 
 class ContactGate(NamedTuple):
-    """What a contact is, which the paper leaves open in "no more contacts were detected on the sensors holding the object".
+    """Definition of contact, which the paper leaves open in "no more contacts were detected on the
+    sensors holding the object".
 
     Attributes:
-        of_sum: of an array its sum of contacts; else its taxel that misses most counts
-        window: s, over whose samples up to each that is averaged; 0: not at all
-        counts: that must be missing; more is a contact
+        of_sum: True: uses an array's sum of contacts; False: its taxel with the largest decrease
+        window: s, of the moving average; 0: none
+        counts: threshold of the decrease; more is contact
     """
 
     of_sum: bool
@@ -251,8 +259,10 @@ class ContactGate(NamedTuple):
 
 
 def sum_end() -> ContactGate:
-    """An array's sum, mean of 20 ms, 5 sd above what its noise alone makes it, since a trial has some thousand independent means."""
-    # Cut off above rest, a normal variable misses sd/sqrt(2 pi) in the mean, and has the standard deviation sqrt(1/2 - 1/(2 pi)) sd.
+    """Contact by an array's sum, averaged over 20 ms, 5 sd above its value for noise alone, since a
+    trial has some thousand independent means."""
+    # A normal variable clipped above its mean has a mean deficit of sd/sqrt(2 pi), and the standard
+    # deviation sqrt(1/2 - 1/(2 pi)) sd.
     cut_mean = 1.0 / math.sqrt(2.0 * math.pi)
     cut_sd = math.sqrt(0.5 - cut_mean**2)
     taxels, images = 256.0, 20.0  # of an array; of its sum's mean of 20 ms at 1 kHz
@@ -260,15 +270,15 @@ def sum_end() -> ContactGate:
 
 
 def contact_end(left: Pad, right: Pad, gate: ContactGate) -> float:
-    """The end of a trial by the paper's rule.
+    """End of a trial by the paper's rule.
 
     Args:
         left: one array
         right: the other
-        gate: what a contact is
+        gate: definition of contact
 
     Returns:
-        s, the last sample at which either array has a contact; 0: there is none
+        s, the last sample at which either array has contact; 0 if there is none
     """
     ends = [0.0]
     for pad in (left, right):

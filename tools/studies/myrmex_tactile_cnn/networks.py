@@ -1,4 +1,4 @@
-"""Networks that learn from windows of the Myrmex bench, and how well they tell others."""
+"""Networks trained on windows of the Myrmex bench, and their tests."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from slipbench_studies.network_training import Floats, Labels, folds, train_and_
 from torch import nn
 
 KINDS = ("stable", "translation", "rotation")
-# Whose word it is that the object slips, and how.
+# Sources of the labels of slip and of its class.
 WORDS = (
-    "true",  # from the true onset to the end of contact; class by how the object was placed
-    "bench",  # the paper's: from the onset by the third sensor to the end of contact by the arrays; class likewise
-    "motion",  # as true, but the class is that of the slipping taxels' motion
+    "true",  # from the true onset to the end of contact; class by the object's placement
+    "bench",  # the paper's: from the onset by the third sensor to the end of contact by the arrays; class by placement
+    "motion",  # as true, with the class of the slipping taxels' motion
 )
-LAST_SECONDS = 0.5  # before the true onset: the windows that are hard to tell
+LAST_SECONDS = 0.5  # before the true onset: the windows that are hard to distinguish
 OBJECTS = ("cylinder", "remote", "glass")
 TAXELS, BINS = 144, 32
 CUT_BINS = 4  # of 15.625 Hz: 0 to 46.9 Hz, below the paper's 60 Hz
@@ -39,7 +39,7 @@ USUAL_DRAWS = 8  # 64 trials, the paper's
 PUBLISHED_STEPS = 700000  # "converges after around 700000 iterations" of 64 windows
 PUBLISHED = {1: (91.01, 92.65), 2: (96.12, 96.5), 3: (97.45, 97.89)}  # accuracy of the nets, %, without and with the high pass
 TRIAL_FOLDS = 5
-RECIPE = "myrmex_net3"  # whose input and training all have
+RECIPE = "myrmex_net3"  # recipe whose input and training all networks use
 
 
 @dataclass
@@ -48,13 +48,14 @@ class Windows:
 
     Attributes:
         object: one of OBJECTS
-        rotational: whether its centre of mass lies to the side of the grip
-        slips: whether it slips by the truth
+        rotational: True if its centre of mass is off the grip, sideways
+        slips: True if it truly slips
         time: [W] s
-        to_onset: [W] s, from here to the true onset; NaN: the trial holds
+        to_onset: [W] s, time until the true onset; NaN: the object is held
         label: [W, words] class by each of WORDS, or MASKED after the end
-        drawn: [W, words] whether it is one of those that are learnt from and judged
-        turn: [W] its images are turned by so many times 30 degrees; such a copy only learns
+        drawn: [W, words] True if it is drawn for training and test
+        turn: [W] rotation of its images in multiples of 30 degrees; turned copies are for training
+            only
         spectra: [W, taxels, bins] amplitudes
     """
 
@@ -70,22 +71,22 @@ class Windows:
 
     @property
     def late(self) -> NDArray[np.bool_]:
-        """[W] whether it lies within the last half second before the true onset."""
+        """[W] True within the last half second before the true onset."""
         return (self.to_onset > 0.0) & (self.to_onset <= LAST_SECONDS)
 
 
 def kinds_at(time: NDArray[np.float64], span: SlipSpan, kind: Labels | int) -> Labels:
-    """The class at some times of a trial.
+    """Class at given times of a trial.
 
     Args:
         time: [W] s
-        span: how it slips
-        kind: class of a slip, or [W] at each time
+        span: slip of the object
+        kind: class of the slip, or [W] at each time
 
     Returns:
         [W] 0 before the onset, then the kind; MASKED after the end
     """
-    begun = time >= span.onset  # of NaN never
+    begun = time >= span.onset  # False for NaN
     return np.where(time > span.end, MASKED, np.where(begun, kind, 0)).astype(np.uint8)
 
 
@@ -94,11 +95,11 @@ def draw_windows(label: Labels, at_most: int, random: RandomStream) -> NDArray[n
 
     Args:
         label: [W] class or MASKED
-        at_most: of each class
-        random: what to draw by
+        at_most: maximum number of each class
+        random: random stream
 
     Returns:
-        [W] which are drawn
+        [W] True if drawn
     """
     drawn = np.zeros(len(label), dtype=bool)
     for one in np.unique(label[label != MASKED]):
@@ -107,7 +108,7 @@ def draw_windows(label: Labels, at_most: int, random: RandomStream) -> NDArray[n
 
 
 def _first_drawn(items: list[Any], count: int, random: RandomStream) -> list[Any]:
-    """At most so many items, drawn one after the other."""
+    """Draws at most `count` items, one by one."""
     for i in range(min(count, len(items))):
         other = i + random.integer(len(items) - i)
         items[i], items[other] = items[other], items[i]
@@ -115,12 +116,13 @@ def _first_drawn(items: list[Any], count: int, random: RandomStream) -> list[Any
 
 
 def windows_of(trial: Trial, turned: int, seed: int) -> Windows:
-    """The windows of both arrays: those drawn, and all that are late.
+    """The windows of both arrays: the drawn ones, and all late ones.
 
     Args:
         trial: a full record of SCENE
-        turned: copies of each window with its image turned, 0 to 11; the angles are drawn by trial
-        seed: of RandomStream(seed, trial, "windows")
+        turned: number of copies of each window with a turned image, 0 to 11; the angles are drawn
+            by trial
+        seed: key of RandomStream(seed, trial, "windows")
 
     Returns:
         the trial's windows
@@ -128,7 +130,7 @@ def windows_of(trial: Trial, turned: int, seed: int) -> Windows:
     left, right, top = (pad_of(trial, name) for name in ("left", "right", "top"))
     real = true_slip(left, right)
     end = contact_end(left, right, sum_end())
-    # A trial that holds is known to: its third sensor may still drift below a threshold.
+    # For a held object there is no onset, although the third sensor may drift below a threshold.
     onset = math.nan if math.isnan(real.onset) else decrease_onset(top.time, sum_of_contacts(top.counts), SINKS, SETTLED, APART, end)
     labelled = SlipSpan(onset, end)
     placed = placed_of(trial.params)
@@ -142,7 +144,8 @@ def windows_of(trial: Trial, turned: int, seed: int) -> Windows:
 
         plain = example(0)
         time = plain["time"]
-        # While half of the load slips something moves, but for a single sample whose motion is that of no unit.
+        # While half of the load slips there is motion, except in a single sample without slipping
+        # units.
         moves = np.where(plain["labels"] == 0, MASKED, plain["labels"])
         label = np.stack([kinds_at(time, real, placed_kind), kinds_at(time, labelled, placed_kind), kinds_at(time, real, moves)], axis=1)
         drawn = np.stack([draw_windows(label[:, word], AT_MOST, random) for word in range(len(WORDS))], axis=1)
@@ -157,23 +160,24 @@ def windows_of(trial: Trial, turned: int, seed: int) -> Windows:
 
 
 class Place(NamedTuple):
-    """Where a window is: numbers of its trial, and of itself in it."""
+    """Position of a window: index of its trial, and of itself in the trial."""
 
     trial: int
     window: int
 
 
 def balanced_windows(trials: Sequence[Windows], word: str, late: bool, seed: int) -> list[Place]:
-    """As many windows of each class, of those that are not turned: of the drawn ones all of the rarest class, the others are drawn.
+    """Equal numbers of drawn, unturned windows of each class: all of the rarest class; the others
+    are drawn.
 
     Args:
         trials: with their windows
         word: one of WORDS
-        late: whether the stable ones are those of the last half second
-        seed: of RandomStream(seed, 0, "balance")
+        late: True: the stable windows are those of the last half second
+        seed: key of RandomStream(seed, 0, "balance")
 
     Returns:
-        the places, in order
+        the positions, in order
     """
     by = WORDS.index(word)
     of_class: list[list[Place]] = [[] for _ in KINDS]
@@ -188,19 +192,20 @@ def balanced_windows(trials: Sequence[Windows], word: str, late: bool, seed: int
 
 
 def window_folds(trials: Sequence[Windows], places: Sequence[Place], word: str, split: str, count: int, seed: int) -> list[int]:
-    """Who judges.
+    """Assigns windows to folds.
 
     Args:
         trials: with their windows
-        places: the windows that learn and judge
+        places: windows for training and test
         word: one of WORDS
-        split: "window" (the paper's: of each class every `count`-th window in turn, whose neighbours, which share 56 of its 64 ms, are learnt from),
-            "trial" (dealt out by object, placement and whether they slip) or "object"
-        count: folds; of objects there are as many as there are
-        seed: as folds() takes it
+        split: "window" (the paper's: of each class every `count`-th window in turn, although the
+            training set contains its neighbours, which share 56 of its 64 ms), "trial" (distributed
+            by object, placement and slip) or "object"
+        count: number of folds; for objects, the number of objects
+        seed: as for folds()
 
     Returns:
-        the fold of each place
+        the fold of each window
     """
     if split == "window":
         seen = dict.fromkeys(range(len(KINDS)), -1)
@@ -222,13 +227,14 @@ BINS_OF = {"spectra": (0, BINS), "high_pass": (CUT_BINS, BINS), "static_image": 
 
 
 def told(trial: Windows, chosen: NDArray[Any], what: str) -> Floats:
-    """What a network is told of windows.
+    """Input of a network for windows.
 
     Args:
-        trial: whose windows they are
-        chosen: their numbers, or which of them
-        what: "spectra" (32 bins of each taxel, 0 to 484 Hz), "high_pass" (those from 62.5 Hz on), "static_image" (bin 0 alone: the sum of each taxel's
-            counts), "load" (the mean of that over the taxels), "clock", "placement" (how the object was placed, and which it is) or "clock_placement"
+        trial: trial of the windows
+        chosen: indices or mask of the windows
+        what: "spectra" (32 bins of each taxel, 0 to 484 Hz), "high_pass" (those from 62.5 Hz),
+            "static_image" (bin 0 only: the sum of each taxel's counts), "load" (its mean over the
+            taxels), "clock", "placement" (the object and its placement) or "clock_placement"
 
     Returns:
         [windows, values]
@@ -250,14 +256,15 @@ class Row:
     """A row of the tables.
 
     Attributes:
-        name: in --only and in the figures
-        text: in the tables
-        net: number of the paper's network, whose recipe is myrmex_net1 to 3; 0: 32 units, tanh
-        told: what told() takes
+        name: name in --only and in the figures
+        text: text in the tables
+        net: number of the paper's network, with recipe myrmex_net1 to 3; 0: 32 units, tanh
+        told: argument `what` of told()
         word: one of WORDS
-        late: whether the stable windows that it learns and is judged on are of the last half second before the onset
-        longer: times the usual steps
-        published: accuracy, %; NaN: not published
+        late: True: the stable windows for training and test are from the last half second before
+            the onset
+        longer: multiple of the usual steps
+        published: published accuracy, %; NaN: not published
     """
 
     name: str
@@ -270,36 +277,37 @@ class Row:
     published: float = math.nan
 
     def network(self, inputs: int) -> nn.Module:
-        """The row's network, from so many inputs to three logits."""
+        """The row's network, from `inputs` values to three logits."""
         if self.net == 0:
             return nn.Sequential(nn.Linear(inputs, 32), nn.Tanh(), nn.Linear(32, len(KINDS)))
         return find_recipe(f"myrmex_net{self.net}").network(inputs, len(KINDS))
 
 
 def network_row(net: int, what: str = "spectra", word: str = "true") -> Row:
-    """The paper's net 1, 2 or 3, with what it prints of it."""
+    """The paper's net 1, 2 or 3, with its published accuracy."""
     passed = what == "high_pass"
     return Row(f"net_{net}{'_high_pass' if passed else ''}{'' if word == 'true' else '_' + word}", f"net {net}{', from 62.5 Hz' if passed else ''}", net, what,
                word, published=PUBLISHED[net][passed])
 
 
 def share(counts: NDArray[np.int64], label: int, called: int) -> float:
-    """The share of windows of a class that are called so.
+    """Share of the windows of a class that are assigned to a class.
 
     Args:
         counts: [true, called] windows
         label: true class
-        called: class
+        called: assigned class
 
     Returns:
-        0 to 1; NaN of none
+        0 to 1; NaN without windows
     """
     whole = counts[label].sum()
     return float(counts[label, called] / whole) if whole else math.nan
 
 
 def accuracy(counts: NDArray[np.int64]) -> float:
-    """The mean share of the classes that occur which are called so; NaN where none does. `counts`: [true, called] windows."""
+    """Mean recall of the classes that occur; NaN if there are none. `counts`: [true, called]
+    windows."""
     recalls = np.array([share(counts, kind, kind) for kind in range(len(KINDS))])
     return mean_sd(recalls[~np.isnan(recalls)])[0]
 
@@ -309,7 +317,7 @@ STABLE = ("late", "earlier", "holds")  # stable windows: of the last half second
 
 @dataclass(frozen=True)
 class Judged:
-    """What the networks of a validation have said.
+    """Results of the networks of a validation.
 
     Attributes:
         folds: [folds, true, called] windows
@@ -321,11 +329,11 @@ class Judged:
 
     @property
     def all(self) -> NDArray[np.int64]:
-        """[true, called] windows of all folds together."""
+        """[true, called] windows of all folds."""
         return np.asarray(self.folds.sum(axis=0))
 
     def called_slip(self, which: str) -> float:
-        """The share of stable windows that are called slip; NaN of none. `which`: one of STABLE."""
+        """Share of stable windows called slip; NaN without windows. `which`: one of STABLE."""
         wrong, whole = self.stable[which]
         return wrong / whole if whole else math.nan
 
@@ -336,8 +344,8 @@ class Size:
 
     Attributes:
         draws: trials of each of the scene's eight cells
-        steps: of a row's usual training
-        turned: copies of each window that are turned
+        steps: number of a row's usual training steps
+        turned: number of turned copies of each window
     """
 
     draws: int
@@ -346,7 +354,7 @@ class Size:
 
 
 def size_of(options: Options) -> Size:
-    """The size that was asked for.
+    """Returns the requested size.
 
     Args:
         options: trials, full
@@ -367,14 +375,14 @@ def run_trials(options: Options, size: Size) -> list[Windows]:
     """The windows of SCENE's trials.
 
     Args:
-        options: seed, jobs
+        size: size of the study
         size: of the study
 
     Returns:
-        a trial each
+        one element per trial
 
     Raises:
-        InputError: of a trial, and where a class has no window
+        InputError: of a trial, and if a class has no window
     """
     seed = options.draws_seed
     trials = run_grid([Cell("trials", SCENE, draws=size.draws)], options, lambda _, trial: windows_of(trial, size.turned, seed))[0]
@@ -384,11 +392,11 @@ def run_trials(options: Options, size: Size) -> list[Windows]:
 
 
 class Validations:
-    """Rows judged by splits: queued first, then taught together.
+    """Cross-validations of rows: queued first, then trained together.
 
     Args:
         options: seed, jobs, output, resume
-        size: of the study
+        size: size of the study
         trials: with their windows
     """
 
@@ -399,16 +407,16 @@ class Validations:
         self._said: list[dict[str, Any]] = []
 
     def queue(self, row: Row, split: str, count: int, last: int) -> int:
-        """Folds 0 to `last` - 1 judge, one network each.
+        """Queues folds 0 to `last` - 1 for the test, with one network each.
 
         Args:
-            row: what learns
-            split: as window_folds() takes it
-            count: folds, as window_folds() takes them
-            last: the first fold that does not judge
+            row: row to validate
+            split: as for window_folds()
+            count: folds, as for window_folds()
+            last: the first fold that is not tested
 
         Returns:
-            a number to ask with
+            number for figures()
         """
         places = balanced_windows(self._trials, row.word, row.late, self._options.draws_seed)
         fold_of = window_folds(self._trials, places, row.word, split, count, self._options.draws_seed)
@@ -418,7 +426,7 @@ class Validations:
         return len(self._plans) - 1
 
     def run(self, name: str) -> None:
-        """Teaches all that is queued.
+        """Trains all queued networks.
 
         Args:
             name: PAPER/TABLE
@@ -429,7 +437,7 @@ class Validations:
         self._said = train_all(name, [self._plans[plan][0].text for plan, _ in self._tasks], self._options, lambda index: self._judged(*self._tasks[index]))
 
     def figures(self, validation: int) -> Judged:
-        """What a validation has found, after run()."""
+        """Results of a validation; call after run()."""
         of_it = [said for (plan, _), said in zip(self._tasks, self._said, strict=True) if plan == validation]
         counts = np.array([said["counts"] for said in of_it], dtype=np.int64).reshape(-1, len(KINDS), len(KINDS))
         return Judged(counts, {which: (sum(said[which][0] for said in of_it), sum(said[which][1] for said in of_it)) for which in STABLE})
@@ -453,7 +461,7 @@ class Validations:
         learnt = _gathered(self._trials, learn, row)
         inputs = learnt.features.shape[1]
         training: Training = replace(find_recipe(RECIPE).training, steps=self._size.steps * row.longer)
-        # Each window is a sequence of one frame to a network that has no state.
+        # Each window is a sequence of one frame for a network without state.
         logits = train_and_answer(partial(row.network, inputs), [(learnt.features, learnt.label)], [one.features for one in asked if len(one.label)], training,
                                   classes=len(KINDS), seed=self._options.draws_seed)
         called = [one.argmax(axis=1) for one in logits] + [np.zeros(0, np.int64)] * 2
@@ -471,7 +479,7 @@ class _Gathered(NamedTuple):
 
 
 def _gathered(trials: Sequence[Windows], chosen: dict[int, list[int]], row: Row) -> _Gathered:
-    """Windows of some trials one after the other."""
+    """Windows of some trials, concatenated."""
     by = WORDS.index(row.word)
     some = [(trials[number], np.array(windows, dtype=np.intp)) for number, windows in chosen.items()] or [(trials[0], np.zeros(0, np.intp))]
     return _Gathered(np.concatenate([told(trial, windows, row.told) for trial, windows in some]),
@@ -484,20 +492,20 @@ def _wrong(called: NDArray[np.int64]) -> tuple[int, int]:
 
 
 def percent(value: float) -> str:
-    """A share as "96.4"; "-" of NaN."""
+    """A share as "96.4"; "-" for NaN."""
     return "-" if math.isnan(value) else f"{100.0 * value:.1f}"
 
 
 def setup_of(options: Options, size: Size, trials: Sequence[Windows]) -> list[str]:
-    """How it was measured, of both tables.
+    """Setup of the measurement, for both tables.
 
     Args:
         options: seed
-        size: of the study
+        size: size of the study
         trials: with their windows
 
     Returns:
-        a sentence each
+        one sentence per line
     """
     seed = options.draws_seed
     true, bench, motion = (len(balanced_windows(trials, word, False, seed)) for word in WORDS)
@@ -516,7 +524,7 @@ def setup_of(options: Options, size: Size, trials: Sequence[Windows]) -> list[st
 
 
 def _as_placed(trials: Iterable[Windows]) -> float:
-    """The share of windows that slip by the motion whose class is that of the placement."""
+    """Share of slipping windows whose class by motion equals that by placement."""
     right = []
     for trial in trials:
         label = trial.label[(trial.turn == 0), WORDS.index("motion")]

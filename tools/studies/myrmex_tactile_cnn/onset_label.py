@@ -1,4 +1,5 @@
-"""Section 2.2 of the Myrmex paper: the onset of slip by a third sensor on the object, beside the true one."""
+"""Section 2.2 of the Myrmex paper: the onset of slip by a third sensor on the object, compared with
+the true onset."""
 
 from __future__ import annotations
 
@@ -16,12 +17,13 @@ from slipbench_studies.result import Options, Result, Table
 from slipbench_studies.statistics import median, quantile
 
 USUAL_TRIALS = 8  # of each of the scene's eight cells
-FORCE_FALL = 0.05  # of the rule by the true force
+FORCE_FALL = 0.05  # for the rule by the true force
 STILL = APART - SETTLED
 
 
 class Rule(NamedTuple):
-    """A reading of the paper's rule: its text; average and threshold; whether it looks at the counts, else at the true force without any noise."""
+    """Parameters for the paper's rule: its text; average and threshold; True to use the counts,
+    False to use the true noise-free force."""
 
     text: str
     rule: OnsetRule
@@ -37,8 +39,8 @@ RULES = {
     "force": Rule("true force, 5 % below", OnsetRule(0.0, 0.0), noisy=False),
 }
 
-# How the end of a trial is told: text and gate; None: by the truth. A single taxel: by the public tools (llach/myrmex_tools: 5 % of full scale), and
-# by 3 sd of its noise.
+# Criteria for the end of a trial: text and gate; None: the truth. A single taxel: by the public
+# tools (llach/myrmex_tools: 5 % of full scale), and by 3 sd of its noise.
 ENDS: dict[str, tuple[str, ContactGate | None]] = {
     "public": ("a taxel, 205 counts", ContactGate(False, 0.0, 0.05 * FULL_SCALE)),
     "taxel_3": (f"a taxel, 3 sd of noise, {3.0 * TAXEL_NOISE_SD:.0f} counts", ContactGate(False, 0.0, 3.0 * TAXEL_NOISE_SD)),
@@ -48,12 +50,12 @@ ENDS: dict[str, tuple[str, ContactGate | None]] = {
 
 
 class OnsetTrial(NamedTuple):
-    """What the study keeps of a trial.
+    """Data that the study keeps of a trial.
 
     Attributes:
         object: name and mass
-        rotational: whether it turns when it slips
-        truth: when it slips
+        rotational: True if it turns when it slips
+        truth: true slip
         end: s, by the names of ENDS
         labelled: s, onset by the names of ENDS and of RULES; NaN: none
     """
@@ -66,7 +68,7 @@ class OnsetTrial(NamedTuple):
 
     @property
     def slips(self) -> bool:
-        """Whether it slips by the truth."""
+        """True if it truly slips."""
         return not math.isnan(self.truth.onset)
 
 
@@ -77,7 +79,7 @@ def onset_trial(trial: Trial) -> OnsetTrial:
         trial: a full record of SCENE
 
     Returns:
-        what the tables need
+        data for the tables
     """
     left, right, top = (pad_of(trial, name) for name in ("left", "right", "top"))
     placed = placed_of(trial.params)
@@ -91,13 +93,13 @@ def onset_trial(trial: Trial) -> OnsetTrial:
 
 
 class Bias(NamedTuple):
-    """Labelled less true onset of some trials [ms], and how many have no label."""
+    """Labelled minus true onset of some trials [ms], and number of trials without label."""
 
     all: list[float]
     missed: int
 
     def text(self) -> str:
-        """Median, quartiles and worst; "-" of none."""
+        """Median, quartiles and worst; "-" without trials."""
         if not self.all:
             return "-"
         missed = f", {self.missed} missed" if self.missed else ""
@@ -105,33 +107,33 @@ class Bias(NamedTuple):
                 f"{max(self.all, key=abs):+.0f}){missed}")
 
     def figures(self) -> dict[str, Any]:
-        """n, missed, bias_ms and, where there is a label, median_ms."""
+        """n, missed, bias_ms and, with a label, median_ms."""
         return {"n": len(self.all), "missed": self.missed, "bias_ms": self.all, **({"median_ms": median(self.all)} if self.all else {})}
 
 
 def bias_of(trials: Iterable[OnsetTrial], end: str, rule: str) -> Bias:
-    """The biases of one rule.
+    """Biases of one rule.
 
     Args:
-        trials: those that slip by the truth
+        trials: trials that truly slip
         end: a name of ENDS
         rule: a name of RULES
 
     Returns:
-        labelled less true onset
+        labelled minus true onset
     """
     biases = [1e3 * (trial.labelled[end][rule] - trial.truth.onset) for trial in trials]
     return Bias([one for one in biases if not math.isnan(one)], sum(math.isnan(one) for one in biases))
 
 
 def kept_table(slipping: Sequence[OnsetTrial]) -> tuple[Table, list[dict[str, Any]]]:
-    """Where each end lies, and how many trials have an onset before it.
+    """Each end, and the number of trials with an onset before it.
 
     Args:
-        slipping: the trials that slip by the truth
+        slipping: trials that truly slip
 
     Returns:
-        the table and its figures, a row of each end; none without a trial
+        the table and its figures, one row per end; empty without trials
     """
     table = Table("Trials that keep an onset before their end",
                   ["end: no more contact by", "less true end, ms: median (quartiles)", "true onset", *(rule.text for rule in RULES.values())])
@@ -147,15 +149,15 @@ def kept_table(slipping: Sequence[OnsetTrial]) -> tuple[Table, list[dict[str, An
 
 
 def bias_table(slipping: Sequence[OnsetTrial], objects: Sequence[str], end: str) -> tuple[Table, list[dict[str, Any]]]:
-    """The biases of each kind and object.
+    """Biases of each kind and object.
 
     Args:
-        slipping: the trials that slip by the truth
-        objects: their names, in the order of the rows
+        slipping: trials that truly slip
+        objects: names, in the order of the rows
         end: a name of ENDS
 
     Returns:
-        the table and its figures, a row of each kind and object that occurs
+        the table and its figures, one row per kind and object that occurs
     """
     table = Table(f"Labelled less true onset, ms: median (quartiles; worst). End by {ENDS[end][0]}",
                   ["kind", "object", "trials", *(rule.text for rule in RULES.values())],
@@ -184,10 +186,10 @@ def study(options: Options) -> Result:
         options: trials, seed, jobs
 
     Returns:
-        the labelled onset beside the true one
+        the labelled onset with the true one
 
     Raises:
-        InputError: for a trial that cannot be run
+        InputError: for a trial that cannot run
     """
     trials = run_grid([Cell("dataset.yaml", SCENE, draws=options.trials or USUAL_TRIALS)], options, lambda _, trial: onset_trial(trial))[0]
     slipping = [trial for trial in trials if trial.slips]

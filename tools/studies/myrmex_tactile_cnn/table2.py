@@ -1,4 +1,5 @@
-"""Table 2 of the Myrmex paper: nets 1 to 3 by its split, by trial and by object, beside what the static image or a clock give away."""
+"""Table 2 of the Myrmex paper: nets 1 to 3 by its split, by trial and by object, compared with the
+information in the static image or a clock."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ from slipbench_studies.result import Options, RealFigure, Result, Table
 from slipbench_studies.statistics import mean_sd
 
 NAME = "myrmex-tactile-cnn/table2"
-WINDOW_SPLITS = 5  # 20 % of the windows judge; the first of five folds
+WINDOW_SPLITS = 5  # 20 % of the windows are for the test; the first of five folds
 PUBLISHED_FORWARD = {1: 0.29, 2: 0.44, 3: 0.43}  # ms
 FORWARD_PASSES = 201
 
@@ -45,10 +46,10 @@ def forward_ms(row: Row) -> float:
     """Time of one window through a network that the paper times.
 
     Args:
-        row: of the table
+        row: row of the table
 
     Returns:
-        ms, the median of many on one core; NaN for a row that the paper does not time
+        ms, median on one core; NaN for a row that the paper does not time
     """
     if row.net == 0 or row.told == "static_image" or row.longer > 1 or row.late or row.word != "true":
         return math.nan
@@ -64,7 +65,7 @@ def forward_ms(row: Row) -> float:
 
 
 def figures_of(judged: Judged) -> dict[str, Any]:
-    """accuracy of all folds together, of each fold, and windows [true, called]."""
+    """accuracy of all folds together and of each fold, and windows [true, called]."""
     return {"accuracy": accuracy(judged.all), "folds": [accuracy(fold) for fold in judged.folds], "windows": judged.all}
 
 
@@ -78,7 +79,7 @@ def study(options: Options) -> Result:
         accuracy of each row by window, by trial and by object
 
     Raises:
-        InputError: for an unknown name of --only, too few trials, or networks that are kept from another run
+        InputError: for an unknown name of --only, too few trials, or saved networks of another run
     """
     size = size_of(options)
     rows = all_rows()

@@ -1,4 +1,5 @@
-"""Table 3 of the Myrmex paper: confusion of nets 1 to 3 from 62.5 Hz on, ten folds by window, and by trial."""
+"""Table 3 of the Myrmex paper: confusion of nets 1 to 3 from 62.5 Hz, with ten folds by window, and
+by trial."""
 
 from __future__ import annotations
 
@@ -24,10 +25,10 @@ def study(options: Options) -> Result:
         options: trials, only, full, seed, jobs, output, resume
 
     Returns:
-        what stable, translation and rotation are taken for
+        confusion of stable, translation and rotation
 
     Raises:
-        InputError: for an unknown name of --only, too few trials, or networks that are kept from another run
+        InputError: for an unknown name of --only, too few trials, or saved networks of another run
     """
     size = size_of(options)
     rows = {row.name: row for row in (network_row(net, "high_pass") for net in PUBLISHED)}

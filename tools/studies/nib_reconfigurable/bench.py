@@ -1,4 +1,5 @@
-"""The nib pad's lever bench (scenes/nib_pad): a recorded trial as its figures are made of it, and where signal below 8 Hz comes from."""
+"""The nib pad's lever bench (scenes/nib_pad): traces of a recorded trial, and the origin of signals
+below 8 Hz."""
 
 from __future__ import annotations
 
@@ -25,8 +26,8 @@ class Trace:
 
     Attributes:
         time: [T] s
-        normal: [T] N, true, of all nibs
-        lever: [T] m, where the lever is, along the pull
+        normal: [T] N, true, sum over all nibs
+        lever: [T] m, position of the lever along the pull
         linear: [T] counts, difference of the two electrodes of the fast linear mode
         rate: Hz
     """
@@ -44,47 +45,52 @@ class Trace:
         self.linear: Doubles = sensor.channels["fl"][:, 0].astype(float) - sensor.channels["fl"][:, 1]
 
     def at(self, time: float) -> int:
-        """The first sample at or after `time` [s]; the number of samples where there is none."""
+        """Index of the first sample at or after `time` [s]; the number of samples if there is
+        none."""
         return int(np.searchsorted(self.time, time))
 
     def moved(self, begun: int, way: float) -> int | None:
-        """The first sample from `begun` on at which the lever has gone by `way` [m] since; None: it never has."""
+        """First sample from `begun` at which the lever has moved by `way` [m] since; None if it
+        never has."""
         if begun >= len(self.lever):
             return None
         there = np.flatnonzero(self.lever[begun:] - self.lever[begun] >= way)
         return begun + int(there[0]) if there.size else None
 
     def estimates(self, detector: str, parameters: dict[str, str]) -> tuple[NDArray[np.uint8], dict[str, Doubles]]:
-        """What a detector says of the recorded samples.
+        """Runs a detector on the recorded samples.
 
         Args:
-            detector: its type
-            parameters: as a scene writes them, by name
+            detector: type of the detector
+            parameters: by name, as in a scene
 
         Returns:
-            [T] code of State, and [T] of each value that it hands on, by name
+            [T] code of State, and [T] of each feature, by name
 
         Raises:
-            InputError: for a parameter that the detector does not have
+            InputError: for an unknown parameter
         """
         states, values, names = _core.estimates(self._trial._simulated, self._name, detector, list(parameters.items()))
         return states, dict(zip(names, values.T, strict=True))
 
     def detection(self, detector: str, parameters: dict[str, str]) -> int | None:
-        """The first sample in which a detector says gross; None: in none. Arguments and errors as estimates()."""
+        """First sample in which a detector reports gross slip; None if there is none. Arguments and
+        errors as for estimates()."""
         found = np.flatnonzero(self.estimates(detector, parameters)[0] == State.GROSS)
         return int(found[0]) if found.size else None
 
 
 def spectra(signal: ArrayLike, window: int = WINDOW, hop: int = HOP) -> Doubles:
-    """Magnitudes of the spectra of windows of a signal, as the nib pad's slip detection takes them (detectors/nib/features.h).
+    """Magnitude spectra of a signal's windows, as in the nib pad's slip detection
+    (detectors/nib/features.h).
 
-    Each window less its straight line of least squares, times Hamming's window of that period; nothing is divided by.
+    Each window minus its least-squares line, times the Hamming window of that period, without
+    normalisation.
 
     Args:
         signal: [T] samples
-        window: samples of a window
-        hop: samples from one window to the next
+        window: samples per window
+        hop: samples between the starts of successive windows
 
     Returns:
         [windows, window/2 + 1] in the signal's unit
@@ -103,12 +109,12 @@ def spectra(signal: ArrayLike, window: int = WINDOW, hop: int = HOP) -> Doubles:
 
 @dataclass(frozen=True)
 class Signature:
-    """Energy of the difference of FL in the windows that lie within one slip.
+    """Energy of the difference of FL in the windows within one slip.
 
     Attributes:
-        wavy: whether the plate has waves
-        share: of the energy above 0 Hz that is below 8 Hz
-        time: s, that the slip takes
+        wavy: True if the plate has waves
+        share: share of the energy above 0 Hz that is below 8 Hz
+        time: s, duration of the slip
         below: counts rms below 8 Hz
         above: counts rms above 8 Hz
     """
@@ -121,17 +127,19 @@ class Signature:
 
 
 def signature_of(trace: Trace, start: float, wavy: bool) -> Signature | None:
-    """The energy from when the lever has gone 0.3 mm beyond where it was when the detector began to count, to 10 mm.
+    """Energy from the time at which the lever has moved 0.3 mm since the detector began to count,
+    to 10 mm.
 
-    White noise of variance v has v sum w^2 in every bin, sum w^2 = (0.54^2 + 0.46^2/2) N; there are N/2 bins.
+    White noise of variance v has v sum w^2 in every bin, sum w^2 = (0.54^2 + 0.46^2/2) N; there are
+    N/2 bins.
 
     Args:
-        trace: of the trial
-        start: s, when the detector begins to count
-        wavy: whether the plate has waves
+        trace: trace of the trial
+        start: s, begin of the detector's counting
+        wavy: True if the plate has waves
 
     Returns:
-        None where the slip is shorter than a window, or the pad does not slip
+        None if the slip is shorter than a window, or the pad does not slip
     """
     begun = trace.at(start)
     first = trace.moved(begun, SLIP_BEGINS)
@@ -149,7 +157,7 @@ def signature_of(trace: Trace, start: float, wavy: bool) -> Signature | None:
 
 
 def has_waves(params: dict[str, Any]) -> bool:
-    """Whether the plate of a trial with these swept parameters has waves: the effect `texture`."""
+    """True if the plate of a trial with these swept parameters has waves: the effect `texture`."""
     return any("texture" in effect for effect in params["effects"])
 
 
@@ -179,11 +187,11 @@ def _kinetic(text: str) -> str:
 
 @dataclass(frozen=True)
 class Law:
-    """A change of the scene's friction, of which everything else stays.
+    """A change of the scene's friction only.
 
     Attributes:
-        text: in tables
-        change: of the scene's text; None: none
+        text: text in the tables
+        change: function that changes the scene's text; None: no change
     """
 
     text: str

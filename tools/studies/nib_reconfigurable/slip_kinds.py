@@ -14,8 +14,8 @@ from slipbench_studies.nib_reconfigurable.bench import HOP, WINDOW, Trace
 from slipbench_studies.result import Chart, Curve, Options, Result, Table
 from slipbench_studies.statistics import auc, quantile
 
-SLIP_WAY = 2e-3  # m, way of the lever from which on a run is one of slip (paper)
-SLIP_TIME = 0.5  # s, after it, whose windows count
+SLIP_WAY = 2e-3  # m, displacement of the lever from which a run counts as slip (paper)
+SLIP_TIME = 0.5  # s, duration after that whose windows count
 SAID = ("none", "linear", "rotational")
 MATERIALS = ("paper", "masonite", "wavy_acrylic")
 KINDS = {"linear slip": "linear", "rotational slip": "rotational", "no slip": "none"}
@@ -40,13 +40,13 @@ def bounds() -> dict[str, float]:
 
 
 def kind_of(fl: float, fr: float, curl: float, bound: dict[str, float]) -> str:
-    """What nib_slip_kind says of features: "none", "linear" or "rotational".
+    """Result of nib_slip_kind for features: "none", "linear" or "rotational".
 
     Args:
         fl: counts, magnitude of the linear mode over 0 to 6 Hz
         fr: counts, of the rotational mode
-        curl: of the normalised shear
-        bound: as bounds() returns them
+        curl: curl of the normalised shear
+        bound: from bounds()
     """
     if fl <= bound["fl"] and fr <= bound["fr"]:
         return "none"
@@ -54,19 +54,19 @@ def kind_of(fl: float, fr: float, curl: float, bound: dict[str, float]) -> str:
 
 
 def run_of(trial: Trial, rotational: bool, bound: dict[str, float]) -> dict[str, Any]:
-    """What one run shows.
+    """Figures of one run.
 
     Args:
         trial: a full record of either scene
-        rotational: whether it is a trial of rotational slip
-        bound: as bounds() returns them
+        rotational: True for a trial of rotational slip
+        bound: from bounds()
 
     Returns:
-        material; kind "none", "linear" or "rotational"; fl, fr [counts], |curl|: means over the windows that end within the slip; said: what
-        nib_slip_kind says of these means
+        material; kind "none", "linear" or "rotational"; fl, fr [counts], |curl|: means over the
+        windows that end within the slip; said: result of nib_slip_kind for these means
 
     Raises:
-        InputError: where no window ends within the slip
+        InputError: no window ends within the slip
     """
     trace = Trace(trial)
     times = [parse_quantity(point[0]) for point in trial.params["controls.pull"]]

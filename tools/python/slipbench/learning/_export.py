@@ -1,7 +1,6 @@
 """The file of a detector: the ONNX graph of one step, with a description in its metadata."""
 
-# PyTorch's layers and operators come with types in part, and in other parts from release to
-# release.
+# PyTorch's layers and operators are typed only in part, depending on the release.
 # mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"
 
 from __future__ import annotations

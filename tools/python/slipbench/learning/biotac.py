@@ -1,8 +1,7 @@
 """Tactile images and the tactile graph of the BioTac SP (papers/biotac-stability-slip), for recipes
 and the paper's studies."""
 
-# PyTorch's layers and operators come with types in part, and in other parts from release to
-# release.
+# PyTorch's layers and operators are typed only in part, depending on the release.
 # mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"
 
 from __future__ import annotations

@@ -6,8 +6,7 @@ network with a state takes it as a second argument, None at the start of a seque
 (logits, state): so the same module is trained on clips and runs frame by frame in a loop.
 """
 
-# PyTorch's layers and operators come with types in part, and in other parts from release to
-# release.
+# PyTorch's layers and operators are typed only in part, depending on the release.
 # mypy: disable-error-code="no-untyped-call,no-any-return,attr-defined,unused-ignore"
 
 from __future__ import annotations

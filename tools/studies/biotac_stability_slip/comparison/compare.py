@@ -1,8 +1,9 @@
-"""Recordings of a real BioTac SP beside synthetic ones: a table of distances, and a page with both side by side.
+"""Compares recordings of a real BioTac SP with synthetic ones: a table of distances and a page.
 
 usage: compare.py REAL SYNTHETIC [-o PAGE.html]
 
-REAL and SYNTHETIC are folders in the layout of recordings.py (`slipbench export FILE.h5 --format dos-csv -o SYNTHETIC`).
+REAL and SYNTHETIC are folders in the layout of recordings.py (`slipbench export FILE.h5 --format
+dos-csv -o SYNTHETIC`).
 """
 
 import argparse
@@ -15,8 +16,9 @@ import page
 import recordings as rec
 from recordings import GROUPS, BadInput
 
-# What a recording says, how recordings are summed up, and how far two sums are apart: by their ratio or by their difference.
-# The last column: synthetic and real of the dry run in the specification (BIOTAC.md, section 1), in the order of GROUPS; None: it does not say.
+# Name of each figure, distance as ratio or difference, summary over recordings, figure of a
+# recording. The last column holds synthetic and real of the dry run in the specification
+# (BIOTAC.md, section 1), in the order of GROUPS; None: not given.
 FIGURES = [
     ("mean count", "ratio", np.median, lambda r: rec.levels(r)[0], None),
     ("mean count, lowest", "ratio", np.median, lambda r: rec.levels(r)[1], None),
@@ -58,7 +60,8 @@ def of_group(recordings, group):
 
 
 def scatter(kind, how, real, synthetic, random):
-    """Standard error of the (log) ratio or difference, by drawing recordings again 200 times."""
+    """Standard error of the (log) ratio or difference, from 200 bootstrap samples of the
+    recordings."""
     found = []
     for _ in range(200):
         a, b = (how(random.choice(values, len(values))) for values in (synthetic, real))
@@ -67,7 +70,8 @@ def scatter(kind, how, real, synthetic, random):
 
 
 def compared(real, synthetic):
-    """One row a figure and group: name, group, kind, real, synthetic, distance, its standard error, distance of the dry run."""
+    """One row per figure and group: name, group, kind, real, synthetic, distance, its standard
+    error, distance of the dry run."""
     random = np.random.default_rng(1)
     rows = []
     for name, kind, how, figure, dry_run in FIGURES:
@@ -80,7 +84,8 @@ def compared(real, synthetic):
 
 
 def bars(rows):
-    """By figure: the dry run's worst distance, but at least what two digits of its table leave open. NaN: it does not say."""
+    """By figure: the dry run's worst distance, but at least the rounding of its table's two digits.
+    NaN: not given."""
     return {row["name"]: max([r["dry"] for r in rows if r["name"] == row["name"]] + [0.02 if row["kind"] == "ratio" else 0.01])
             if np.isfinite(row["dry"]) else np.nan for row in rows}
 

@@ -18,7 +18,7 @@ KIT = Path(__file__).resolve().parents[3] / "base" / "page" / "web"
 COLOURS = {"real": "#1f66ad", "synthetic": "#c2450f"}  # --s0 and --s1 of theme.css
 ELECTRODE_COLOURS = colormaps["hsv"](np.arange(24) / 24)
 rc("font", size=7)
-rc("svg", hashsalt="slipbench")  # the same bytes each time
+rc("svg", hashsalt="slipbench")  # reproducible bytes
 STYLE = """figure { display: inline-block; margin: 6px 10px 6px 0; vertical-align: top; }
 figure img { background: #fff; }
 figcaption { font-size: 12px; color: var(--soft); }
@@ -36,7 +36,7 @@ def composed(title, body):
 
 
 def axes(size=(270, 170), **settings):
-    """The axes of one drawing of so many px."""
+    """The axes of one drawing of the given size [px]."""
     plot = Figure(figsize=np.array(size) / 96, layout="constrained").add_subplot()
     plot.set(**settings)
     return plot
@@ -71,7 +71,8 @@ def time_series(real, synthetic):
 
 
 def by_group(real, synthetic, figure, places, middle, settings, caption):
-    """A plot a group of `figure` at `places`: thick lines are the middles over its recordings, thin ones the quartiles."""
+    """One plot of `figure` per group at `places`: thick lines are medians over its recordings, thin
+    ones the quartiles."""
     parts = []
     for group in GROUPS:
         plot = axes(**settings)

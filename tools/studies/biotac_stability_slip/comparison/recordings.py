@@ -1,7 +1,8 @@
-"""Recordings of a BioTac SP as CSV files, and what can be said of one without knowing how it came about.
+"""Recordings of a BioTac SP as CSV files, and figures that apply to any recording.
 
-The layout is that of github.com/yayaneath/BioTacSP-DoS: folders n e s w cw aw t (slip north, east, south, west, clockwise, anti-clockwise,
-touch), in them OBJECTNUMBER.csv with the columns ff_e1 to ff_e24, counts, 100 rows a second, no time.
+The layout is that of github.com/yayaneath/BioTacSP-DoS: folders n e s w cw aw t (slip north, east,
+south, west, clockwise, anti-clockwise, touch) with files OBJECTNUMBER.csv, whose columns ff_e1 to
+ff_e24 hold counts, 100 rows per second, without a time.
 """
 
 import re
@@ -15,8 +16,8 @@ CLASSES = ("n", "e", "s", "w", "cw", "aw", "t")
 GROUPS = {"cw,aw": ("cw", "aw"), "e,w": ("e", "w"), "n,s": ("n", "s"), "t": ("t",)}  # as in BIOTAC.md of the specification
 COLUMNS = [f"ff_e{k}" for k in range(1, 25)]
 
-# Electrodes [mm]: x along the finger towards its tip, y into the finger, z sideways (SynTouch, in the repository above). E11 to E20 mirror E1
-# to E10 in z.
+# Positions of the electrodes [mm]: x along the finger towards its tip, y into the finger, z
+# sideways (SynTouch, in the repository above). E11 to E20 mirror E1 to E10 in z.
 _SIDE = [(9.8154, -2.7677, 3.9845), (8.1012, -5.2081, 3.0659), (2.2193, -3.2655, 7.1623), (2.1309, -5.9925, 5.1198),
          (-0.4731, -7.6230, 2.4109), (-2.3339, -3.0591, 7.2379), (-3.4712, -6.0338, 4.7529), (-5.6757, -6.8751, 1.8170),
          (-8.1471, -5.0673, 3.2454), (-10.0821, -2.5411, 3.8498)]
@@ -25,12 +26,12 @@ ELECTRODES = np.array(_SIDE + [(x, y, -z) for x, y, z in _SIDE] + _MIDDLE)
 
 DISTANCE_BINS = [(0, 3), (3, 4.5), (4.5, 6), (6, 9), (9, 13), (13, 20), (20, 30)]  # mm
 BANDS = [(0.5, 2), (2, 5), (5, 10), (10, 20), (20, 35), (35, 50)]  # Hz
-SEGMENT = 256  # rows of a spectrum
+SEGMENT = 256  # rows per spectrum
 SMOOTHING = 5  # rows, standard deviation
 
 
 class BadInput(Exception):
-    """What is wrong with a file, and what is allowed."""
+    """An invalid file: what is wrong, and what is allowed."""
 
 
 class Recording:
@@ -67,12 +68,12 @@ def read_folder(folder):
 
 
 def detrended(x):
-    """Columns without their mean and straight line."""
+    """Columns without their mean and linear trend."""
     return signal.detrend(x, axis=0)
 
 
 def smoothed(x, sd=SMOOTHING):
-    """Columns under a Gaussian of `sd` rows cut at 4 sd, mirrored at the ends."""
+    """Columns filtered by a Gaussian of `sd` rows, truncated at 4 sd and mirrored at the ends."""
     return ndimage.gaussian_filter1d(x, sd, axis=0)
 
 
@@ -82,12 +83,13 @@ def most_active(counts):
 
 
 def active_spectrum(recording):
-    """Welch's one-sided density [counts^2/Hz]: Hann windows of 256 rows that overlap by half. Frequencies [Hz], density."""
+    """Welch's one-sided density [counts^2/Hz] of the most active electrode: Hann windows of 256
+    rows with half overlap. Returns frequencies [Hz] and density."""
     return signal.welch(detrended(recording.counts)[:, most_active(recording.counts)], RATE, nperseg=SEGMENT, detrend=False)
 
 
 def band_rms(recording):
-    """Of the most active electrode [counts]."""
+    """RMS of the most active electrode in each band [counts]."""
     f, density = active_spectrum(recording)
     return [np.sqrt(density[(f >= low) & ((f < high) | (high == f[-1]))].sum() * f[1]) for low, high in BANDS]
 
@@ -103,41 +105,45 @@ def distance_correlation(recording):
 
 
 def components(recording):
-    """Shares of the variance of the smoothed signals that the first three principal components have."""
+    """Shares of the first three principal components in the variance of the smoothed signals."""
     values = np.linalg.eigvalsh(np.cov(smoothed(recording.counts).T))[::-1]
     return list(values[:3] / values.sum())
 
 
 def net_change(recording, least=20.0):
-    """Electrodes whose last 0.2 s are higher than their first by more than `least` counts, and lower."""
+    """Numbers of electrodes whose last 0.2 s are higher, and lower, than their first by more than
+    `least` counts."""
     change = recording.counts[-20:].mean(0) - recording.counts[:20].mean(0)
     return [int((change > least).sum()), int((change < -least).sum())]
 
 
 def step_figures(recording):
-    """Median over electrodes of the standard deviation from row to row [counts], and the share of rows that repeat the last."""
+    """Median over electrodes of the standard deviation of steps between rows [counts], and the
+    share of rows that repeat the previous one."""
     steps = np.diff(recording.counts, axis=0)
     return [np.median(steps.std(0)), (steps == 0).mean()]
 
 
 def spreads(recording):
-    """Detrended standard deviation [counts]: median over electrodes, of the most active one."""
+    """Detrended standard deviation [counts]: median over electrodes, and that of the most active
+    one."""
     sd = detrended(recording.counts).std(0)
     return [np.median(sd), sd.max()]
 
 
 def levels(recording):
-    """Mean count of all electrodes, of the one that is lowest in the mean."""
+    """Mean count of all electrodes, and of the one with the lowest mean."""
     mean = recording.counts.mean(0)
     return [mean.mean(), mean.min()]
 
 
 def extremes(recording):
-    """Largest peak to peak of an electrode [counts], largest slope of a smoothed one [counts/s]."""
+    """Largest peak-to-peak value of an electrode [counts], and largest slope of a smoothed one
+    [counts/s]."""
     slope = np.abs(np.gradient(smoothed(recording.counts), axis=0)).max() * RATE
     return [np.ptp(recording.counts, axis=0).max(), slope]
 
 
 def windows(counts, rows=50, step=25):
-    """Pieces of 0.5 s, which overlap by half."""
+    """Segments of 0.5 s with half overlap."""
     return [counts[a:a + rows] for a in range(0, len(counts) - rows + 1, step)]
