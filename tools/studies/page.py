@@ -1,4 +1,4 @@
-"""A result as an HTML page that needs no other file, and its charts as PNG and SVG."""
+"""A result as a self-contained HTML page, and its charts as PNG and SVG."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ if TYPE_CHECKING:
 GENERATOR = "slipbench reproduce"
 COLOURS = ("#1f66ad", "#c2450f", "#0a7d66", "#8a4fa3", "#a87400", "#59636e", "#2396b8", "#b0396b")  # of theme.css, light
 SIZE = (7.6, 3.3)  # inches
-PLACE, FRAME = 0.27, 0.9  # inches: height of a row of a chart of rows, and what is above and below them
-FORMATS = {"svg": {"Creator": GENERATOR, "Date": None}, "png": {"Software": GENERATOR}}  # metadata, by which a chart is known again
+PLACE, FRAME = 0.27, 0.9  # inches: height of a chart's row, and total height above and below the rows
+FORMATS = {"svg": {"Creator": GENERATOR, "Date": None}, "png": {"Software": GENERATOR}}  # metadata that identifies a chart
 
 
 def draw(chart: Chart) -> Figure:
-    """The chart as a figure of matplotlib.
+    """Draws the chart as a matplotlib figure.
 
     Args:
-        chart: what to draw
+        chart: chart to draw
 
     Returns:
-        a figure; no window shows it
+        the figure, without a window
     """
     from matplotlib.figure import Figure
 
     figure = Figure(SIZE if chart.joined else (SIZE[0], FRAME + PLACE * len(chart.places)), layout="constrained")
     axes = figure.subplots()
-    apart = 0.0 if chart.joined else 0.2  # so that intervals of several curves do not hide each other
+    apart = 0.0 if chart.joined else 0.2  # separates overlapping intervals of several curves
     for k, curve in enumerate(chart.curves):
         value, low, high = np.array(curve.points, dtype=float).T
         place = np.arange(len(value)) + apart * (k - 0.5 * (len(chart.curves) - 1))
@@ -59,7 +59,7 @@ def draw(chart: Chart) -> Figure:
         axes.set_xticks(range(len(chart.places)), chart.places)
         axes.grid(axis="y", color="#e9ecef")
     else:
-        axes.set(xlabel=chart.up, ylabel=chart.across, ylim=(len(chart.places) - 0.5, -0.5))  # the first row at the top
+        axes.set(xlabel=chart.up, ylabel=chart.across, ylim=(len(chart.places) - 0.5, -0.5))  # first row at the top
         axes.set_yticks(range(len(chart.places)), chart.places)
         axes.grid(axis="x", color="#e9ecef")
     axes.spines[["top", "right"]].set_visible(False)
@@ -68,14 +68,14 @@ def draw(chart: Chart) -> Figure:
 
 
 def drawn(chart: Chart, format_name: str) -> bytes:
-    """The chart as a file, the same bytes each time.
+    """The chart as a file with reproducible bytes.
 
     Args:
-        chart: what to draw
+        chart: chart to draw
         format_name: "png" or "svg"
 
     Returns:
-        what the file holds
+        content of the file
     """
     import matplotlib
 
@@ -104,11 +104,11 @@ def _list(items: Iterable[str]) -> str:
 
 
 def result_page(name: str, result: Result) -> str:
-    """One HTML page that loads nothing.
+    """One HTML page without external resources.
 
     Args:
         name: PAPER/TABLE
-        result: of that study
+        result: result of that study
 
     Returns:
         the page
@@ -133,13 +133,13 @@ def chart_paths(output: str, count: int) -> list[Path]:
 
 
 def check_charts(output: str) -> None:
-    """Refuses files that stand where charts of FILE.html would, and are none.
+    """Checks that files with the names of FILE.html's charts are charts.
 
     Args:
         output: FILE.html
 
     Raises:
-        InputError: for the first such file
+        InputError: for the first file that is not
     """
     page = Path(output)
     for path in sorted(page.parent.glob(f"{glob.escape(page.stem)}-*")):
@@ -149,18 +149,19 @@ def check_charts(output: str) -> None:
 
 
 def write(output: str, name: str, result: Result) -> list[str]:
-    """Writes the page, the object of result_object() beside it and each chart as SVG and PNG. Earlier files of this command are replaced.
+    """Writes the page, the object of result_object() and each chart as SVG and PNG. Earlier files
+    of this command are replaced.
 
     Args:
         output: FILE.html
         name: PAPER/TABLE
-        result: of that study
+        result: result of that study
 
     Returns:
         the names of the files
 
     Raises:
-        InputError: where a file cannot be written, or holds something else
+        InputError: a file cannot be written, or exists with other content
     """
     paths = chart_paths(output, len(result.charts))
     check_charts(output)

@@ -1,4 +1,4 @@
-"""What a study found: tables of text for people, numbers for programs."""
+"""Result of a study: tables of text for users, numbers for programs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Table:
     """A table of text.
 
     Attributes:
-        title: above it
+        title: title of the table
         head: names of its columns
         rows: each with as many cells as the head
         note: a sentence below the title; may be empty
@@ -30,11 +30,12 @@ class Table:
 
 @dataclass
 class Curve:
-    """A value with its interval at each of a chart's places.
+    """A value with its interval at each position of a chart.
 
     Attributes:
-        name: in the legend
-        points: (value, low, high) at each place; low and high may equal the value; NaN leaves the place out
+        name: name in the legend
+        points: (value, low, high) at each position; low and high may equal the value; NaN omits the
+            position
     """
 
     name: str
@@ -43,18 +44,18 @@ class Curve:
 
 @dataclass
 class Chart:
-    """Curves over places at equal distances.
+    """Curves over equally spaced positions.
 
     Attributes:
-        title: above it
-        across: name of the axis of the places, with its unit; empty: their labels say enough
+        title: title of the chart
+        across: name of the axis of the positions, with its unit; empty: the labels suffice
         up: name of the axis of the values, with its unit
-        places: labels for readers, such as "centre of mass at 2L/3"; no keys of the figures
+        places: labels, such as "centre of mass at 2L/3"; not keys of the figures
         curves: at least one
-        bar: value of a line across; None: no line
-        bar_name: what the legend says of it
-        joined: True: the places are in order, along the horizontal axis, and lines join the points; False: each place is a row with its label
-            before it
+        bar: value of a reference line; None: no line
+        bar_name: its name in the legend
+        joined: True: the positions are in order on the horizontal axis, and lines join the points;
+            False: each position is a row with its label
     """
 
     title: str
@@ -69,12 +70,13 @@ class Chart:
 
 @dataclass(frozen=True)
 class RealFigure:
-    """A figure that others measured on a real device, and ours. `reproduce realism` gathers these from all studies.
+    """A published figure of a real device, with ours. `reproduce realism` collects these figures
+    from all studies.
 
     Attributes:
-        what: with its unit
-        real: NaN where it was not published
-        ours: NaN where there is none
+        what: quantity with its unit
+        real: NaN: not published
+        ours: NaN: none
         note: what was fitted or assumed; may be empty
     """
 
@@ -86,17 +88,17 @@ class RealFigure:
 
 @dataclass
 class Result:
-    """What a study returns.
+    """Result of a study.
 
     Attributes:
         title: "Ablation of the hyperdimensional slip detector"
-        source: what is reproduced: paper and place in it
+        source: the paper, and the table in it
         figures: every number of the tables, unrounded, by name
-        setup: how it was measured, a sentence each
-        tables: in the order in which they are shown
+        setup: setup of the measurement, one sentence each
+        tables: in order
         charts: shown before the tables
-        remarks: what differs from the paper, and why
-        real: figures of real devices beside ours
+        remarks: differences from the paper, with their causes
+        real: figures of real devices with ours
     """
 
     title: str
@@ -110,7 +112,7 @@ class Result:
 
 
 def say_nothing(_: str) -> None:
-    """For options without a listener."""
+    """Default of Options.say: discards progress messages."""
 
 
 @dataclass(frozen=True)
@@ -118,18 +120,18 @@ class Options:
     """Options of the command line.
 
     Attributes:
-        data: a dataset to use instead of a fresh one; empty: none
-        real: a dataset of imported recordings that also judges; empty: none
-        seed: of datasets, item memories and draws; None: not given, 1
-        jobs: threads; 0: as many as the machine has
-        full: whether the study runs at the paper's size
-        synthesise: whether the synthesis runs again instead of its stored figures being read
-        trials: of each row; 0: as many as is usual
+        data: a dataset to use instead of a simulated one; empty: none
+        real: a dataset of imported recordings for training and test; empty: none
+        seed: seed of datasets, item memories and draws; None: not given, 1
+        jobs: threads; 0: one per core
+        full: True: run at the paper's size
+        synthesise: True: run the synthesis again instead of reading its stored figures
+        trials: trials per row; 0: the usual number
         only: names of rows to keep
         memories: folder of the published classifier; empty: the source tree's
         output: HTML file of the page; empty: none
-        resume: whether to go on with the networks that an earlier run has kept beside `output`
-        say: hears what is being done
+        resume: True: continue with the networks that an earlier run saved next to `output`
+        say: receives progress messages
     """
 
     data: str = ""
@@ -147,21 +149,22 @@ class Options:
 
     @property
     def draws_seed(self) -> int:
-        """The seed, 1 where none is given."""
+        """The seed, 1 by default."""
         return 1 if self.seed is None else self.seed
 
 
 def plain(value: Any) -> Any:
-    """`value` as JSON has it: numpy's scalars and arrays become Python's, tuples lists, NaN and infinities None.
+    """Converts `value` for JSON: numpy's scalars and arrays become Python's, tuples lists, NaN and
+    infinities None.
 
     Args:
-        value: mappings, sequences, arrays and scalars within each other
+        value: nested mappings, sequences, arrays and scalars
 
     Returns:
         dicts, lists, texts, numbers, bools and None
 
     Raises:
-        TypeError: where JSON has no such type
+        TypeError: JSON has no such type
     """
     if isinstance(value, Mapping):
         return {str(key): plain(one) for key, one in value.items()}
@@ -183,7 +186,7 @@ def result_object(name: str, result: Result) -> dict[str, Any]:
 
     Args:
         name: PAPER/TABLE
-        result: of that study
+        result: result of that study
 
     Returns:
         reproduction, title, source, setup, figures, remarks

@@ -19,10 +19,10 @@ def clopper_pearson(k: int, n: int, confidence: float = 0.95) -> tuple[float, fl
     Args:
         k: successes
         n: trials
-        confidence: of the interval, between 0 and 1
+        confidence: confidence level, between 0 and 1
 
     Returns:
-        low and high; (0, 1) where n is 0
+        low and high; (0, 1) if n is 0
 
     Raises:
         ValueError: for k > n or a confidence outside (0, 1)
@@ -36,19 +36,20 @@ def clopper_pearson(k: int, n: int, confidence: float = 0.95) -> tuple[float, fl
 
 
 def quantile(values: ArrayLike, p: float) -> float:
-    """The p-quantile, interpolated between the sorted values (numpy's default); NaN of no values."""
+    """The p-quantile, interpolated between the sorted values (numpy's default); NaN without
+    values."""
     array = np.asarray(values, dtype=float)
     return float(np.quantile(array, p)) if array.size else math.nan
 
 
 def median(values: ArrayLike) -> float:
-    """quantile(values, 0.5) of the values that are no NaN; NaN of none."""
+    """quantile(values, 0.5) of the values that are not NaN; NaN without values."""
     array = np.asarray(values, dtype=float)
     return quantile(array[~np.isnan(array)], 0.5)
 
 
 def mean_sd(values: ArrayLike) -> tuple[float, float]:
-    """Mean and standard deviation of the sample (n - 1); NaN where there are too few values."""
+    """Mean and standard deviation of the sample (n - 1); NaN for too few values."""
     array = np.asarray(values, dtype=float)
     return (float(array.mean()) if array.size else math.nan), (float(array.std(ddof=1)) if array.size > 1 else math.nan)
 
@@ -60,8 +61,8 @@ class Auc:
     Attributes:
         value: share of pairs in which the positive has the larger value, ties counting half
         interval: low and high, 95 %
-        positives: values of that class
-        negatives: values of the other
+        positives: number of values of that class
+        negatives: number of values of the other class
     """
 
     value: float
@@ -71,33 +72,37 @@ class Auc:
 
 
 def _shares_below(values: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
-    """For each value the share of `others` below it, equal ones counting half."""
+    """For each value the share of `others` below it, ties counting half."""
     ordered = np.sort(others)
     first, last = np.searchsorted(ordered, values, "left"), np.searchsorted(ordered, values, "right")
     return np.asarray((first + 0.5 * (last - first)) / len(ordered))
 
 
 def _unbiased(groups: int) -> float:
-    """n/(n - 1) for the bias of a variance about its own mean; 0 of one group, which adds nothing."""
+    """n/(n - 1), which corrects the bias of a variance about its own mean; 0 for one group, which
+    adds nothing."""
     return 0.0 if groups < 2 else groups / (groups - 1)
 
 
 def auc(positives: ArrayLike, negatives: ArrayLike, positive_group: ArrayLike | None = None, negative_group: ArrayLike | None = None) -> Auc:
-    """The area, exact by ranks, with DeLong's interval (Biometrics 44, 1988), or Obuchowski's (Biometrics 53, 1997) of values in groups.
+    """The area, exact by ranks, with DeLong's interval (Biometrics 44, 1988), or Obuchowski's
+    (Biometrics 53, 1997) for values in groups.
 
-    At 0 and at 1, where that variance vanishes, the interval is clopper_pearson's of the groups of the class that has fewer.
+    At 0 and at 1, where DeLong's variance vanishes, the interval is that of clopper_pearson() for
+    the groups of the class that has fewer.
 
     Args:
         positives: [m] values of one class
         negatives: [n] values of the other
-        positive_group: [m] number of each value's group; None: each value is a group of its own
-        negative_group: [n] the same
+        positive_group: [m] group number of each value; None: each value is its own group
+        negative_group: [n] likewise
 
     Returns:
         the area with its interval
 
     Raises:
-        ValueError: for a class without values, a NaN, or groups of another length
+        ValueError: for a class without values, a NaN, or groups whose number differs from their
+            values
     """
     above_values, below_values = np.asarray(positives, dtype=float), np.asarray(negatives, dtype=float)
     m, n = len(above_values), len(below_values)
@@ -123,7 +128,8 @@ def auc(positives: ArrayLike, negatives: ArrayLike, positive_group: ArrayLike | 
 
 
 def median_interval(values: ArrayLike) -> tuple[float, float]:
-    """The interval of 95 % of a median, whatever the distribution: between two order statistics; NaN of fewer than six values."""
+    """Distribution-free 95 % interval of a median, between two order statistics; NaN for fewer than
+    six values."""
     ordered = np.sort(np.asarray(values, dtype=float))
     r = 0
     while r < len(ordered) and clopper_pearson(r, len(ordered))[1] <= 0.5:
@@ -138,13 +144,15 @@ def bootstrap_intervals(groups: int, draws: int, seed: int,
     Draw number d takes its groups from RandomStream(seed, d, "intervals").
 
     Args:
-        groups: how many there are
+        groups: number of groups
         draws: at least 1
-        seed: of the draws
-        figures: makes figures of the numbers [groups] of drawn groups, as many each time; NaN leaves a draw out of that figure
+        seed: seed of the draws
+        figures: computes figures from the numbers [groups] of the drawn groups, equally many each
+            time; NaN omits a draw from that figure
 
     Returns:
-        low and high of each figure; NaN for fewer than two groups, and for a figure that is NaN in every draw
+        low and high of each figure; NaN for fewer than two groups, and for a figure that is NaN in
+        every draw
 
     Raises:
         ValueError: for no draws

@@ -1,4 +1,4 @@
-"""A result as a person at a terminal reads it."""
+"""A result as text for a terminal."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ BOLD, DIM, HEADING = "1", "2", "1;36"
 
 
 def wrapped(text: str, width: int) -> str:
-    """The text broken at spaces, indented by two."""
+    """The text wrapped at spaces, indented by two."""
     return textwrap.fill(text, width, initial_indent="  ", subsequent_indent="  ", break_long_words=False, break_on_hyphens=False) + "\n"
 
 
 def table_text(table: Table, dim: str = "{}") -> str:
-    """The lines of a table, right-aligned columns but for the first.
+    """The lines of a table, with right-aligned columns except the first.
 
     Args:
-        table: what to show
+        table: table to show
         dim: format of the head
 
     Returns:
@@ -35,15 +35,15 @@ def table_text(table: Table, dim: str = "{}") -> str:
 
 
 def result_text(result: Result, colour: bool, width: int) -> str:
-    """All of a result as text.
+    """A whole result as text.
 
     Args:
-        result: what to show
-        colour: whether to mark it up for a terminal
+        result: result to show
+        colour: True: mark up for a terminal
         width: columns
 
     Returns:
-        the text, which ends in a line end
+        the text, which ends with a line end
     """
     def marked(text: str, code: str) -> str:
         return f"\033[{code}m{text}\033[0m" if colour else text
@@ -59,5 +59,5 @@ def result_text(result: Result, colour: bool, width: int) -> str:
 
 
 def show(result: Result) -> None:
-    """Prints a result on stdout, in colour where a person watches (no-color.org)."""
+    """Prints a result on stdout, in colour on a terminal (no-color.org)."""
     sys.stdout.write(result_text(result, watched(sys.stdout) and not os.environ.get("NO_COLOR"), text_width()))

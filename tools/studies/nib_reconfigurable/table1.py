@@ -1,4 +1,5 @@
-"""Table I of the nib pad's paper: forces and moments out of the 36 capacitances, under uniform and under partial loads."""
+"""Table I of the nib pad's paper: forces and moments from the 36 capacitances, under uniform and
+partial loads."""
 
 from __future__ import annotations
 
@@ -23,8 +24,8 @@ FIT, CHOOSE, TEST = 3000, 1000, 1000  # rows; the paper: 4000 train, 1000 test
 SCENES = {"uniform": "scenes/nib_pad/calibrate_uniform.yaml", "end face": "scenes/nib_pad/calibrate_end_face.yaml",
           "lying": "scenes/nib_pad/calibrate_lying.yaml"}
 CASES = {"uniform": ["uniform"], "uniform + end face": ["uniform", "end face"], "uniform + lying": ["uniform", "lying"],
-         "uniform + both": ["uniform", "end face", "lying"]}  # which loads are learnt and tested, in equal parts
-AVERAGED = 5  # images that si is averaged over, and the reference with it
+         "uniform + both": ["uniform", "end face", "lying"]}  # loads for training and test, in equal parts
+AVERAGED = 5  # images averaged in si, and in the reference
 RIDGES = [10.0**k for k in range(-8, 1)]
 COMPONENTS = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
 HEAD = ["", "Fx, N", "Fy, N", "Fz, N", "Mx, mNm", "My, mNm", "Mz, mNm"]
@@ -35,12 +36,13 @@ PUBLISHED = {"paper: uniform": [0.12, 0.11, 0.56, 3.0, 3.1, 1.3], "paper: unifor
 
 @dataclass(frozen=True)
 class Variant:
-    """What is changed of the recordings, one thing at a time.
+    """A single change of the recordings.
 
     Attributes:
-        overrides: of the scenes
-        averaged: whether the reference is averaged as si is
-        apart: so many times as many recordings, of which every so manieth image is kept
+        overrides: overrides of the scenes
+        averaged: True: the reference is averaged like si
+        apart: number of recordings per image kept: takes this many times as many recordings, and
+            keeps every so many-th image
     """
 
     overrides: dict[str, str] = field(default_factory=dict)
@@ -49,7 +51,7 @@ class Variant:
 
 
 LINEAR, LEAN = {"sensors.pad.capacitor": "linear"}, {"effects": "[lean]"}
-VARIANTS = {  # the scenes as they are first
+VARIANTS = {  # unchanged scenes first
     "as it is": Variant(),
     "linear capacitor": Variant(LINEAR),
     "no noise": Variant({"sensors.pad.electronics": "ideal"}),
@@ -62,15 +64,16 @@ VARIANTS = {  # the scenes as they are first
     "linear capacitor, images 0.3 s apart": Variant(LINEAR, apart=10),
     "nibs that lean (P-delta), images 0.3 s apart": Variant(LEAN, apart=10),
 }
-# How the rows of the main table are split: variant, and whether rows are drawn in order of time.
+# Splits of the rows of the main table: variant, and True to divide rows in order of time.
 SPLITS = {"random split": ("as it is", False), "chronological split": ("as it is", True), "images 0.3 s apart": ("as it is, images 0.3 s apart", False)}
 
 
 def wrench_on_pad(tips: ArrayLike, force: ArrayLike, displacement: ArrayLike) -> Doubles:
-    """What the object does to the pad, in its frame P and about its origin; compression is positive.
+    """Load of the object on the pad, in the pad's frame P and about its origin; compression is
+    positive.
 
     Args:
-        tips: [N, 3] m, of the units without load
+        tips: [N, 3] m, of the unloaded units
         force: [..., N, 3] N
         displacement: [..., N, 3] m
 
@@ -84,12 +87,12 @@ def wrench_on_pad(tips: ArrayLike, force: ArrayLike, displacement: ArrayLike) ->
 
 @dataclass(frozen=True)
 class Recording:
-    """A calibration: n images from the motion's start on.
+    """A calibration: n images from the motion's start.
 
     Attributes:
-        si: [n, 36] counts above the mean of the images before
-        wrench: [n, 6] at the instant at which the image is complete
-        averaged: [n, 6] mean over the last AVERAGED images of these
+        si: [n, 36] counts minus the mean of the images before the motion
+        wrench: [n, 6] at the time at which the image is complete
+        averaged: [n, 6] mean over the last AVERAGED images
     """
 
     si: Doubles
@@ -98,13 +101,14 @@ class Recording:
 
 
 def joined(recordings: Iterable[Recording]) -> Recording:
-    """Recordings one after the other."""
+    """Concatenates recordings."""
     parts = list(recordings)
     return Recording(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("si", "wrench", "averaged")))
 
 
 def running_mean(rows: Doubles, count: int) -> Doubles:
-    """The mean of each row [n, ...] and of those before it, `count` in all, or as many as there are."""
+    """Running mean of rows [n, ...] over each row and the rows before it, `count` in all, or as
+    many as there are."""
     sums = np.cumsum(np.concatenate([np.zeros((1, *rows.shape[1:])), rows]), axis=0)
     n = np.arange(1, len(rows) + 1)
     first = np.maximum(n - count, 0)
@@ -112,19 +116,19 @@ def running_mean(rows: Doubles, count: int) -> Doubles:
 
 
 def recording_of(trial: Trial, start: float, every: int = 1) -> Recording:
-    """A trial of a calibration scene as a recording.
+    """Converts a trial of a calibration scene to a recording.
 
     Args:
         trial: recorded with record="contact"
-        start: s, when the motion starts
-        every: keeps every so manieth image
+        start: s, begin of the motion
+        every: keeps every `every`-th image
 
     Returns:
-        its images from `start` on
+        its images from `start`
     """
     sensor, contact = trial.sensors["pad"], trial.contacts["pad"]
     si = sensor.channels["si"].reshape(-1, 36).astype(float)
-    complete = np.arange(1, len(si) + 1) * (len(sensor.t) // len(si)) - 1  # samples with which an image is complete
+    complete = np.arange(1, len(si) + 1) * (len(sensor.t) // len(si)) - 1  # last sample of each image
     tips = np.column_stack([trial.labels["pad"].unit_positions, trial.labels["pad"].unit_heights])
     wrench = wrench_on_pad(tips, contact.force[complete], contact.displacement[complete])
     untouched = int(np.searchsorted(sensor.t[complete], start))
@@ -134,7 +138,7 @@ def recording_of(trial: Trial, start: float, every: int = 1) -> Recording:
 
 @dataclass(frozen=True)
 class Split:
-    """Numbers of the rows of a recording that are learnt from, that choose the ridge, and that judge."""
+    """Row numbers of a recording for training, for choosing the ridge, and for the test."""
 
     fit: Rows
     choose: Rows
@@ -142,7 +146,7 @@ class Split:
 
 
 def _draw(rows: Rows, count: int, stream: RandomStream) -> Rows:
-    """The first `count` of the rows, shuffled."""
+    """Draws `count` of the rows."""
     if len(rows) < count:
         raise ValueError(f"split_rows: {len(rows)} rows; needed: {count}")
     left = rows.tolist()
@@ -153,16 +157,16 @@ def _draw(rows: Rows, count: int, stream: RandomStream) -> Rows:
 
 
 def split_rows(rows: int, fit: int, choose: int, test: int, in_time: bool, stream: RandomStream) -> Split:
-    """Draws rows of a recording, none twice.
+    """Draws rows of a recording without replacement.
 
     Args:
-        rows: how many there are
-        fit: how many are learnt from
-        choose: how many choose the ridge
-        test: how many judge
-        in_time: the last fifth judges, of the rest the last quarter chooses; else all are drawn from among all, so that neighbours of a test row may
-            be learnt from
-        stream: of the draws
+        rows: number of rows
+        fit: number of training rows
+        choose: number of rows for choosing the ridge
+        test: number of test rows
+        in_time: True: the last fifth is for the test, and the last quarter of the remainder for
+            choosing; False: draws from all rows, so that neighbours of test rows may be in training
+        stream: random stream
 
     Returns:
         the three parts
@@ -179,15 +183,15 @@ def split_rows(rows: int, fit: int, choose: int, test: int, in_time: bool, strea
 
 
 def split_of(sizes: Sequence[int], in_time: bool, stream: RandomStream) -> Split:
-    """The rows of several loads, in equal parts, as those of one recording.
+    """Splits the rows of several loads, in equal parts, like those of one recording.
 
     Args:
         sizes: rows of each load
-        in_time: as split_rows()
-        stream: of the draws
+        in_time: as for split_rows()
+        stream: random stream
 
     Returns:
-        numbers of rows of the loads one after the other
+        row numbers in the concatenated loads
 
     Raises:
         ValueError: for too few rows of a load
@@ -199,19 +203,21 @@ def split_of(sizes: Sequence[int], in_time: bool, stream: RandomStream) -> Split
 
 
 class QuadraticFit:
-    """y = b + sum a_i x_i + sum_{i<=j} a_ij x_i x_j of every component, by least squares with a ridge.
+    """Least-squares fit with a ridge of y = b + sum a_i x_i + sum_{i<=j} a_ij x_i x_j for every
+    component.
 
-    Columns are scaled to mean 0 and standard deviation 1 first, b is not held back. With 36 inputs it has 703 coefficients a component, which 3,000
-    rows hardly fix: the ridge is the one of RIDGES that is best on rows that were not learnt from; then all are.
+    Columns are first scaled to mean 0 and standard deviation 1; b is not penalised. With 36 inputs
+    there are 703 coefficients per component, which 3,000 rows hardly determine: the ridge is the
+    one of RIDGES that is best on rows outside of training; the final fit uses all rows.
 
     Args:
         x: [n, inputs]
         y: [n, components]
-        fit: numbers of the rows to learn from
-        choose: numbers of those that choose the ridge
+        fit: numbers of the training rows
+        choose: numbers of the rows for choosing the ridge
 
     Attributes:
-        ridge: [components] the chosen one of each, over the number of rows
+        ridge: [components] chosen value of each, divided by the number of rows
     """
 
     def __init__(self, x: Doubles, y: Doubles, fit: Rows, choose: Rows) -> None:
@@ -229,7 +235,8 @@ class QuadraticFit:
             self._coefficients[:, best == k] = solved(RIDGES[k])[:, best == k]
 
     def _learn(self, x: Doubles, y: Doubles) -> Any:
-        """Scales the columns of these rows; returns the function from a ridge to the coefficients [columns, components]."""
+        """Scales the columns of these rows; returns a function from a ridge to the coefficients
+        [columns, components]."""
         self._columns = make_pipeline(StandardScaler(), PolynomialFeatures(2, include_bias=False), StandardScaler())
         terms = self._columns.fit_transform(x)
         self._mean = y.mean(axis=0)
@@ -237,7 +244,7 @@ class QuadraticFit:
         return lambda ridge: linalg.solve(gram + ridge * np.eye(len(gram)), right, assume_a="pos")
 
     def predict(self, x: Doubles) -> Doubles:
-        """[n, components] of the inputs [n, inputs]."""
+        """Predicts [n, components] from the inputs [n, inputs]."""
         return np.asarray(self._columns.transform(x) @ self._coefficients + self._mean)
 
 
@@ -247,7 +254,7 @@ def rms(error: Doubles) -> Doubles:
 
 
 def error_of(loads: Sequence[Recording], in_time: bool, seed: int) -> Doubles:
-    """RMS error [6] of a fit to loads, in equal parts, on its test rows."""
+    """RMS error [6] of a fit to loads, in equal parts, on the test rows."""
     data = joined(loads)
     split = split_of([len(load.si) for load in loads], in_time, RandomStream(seed, 0, "nib_table1.split"))
     fit = QuadraticFit(data.si, data.averaged, split.fit, split.choose)
@@ -255,7 +262,7 @@ def error_of(loads: Sequence[Recording], in_time: bool, seed: int) -> Doubles:
 
 
 def transfer(recordings: dict[str, Recording], seed: int) -> dict[str, tuple[Doubles, Doubles]]:
-    """A fit of uniform loads, asked about each kind of load: RMS error and mean error, [6] each."""
+    """Errors of a fit to uniform loads on each kind of load: RMS error and mean error, [6] each."""
     uniform = recordings["uniform"]
     split = split_of([len(uniform.si)], False, RandomStream(seed, 0, "nib_table1.split"))
     fit = QuadraticFit(uniform.si, uniform.averaged, split.fit, split.choose)
@@ -268,7 +275,7 @@ def transfer(recordings: dict[str, Recording], seed: int) -> dict[str, tuple[Dou
 
 
 def _row(name: str, values: Iterable[float]) -> list[str]:
-    """Of values in the table's units."""
+    """A row of values in the table's units."""
     return [name, *(f"{value:.{digits}f}" for value, digits in zip(values, DIGITS, strict=True))]
 
 
@@ -277,7 +284,8 @@ def _figures(values: Iterable[float]) -> dict[str, Any]:
 
 
 def record_loads(options: Options) -> dict[str, dict[str, Recording]]:
-    """The recordings of each variant and load. Raises InputError and KeyboardInterrupt as run_grid()."""
+    """The recordings of each variant and load. Raises InputError and KeyboardInterrupt as
+    run_grid()."""
     start = next(parse_quantity(one["default"]) for one in describe("wander")[0]["parameters"] if one["name"] == "start")
     places, cells = [], []
     for variant, changes in VARIANTS.items():
@@ -300,7 +308,7 @@ def study(options: Options) -> Result:
         options: seed, jobs
 
     Returns:
-        errors of the fits, of a fit of uniform loads asked about others, and what decides them
+        errors of the fits, of a fit to uniform loads on other loads, and their causes
     """
     seed = options.draws_seed
     recordings = record_loads(options)

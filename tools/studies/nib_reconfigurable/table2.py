@@ -1,4 +1,5 @@
-"""Table II of the nib pad's paper: Algorithm 1 while the normal force falls slowly, and what decides its figures."""
+"""Table II of the nib pad's paper: Algorithm 1 under a slowly falling normal force, and the causes
+of its figures."""
 
 from __future__ import annotations
 
@@ -14,13 +15,13 @@ from slipbench_studies.result import Chart, Curve, Options, RealFigure, Result, 
 from slipbench_studies.statistics import clopper_pearson, mean_sd, median
 
 SCENE = "scenes/nib_pad/release.yaml"
-DETECTOR = {"start": "6 s"}  # of the scene: flags count from then on
-START = 6.0  # s, the same
+DETECTOR = {"start": "6 s"}  # of the scene: flags count from this time
+START = 6.0  # s, the same time
 USUAL_TRIALS = 15
-FEW_DRAWS = 2  # trials a cell at most, of every law but the scene's own
-SAFE_WAY = 6e-3  # m, a detection before is a success in the paper
+FEW_DRAWS = 2  # maximum number of trials per cell for every law except the scene's own
+SAFE_WAY = 6e-3  # m; an earlier detection is a success in the paper
 
-# A change of the detector, on the very same trials; the scene's own first.
+# Changes of the detector on the same trials; the scene's own detector first.
 READINGS: dict[str, tuple[str, dict[str, str]]] = {
     "as_is": ("threshold 25, patience 0.5 s, F_S/F_N of counts as equations 1, 2 and 4 have it", {}),
     "threshold_15": ("threshold 15", {"threshold": "15"}),
@@ -36,7 +37,8 @@ READINGS: dict[str, tuple[str, dict[str, str]]] = {
 
 
 class Surface(NamedTuple):
-    """A published row: text, errors of all and of gross detections [N], safe runs, runs."""
+    """A published row: text, errors of all and of gross detections [N], number of safe runs, number
+    of runs."""
 
     text: str
     all: float
@@ -50,14 +52,14 @@ PUBLISHED = {"paper": Surface("paper", 0.77, 0.55, 57, 58), "masonite": Surface(
 
 
 def trial_of(trial: Trial) -> tuple[list[dict[str, Any]], Signature | None]:
-    """What one trial comes to with each of READINGS, and its signature.
+    """Result of one trial for each of READINGS, and its signature.
 
     Args:
         trial: a full record of the scene
 
     Returns:
-        rows of reading, material, required: N, pull/mu_s; force: N, true, at the detection; way: m, slip at the detection (NaN: nothing was detected
-        before the slip was over)
+        rows of reading, material, required: N, pull/mu_s; force: N, true, at the detection; way: m,
+        slip at the detection (NaN: no detection before the slip was over)
     """
     trace, params = Trace(trial), trial.params
     begun = trace.at(START)
@@ -71,14 +73,15 @@ def trial_of(trial: Trial) -> tuple[list[dict[str, Any]], Signature | None]:
 
 
 def summary_of(runs: pd.DataFrame) -> dict[str, Any]:
-    """What runs come to.
+    """Summary of runs.
 
     Args:
         runs: columns required, force [N], way [m]
 
     Returns:
-        numbers of runs: runs, safe (detected before 6 mm), early (safe, and at no less than the force that the pull requires); of the safe ones
-        error_N, error_sd_N, gross_error_N (of those that are not early), slip_mm; NaN of none
+        numbers of runs: runs, safe (detected before 6 mm), early (safe, at no less than the force
+        that the pull requires); of the safe ones error_N, error_sd_N, gross_error_N (of those that
+        are not early), slip_mm; NaN without runs
     """
     safe = runs[runs["way"] < SAFE_WAY]
     error, gross = (safe["force"] - safe["required"]).abs(), safe["force"] < safe["required"]
@@ -97,7 +100,7 @@ def _safe_share(s: dict[str, Any]) -> str:
 
 
 def release_table(runs: pd.DataFrame) -> tuple[Table, list[dict[str, Any]]]:
-    """The paper's table beside ours, and its figures, a row a surface and one of all."""
+    """The paper's table with ours, and its figures: one row per surface and one for all."""
     table = Table("Algorithm 1 with the paper's M and alpha",
                   ["", "error, N: paper", "ours", "gross only: paper", "ours", "before 6 mm: paper", "ours", "early", "slip at the detection, mm"],
                   note="Error: mean of |F_G,slip - F_G,req| over what was detected before 6 mm, F_G,req = pull/mu_s; gross: of those with F_G,slip < "
@@ -119,14 +122,15 @@ def _surfaces_row(text: str, runs: pd.DataFrame) -> list[str]:
 
 
 def signature_rows(law: str, found: list[Signature | None]) -> tuple[list[list[str]], list[dict[str, Any]]]:
-    """Medians of the signatures under one law: rows of the table and their figures, flat plates first.
+    """Medians of the signatures under one law: rows of the table and their figures, flat plates
+    first.
 
     Args:
-        law: its text
-        found: of each trial; None: no slip that lasts
+        law: text of the law
+        found: signature of each trial; None: no sufficiently long slip
 
     Returns:
-        two rows of text and two of figures, which have medians where there are slips
+        two rows of text and two of figures, with medians if there are slips
     """
     rows, figures = [], []
     for wavy in (False, True):
@@ -146,7 +150,7 @@ def study(options: Options) -> Result:
         options: trials, seed, jobs
 
     Returns:
-        the table, the same under other friction and with other readings, and signatures
+        the table, the same for other friction laws and other readings, and signatures
     """
     trials = options.trials or USUAL_TRIALS
     cells = [Cell(law.text, SCENE, draws=trials if k == 0 else min(trials, FEW_DRAWS), change=law.change) for k, law in enumerate(LAWS.values())]

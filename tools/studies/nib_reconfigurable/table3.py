@@ -1,4 +1,5 @@
-"""Table III of the nib pad's paper: a box turned up by rotational slip and released, over weights, centres of mass and surfaces."""
+"""Table III of the nib pad's paper: a box turned up by rotational slip and released, over weights,
+centres of mass and surfaces."""
 
 from __future__ import annotations
 
@@ -17,19 +18,20 @@ from slipbench_studies.statistics import clopper_pearson, median
 
 SCENE = "scenes/nib_pad/reorient.yaml"
 PUBLISHED_RUNS = 11
-UPRIGHT = math.radians(5.0)  # as the outcome's `standing` has it
+UPRIGHT = math.radians(5.0)  # same limit as the outcome's `standing`
 TURNED_UP = math.radians(20.0)
 LAG = 1e-3  # m, of the arm behind its command, at 10 mm/s
 
-# How a trial ended. The phases are told apart by the arm: it rises while the grip is adjusted and the box turns, and goes sideways in the release.
+# Outcomes of a trial. The arm distinguishes the phases: it rises while the grip is adjusted and the
+# box turns, and moves sideways in the release.
 ENDS = {
     "standing": "standing",
-    "lost": "lost",  # before the release no pad touched it any more
-    "told_early": "told early",  # released below TargetPoint, where upright is told, and never nearer than TURNED_UP to upright
-    "not_turned": "not turned",  # the same at TargetPoint: it hung in the grip, or lay
-    "fell": "fell",  # released, nearer than that to upright at some time, and not upright in the end
-    "not_let_go": "not let go",  # upright in the end, but a pad touches it or the table does not carry it
-    "not_released": "not released",  # the arm rose to the end of the trial
+    "lost": "lost",  # neither pad had contact, before the release
+    "told_early": "told early",  # released below TargetPoint as upright, but tilt never below TURNED_UP
+    "not_turned": "not turned",  # the same at TargetPoint: the box hung in the grip or lay
+    "fell": "fell",  # released, tilt below TURNED_UP at some time, and not upright at the end
+    "not_let_go": "not let go",  # upright at the end, but in contact with a pad or not supported by the table
+    "not_released": "not released",  # the arm rose until the end of the trial
 }
 
 
@@ -38,9 +40,9 @@ class Box:
     """A row of the table.
 
     Attributes:
-        text: in the table
-        published: successes of PUBLISHED_RUNS; None: a change of ours
-        overrides: of the scene
+        text: text in the table
+        published: successes of PUBLISHED_RUNS; None: our own variation
+        overrides: overrides of the scene
     """
 
     text: str
@@ -49,14 +51,15 @@ class Box:
 
 
 def defaults() -> dict[str, str]:
-    """The parameters of the controller `reorient` as the program describes them, by name."""
+    """Default parameters of the controller `reorient` from `slipbench describe`, by name."""
     return {one["name"]: one["default"] for one in describe("reorient")[0]["parameters"]}
 
 
 def boxes() -> dict[str, Box]:
     """All rows by name.
 
-    With 118 g in the box's middle and 200 g at y the common centre is 200/318 y from there; a sixth of 155 mm takes 41.08 mm.
+    With 118 g in the middle of the box and 200 g at y, the common centre of mass is 200/318 y from
+    the middle; a sixth of 155 mm requires 41.08 mm.
     """
     def surface(material: str, friction: str) -> dict[str, str]:
         return {"surface.material": material, "friction.static": friction, "friction.kinetic": friction}
@@ -85,7 +88,7 @@ def tilt_of(pose: ArrayLike) -> NDArray[np.float64]:
     """Angle between a body's axis Y and the vertical.
 
     Args:
-        pose: [..., 7] place and quaternion w x y z; the upward part of Y is 2 (y z + w x)
+        pose: [..., 7] position and quaternion w x y z; the upward component of Y is 2 (y z + w x)
 
     Returns:
         [...] rad, 0 to pi/2
@@ -95,7 +98,8 @@ def tilt_of(pose: ArrayLike) -> NDArray[np.float64]:
 
 
 class Turn(NamedTuple):
-    """How a trial ended: a key of ENDS, and when the release began tilt [rad] and grip force [N], NaN without a release."""
+    """Outcome of a trial: a key of ENDS, and tilt [rad] and grip force [N] at the begin of the
+    release, NaN without a release."""
 
     end: str
     tilt: float
@@ -103,10 +107,10 @@ class Turn(NamedTuple):
 
 
 def turn_of(outcome: dict[str, Any], arm: ArrayLike, grip_force: ArrayLike, arm_height: ArrayLike, box_pose: ArrayLike, target: float) -> Turn:
-    """How a trial ended.
+    """Determines the outcome of a trial.
 
     Args:
-        outcome: of the trial: standing, tilt_rad, least_tilt_rad
+        outcome: the trial's standing, tilt_rad, least_tilt_rad
         arm: [T, 2] m/s, speed that the controller commands: sideways, up
         grip_force: [T] N, mean of both pads
         arm_height: [T] m
@@ -114,10 +118,10 @@ def turn_of(outcome: dict[str, Any], arm: ArrayLike, grip_force: ArrayLike, arm_
         target: m, rise of TargetPoint
 
     Returns:
-        the end, and tilt and force when the release began
+        the outcome, and tilt and force at the begin of the release
 
     Raises:
-        ValueError: where the arrays have no rows, or not the same
+        ValueError: the arrays have no rows, or different numbers of rows
     """
     sideways, up = np.asarray(arm, dtype=float).T if np.ndim(arm) == 2 else (np.empty(0), np.empty(0))
     force, height, pose = (np.asarray(one, dtype=float) for one in (grip_force, arm_height, box_pose))
@@ -145,7 +149,7 @@ def turn_of(outcome: dict[str, Any], arm: ArrayLike, grip_force: ArrayLike, arm_
 
 
 def run_of(trial: Trial, target: float) -> dict[str, Any]:
-    """What the study keeps of a trial.
+    """Data that the study keeps of a trial.
 
     Args:
         trial: a full record of the scene
@@ -162,14 +166,14 @@ def run_of(trial: Trial, target: float) -> dict[str, Any]:
 
 
 def summary_of(runs: pd.DataFrame) -> dict[str, Any]:
-    """What the runs of a row come to.
+    """Summary of the runs of a row.
 
     Args:
-        runs: a row each, columns as run_of() has them
+        runs: one row each, columns as in run_of()
 
     Returns:
-        numbers of runs: runs, standing, turned_up, dropped, ends by name; medians that leave NaN out: tilt, least_tilt, released_tilt [rad],
-        most_force, held_by [N]
+        numbers of runs: runs, standing, turned_up, dropped, ends by name; medians without NaN:
+        tilt, least_tilt, released_tilt [rad], most_force, held_by [N]
     """
     return {
         "runs": len(runs),

@@ -1,4 +1,4 @@
-"""Recordings of the piezoelectric skin's bench, as frames that networks are trained on."""
+"""Recordings of the piezoelectric skin's bench as training frames."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from slipbench_studies.network_training import Floats, Labels
 from slipbench_studies.piezo_fft_gru import SCENE
 from slipbench_studies.result import Options
 
-BENCH_LEVEL = 2.0  # of the motors' vibration in SCENE
-NON_SLIP = 1  # code of a pad's state; greater codes slip
+BENCH_LEVEL = 2.0  # level of the motors' vibration in SCENE
+NON_SLIP = 1  # code of a pad's state; greater codes are slip
 RULES = {"paper": "position", "micro": "true"}  # labels by their name in `slipbench train --labels`: name in the tables
 
 PUBLISHED_SPECTRA = find_recipe("piezo_fft_gru").input
@@ -28,17 +28,17 @@ SIGNAL_AT_100_HZ = find_recipe("piezo_raw_gru").input
 
 
 def spectra_of(low: float, high: float) -> Input:
-    """The published spectra, cut to the band from `low` to `high` [Hz]."""
+    """The published spectra, limited to the band from `low` to `high` [Hz]."""
     return replace(PUBLISHED_SPECTRA, low=low, high=high)
 
 
 @dataclass(frozen=True)
 class LabelledFrames:
-    """The frames of a recording by one input.
+    """The frames of a recording for one input.
 
     Attributes:
         features: [T, F]
-        labels: by each rule of RULES [T], 1: slip
+        labels: [T] by each rule of RULES, 1: slip
     """
 
     features: Floats
@@ -50,14 +50,14 @@ class Recording:
     """A recording of the bench.
 
     Attributes:
-        level: of the motors' vibration; NaN: the dataset does not sweep it
-        tip: what was swept except the motion; equal texts are equal tips
-        motors_only: whether nothing ever touches
-        slip_time: s, first slip of a part of the contact; NaN: there is none
-        label_time: s, first sample that slips by the 100 Hz position; NaN: there is none
-        inputs: the frames by each input that was asked for
+        level: level of the motors' vibration; NaN: not swept
+        tip: swept values except the motion; equal texts mean equal tips
+        motors_only: True if there is never contact
+        slip_time: s, first slip of a part of the contact; NaN: none
+        label_time: s, first sample with slip by the 100 Hz position; NaN: none
+        inputs: the frames for each requested input
         time: [T] s, last sample of each frame of the first input
-        contact: [T] 1: something touches at this sample
+        contact: [T] 1: contact at this sample
         motors: [T] m/s, sum of the speeds of all axes whose motors run at this sample
     """
 
@@ -73,23 +73,24 @@ class Recording:
 
 
 def tip_of(params: Mapping[str, Any]) -> str:
-    """Describes the swept values except the motion, as "friction.static=0.6 ...". `params`: of a trial."""
+    """Describes the swept values except the motion, as "friction.static=0.6 ...". `params`: of a
+    trial."""
     return " ".join(f"{path}={json.dumps(value, separators=(',', ':'), ensure_ascii=False)}"
                     for path, value in params.items() if not path.startswith("motion."))
 
 
 def recording_of(trial: Trial | StoredTrial, inputs: Sequence[Input]) -> Recording:
-    """A trial as networks are trained on it.
+    """Converts a trial to training frames.
 
     Args:
         trial: a full record with a piezo_skin
-        inputs: what networks read
+        inputs: input definitions
 
     Returns:
         the recording
 
     Raises:
-        InputError: there is no piezo_skin, or it has no labels of both rules
+        InputError: there is no piezo_skin, or it lacks labels of one of the rules
     """
     pads = [name for name, sensor in trial.sensors.items() if sensor.type == "piezo_skin"]
     if not pads:
@@ -115,7 +116,7 @@ def recording_of(trial: Trial | StoredTrial, inputs: Sequence[Input]) -> Recordi
         ends.append(last)
     at = time[ends[0]]
     idle_speed, idle_start = (_number(trial.params.get(f"motion.idle_{what}")) for what in ("speed", "start"))
-    motors = speed_of_bodies(trial, at) + np.where(at >= idle_start, idle_speed, 0.0)  # at no time where it is NaN
+    motors = speed_of_bodies(trial, at) + np.where(at >= idle_start, idle_speed, 0.0)  # never if it is NaN
     onsets = np.asarray(labels.micro_onset_time)
     return Recording(
         level=_number(trial.params.get("motion.vibration")),
@@ -131,7 +132,7 @@ def recording_of(trial: Trial | StoredTrial, inputs: Sequence[Input]) -> Recordi
 
 
 def _number(value: Any) -> float:
-    """A value that was swept; NaN where it was not, or is not a number."""
+    """A swept value; NaN if it is missing or not a number."""
     return float(value) if isinstance(value, int | float) else math.nan
 
 
@@ -154,14 +155,15 @@ def speed_of_bodies(trial: Trial | StoredTrial, time: NDArray[np.float64]) -> ND
 
 def run_recordings(levels: Iterable[float], count: int, inputs: Sequence[Input], options: Options,
                    others_too: bool = True) -> list[Recording]:
-    """Runs the published bench.
+    """Simulates the published bench.
 
     Args:
-        levels: of the motors' vibration
-        count: recordings at each level, half with a slip and half of motors alone
-        inputs: what networks read
+        levels: levels of the motors' vibration
+        count: recordings at each level, half with a slip and half of motors only
+        inputs: input definitions
         options: seed, jobs
-        others_too: whether in half of the recordings a motor runs that does not move the tip; False: in none
+        others_too: True: in half of the recordings a motor runs that does not move the tip; False:
+            in none
 
     Returns:
         the recordings
@@ -181,11 +183,11 @@ def read_recordings(path: str, inputs: Sequence[Input]) -> list[Recording]:
     """The recordings of a dataset.
 
     Args:
-        path: of its first file
-        inputs: what networks read
+        path: path of its first file
+        inputs: input definitions
 
     Returns:
-        a recording a trial
+        one recording per trial
 
     Raises:
         InputError: the file is not a dataset of piezo skins, with its name

@@ -1,4 +1,5 @@
-"""Section V.E of the piezo paper: the delay of the FFT-GRU, from the position label and from the true first slip."""
+"""Section V.E of the piezo paper: the delay of the FFT-GRU, relative to the position label and to
+the true first slip."""
 
 from __future__ import annotations
 
@@ -20,9 +21,11 @@ NAME = "piezo-fft-gru/delay"
 
 
 def alarm_delay(time: ArrayLike, called: ArrayLike, onset: float) -> float:
-    """The time from `onset` to the beginning of the alarm that is on at this instant, or else of the next one.
+    """Time from `onset` to the begin of the alarm that is active at the onset, else of the next
+    alarm.
 
-    It is negative for an alarm that is on. The paper's mean of 8.5 ms counts so: its delays may be negative.
+    It is negative for an active alarm. The paper's mean of 8.5 ms is computed this way: its delays
+    may be negative.
 
     Args:
         time: [T] s, of each frame
@@ -30,10 +33,10 @@ def alarm_delay(time: ArrayLike, called: ArrayLike, onset: float) -> float:
         onset: s
 
     Returns:
-        s; NaN: no alarm is on then or comes after it
+        s; NaN: no active or later alarm
     """
     at, alarm = np.asarray(time), np.asarray(called) == 1
-    frame = int(np.searchsorted(at, onset, "right"))  # the frame before it, the last complete one, answers at the onset
+    frame = int(np.searchsorted(at, onset, "right"))  # the last complete frame determines the answer at the onset
     if frame > 0 and alarm[frame - 1]:
         silent = np.flatnonzero(~alarm[:frame])
         return float(at[silent[-1] + 1 if silent.size else 0] - onset)
@@ -43,17 +46,18 @@ def alarm_delay(time: ArrayLike, called: ArrayLike, onset: float) -> float:
 
 @dataclass
 class Alarms:
-    """Alarms over recordings. By the first rule the first alarm of a recording decides, and an early one has no delay.
+    """Alarms over recordings. In `delay`, the first alarm of a recording decides, and an early one
+    has no delay.
 
     Attributes:
-        delay: s, of the recordings whose first alarm comes at or after the onset
-        near: s, alarm_delay() of those that slip, where there is one
-        early: recordings whose first alarm comes before the onset
-        missed: recordings that slip and have no alarm
-        silent: recordings that slip and have no alarm_delay()
-        false_alarms: recordings that do not slip and have an alarm
-        slipping: recordings that slip
-        recordings: all
+        delay: s, of the recordings whose first alarm is at or after the onset
+        near: s, alarm_delay() of the recordings with slip, if it exists
+        early: number of recordings whose first alarm is before the onset
+        missed: number of recordings with slip and without an alarm
+        silent: number of recordings with slip and without alarm_delay()
+        false_alarms: number of recordings without slip and with an alarm
+        slipping: number of recordings with slip
+        recordings: number of all recordings
     """
 
     delay: list[float] = field(default_factory=list)
@@ -66,12 +70,12 @@ class Alarms:
     recordings: int = 0
 
     def add(self, time: ArrayLike, called: ArrayLike, onset: float) -> None:
-        """Counts a recording.
+        """Adds a recording.
 
         Args:
             time: [T] s, of each frame
             called: [T] 1: slip
-            onset: s; NaN: it does not slip
+            onset: s; NaN: no slip
         """
         self.recordings += 1
         alarms = np.asarray(time)[np.asarray(called) == 1]
@@ -92,7 +96,7 @@ class Alarms:
             self.near.append(near)
 
     def figures(self) -> dict[str, Any]:
-        """For the JSON of the study."""
+        """Figures for the JSON of the study."""
         return {
             "first": spread_of(self.delay).json(), "early": self.early, "missed": self.missed,
             "slipping": self.slipping, "false_alarms": self.false_alarms, "near": spread_of(self.near).json(),
@@ -108,7 +112,7 @@ class Alarms:
 
 
 class Spread(NamedTuple):
-    """A spread of times, s. NaN where there are too few."""
+    """Statistics of times, s. NaN for too few times."""
 
     mean: float
     sd: float
@@ -118,17 +122,17 @@ class Spread(NamedTuple):
     greatest: float
 
     def json(self) -> dict[str, float]:
-        """By name, with the unit."""
+        """Figures by name, with the unit."""
         return {f"{name}_s": value for name, value in self._asdict().items()}
 
     def cell(self) -> str:
-        """Median, 10 and 90 % in ms, as "12 (3 to 40)"; "-" of no times."""
+        """Median, 10 and 90 % in ms, as "12 (3 to 40)"; "-" without times."""
         text = f"{1e3 * self.median:.0f} ({1e3 * self.p10:.0f} to {1e3 * self.p90:.0f})"
         return "-" if math.isnan(self.median) else text
 
 
 def spread_of(times: Sequence[float]) -> Spread:
-    """The spread of some times, s."""
+    """Statistics of times, s."""
     return Spread(*mean_sd(times), quantile(times, 0.5), quantile(times, 0.1), quantile(times, 0.9),
                   max(times, default=math.nan))
 
@@ -139,10 +143,10 @@ def share(part: int, whole: int) -> str:
 
 
 def label_table(recordings: Iterable[Recording]) -> tuple[Table, dict[str, Any]]:
-    """How long before the true first slip the position label begins.
+    """Lead of the position label over the true first slip.
 
     Args:
-        recordings: of the bench
+        recordings: recordings of the bench
 
     Returns:
         the table and its figures
@@ -169,10 +173,10 @@ def study(options: Options) -> Result:
         options: data, trials, full, seed, jobs, output, resume
 
     Returns:
-        delays of the FFT-GRU by both labels, and how early the position label is
+        delays of the FFT-GRU by both labels, and the lead of the position label
 
     Raises:
-        InputError: as size_of() and recordings_for(), or for networks that are kept from another run
+        InputError: as size_of() and recordings_for(), or for saved networks of another run
     """
     size = size_of(options, USUAL_RECORDINGS)
     recordings = recordings_for(options, size, [BENCH_LEVEL], [PUBLISHED_SPECTRA])

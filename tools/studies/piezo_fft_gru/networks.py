@@ -1,4 +1,4 @@
-"""Networks that are trained on recordings of the piezoelectric skin's bench, and how well they judge others."""
+"""Networks trained on recordings of the piezoelectric skin's bench, and their tests."""
 
 from __future__ import annotations
 
@@ -28,26 +28,26 @@ FOLDS = 5
 CLASSES = 2  # hold, slip
 WITH_SLIP, MOTORS_ALONE = 0, 1  # groups of recordings
 EPOCHS = 200  # published
-SHOWN, KEPT = 0.8, 0.8  # shares: recordings that are trained on, and those of them that do not validate
-# Its steps depend on the number of recordings.
+SHOWN, KEPT = 0.8, 0.8  # shares: recordings in the training set, and those of them that are not for validation
+# The number of steps depends on the number of recordings.
 PUBLISHED_TRAINING = Training(batch=32, clip=128, learning_rate=8e-4, optimiser="rmsprop")
-SHORTCUTS = ("time", "contact", "motors", "kind")  # kind: whether the recording is of motors alone
+SHORTCUTS = ("time", "contact", "motors", "kind")  # kind: True for a recording of motors only
 
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a table: a network, what it reads and what the paper prints of it.
+    """A row of a table: a network, its input and its published figures.
 
     Attributes:
-        name: in --only and in the figures
-        text: in the tables
-        network: makes the module from the number of values a frame and of classes
-        training: of the usual size
-        input: number in Recording.inputs
-        told: those of SHORTCUTS that it reads in place of an input
-        later: frames after the one that it judges, which it has seen
-        f1: the paper's, 0 to 1; NaN: not published
-        accuracy: the paper's, %; NaN: not published
+        name: name in --only and in the figures
+        text: text in the tables
+        network: creates the module from the numbers of values per frame and of classes
+        training: training of the usual size
+        input: index into Recording.inputs
+        told: those of SHORTCUTS that replace the input
+        later: number of frames after the judged one that the network sees
+        f1: published, 0 to 1; NaN: not published
+        accuracy: published, %; NaN: not published
     """
 
     name: str
@@ -61,7 +61,7 @@ class Row:
     accuracy: float = math.nan
 
     def features(self, recording: Recording) -> Floats:
-        """[T, values] what the network reads of a recording, before frames are repeated at its ends."""
+        """[T, values] input of the network for a recording, before padding."""
         if not self.told:
             return recording.inputs[self.input].features
         kind = np.full(len(recording.time), recording.motors_only)
@@ -71,23 +71,23 @@ class Row:
         return np.stack([columns[one] for one in self.told], axis=1).astype(np.float32)
 
     def parameters(self, inputs: int) -> int:
-        """The number of the network's weights, for so many values a frame."""
+        """The number of the network's weights for `inputs` values per frame."""
         return sum(one.numel() for one in self.network(inputs, CLASSES).parameters())
 
     def published(self) -> str:
-        """The paper's figures as "98.7, 0.978"; "-" where it prints none."""
+        """The paper's figures as "98.7, 0.978"; "-" if not published."""
         return "-" if math.isnan(self.accuracy) else f"{self.accuracy:.1f}, {self.f1:.3f}"
 
 
 def recipe_row(name: str, text: str, recipe: str, f1: float, accuracy: float) -> Row:
-    """A row whose network and training are those of a recipe.
+    """A row with the network and training of a recipe.
 
     Args:
-        name: of the row
-        text: in the tables
-        recipe: its name
-        f1: the paper's, 0 to 1
-        accuracy: the paper's, %
+        name: name of the row
+        text: text in the tables
+        recipe: name of the recipe
+        f1: published, 0 to 1
+        accuracy: published, %
 
     Returns:
         the row
@@ -105,16 +105,16 @@ class Size:
     """The size of a study.
 
     Attributes:
-        recordings: at each level of the motors
-        full: 200 epochs, and the state that is best on a fifth of the recordings trained on; else a row's own training,
-            and its last state
+        recordings: number at each level of the motors
+        full: True: 200 epochs, and the state that is best on a fifth of the training recordings;
+            False: the row's own training, and its last state
     """
 
     recordings: int
     full: bool
 
     def training(self, row: Row) -> Training:
-        """How a row's network is trained."""
+        """Training of a row's network."""
         if not self.full:
             return row.training
         epoch = max(int(SHOWN * KEPT * self.recordings) // PUBLISHED_TRAINING.batch, 1)
@@ -122,16 +122,16 @@ class Size:
 
     @property
     def validated(self) -> float:
-        """The share of the recordings trained on that choose the best state."""
+        """Share of the training recordings that select the best state."""
         return 1.0 - KEPT if self.full else 0.0
 
 
 def size_of(options: Options, usual: int) -> Size:
-    """The size that was asked for.
+    """Returns the requested size.
 
     Args:
         options: data, trials, full
-        usual: recordings by default
+        usual: default number of recordings
 
     Returns:
         the size
@@ -151,20 +151,20 @@ def size_of(options: Options, usual: int) -> Size:
 
 def recordings_for(options: Options, size: Size, levels: Iterable[float], inputs: Sequence[Input],
                    others_too: bool = True) -> list[Recording]:
-    """The recordings of --data, or those of the bench.
+    """Reads the recordings of --data, or simulates the bench.
 
     Args:
         options: data, seed, jobs
-        size: of the study
-        levels: of the motors, as run_recordings() takes them
-        inputs: what networks read
-        others_too: as run_recordings() takes it
+        size: size of the study
+        levels: levels of the motors, as for run_recordings()
+        inputs: input definitions
+        others_too: as for run_recordings()
 
     Returns:
         the recordings
 
     Raises:
-        InputError: of a trial or of the dataset, or where too few recordings slip for the folds
+        InputError: of a trial or of the dataset, or if too few recordings have slip for the folds
     """
     if options.data:
         recordings = read_recordings(options.data, inputs)
@@ -181,10 +181,10 @@ def recordings_for(options: Options, size: Size, levels: Iterable[float], inputs
 
 
 class Padded(NamedTuple):
-    """A recording as a network reads it.
+    """A recording in the form that a network reads.
 
     Attributes:
-        features: [T, values] frames, of which the first and the last are repeated
+        features: [T, values] frames, padded with copies of the first and the last
         labels: [T] MASKED before the first answer
     """
 
@@ -193,18 +193,19 @@ class Padded(NamedTuple):
 
 
 def padded(recordings: Iterable[Recording], row: Row, rule: str) -> list[Padded]:
-    """Recordings as a row's network is trained on them and judges them.
+    """Recordings for the training and test of a row's network.
 
-    A convolution reads copies of the first frame before a recording, and copies of the last one after it: so all frames
-    are judged. An answer that has seen `later` frames stands so many frames after the one that it judges.
+    A convolution gets copies of the first frame before a recording, and copies of the last one
+    after it, so that all frames are judged. An answer that depends on `later` frames is delayed by
+    this number of frames.
 
     Args:
-        recordings: of the bench
-        row: whose network it is
-        rule: a name of RULES
+        recordings: recordings of the bench
+        row: row of the network
+        rule: name of a rule in RULES
 
     Returns:
-        each recording
+        one element per recording
     """
     found = []
     repeated = -1
@@ -219,20 +220,20 @@ def padded(recordings: Iterable[Recording], row: Row, rule: str) -> list[Padded]
 
 
 def groups_of(recordings: Iterable[Recording]) -> list[int]:
-    """WITH_SLIP or MOTORS_ALONE, of each recording."""
+    """WITH_SLIP or MOTORS_ALONE for each recording."""
     return [MOTORS_ALONE if one.motors_only else WITH_SLIP for one in recordings]
 
 
 Counts = NDArray[np.int64]  # [folds, group, true, called] frames
-MeanSd = tuple[float, float]  # of the folds; NaN where there are too few
+MeanSd = tuple[float, float]  # over the folds; NaN for too few
 
 
 class Figures(NamedTuple):
-    """Mean and standard deviation of the folds.
+    """Mean and standard deviation over the folds.
 
     Attributes:
-        accuracy: balanced, %
-        f1: of slip, 0 to 1
+        accuracy: balanced accuracy, %
+        f1: F1 of slip, 0 to 1
     """
 
     accuracy: MeanSd
@@ -246,12 +247,12 @@ class Figures(NamedTuple):
         }
 
     def cell(self) -> str:
-        """As "96.2 +- 0.8, 0.885"; "-" where there is nothing to judge."""
+        """As "96.2 +- 0.8, 0.885"; "-" without data."""
         return "-" if math.isnan(self.accuracy[0]) else f"{cell(self.accuracy)}, {self.f1[0]:.3f}"
 
 
 def cell(percent: MeanSd) -> str:
-    """As "96.2 +- 0.8", of one fold as "96.2"; "-" of NaN."""
+    """As "96.2 +- 0.8", for one fold "96.2"; "-" for NaN."""
     mean, sd = percent
     return "-" if math.isnan(mean) else f"{mean:.1f}" if math.isnan(sd) else f"{mean:.1f} +- {sd:.1f}"
 
@@ -261,7 +262,7 @@ def _share(part: int, whole: int) -> float:
 
 
 def _figures(folds_of: Iterable[NDArray[np.int64]]) -> Figures:
-    """Returns the figures of [true, called] frames of each fold."""
+    """Computes the figures from [true, called] frames of each fold."""
     accuracy, f1 = [], []
     for (held, alarmed), (missed, seen) in folds_of:
         accuracy.append(50.0 * (_share(seen, missed + seen) + _share(held, held + alarmed)))
@@ -270,22 +271,22 @@ def _figures(folds_of: Iterable[NDArray[np.int64]]) -> Figures:
 
 
 def on_slip(counts: Counts) -> Figures:
-    """On the recordings with contact."""
+    """Figures on the recordings with contact."""
     return _figures(counts[:, WITH_SLIP])
 
 
 def on_all(counts: Counts) -> Figures:
-    """On all recordings."""
+    """Figures on all recordings."""
     return _figures(counts.sum(axis=1))
 
 
 def motors_right(counts: Counts) -> MeanSd:
-    """The share of the frames of motors alone that are called hold, %."""
+    """Share of the frames of motors only that are called hold, %."""
     return mean_sd([100.0 * _share(held, held + alarmed) for held, alarmed in counts[:, MOTORS_ALONE, 0]])
 
 
 def figures_of(counts: Counts) -> dict[str, Any]:
-    """on_slip_and_noise, on_slip and motors_right, for the JSON of a study."""
+    """on_slip_and_noise, on_slip and motors_right for the JSON of a study."""
     return {
         "on_slip_and_noise": on_all(counts).json(), "on_slip": on_slip(counts).json(),
         "motors_right": motors_right(counts)[0] / 100.0
@@ -301,31 +302,32 @@ class _Plan(NamedTuple):
 
 
 class Validations:
-    """Rows that are judged by folds: queued first, then trained together, each network in a process of its own.
+    """Cross-validations of rows: queued first, then trained together, each network in its own
+    process.
 
     Args:
         options: seed, jobs, output, resume
-        size: of the study
+        size: size of the study
     """
     def __init__(self, options: Options, size: Size) -> None:
         self._options, self._size = options, size
         self._plans: list[_Plan] = []
-        self._tasks: list[tuple[int, int]] = []  # number of the plan, fold
-        self._called: list[list[Labels]] = []  # of each task: of each recording in the fold
+        self._tasks: list[tuple[int, int]] = []  # index of the plan, fold
+        self._called: list[list[Labels]] = []  # per task: for each recording in the fold
 
     def queue(self, recordings: Sequence[Recording], fold_of: ArrayLike, row: Row, rule: str,
               slip_alone: bool = False) -> int:
-        """Each fold is judged by a network that is trained on the others.
+        """Queues one network per fold, trained on the other folds.
 
         Args:
-            recordings: of the bench
-            fold_of: number of each recording's fold, from 0 on
-            row: what is trained
-            rule: a name of RULES
-            slip_alone: whether it is trained on the recordings with contact alone
+            recordings: recordings of the bench
+            fold_of: fold of each recording, from 0
+            row: row to train
+            rule: name of a rule in RULES
+            slip_alone: True: train only on the recordings with contact
 
         Returns:
-            a number to ask with
+            number for counts() and calls()
         """
         plan = _Plan(recordings, np.asarray(fold_of), row, rule, slip_alone)
         self._tasks += [(len(self._plans), fold) for fold in range(int(plan.fold_of.max()) + 1)]
@@ -333,12 +335,13 @@ class Validations:
         return len(self._plans) - 1
 
     def queue_folds(self, recordings: Sequence[Recording], row: Row, rule: str, slip_alone: bool = False) -> int:
-        """The same by FOLDS folds, over which recordings with contact and of motors alone are dealt out separately."""
+        """As queue() with FOLDS folds, over which recordings with contact and of motors only are
+        distributed separately."""
         return self.queue(recordings, folds(groups_of(recordings), FOLDS, self._options.draws_seed), row, rule,
                           slip_alone)
 
     def run(self, name: str) -> None:
-        """Trains all that is queued.
+        """Trains all queued networks.
 
         Args:
             name: PAPER/TABLE
@@ -353,7 +356,7 @@ class Validations:
         self._called = [[np.array(one, dtype=np.uint8) for one in of_fold] for of_fold in said]
 
     def counts(self, validation: int) -> Counts:
-        """Frames of a validation by fold, group, true and called class, after run()."""
+        """Frames of a validation by fold, group, true and called class; call after run()."""
         plan = self._plans[validation]
         found = np.zeros((int(plan.fold_of.max()) + 1, 2, CLASSES, CLASSES), dtype=np.int64)
         groups = groups_of(plan.recordings)
@@ -363,7 +366,8 @@ class Validations:
         return found
 
     def calls(self, validation: int) -> list[Labels]:
-        """Each recording's frames [T] as the network that is not trained on it calls them, 1: slip. After run()."""
+        """Each recording's frames [T] as classified by the network that was not trained on it, 1:
+        slip; call after run()."""
         fold_of = self._plans[validation].fold_of
         called: list[Labels] = [np.zeros(0, np.uint8)] * len(fold_of)
         for (number, fold), of_fold in zip(self._tasks, self._called, strict=True):
@@ -392,15 +396,15 @@ class Validations:
 
 
 def setup_of(options: Options, size: Size, recordings: int) -> list[str]:
-    """How it was measured, the same for all tables.
+    """Setup of the measurement, for all tables.
 
     Args:
         options: data, seed
-        size: of the study
-        recordings: how many there are
+        size: size of the study
+        recordings: number of recordings
 
     Returns:
-        a sentence each
+        one sentence per line
     """
     source = options.data or (f"{SCENE} (paper: {PUBLISHED_RECORDINGS}), half with contact, "
                               f"seed {options.draws_seed}")

@@ -1,4 +1,5 @@
-"""Slip against hold by the loudness of one frame, against the motors' level: the curve, and which frames are mistaken."""
+"""Slip against hold by the loudness of one frame, by the motors' level: the area under the curve,
+and the frames that are confused."""
 
 from __future__ import annotations
 
@@ -21,18 +22,18 @@ from slipbench_studies.statistics import Auc, auc, quantile
 RATE, WINDOW, HOP = 10e3, 200, 100  # Hz, samples: frames of 20 ms every 10 ms
 LOW, HIGH = 50.0, 600.0  # Hz
 STIFFNESS = 20e3  # N/m of the scene's sensor along the normal
-STILL_SPEED = 1e-9  # m/s, below which the bench stands
+STILL_SPEED = 1e-9  # m/s, limit for the bench at rest
 SETTLING_TIME = 3.0 / (2.0 * math.pi * 3.0)  # s, three time constants of the amplifier's 3 Hz
 LIGHT_PRESS = 4.0  # N, below a quarter of the published 2 to 10
 SLOW_SLIDE = 10e-3  # m/s, below a fifth of the published 3.3 to 33 mm/s
 LEVELS = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0)
-USUAL_RECORDINGS = 120  # of each level
-WANTED_AREA = 0.95  # the bar on the area without motors
-# How a frame becomes a spectrum once its mean is off: as the paper says, no taper named; its straight line of least squares off as well; with Hann's
-# taper.
+USUAL_RECORDINGS = 120  # per level
+WANTED_AREA = 0.95  # required area without motors
+# Steps from a frame to its spectrum after subtracting the mean: plain, as in the paper, which names
+# no taper; minus the least-squares line; with a Hann taper.
 SPECTRA = ("plain", "detrended", "hann")
 
-# A bench that differs in one thing, without motors: text and overrides.
+# Benches that differ in one setting, without motors: text and overrides.
 BENCHES = {
     "deaf_direction": ("slides along 135 deg, whose shear makes no charge", {"motion.direction": "135 deg"}),
     "fast_press": ("pressed on at 2 mm/s instead of 0.7", {
@@ -42,13 +43,13 @@ BENCHES = {
 
 @dataclass(frozen=True)
 class Reading:
-    """What makes slip and hold of a frame, and its loudness.
+    """Definition of slip and hold of a frame, and of its loudness.
 
     Attributes:
-        text: in the tables
+        text: text in the tables
         spectrum: one of SPECTRA
-        by_position: label by the 100 Hz position, the paper's; else that a part slips
-        one_label: frames of one label only
+        by_position: True: label by the 100 Hz position, the paper's; False: a part slips
+        one_label: True: only frames with a constant label
     """
 
     text: str
@@ -57,15 +58,15 @@ class Reading:
     one_label: bool = False
 
     def slips(self, frames: pd.DataFrame) -> NDArray[np.bool_]:
-        """[F] whether each frame is one of slip."""
+        """[F] True for each frame of slip."""
         return np.asarray(frames["slips_by_position" if self.by_position else "slips"].to_numpy())
 
     def counts(self, frames: pd.DataFrame) -> NDArray[np.bool_]:
-        """[F] whether each frame is looked at."""
+        """[F] True for each frame that counts."""
         return frames["one_label"].to_numpy() if self.one_label else np.ones(len(frames), dtype=bool)
 
 
-# The paper's spectrum first, then the others by SPECTRA, then other labels.
+# The paper's spectrum first, then the others in SPECTRA, then other labels.
 READINGS = {
     "paper": Reading("as the paper: mean off, no taper named; true label"),
     "detrended": Reading("straight line of each frame off", "detrended"),
@@ -77,7 +78,7 @@ READINGS = {
     "hann_position": Reading("Hann's taper, label by the 100 Hz position", "hann", by_position=True),
 }
 
-# Of a list of causes a frame has the first that fits.
+# A frame has the first cause in the list that applies.
 HOLD_CAUSES = {
     "stick_between_slips": ("a part slipped within the frame, at its end all sticks", lambda frames: frames["slipped"]),
     "press": ("the tip is pressed on", lambda frames: frames["pressed"]),
@@ -95,11 +96,11 @@ SLIP_CAUSES = {
 
 
 def band_power(windows: NDArray[Any], tapered: bool) -> NDArray[np.float64]:
-    """Power within 50 to 600 Hz, both included, of frames less their mean.
+    """Power within 50 to 600 Hz, both included, of frames minus their mean.
 
     Args:
         windows: [F, WINDOW] counts
-        tapered: by Hann's window
+        tapered: True: apply a Hann window
 
     Returns:
         [F] counts^2
@@ -113,7 +114,7 @@ def band_power(windows: NDArray[Any], tapered: bool) -> NDArray[np.float64]:
 
 
 def without_trend(windows: NDArray[Any]) -> NDArray[np.float32]:
-    """Frames less their straight line of least squares.
+    """Frames minus their least-squares line.
 
     Args:
         windows: [F, N] counts
@@ -134,10 +135,12 @@ def frames_of(trial: Trial) -> pd.DataFrame:
         trial: a full record
 
     Returns:
-        a row a frame: power of each of SPECTRA [counts^2]; contact, slips (that a part does), slips_by_position, at_speed (nine tenths of the slide's or
-        more), of its last sample; one_label (all samples are alike), slipped, pressed and slid (the bench moves along the normal, along the surface), of
-        any sample; still [s] from the last motion of the bench to its end, infinite where it has not moved; force [N], stiffness times compression, and
-        speed [m/s] of the slide, of the recording
+        one row per frame. Power by each of SPECTRA [counts^2]. Of its last sample: contact, slips
+        (of a part), slips_by_position, at_speed (nine tenths of the slide's or more). Of any
+        sample: slipped, pressed and slid (the bench moves along the normal, along the surface).
+        one_label: all samples have the same label. still: time [s] from the last motion of the
+        bench to the frame's end, infinite before any motion. Of the recording: force [N], stiffness
+        times compression, and speed [m/s] of the slide
     """
     sensor, labels = trial.sensors["pad"], trial.labels["pad"]
     micro, paper, time = labels.state_micro, labels.state_paper, sensor.t
@@ -161,16 +164,16 @@ def frames_of(trial: Trial) -> pd.DataFrame:
 
 
 def separation(frames: pd.DataFrame, spectrum: str, slip: NDArray[np.bool_], hold: NDArray[np.bool_]) -> Auc | None:
-    """How well the loudness tells frames of slip from frames of hold.
+    """Separation of frames of slip and of hold by loudness.
 
     Args:
-        frames: of all recordings, with the number of each one's `recording`
+        frames: frames of all recordings, with the number of their `recording`
         spectrum: one of SPECTRA
-        slip: [F] the ones
-        hold: [F] the others
+        slip: [F] mask of slip
+        hold: [F] mask of hold
 
     Returns:
-        the area with its interval by recording; None: there are no frames of one kind
+        the area with its interval by recording; None if one kind has no frames
     """
     if not slip.any() or not hold.any():
         return None
@@ -179,14 +182,14 @@ def separation(frames: pd.DataFrame, spectrum: str, slip: NDArray[np.bool_], hol
 
 
 class Separations(NamedTuple):
-    """Slip against all hold, hold in contact alone, and hold in the air alone."""
+    """Areas of slip against all hold, against hold in contact, and against hold in the air."""
 
     pooled: Auc | None
     contact: Auc | None
     air: Auc | None
 
     def figures(self) -> dict[str, Any]:
-        """By name; None where there are no frames of one kind."""
+        """Figures by name; None if one kind has no frames."""
         return {name: None if one is None else {"auc": one.value, "interval_95": one.interval, "slip_frames": one.positives, "hold_frames": one.negatives}
                 for name, one in zip(self._fields, self, strict=True)}
 
@@ -196,11 +199,11 @@ class Separations(NamedTuple):
 
 
 def separations(frames: pd.DataFrame, reading: Reading) -> Separations:
-    """The areas of a bench.
+    """Computes the areas of a bench.
 
     Args:
-        frames: as separation() takes them
-        reading: what makes slip and hold of a frame
+        frames: as for separation()
+        reading: definition of slip, hold and loudness
 
     Returns:
         the three areas
@@ -211,15 +214,15 @@ def separations(frames: pd.DataFrame, reading: Reading) -> Separations:
 
 
 class CauseFigures(NamedTuple):
-    """The frames in contact that have a cause, against all frames in contact of the other class.
+    """The frames in contact with a given cause, against all frames in contact of the other class.
 
     Attributes:
-        frames: how many
-        share: of the frames of all causes
-        rms: counts, median, by the plain spectrum; NaN of none
+        frames: number of frames
+        share: share of the frames of all causes
+        rms: counts, median, by the plain spectrum; NaN without frames
         area: by SPECTRA
-        missing: by SPECTRA, what they add to what the area of all causes lacks of 1, as a share of it: an area is a mean over frames, so that the shares
-            sum up to 1
+        missing: by SPECTRA, contribution to the deficit of the area of all causes from 1, as a
+            share of the deficit: an area is a mean over frames, so the shares sum to 1
     """
 
     frames: int
@@ -230,15 +233,15 @@ class CauseFigures(NamedTuple):
 
 
 def cause_figures(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool) -> dict[str, CauseFigures]:
-    """The figures of each cause.
+    """Computes the figures of each cause.
 
     Args:
-        frames: as separation() takes them
+        frames: as for separation()
         causes: HOLD_CAUSES or SLIP_CAUSES
-        of_slip: whether they are causes of slip
+        of_slip: True for causes of slip
 
     Returns:
-        by name
+        figures by name
     """
     contact, slips = frames["contact"].to_numpy(), frames["slips"].to_numpy()
     asked, other = contact & (slips == of_slip), contact & (slips != of_slip)
@@ -263,27 +266,27 @@ def cause_figures(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool
 
 
 def area_cell(found: Auc | None) -> str:
-    """The area; "-" of none."""
+    """The area; "-" for None."""
     return "-" if found is None else f"{found.value:.3f}"
 
 
 def area_table(title: str, first: str, note: str = "") -> Table:
-    """A table whose rows Separations.row() makes."""
+    """A table for the rows of Separations.row()."""
     return Table(title, [first, "all hold", "95 %", "hold in contact alone", "95 %", "hold in the air alone", "95 %"], note=note)
 
 
 def _reading_names() -> dict[str, str]:
-    """Of each of SPECTRA the reading that has it and the true label."""
+    """For each of SPECTRA the reading with that spectrum and the true label."""
     return dict(zip(SPECTRA, READINGS, strict=False))
 
 
 def cause_table(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool) -> tuple[Table, dict[str, Any]]:
-    """The table of some causes, and its figures.
+    """Table of causes, and its figures.
 
     Args:
         frames: without motors
         causes: HOLD_CAUSES or SLIP_CAUSES
-        of_slip: whether they are causes of slip
+        of_slip: True for causes of slip
 
     Returns:
         both
@@ -306,14 +309,14 @@ def cause_table(frames: pd.DataFrame, causes: Mapping[str, Any], of_slip: bool) 
 
 
 def remarks_on(curve: Mapping[str, Any], causes: Mapping[str, Any]) -> list[str]:
-    """The remarks, with the numbers of the run at hand.
+    """Remarks with the numbers of the current run.
 
     Args:
         curve: areas of the paper's reading by level
         causes: figures of HOLD_CAUSES
 
     Returns:
-        a sentence or two each
+        one or two sentences each
     """
     def text(value: float | None) -> str:
         return "-" if value is None else f"{value:.3f}"
@@ -340,12 +343,12 @@ def remarks_on(curve: Mapping[str, Any], causes: Mapping[str, Any]) -> list[str]
 
 
 def point_of(found: Auc | None) -> tuple[float, float, float]:
-    """A point of a curve; one half of none."""
+    """A point of a curve; one half for None."""
     return (0.5, 0.5, 0.5) if found is None else (found.value, *found.interval)
 
 
 def joined(recordings: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """The frames of recordings, with the number of each one's `recording`."""
+    """Concatenates the frames of recordings, with the number of each `recording`."""
     return pd.concat([frames.assign(recording=number) for number, frames in enumerate(recordings)], ignore_index=True)
 
 
@@ -356,7 +359,7 @@ def study(options: Options) -> Result:
         options: trials, seed, jobs
 
     Returns:
-        areas against the motors' level, and which frames are mistaken
+        areas by the motors' level, and the confused frames
 
     Raises:
         InputError: for an odd number of recordings, or fewer than four

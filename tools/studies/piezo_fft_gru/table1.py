@@ -1,4 +1,5 @@
-"""Table I of the piezo paper: architectures, beside shortcuts that need no signal of a slip."""
+"""Table I of the piezo paper: architectures, compared with shortcuts that need no signal of
+slip."""
 
 from __future__ import annotations
 
@@ -17,8 +18,9 @@ from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, US
 from slipbench_studies.result import Options, RealFigure, Result, Table
 
 NAME = "piezo-fft-gru/table1"
-SIGNAL = 1  # number in Recording.inputs
-# Twice as many as the other tables: 160 to train on are too few for the convolutions (README.md).
+SIGNAL = 1  # index into Recording.inputs
+# Twice as many as in the other tables: 160 training recordings are too few for the convolutions
+# (README.md).
 RECORDINGS = 2 * USUAL_RECORDINGS
 SHORTCUT_STEPS = 300
 HALF = 62  # of the 4 x 31 frames before the last
@@ -28,7 +30,8 @@ def network_rows(full: bool) -> dict[str, Row]:
     """The architectures by name.
 
     Args:
-        full: all of the paper; else those whose recipes take minutes, and MLP 32 trained for longer
+        full: True: all of the paper; False: those whose recipes take minutes, and MLP 32 with
+            longer training
 
     Returns:
         the rows
@@ -55,7 +58,7 @@ def network_rows(full: bool) -> dict[str, Row]:
 
 
 def shortcut_rows() -> dict[str, Row]:
-    """By name what a network can tell without the signal."""
+    """The results that a network can reach without the signal, by name."""
     shortcuts = {
         "clock": ("time", ("time",)),
         "contact": ("contact", ("contact",)),
@@ -74,14 +77,15 @@ def shortcut_rows() -> dict[str, Row]:
 
 def table_of(title: str, rows: Mapping[str, Row], inputs: Mapping[str, int], asked: Mapping[str, Mapping[str, int]],
              validations: Validations) -> tuple[Table, dict[str, dict[str, Any]]]:
-    """A table of some rows, and its figures.
+    """A table of rows, and its figures.
 
     Args:
-        title: above it
+        title: title of the table
         rows: by name
-        inputs: values a frame of each row
-        asked: number of the validation of each label and row; a row that is not there was not trained by this label
-        validations: after their run()
+        inputs: values per frame of each row
+        asked: number of the validation by label and row; a missing row was not trained with this
+            label
+        validations: after run()
 
     Returns:
         both
@@ -114,8 +118,8 @@ def study(options: Options) -> Result:
         accuracy and F1 of architectures, and of shortcuts
 
     Raises:
-        InputError: for an unknown name of --only, as size_of() and recordings_for(), or for networks that are kept from
-            another run
+        InputError: for an unknown name of --only, as size_of() and recordings_for(), or for saved
+            networks of another run
     """
     size = size_of(options, RECORDINGS)
     architectures, shortcuts = network_rows(options.full), shortcut_rows()

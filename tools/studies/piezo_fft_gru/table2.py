@@ -11,7 +11,7 @@ from slipbench_studies.piezo_fft_gru.networks import (GRU_32, SOURCE, USUAL_RECO
 from slipbench_studies.result import Options, Result, Table
 
 NAME = "piezo-fft-gru/table2"
-# Hz, of the first and the last bin: F1 and accuracy in %, published.
+# Hz, first and last bin: published F1 and accuracy in %.
 BANDS = {(0, 5000): (0.9589, 97.40), (0, 600): (0.9777, 98.67), (50, 400): (0.9769, 98.40), (50, 450): (0.9784, 98.80),
          (50, 500): (0.9783, 98.79), (50, 600): (0.9782, 98.74), (50, 1000): (0.9774, 98.63)}
 FEW = ((0, 5000), (0, 600), (50, 400), (50, 600))
@@ -27,7 +27,7 @@ def study(options: Options) -> Result:
         accuracy and F1 of each band
 
     Raises:
-        InputError: as size_of() and recordings_for(), or for networks that are kept from another run
+        InputError: as size_of() and recordings_for(), or for saved networks of another run
     """
     size = size_of(options, USUAL_RECORDINGS)
     bands = list(BANDS) if options.full else list(FEW)

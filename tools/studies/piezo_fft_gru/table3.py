@@ -1,4 +1,4 @@
-"""Table III of the piezo paper: tips that no network is trained on."""
+"""Table III of the piezo paper: tips that are not in the training set."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, US
 from slipbench_studies.result import Options, Result, Table
 
 NAME = "piezo-fft-gru/table3"
-PUBLISHED = ["98.6, 0.976", "96.5, 0.950", "95.3, 0.937", "94.4, 0.934"]  # none left out, and each of three tips
+PUBLISHED = ["98.6, 0.976", "96.5, 0.950", "95.3, 0.937", "94.4, 0.934"]  # all tips in training, and without each of three tips
 
 
 def study(options: Options) -> Result:
@@ -22,11 +22,11 @@ def study(options: Options) -> Result:
         options: data, trials, full, seed, jobs, output, resume
 
     Returns:
-        accuracy and F1 on each tip, by networks that are not trained on it
+        accuracy and F1 on each tip, by networks trained without it
 
     Raises:
-        InputError: where all recordings are of one tip, as size_of() and recordings_for(), or for networks that are
-            kept from another run
+        InputError: if all recordings are of one tip, as size_of() and recordings_for(), or for
+            saved networks of another run
     """
     size = size_of(options, USUAL_RECORDINGS)
     recordings = recordings_for(options, size, [BENCH_LEVEL], [PUBLISHED_SPECTRA])

@@ -1,4 +1,5 @@
-"""Table IV of the piezo paper: with and without recordings of motors alone, against the motors' vibration."""
+"""Table IV of the piezo paper: training with and without recordings of motors only, by the motors'
+vibration."""
 
 from __future__ import annotations
 
@@ -15,11 +16,11 @@ from slipbench_studies.piezo_fft_gru.networks import (GRU_32, MLP_32, SOURCE, Ro
 from slipbench_studies.result import Options, Result, Table
 
 NAME = "piezo-fft-gru/table4"
-USUAL_RECORDINGS = 120  # at each level
+USUAL_RECORDINGS = 120  # per level
 LEVELS = (0.0, 0.5, 1.0, BENCH_LEVEL, 4.0, 8.0)
-NO_LEVEL = "as recorded"  # of a dataset that sweeps none
-STEPS = 400  # of the MLP at each level
-# The paper's bench as it is taken to be: no motor runs except those that move the tip.
+NO_LEVEL = "as recorded"  # for a dataset without swept levels
+STEPS = 400  # of the MLP, per level
+# The paper's bench as assumed: only the motors that move the tip run.
 GRU_32_TIP = replace(GRU_32, name="gru_32_tip", text=f"{GRU_32.text}, no motor but the tip's")
 MLP_32_OF_LEVELS = replace(MLP_32, training=replace(MLP_32.training, steps=STEPS))
 
@@ -27,12 +28,13 @@ Levels = Mapping[str, list[Recording]]
 
 
 def level_name(level: float) -> str:
-    """A level as the tables name it: 2.0 is "2"; a negative one stands for a dataset without levels."""
+    """Name of a level in the tables: 2.0 is "2"; a negative level means a dataset without
+    levels."""
     return NO_LEVEL if level < 0.0 else repr(level).removesuffix(".0")
 
 
 def by_level(recordings: Iterable[Recording]) -> Levels:
-    """Recordings by the name of their level, in rising order; those without one come first."""
+    """Recordings by the name of their level, ascending; those without a level first."""
     levels: dict[float, list[Recording]] = {}
     for one in recordings:
         levels.setdefault(-1.0 if math.isnan(one.level) else one.level, []).append(one)
@@ -41,14 +43,14 @@ def by_level(recordings: Iterable[Recording]) -> Levels:
 
 @dataclass(frozen=True)
 class Point:
-    """A network at a level.
+    """A network at one level.
 
     Attributes:
         row: the network
-        rule: a name of RULES
-        level: its name
-        both: number of the validation that is trained on all recordings
-        slip_alone: number of the one that is trained on those with contact alone
+        rule: name of a rule in RULES
+        level: name of the level
+        both: number of the validation with training on all recordings
+        slip_alone: number of the validation with training on recordings with contact only
     """
 
     row: Row
@@ -58,7 +60,7 @@ class Point:
     slip_alone: int
 
     def cells(self, validations: Validations) -> list[str]:
-        """The label, and the columns of begun_table()."""
+        """The label, and the cells of begun_table()."""
         both, alone = validations.counts(self.both), validations.counts(self.slip_alone)
         gap = on_all(alone).accuracy[0] - on_slip(alone).accuracy[0]
         found = (on_all(both), on_slip(both), on_all(alone), on_slip(alone))
@@ -80,11 +82,11 @@ def study(options: Options) -> Result:
         options: data, trials, only, full, seed, jobs, output, resume
 
     Returns:
-        accuracy and F1 of networks that are trained with and without recordings of motors alone
+        accuracy and F1 of networks trained with and without recordings of motors only
 
     Raises:
-        InputError: for an unknown name of --only, as size_of() and recordings_for(), or for networks that are kept from
-            another run
+        InputError: for an unknown name of --only, as size_of() and recordings_for(), or for saved
+            networks of another run
     """
     size = size_of(options, USUAL_RECORDINGS)
     check_only(options.only, [GRU_32_TIP.name, GRU_32.name, MLP_32.name])
@@ -96,7 +98,7 @@ def study(options: Options) -> Result:
 
     levels = by_level(recordings_for(options, size, LEVELS, [PUBLISHED_SPECTRA]))
     bench = level_name(BENCH_LEVEL) if level_name(BENCH_LEVEL) in levels else next(iter(levels))
-    # A dataset has the motors that it was recorded with.
+    # A dataset keeps the motors of its recording.
     tip: list[Recording] = []
     if wanted(GRU_32_TIP) and not options.data:
         tip = recordings_for(options, size, [BENCH_LEVEL], [PUBLISHED_SPECTRA], others_too=False)

@@ -1,4 +1,4 @@
-"""Public slides of a BioTac with 19 electrodes beside scenes/biotac_sp/slide.yaml."""
+"""Public slides of a BioTac with 19 electrodes, compared with scenes/biotac_sp/slide.yaml."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from slipbench_studies.result import Options, RealFigure
 Floats = NDArray[np.float64]
 
 SCENE = "scenes/biotac_sp/slide.yaml"
-PAC_RATE, SEGMENT = 2200.0, 256  # Hz; samples of a segment of Welch's spectrum under Hann's taper
+PAC_RATE, SEGMENT = 2200.0, 256  # Hz; samples per segment of Welch's spectrum with a Hann taper
 FIRST_BIN = 2  # 17 Hz
-PAC_MIDDLE = 2048.0  # counts, of no vibration
+PAC_MIDDLE = 2048.0  # counts, without vibration
 SLIDES_FROM, SLIDES_TO = 1.5, 9.0  # s, in SCENE
-# dexrob/BioTac_slide_20_50, ten materials, two slides each, 25 mm/s, rectified about an unknown baseline, without the first 0.3 s: mean log spectrum
-# of pac, dB of counts^2/Hz, from FIRST_BIN on up to 1,048 Hz.
+# dexrob/BioTac_slide_20_50, ten materials, two slides each, 25 mm/s, rectified about an unknown
+# baseline, without the first 0.3 s: mean log spectrum of pac, dB of counts^2/Hz, from FIRST_BIN to
+# 1,048 Hz.
 REAL_SPECTRUM = np.array([
     23.2, 20.4, 16.2, 12.6, 10.0, 8.9, 8.1, 7.3, 5.4, 2.9, 0.9, -0.5, -1.2, -2.2, -3.0, -3.9, -4.7, -5.1, -5.1, -4.9,
     -5.1, -5.3, -5.9, -6.4, -7.1, -7.2, -6.9, -6.9, -7.0, -6.9, -6.8, -6.6, -6.6, -6.7, -6.8, -6.7, -6.9, -7.1, -7.0, -6.5,
@@ -29,7 +30,7 @@ REAL_SPECTRUM = np.array([
     -13.4, -13.7, -14.0, -14.3, -14.6, -14.8, -15.1, -15.1, -15.3, -15.6, -15.9, -16.2, -16.4, -16.5, -16.6, -16.7, -16.8, -16.8, -17.1, -17.2,
     -17.1, -17.3, -17.2, -17.3, -17.4, -17.5, -17.5, -17.4, -17.4, -17.2, -17.1, -16.9, -16.7, -16.4, -16.3, -16.2, -16.2, -16.1, -16.2, -16.3,
     -16.2])  # fmt: skip
-REAL_MATERIALS = 2.6  # dB, rms difference of a material's log spectrum from that mean, in the mean of the 20 slides: 0.8 to 4.5
+REAL_MATERIALS = 2.6  # dB, rms difference of a slide's log spectrum from that mean, averaged over the 20 slides; range 0.8 to 4.5
 REAL_PAC_SD, REAL_PDC_SD = 92.0, 24.0  # counts, median of the slides
 SETUP = ("Real: a BioTac with 19 electrodes, two slides at 25 mm/s over each of ten materials, pac at 2.2 kHz, pdc at 100 Hz, rectified about an unknown rest. "
          f"Ours: {SCENE}, a slide of 8 s, pac at 2.2 kHz, pdc at 100 Hz, rectified about the known rest. Fitted: roughness, how its waves fall off, how far the board is out of flat. "
@@ -39,7 +40,7 @@ FITTED = "roughness, its exponent and the board's unevenness are fitted"
 
 @dataclass
 class Slide:
-    """What is read of a slide.
+    """Figures of a slide.
 
     Attributes:
         spectrum: as REAL_SPECTRUM
@@ -53,7 +54,7 @@ class Slide:
 
 
 def slide_of(pac: Floats, pdc: Floats) -> Slide:
-    """Figures of a slide, rectified as the recordings are.
+    """Figures of a slide, rectified like the recordings.
 
     Args:
         pac: [T] counts at PAC_RATE
@@ -68,7 +69,7 @@ def slide_of(pac: Floats, pdc: Floats) -> Slide:
 
 
 def rms_difference(spectrum: Floats) -> float:
-    """Root mean square of a log spectrum less REAL_SPECTRUM, level included [dB].
+    """Root mean square of a log spectrum minus REAL_SPECTRUM, including the level [dB].
 
     Args:
         spectrum: as REAL_SPECTRUM
@@ -88,7 +89,7 @@ def _read(trial: Trial) -> Slide:
 
 
 def figures(options: Options) -> list[RealFigure]:
-    """What is known of the recordings (sensors/biotac_sp/README.md).
+    """Known figures of the recordings (sensors/biotac_sp/README.md), with ours.
 
     Args:
         options: seed, jobs
@@ -97,7 +98,7 @@ def figures(options: Options) -> list[RealFigure]:
         the figures
 
     Raises:
-        InputError: where the scene has another sensor
+        InputError: the scene has another sensor
     """
     [[slide]] = run_grid([Cell("slide.yaml", SCENE)], options, lambda _, trial: _read(trial))
     return [

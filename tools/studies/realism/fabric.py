@@ -1,7 +1,8 @@
-"""Public recordings of a finger on a printed board beside scenes/soft_skin/board.yaml.
+"""Public recordings of a finger on a printed board, compared with scenes/soft_skin/board.yaml.
 
-Source: github.com/wngfra/FabricSlide, a capacitive finger of 16 taxels that slides 150 mm over bars of 10 mm, 20 mm apart, at 5, 10, 20 and 30 mm/s.
-The constants are what the functions here give of one recording a speed; the program holds none of them.
+Source: github.com/wngfra/FabricSlide, a capacitive finger of 16 taxels that slides 150 mm over bars
+    of 10 mm, 20 mm apart, at 5, 10, 20 and 30 mm/s. The constants are the results of the functions
+    here for one recording per speed; the program does not contain the recordings.
 """
 
 from __future__ import annotations
@@ -31,13 +32,14 @@ LEVEL, HARMONIC, SLOW, FREQUENCY = 0.57, 0.063, 0.22, 1.0
 
 @dataclass(frozen=True)
 class Waves:
-    """What a slide over the board shows, each over all taxels.
+    """Figures of a slide over the board, each over all taxels.
 
     Attributes:
         level_sd: mean of the standard deviation over the mean
-        harmonics: median of the power of harmonics 2 to 6 over that of the pattern's own frequency
+        harmonics: median of the power of harmonics 2 to 6 divided by that of the pattern's own
+            frequency
         slow: median of the share of power below 0.65 of the pattern's frequency
-        frequency: that of the pattern, over speed/20 mm
+        frequency: measured pattern frequency divided by speed/20 mm
     """
 
     level_sd: float
@@ -47,10 +49,10 @@ class Waves:
 
 
 def waves_of(counts: Doubles, rate: float, speed: float) -> Waves:
-    """The figures of a slide at a steady speed.
+    """Computes the figures of a slide at a steady speed.
 
     Args:
-        counts: [T, taxels] not tared
+        counts: [T, taxels], not tared
         rate: Hz
         speed: m/s
 
@@ -71,10 +73,10 @@ def waves_of(counts: Doubles, rate: float, speed: float) -> Waves:
 
 
 def waves_of_trial(trial: Trial) -> Waves:
-    """The figures of the steady part of a trial of board.yaml.
+    """Figures of the steady part of a trial of board.yaml.
 
     Raises:
-        InputError: where it has no finger of 16 counts
+        InputError: there is no finger with 16 counts
     """
     [finger], [pad, *_] = trial.sensors.values(), trial.bodies.values()
     counts = finger.channels.get("counts")
@@ -88,7 +90,7 @@ def waves_of_trial(trial: Trial) -> Waves:
 
 
 def figures(options: Options) -> list[RealFigure]:
-    """The recordings' figures beside those of board.yaml, means over the four speeds.
+    """The recordings' figures with those of board.yaml, means over the four speeds.
 
     Args:
         options: seed (default: 1), jobs

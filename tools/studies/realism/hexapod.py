@@ -1,4 +1,5 @@
-"""The PapillArray's published recordings on a hexapod beside scenes/papillarray/hexapod.yaml."""
+"""The PapillArray's published recordings on a hexapod, compared with
+scenes/papillarray/hexapod.yaml."""
 
 from __future__ import annotations
 
@@ -16,13 +17,13 @@ from slipbench_studies.grid import Cell, run_grid
 from slipbench_studies.result import Options, RealFigure
 
 PILLARS, CENTRE = 9, 4
-EDGES, CORNERS = [1, 3, 5, 7], [2, 6, 8]  # nothing is published of pillar 0, a corner
-FRAME_STRIDE = 10  # samples at 1 kHz of a detector's frame
-MOVES_FROM = 1e-6  # m/s, rad/s of the pad
-SCENE_SEED = 2851  # of hexapod.yaml, whose gains are those of this device
-PUBLISHED_RMS = [math.nan, 0.31, 0.12, 0.42, 0.39, 0.22, 0.24, 0.34, 0.16]  # N, an axis of a pillar
+EDGES, CORNERS = [1, 3, 5, 7], [2, 6, 8]  # no data published for pillar 0, a corner
+FRAME_STRIDE = 10  # samples at 1 kHz per frame of a detector
+MOVES_FROM = 1e-6  # m/s, rad/s; motion of the pad
+SCENE_SEED = 2851  # of hexapod.yaml, whose gains match this device
+PUBLISHED_RMS = [math.nan, 0.31, 0.12, 0.42, 0.39, 0.22, 0.24, 0.34, 0.16]  # N, per axis of a pillar
 FITTED = "fitted with this in view"
-PARTS = {"all": 91.8, "without what follows a halt": math.nan, "while the pad moves": math.nan}  # of the frames; published share right, %
+PARTS = {"all": 91.8, "without what follows a halt": math.nan, "while the pad moves": math.nan}  # of the frames; published share of right ones, %
 MEMORY = "tests/detectors/hd/data/published"
 SETUP = ("Real: a PapillArray on a hexapod against acrylic at 1 kHz; statistics of its forces and a memory learnt from it are published, the recordings are not. "
          "Ours: scenes/papillarray/hexapod.yaml, 200 sequences of 4 s at 1 kHz, one device. "
@@ -31,13 +32,13 @@ SETUP = ("Real: a PapillArray on a hexapod against acrylic at 1 kHz; statistics 
 
 @dataclass
 class Sums:
-    """What trials of hexapod.yaml add up to.
+    """Sums over trials of hexapod.yaml.
 
     Attributes:
-        rows: samples
-        products: [9, 9] N^2, of the tangential forces of two pillars, x and y
-        frames: [3] frames with contact, by PARTS
-        right: [3] those that the published memory calls by the paper's label
+        rows: number of samples
+        products: [9, 9] N^2, products of the tangential forces of two pillars, x and y
+        frames: [3] number of frames with contact, by PARTS
+        right: [3] number of those that the published memory classifies like the paper's label
     """
 
     rows: int
@@ -50,16 +51,16 @@ class Sums:
 
 
 def sums_of(trial: Trial) -> Sums:
-    """The sums of one trial of hexapod.yaml, whose detector is the published memory.
+    """Sums of one trial of hexapod.yaml, whose detector is the published memory.
 
     Args:
         trial: a full record
 
     Returns:
-        its forces and its frames
+        sums of its forces and frames
 
     Raises:
-        InputError: where the pad has no forces of nine pillars
+        InputError: the pad has no forces of nine pillars
     """
     [(name, pad)] = trial.sensors.items()
     force = pad.channels.get("force")
@@ -83,7 +84,8 @@ def sums_of(trial: Trial) -> Sums:
 
 
 def figures(options: Options) -> list[RealFigure]:
-    """What is published of the PapillArray's recordings: the paper, and statistics of their forces (scenes/papillarray/README.md).
+    """Published figures of the PapillArray's recordings, with ours: from the paper, and statistics
+    of their forces (scenes/papillarray/README.md).
 
     Args:
         options: seed (default: hexapod.yaml's own), jobs
@@ -92,7 +94,7 @@ def figures(options: Options) -> list[RealFigure]:
         the figures
 
     Raises:
-        InputError: where the published memory is missing, which is in the source tree alone
+        InputError: the published memory is missing, which exists in the source tree only
     """
     memory = _core.project_file(f"{MEMORY}/AM.hex")
     detector = f"{{type: gst_hd, memories: {json.dumps(os.path.dirname(memory))}, compat: published_core}}"

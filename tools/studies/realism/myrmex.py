@@ -1,4 +1,4 @@
-"""Loaded cells of an industrial foam array beside scenes/myrmex/creep.yaml."""
+"""Loaded cells of an industrial foam array, compared with scenes/myrmex/creep.yaml."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ Floats = NDArray[np.float64]
 
 SCENE = "scenes/myrmex/creep.yaml"
 FULL_SCALE = 4095.0  # counts, at rest
-LOADED = 100.0  # counts below rest of a loaded taxel
-HELD_FROM = 10.0  # s in SCENE, of noise: the creep of a sample is then far below it
-GROWS_FROM, GROWS_TO = 0.3, 4.0  # s after the touch
+LOADED = 100.0  # counts below rest, minimum for a loaded taxel
+HELD_FROM = 10.0  # s in SCENE, begin of the noise interval: creep per sample is negligible then
+GROWS_FROM, GROWS_TO = 0.3, 4.0  # s after contact
 REAL_NOISE = 0.11  # % of the range: Weiss arrays, loaded cells, 0.07 to 0.15
 SETUP = ("Real: industrial foam arrays (Weiss) that a hand or a gripper holds; of the Myrmex nothing is published. "
          f"Ours: {SCENE}, a block held for half a minute on 16 x 16 taxels at 100 Hz, with the scene's noise and creep. "
@@ -24,27 +24,27 @@ REAL_GROWTH = 80.0  # %: held Weiss arrays, 29 to 180; the geometric middle of t
 
 
 def noise_of(missing: Floats) -> float:
-    """Noise of loaded taxels, from differences of neighbouring samples.
+    """Noise of loaded taxels, from differences of successive samples.
 
     Args:
-        missing: [T, taxels] counts below rest, under a load that hardly changes
+        missing: [T, taxels] counts below rest, under a nearly constant load
 
     Returns:
-        standard deviation over the converter's range, %, median of the loaded taxels
+        standard deviation relative to the converter's range, %, median of the loaded taxels
     """
     loaded = missing.mean(axis=0) > LOADED
     return float(100.0 / FULL_SCALE * np.median(np.diff(missing[:, loaded], axis=0).std(axis=0)) / np.sqrt(2.0))
 
 
 def growth_of(sum_of_missing: Floats, time: Floats) -> float:
-    """Growth of the sum of a held array.
+    """Growth of the sum of a statically loaded array.
 
     Args:
         sum_of_missing: [T] counts below rest, of all taxels
-        time: [T] s after the touch
+        time: [T] s after contact
 
     Returns:
-        % from GROWS_FROM to GROWS_TO, each the mean of 0.1 s
+        % from GROWS_FROM to GROWS_TO, each a mean over 0.1 s
     """
     early, late = (sum_of_missing[(time >= at) & (time < at + 0.1)].mean() for at in (GROWS_FROM, GROWS_TO))
     return float(100.0 * (late / early - 1.0))
@@ -54,13 +54,13 @@ def _read(trial: Trial) -> tuple[float, float]:
     [(name, pad)] = trial.sensors.items()
     missing = FULL_SCALE - pad.channels["taxels"].astype(float).reshape(len(pad.t), -1)
     touch = pad.t[np.flatnonzero(np.asarray(trial.labels[name].state))[0]]
-    # At rest the converter cuts off half of the noise, which would count as load.
+    # At rest the converter clips half of the noise, which would count as load.
     loaded = missing[-1] > LOADED
     return noise_of(missing[pad.t > HELD_FROM]), growth_of(missing[:, loaded].sum(axis=1), pad.t - touch)
 
 
 def figures(options: Options) -> list[RealFigure]:
-    """What is known of such arrays (sensors/myrmex/README.md).
+    """Known figures of such arrays (sensors/myrmex/README.md), with ours.
 
     Args:
         options: seed, jobs

@@ -1,4 +1,5 @@
-"""A real PapillArray's force against its displacement, and the filter before its converter, beside the electronics `typical`."""
+"""Force against displacement of a real PapillArray, and the filter before its converter, compared
+with the electronics `typical`."""
 
 from __future__ import annotations
 
@@ -14,11 +15,12 @@ from slipbench_studies.result import Options, RealFigure
 
 Floats = NDArray[np.float64]
 
-DEVICES = 8  # simulated, one a seed: the rms coupling of a device of nine pillars scatters by 15 %
-IN_CONTACT = 0.5  # N of normal force: the device's own flag
-LEAST_SNAPSHOTS = 100  # of a pillar whose stiffness is fitted
-# By axes_of() from 1,635 snapshots of one device (Contactile_Data, cable_tension_vec.csv, 2022): pillars 0, 3, 6 and 7. Pillars 1 and 4 read as if
-# damaged, the others are not loaded. Other choices of snapshots give 2.2 to 2.8 N/mm; with pillars 1 and 4, up to 28 % of scatter of the normal stiffness.
+DEVICES = 8  # simulated, one per seed: the rms coupling of a device of nine pillars scatters by 15 %
+IN_CONTACT = 0.5  # N, normal force of the device's own contact flag
+LEAST_SNAPSHOTS = 100  # per pillar, for a fit of its stiffness
+# From axes_of() for 1,635 snapshots of one device (Contactile_Data, cable_tension_vec.csv, 2022):
+# pillars 0, 3, 6 and 7. Pillars 1 and 4 seem damaged, the others are not loaded. Other choices of
+# snapshots give 2.2 to 2.8 N/mm; with pillars 1 and 4 the normal stiffness scatters by up to 28 %.
 REAL_SHEAR_TO_NORMAL, REAL_NORMAL_TO_SHEAR, REAL_SHEAR_TO_SHEAR = 2.19, 0.45, 0.63  # N/mm
 REAL_RESIDUAL, REAL_MATRIX_RESIDUAL = 35.0, 12.0  # %
 REAL_NORMAL_SCATTER, REAL_TANGENTIAL_SCATTER = 20.0, 23.0  # %
@@ -42,12 +44,12 @@ SETUP = ("Real: a PapillArray of version 2.1 on a finger, 1,635 shuffled snapsho
 
 @dataclass
 class Axes:
-    """How the forces of a device follow from its displacements, for the pillars that are loaded often enough.
+    """Relation between forces and displacements of a device, for the sufficiently loaded pillars.
 
     Attributes:
         stiffness: [p, 3, 3] N/mm, row: axis of the force; least squares without a constant
-        residual: [p] rms of FZ less one stiffness times DZ, over the rms of FZ
-        matrix_residual: [p] the same of all three displacements
+        residual: [p] rms of FZ minus one stiffness times DZ, divided by the rms of FZ
+        matrix_residual: [p] likewise, with all three displacements
     """
 
     stiffness: Floats
@@ -56,17 +58,17 @@ class Axes:
 
 
 def axes_of(force: Floats, displacement: Floats) -> Axes:
-    """Fits force to displacement over the snapshots in which a pillar's contact flag is set.
+    """Fits force to displacement over the snapshots with a pillar's contact flag.
 
     Args:
         force: [n, pillars, 3] N
         displacement: [n, pillars, 3] mm
 
     Returns:
-        the fits, of pillars with at least LEAST_SNAPSHOTS such snapshots
+        the fits for pillars with at least LEAST_SNAPSHOTS such snapshots
 
     Raises:
-        InputError: where there is no such pillar
+        InputError: there is no such pillar
     """
     stiffness, residual, matrix_residual = list[Floats](), list[float](), list[float]()
     for pillar in range(force.shape[1]):
@@ -89,11 +91,12 @@ def summary_of(axes: Axes) -> Floats:
     """The seven figures of a device, in the order of the constants REAL_*.
 
     Args:
-        axes: the fits of a device
+        axes: fits of a device
 
     Returns:
-        [7] rms coupling shear to normal, normal to shear, shear to shear [N/mm]; median residual of FZ by one stiffness and by a matrix [%]; scatter of
-        normal and tangential stiffness over the pillars, the latter rms of X and Y [%]
+        [7] rms coupling shear to normal, normal to shear, shear to shear [N/mm]; median residual of
+        FZ with one stiffness and with a matrix [%]; scatter of normal and tangential stiffness over
+        the pillars, the latter as rms of X and Y [%]
     """
     k = axes.stiffness
 
@@ -133,13 +136,15 @@ def device_summaries(options: Options) -> Floats:
 
 
 def vibration_amplitude(options: Options) -> float:
-    """What the filter leaves of a shear of VIBRATION, read at 1 kHz: strokes of 10 um that stick, 8 mm/s to and fro.
+    """Transmission of the filter for a shear of VIBRATION, sampled at 1 kHz: sticking strokes of 10
+    um, 8 mm/s back and forth.
 
     Args:
         options: jobs
 
     Returns:
-        amplitude read over that of the force, whose triangle of +-5 um has 8/pi^2 of it in its fundamental
+        measured amplitude divided by that of the force; a triangle of +-5 um has 8/pi^2 of its
+        amplitude in the fundamental
 
     Raises:
         InputError: of the trial
@@ -149,22 +154,22 @@ def vibration_amplitude(options: Options) -> float:
                "motion": f"{{kind: stage, compression: 1 mm, start: {start} s, speed: {2.0 * travel * VIBRATION} mm/s, travel: {travel} mm, strokes: 100, "
                          "acceleration: inf}"}
     [[(force, _)]] = run_grid([Cell("vibration", "scenes/papillarray/stage.yaml", changes)], replace(options, jobs=1), _readings)
-    shear = force[int(1e3 * start) + 10:int(1e3 * start) + 110, CENTRE, 0]  # 0.1 s: 40 periods, once the start has died away
+    shear = force[int(1e3 * start) + 10:int(1e3 * start) + 110, CENTRE, 0]  # 0.1 s: 40 periods, after the transient
     at = np.exp(-2j * np.pi * VIBRATION * 1e-3 * np.arange(len(shear)))
     read = 2.0 * abs(np.mean(at * (shear - shear.mean())))
     return float(read / (8.0 / np.pi**2 * TANGENTIAL_STIFFNESS * 0.5 * travel))
 
 
 def half_time(after: Sequence[float], read: Sequence[float], level: float) -> float:
-    """When a rising signal is at half of its level.
+    """Time at which a rising signal reaches half of its level.
 
     Args:
         after: times after the step, in any order
-        read: the values there
-        level: the end of the step
+        read: values at these times
+        level: final level of the step
 
     Returns:
-        the time, straight between the two nearest samples
+        the time, interpolated linearly between the two nearest samples
     """
     order = np.argsort(after)
     t, y = np.array(after)[order], np.array(read)[order]
@@ -173,7 +178,8 @@ def half_time(after: Sequence[float], read: Sequence[float], level: float) -> fl
 
 
 def step_half(options: Options) -> float:
-    """When a step of normal force is at half, read at 1 kHz: ten presses of 0.2 mm at 10 m/s, each 0.1 ms later, seen together.
+    """Time at which a step of normal force is at half, sampled at 1 kHz: ten presses of 0.2 mm at
+    10 m/s, each 0.1 ms later, combined.
 
     Args:
         options: jobs
@@ -201,7 +207,8 @@ def step_half(options: Options) -> float:
 
 
 def figures(options: Options) -> list[RealFigure]:
-    """Coupling between the axes of a PapillArray's pillars, scatter of their stiffness, and the filter before its converter.
+    """Coupling between the axes of a PapillArray's pillars, scatter of their stiffness, and the
+    filter before its converter, with ours.
 
     Args:
         options: seed of the first device (default: 1), jobs
