@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Runs a command as a newcomer's machine would: in a bare Debian, with nothing installed but apt and certificates, in a fresh clone of this tree's
-# HEAD. `./slipbench demo` there shows what packages.txt lacks, which no machine shows on which something was ever installed.
+# Runs a command as on a new machine: a bare Debian with only apt and certificates, in a fresh clone
+# of HEAD. With `./slipbench demo`, it shows which packages packages.txt lacks.
 #   tools/setup/bare_debian.sh [-r bookworm|trixie] [-d FOLDER] COMMAND...
-# -r: the release; default bookworm, Debian 12. -d: keeps the system and the clone in FOLDER, for further commands; without it both go at the end.
-# Needs root and Debian's mmdebstrap; exits with 3 where no such system can be made. The system is a chroot of 150 MB, made in 20 s.
+# -r: release; default bookworm, Debian 12. -d: keeps system and clone in FOLDER; default: deletes both.
+# Needs root and Debian's mmdebstrap; exits with 3 if no such system can be created. The system is a
+# chroot of 150 MB, created in 20 s.
 set -euo pipefail
 
 usage() { printf 'slipbench: %s\n' "$1" >&2; sed -n '2,7s/^# \{0,1\}//p' "$0" >&2; exit 2; }
@@ -36,20 +37,21 @@ base=$(realpath "$base")
 root=$base/root
 [[ ! -e $root || -e $root/tree ]] || usage "-d $folder: $root is there and is no system of this script; allowed: another folder"
 [[ ! -e $root ]] || grep -q "^VERSION_CODENAME=$release$" "$root/etc/os-release" || usage "-r $release: $root is of another release"
-# In a mount namespace of its own: what is mounted goes with this process, however it ends, before anything is removed.
+# Uses a separate mount namespace: the mounts disappear with this process, however it ends, before
+# the files are removed.
 if [[ -z ${SLIPBENCH_BARE_DEBIAN:-} ]]; then
   [[ -n $folder ]] || trap 'rm -rf --one-file-system "$base"' EXIT
   SLIPBENCH_BARE_DEBIAN=1 unshare --mount --propagation private "${BASH_SOURCE[0]}" -r "$release" -d "$base" "$@"
   exit
 fi
 
-# This machine's mirror, proxies and certificates: how packages are reached is no part of what is tried.
+# Copies this machine's mirror, proxies and certificates: access to packages is not under test.
 if [[ ! -e $root ]]; then
   made=$root
   root=$base/root.part
   rm -rf --one-file-system "$root"
   mkdir "$root"
-  # shellcheck disable=SC2016  # apt-get's own words
+  # shellcheck disable=SC2016  # apt-get expands it
   mirror=$(apt-get indextargets --format '$(REPO_URI)' 2>/dev/null | grep -m 1 '/debian/*$' || echo http://deb.debian.org/debian)
   mmdebstrap --quiet --variant=apt --include=ca-certificates "$release" "$root" \
     "deb [signed-by=$keyring] $mirror $release main" "deb [signed-by=$keyring] $mirror $release-updates main" \
@@ -65,13 +67,13 @@ if [[ ! -e $root ]]; then
   mv "$root" "$made"
   root=$made
 fi
-mount --bind "$root" "$root"  # a mount of its own, as unshare asks of a root: a system can be made inside of this one, too
+mount --bind "$root" "$root"  # unshare requires its root to be a mount point: allows a system inside this one
 mount -t proc proc "$root/proc"
 mount --rbind /sys "$root/sys"
 mount --rbind /dev "$root/dev"
 settings=()
 while IFS= read -r -d '' pair; do settings+=("$pair"); done \
   < <(env -0 | grep -zE '^(CI|SLIPBENCH_UNTIL|PIP_[A-Z_]*|SSL_CERT_[A-Z]*|REQUESTS_CA_BUNDLE|(https?|no)_proxy|(HTTPS?|NO)_PROXY)=' || true)
-# shellcheck disable=SC2016  # the words are expanded in there
+# shellcheck disable=SC2016  # expanded by the shell in the chroot
 chroot "$root" /usr/bin/env -i "${settings[@]}" HOME=/root TERM="${TERM:-dumb}" LANG=C.UTF-8 \
   PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin sh -c 'cd /tree && exec "$@"' sh "$@"

@@ -1,18 +1,19 @@
 # shellcheck shell=bash
-# How the launcher tells what it does: sourced by it. Everything goes to stderr.
+# Progress of the launcher, which sources this file. Everything goes to stderr.
 #
-# A terminal shows one line that is written over: step k of n, what is done, for how long, what the command said last. A log gets a plain line
-# at a step's begin, one at least every five seconds while it lasts, and one at its end. A step of less than a second says nothing.
+# A terminal shows one line that is overwritten: step k of n, its name, its duration, the last line
+# of output. A log gets a line at most every five seconds and one at the end of the step. A step
+# shorter than a second prints nothing.
 
 step=0
 steps=0
 
 say() { printf 'slipbench: %s\n' "$*" >&2; }
 
-# A number of seconds as people write it.
+# Formats seconds as "12 s" or "2 min 05 s".
 lasting() { if (($1 < 60)); then printf '%d s' "$1"; else printf '%d min %02d s' "$(($1 / 60))" "$(($1 % 60))"; fi; }
 
-# The line of the step at hand: show_step WHAT [LAST WORDS]
+# show_step WHAT [LAST LINE]: prints the line of the current step.
 show_step() {
   local line="slipbench: step $step of $steps: $1${2:+: $2}"
   if [[ -t 2 ]]; then
@@ -22,14 +23,15 @@ show_step() {
   fi
 }
 
-# Announces a step whose command speaks for itself.
+# Announces a step whose command prints its own progress.
 next_step() {
   ((++step))
   say "step $step of $steps: $1"
 }
 
-# run_step WHAT LOG COMMAND...: runs a command, with its output in LOG and its last line in the progress. What our own scripts say in it
-# ("slipbench: ...") is shown whole. Exits with 2 and the end of the log when it fails.
+# run_step WHAT LOG COMMAND...: runs a command, with its output in LOG and its last line in the
+# progress. Also prints lines of our own scripts ("slipbench: ..."). If the command fails, prints
+# the end of the log and exits with 2.
 run_step() {
   local what=$1 log=$2 started=$SECONDS shown=-1 status=1 line rest="" last="" fd
   shift 2
@@ -51,7 +53,7 @@ run_step() {
         printf '%s\n' "$line" >&2
       fi
     elif (($? > 128)); then
-      rest+=$line  # a part of a line, of a command that has not come to its end yet
+      rest+=$line  # an incomplete line of a running command
     else
       break
     fi
@@ -71,7 +73,8 @@ run_step() {
   ((shown < 0)) || { show_step "$what" "done in $(lasting "$((SECONDS - started))")"; [[ ! -t 2 ]] || printf '\n' >&2; }
 }
 
-# with_heartbeat COMMAND...: its output as it is, and a line where it says nothing for eight seconds. Its exit status is the command's.
+# with_heartbeat COMMAND...: passes its output on, and reports each eight seconds without output.
+# Returns the status of the command.
 with_heartbeat() {
   local started=$SECONDS line rest=""
   "$@" | while :; do

@@ -1,10 +1,15 @@
 #!/usr/bin/env bash
-# Installs what the project needs: setup.sh SET..., where a SET is `build`, `test` or `all` (Debian packages of packages.txt), `python` or
-# `test-python` (PyPI packages of requirements.txt and requirements-test.txt, into the virtual environment build/venv: wheels whose SHA-256 stands
-# there, and nothing else), `mujoco` (the earlier release of requirements-mujoco.txt, into build/mujoco/VERSION, for which the plugin is built, too)
-# or `wheel` (requirements-wheel.txt, into build/wheel/tools). Does nothing where all is there; touches build/installed where it installed something,
-# so that the launcher configures anew.
-# setup.sh rights SET...: installs nothing; where Debian packages are missing, lets sudo ask for its password, or says what root is to run.
+# Installs the dependencies: setup.sh SET... Sets:
+# - `build`, `test`, `all`: Debian packages of packages.txt
+# - `python`, `test-python`: PyPI packages of requirements.txt and requirements-test.txt, into the
+#   virtual environment build/venv: only wheels with the SHA-256 given there
+# - `mujoco`: the earlier release in requirements-mujoco.txt, for the plugin, into
+#   build/mujoco/VERSION
+# - `wheel`: requirements-wheel.txt, into build/wheel/tools
+# Does nothing if all is installed. After an installation other than `wheel`, touches
+# build/installed so that the launcher configures again.
+# setup.sh rights SET...: installs nothing; if Debian packages are missing, sudo asks for its
+# password, or the commands for root are printed.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -13,12 +18,12 @@ venv=$root/build/venv
 
 say() { printf 'slipbench: %s\n' "$*" >&2; }
 
-# The release of Debian, such as 12.
+# Prints the release of Debian, such as 12.
 release() { sed -n 's/^VERSION_ID="\{0,1\}\([^"]*\).*/\1/p' /etc/os-release; }
 
 packages_of() { awk -v set="$1" -v here="$1@$(release)" '$1 == set || $1 == here { print $2 }' "$here/packages.txt"; }
 
-# The packages of a set that are not installed, on one line.
+# Prints the packages of a set that are not installed, on one line.
 missing_of() {
   local -a wanted
   mapfile -t wanted < <(packages_of "$1")
@@ -34,7 +39,8 @@ check_debian() {
   exit 2
 }
 
-# check_rights PACKAGES: whether they could be installed. sudo asks now for a password that it needs.
+# check_rights PACKAGES: exits with 2 if they cannot be installed. If sudo needs a password, it asks
+# now.
 check_rights() {
   [[ -n $1 && $(id -u) != 0 ]] || return 0
   if ! command -v sudo >/dev/null || ! { sudo -n true || : >/dev/tty; } 2>/dev/null; then
@@ -63,11 +69,13 @@ install_debian() {
   touch "$root/build/installed"
 }
 
-# has_installed FILE: whether build/venv holds what FILE asks for. The stamp is its hash, written last, so a half-made one does not count.
+# has_installed FILE: true if build/venv contains the packages of FILE. The stamp is the hash of
+# FILE, written last, so that an interrupted installation does not count.
 stamp_of() { printf '%s/%s.stamp' "$venv" "$(basename "$1" .txt)"; }
 has_installed() { [[ -x $venv/bin/python && -f $(stamp_of "$1") && $(<"$(stamp_of "$1")") == "$(sha256sum <"$1")" ]]; }
 
-# PyTorch is Debian's. Its folder comes last on the path of build/venv, so that all else is the environment's own.
+# PyTorch comes from Debian. Debian's folder is last on the path of build/venv, so that packages of
+# the environment have priority.
 see_debian() {
   local folder
   for folder in "$venv"/lib/python3*/site-packages; do
@@ -78,7 +86,7 @@ see_debian() {
 # install_python FILE
 install_python() {
   ! has_installed "$1" || return 0
-  # Another version of what the program is built with means another environment.
+  # If a package that the program is built with changes, the environment is created anew.
   [[ $1 != */requirements.txt && -x $venv/bin/python ]] || python3 -m venv --clear "$venv"
   say "installing into build/venv: $(sed -n 's/^\([^# ]*==[^ ]*\).*/\1/p' "$1" | tr '\n' ' ')"
   "$venv/bin/pip" install --disable-pip-version-check --progress-bar off --require-hashes --only-binary :all: --requirement "$1"
@@ -88,7 +96,7 @@ install_python() {
   touch "$root/build/installed"
 }
 
-# The earlier release of MuJoCo: into a folder of its own, since an environment holds one.
+# Uses a separate folder for the earlier release of MuJoCo: an environment holds only one release.
 install_mujoco() {
   local listing=$here/requirements-mujoco.txt version
   version=$(sed -n 's/^mujoco==\([^ ]*\).*/\1/p' "$listing")
@@ -104,7 +112,7 @@ install_mujoco() {
   touch "$root/build/installed"
 }
 
-# What tools/python/build_wheels.py needs, into build/wheel/tools: no part of the environment that tests run in.
+# Installs the tools of tools/python/build_wheels.py outside of the environment of the tests.
 install_wheel_tools() {
   [[ ! -d $root/build/wheel/tools ]] || return 0
   say "installing into build/wheel/tools: $(sed -n 's/^\([^# ]*==[^ ]*\).*/\1/p' "$here/requirements-wheel.txt" | tr '\n' ' ')"
