@@ -1,7 +1,8 @@
-# Files as bytes inside the program, so that the installed one needs none beside it.
+# Embeds files as bytes in the program, so that an installation needs no other files.
 # include(tools/base/page/embed.cmake)
 # slipbench_embed(generated NAMESPACE slipbench::cost HEADER tools/program/cost/explore.h FILES a.js b.css)
-# sets `generated` to a C++ source that defines NAMESPACE::assets(), which HEADER declares, with the files in this order.
+# sets `generated` to a C++ source that defines NAMESPACE::assets(), which HEADER declares, with the
+# files in this order.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
   set(SLIPBENCH_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_FILE} CACHE INTERNAL "")
   function(slipbench_embed variable)
@@ -10,7 +11,7 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
     foreach(file IN LISTS ARG_FILES)
       get_filename_component(path ${file} ABSOLUTE)
       list(APPEND files ${path})
-      if(path MATCHES "[.]min[.](js|css)$")  # the name of others' files
+      if(path MATCHES "[.]min[.](js|css)$")  # third-party files
         set_property(GLOBAL APPEND PROPERTY SLIPBENCH_FOREIGN_FILES ${path})  # for NOTICE.md
       endif()
     endforeach()
@@ -20,7 +21,7 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
         -P ${SLIPBENCH_EMBED_SCRIPT}
       DEPENDS ${files} ${SLIPBENCH_EMBED_SCRIPT}
       COMMENT "Embedding the files of ${ARG_HEADER}" VERBATIM)
-    # The preset `lint` builds nothing, so its unity sources must not need what is generated.
+    # The preset `lint` builds nothing, so its unity sources must not include generated files.
     set_source_files_properties(${output} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
     set(${variable} ${output} PARENT_SCOPE)
   endfunction()
